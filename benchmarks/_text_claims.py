@@ -29,7 +29,7 @@ from oodscen import (
 from oodscen._seeding import stream
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.claims import check_claims
-from oodscen.claims._checking import judge_claims
+from oodscen.claims._checking import mismatches
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.driving._trace import Trace
@@ -79,7 +79,7 @@ def rows(llm: str = "builtin", seed: int = 0) -> Iterator[Row]:
     states = Counter(
         finding.status
         for one in staged
-        for finding in judge_claims(one.claims, one.scene, catalogue)
+        for finding in check_claims(one.claims, one.scene, catalogue)
     )
     judged = sum(states.values())
     share = (judged - states["fails"]) / max(judged, 1)
@@ -96,7 +96,7 @@ def rows(llm: str = "builtin", seed: int = 0) -> Iterator[Row]:
     for one in staged[:: max(1, len(staged) // PLAYED)][:PLAYED]:
         played += len(one.claims)
         missed = [
-            {finding.claim for finding in check_claims(one.claims, one.scene, catalogue, trace)}
+            {one.claim for one in mismatches(check_claims(one.claims, one.scene, catalogue, trace))}
             for trace in _played(one.scene, simulator)
         ]
         wrong += len(set.intersection(*missed))
@@ -166,7 +166,7 @@ def _falsified(
     caught: Counter[str] = Counter()
     for name, one, mutant in _drawn(pools, seed):
         made[name] += 1
-        found = check_claims(one.claims, mutant, catalogue)
+        found = mismatches(check_claims(one.claims, mutant, catalogue))
         caught[name] += bool(found)
         if not found:
             told = [str(claim) for claim in one.claims]

@@ -7,7 +7,7 @@ from oodscen._doctor import examine_knowledge
 from oodscen._registry import make_catalogue
 from oodscen.data._additions import extended
 from oodscen.data._catalogue import Catalogue
-from oodscen.stages._prune.pruner import PruneDecision, all_decisions, pruned
+from oodscen.stages._prune.decisions import PruneDecision, all_decisions, pruned
 from oodscen.stages._prune.restoration import Unlocked, restoration
 from oodscen.stages._prune.side_by_side import compare
 

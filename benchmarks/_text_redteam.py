@@ -23,7 +23,7 @@ from oodscen import RedTeamer, TreeGrower, make_encoder, make_llm
 from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._imagining import Habits, Imagination
-from oodscen.encoders import CachedEncoder
+from oodscen.encoders._cached import CachedEncoder
 from oodscen.encoders._check import encode
 from oodscen.errors import LLMError
 from oodscen.llm._ask import ask

@@ -27,7 +27,7 @@ from oodscen.errors import BudgetExceeded
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._items import CAUTIOUS
 from oodscen.judging._safety import safety_figures
-from oodscen.llm._remote.limits import Caps, Limits
+from oodscen.llm._remote.limits import Limits
 from oodscen.stages._drive import RuleBasedDriver, drive
 from oodscen.testing import AnsweringServer
 
@@ -133,7 +133,7 @@ def served(folder: Path, items: int) -> list[Row]:
         config = Study.open(out).config.model_copy(update={"vlms": ("served",)})
         with AnsweringServer(ConstantAnswerer("stop")) as server:
             model = server.client("gpt-4o")
-            capped = server.client("gpt-4o", limits=Limits(Caps(requests=3 * items)))
+            capped = server.client("gpt-4o", limits=Limits(requests=3 * items))
             with suppress(BudgetExceeded):
                 run_study(out, config, models={"served": capped})
             before = len(server.received)

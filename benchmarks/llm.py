@@ -28,10 +28,10 @@ from oodscen._concurrency import as_finished  # noqa: E402
 from oodscen.driving import check_scene  # noqa: E402
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError  # noqa: E402
 from oodscen.llm._ask import ask  # noqa: E402
-from oodscen.llm._remote.limits import Caps, Limits  # noqa: E402
+from oodscen.llm._remote.limits import Limits  # noqa: E402
 from oodscen.llm._remote.litellm import LiteLLM, load_litellm, wire_message  # noqa: E402
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario  # noqa: E402
-from oodscen.testing import AnsweringServer, FunctionLLM  # noqa: E402
+from oodscen.testing import AnsweringServer, ScriptedLLM  # noqa: E402
 
 PARTS = ("throughput", "caps", "dead", "faults", "kills")
 SERVED = Path(__file__).with_name("_served.py")
@@ -112,8 +112,8 @@ def caps() -> list[Row]:
     """Count at the server how many requests a cap lets through."""
     worst = 0
     for limit in (1, 33, 100):
-        limits = Limits(Caps(requests=limit), concurrency=THREADS, patience_s=None)
-        author = FunctionLLM(lambda asked: {"text": f"A sofa. ({asked.sample})"})
+        limits = Limits(requests=limit, concurrency=THREADS, patience_s=None)
+        author = ScriptedLLM(lambda asked: {"text": f"A sofa. ({asked.sample})"})
         faults = lambda index, asked: "http500" if index % 4 == 0 else None  # noqa: E731
         with AnsweringServer(author, faults=faults) as server:
             llm = server.client("m", limits=limits)

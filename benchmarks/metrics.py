@@ -22,7 +22,7 @@ import numpy as np
 from tqdm import tqdm
 
 from oodscen import Metrics
-from oodscen.baselines import load_controls, load_off_topic
+from oodscen.baselines import load_controls
 from oodscen.baselines._embedded import open_embeddings
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.encoders._minilm import MiniLM
@@ -298,7 +298,7 @@ def controls() -> list[Row]:
 def guard() -> list[Row]:
     """Check that held-out off-topic texts are flagged, and none of the OOD sets."""
     metrics = Metrics()
-    texts = (*load_off_topic("frozen"), *load_off_topic("blind"))
+    texts = (*load_controls("frozen", off_topic=True), *load_controls("blind", off_topic=True))
     flagged = set(metrics.off_topic([text.text for text in texts]).flagged)
     rows = []
     for kind, least in (("off-topic", 0.98), ("near-miss", 0.90)):

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from _falsified_scenes import Told, falsified
 
 from oodscen import Augmenter, Scenario, make_encoder, make_simulator
-from oodscen.claims import check_claims
+from oodscen.claims._checking import check_claims, mismatches
 from oodscen.claims._matching import likeness_of
 from oodscen.data._claim import Claim
 from oodscen.errors import AnswerError
@@ -32,9 +32,10 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.describe_path import DescribePath
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
-from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._tree.judge_branch import JudgeBranches
 from oodscen.stages._augment import scene_of_draft
-from oodscen.testing import FunctionLLM
+from oodscen.stages._prune.pruner import TOGETHER
+from oodscen.testing import ScriptedLLM
 
 ANSWERS = Path(__file__).with_name("strong_model.jsonl")
 SCENES = 200
@@ -112,7 +113,7 @@ def accepted(
 def rows(scenes: int) -> Iterator[Row]:
     catalogue = make_simulator("pybullet").catalogue()
     encoder = make_encoder("minilm")
-    augmenter = Augmenter(FunctionLLM(lambda request: ""), catalogue, encoder=encoder)
+    augmenter = Augmenter(ScriptedLLM(lambda request: ""), catalogue, encoder=encoder)
     judged = list(accepted(augmenter, recorded()))
     right = [(one, told, why) for one, told, why in judged if not one["fault"]]
     wrong = [(one, told, why) for one, told, why in judged if one["fault"]]
@@ -131,7 +132,7 @@ def rows(scenes: int) -> Iterator[Row]:
     caught: Counter[str] = Counter()
     for one in falsified(told, catalogue, scenes):
         made[one.change] += 1
-        found = check_claims(one.told.claims, one.scene, catalogue, likeness=likeness)
+        found = mismatches(check_claims(one.told.claims, one.scene, catalogue, likeness=likeness))
         is_named = any(mismatch.claim.kind in one.kinds for mismatch in found)
         caught[one.change] += is_named
         if not is_named:
@@ -153,7 +154,7 @@ def _tokens(digest: CatalogueDigest, repairs: float) -> Iterator[Row]:
     path, text = tuple(every[0]["path"]), every[0]["text"]
     claims = tuple(Claim.parse(claim) for claim in every[0]["claims"])
     questions: Mapping[str, Prompt[Any]] = {
-        "judge": JudgeBranch(path=path, catalogue=digest),
+        "judge": JudgeBranches(paths=(path,) * TOGETHER, catalogue=digest),
         "describe": DescribePath(path=path, count=PER_PATH, catalogue=digest),
         "read": ExtractClaims(text=text),
         "stage": StageScene(
@@ -169,8 +170,13 @@ def _tokens(digest: CatalogueDigest, repairs: float) -> Iterator[Row]:
         yield row(f"catalogue now, to {name}", round(size), "tokens", "printed", None)
     texts = PATHS * PER_PATH
     staged = texts * (1 + repairs)
-    calls = {"judge": LEAVES, "describe": PATHS, "read": texts, "stage": staged}
-    answers = {"judge": JUDGED, "describe": PER_PATH * WRITTEN, "read": READ, "stage": STAGED}
+    calls = {"judge": LEAVES / TOGETHER, "describe": PATHS, "read": texts, "stage": staged}
+    answers = {
+        "judge": TOGETHER * JUDGED,
+        "describe": PER_PATH * WRITTEN,
+        "read": READ,
+        "stage": STAGED,
+    }
     costs = [
         Cost(calls[name], _size(question.instructions()), _size(question.question()), answers[name])
         for name, question in questions.items()

@@ -43,7 +43,7 @@ MODULES = {
     "oodscen/driving/_surrogate_safety.py": ("tests/driving/test_surrogate_safety.py",),
     "oodscen/statistics/_resampling.py": (
         "tests/statistics/test_resampling.py",
-        "tests/statistics/test_tests.py",
+        "tests/statistics/test_significance.py",
     ),
     "oodscen/statistics/_intervals.py": ("tests/statistics/test_intervals.py",),
     "oodscen/metrics/_oodness.py": ("tests/metrics/test_oodness.py",),

@@ -29,7 +29,7 @@ from oodscen._pipeline import run_study
 from oodscen.errors import OodscenError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.study._study import TABLES, TREES
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 
 ORDINARY = "A car waits at a red light.\nA bus stops at its stop.\nThe road is dry and clear.\n"
 OPTIONS = "--quick --simulator flat --encoder hash --max-paths 1 --iterations 2 --workers 1 --protocol paper"
@@ -38,7 +38,7 @@ Row = dict[str, object]
 Files = dict[str, tuple[bytes, int]]
 
 
-class Answerer(FunctionLLM):
+class Answerer(ScriptedLLM):
     """A model that always stops, recorded like a third-party model."""
 
     def __init__(self) -> None:
@@ -121,8 +121,8 @@ READERS: dict[str, tuple[str, ...]] = {
     "tree export": ("tree", "export", "OUT", "--format", "html"),
     "tree replay": ("tree", "replay", "OUT"),
     "score": ("score", "OUT/scenarios.jsonl", "--encoder", "hash", "--baseline", "ORDINARY"),
-    "faithful": (
-        *("faithful", "OUT/scenes.jsonl", "--scenarios", "OUT/scenarios.jsonl"),
+    "check-claims": (
+        *("check-claims", "OUT/scenes.jsonl", "--scenarios", "OUT/scenarios.jsonl"),
         *("--simulator", "flat"),
     ),
     "run --dry-run": ("run", "OUT", *OPTIONS.split(), "--baseline", "ORDINARY", "--dry-run"),

@@ -22,7 +22,7 @@ from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet._meshes import asset_ids, asset_mesh, paints_of
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.bullet_camera import BulletStage
-from oodscen_pybullet._rendering.picture import RawPicture, develop
+from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.stage import Pose, Shot, Stage
 from oodscen_pybullet._rendering.view import CameraView
@@ -30,7 +30,9 @@ from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._simulator import DARK
 
 from oodscen.data._scene import Weather
-from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.protocols import Camera
 
 CAMERA = Camera(width=640, height=480)
@@ -89,14 +91,14 @@ class Set:
 
     def shoot(self, stage: Stage, light: Light, *, has_shadows: bool = False) -> Shot:
         """Take the raw picture."""
-        return stage.photograph(
+        return stage.render(
             CameraView.of(CAMERA, self.poses[0]),
             light,
             ground=self.poses[0][2] if has_shadows else None,
         )
 
-    def develop(self, stage: Stage, weather: Weather, light: Light) -> None:
-        """Take the fully developed picture."""
+    def finish(self, stage: Stage, weather: Weather, light: Light) -> None:
+        """Take the fully postprocessed picture."""
         glows = [
             Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True)
             for head in self.scenery.lamps
@@ -111,7 +113,7 @@ class Set:
             seed=1,
             road_height=self.poses[0][2],
         )
-        develop(picture)
+        postprocessed(picture)
 
 
 def turn_about(ours: Callable[[], object], theirs: Callable[[], object]) -> float:
@@ -144,7 +146,7 @@ def speeds() -> list[Row]:
         plain.append(turn_about(lambda: shoot(quick, light), lambda: shoot(bare, light)))  # noqa: B023
         whole.append(turn_about(lambda: shoot(fine, light), lambda: shoot(bare, light)))  # noqa: B023
         ready.append(
-            turn_about(lambda: one.develop(fine, weather, light), lambda: shoot(shaded, light))  # noqa: B023
+            turn_about(lambda: one.finish(fine, weather, light), lambda: shoot(shaded, light))  # noqa: B023
         )
         for stage in (quick, fine, bare, shaded):
             stage.close()
@@ -165,7 +167,7 @@ def speeds() -> list[Row]:
 
 
 def weathers() -> list[Row]:
-    """Measure a fully developed frame in several kinds of weather, on the first map."""
+    """Measure a fully postprocessed frame in several kinds of weather, on the first map."""
     one, stage = Set(0, 1), Rasteriser()
     one.dress(stage)
     kinds = {
@@ -178,11 +180,11 @@ def weathers() -> list[Row]:
     rows = []
     for name, weather in kinds.items():
         light = Light.of(weather, one.corridor.heading(one.corridor.start), is_snowy=False)
-        one.develop(stage, weather, light)
+        one.finish(stage, weather, light)
         times = []
         for _ in range(ROUNDS):
             start = time.process_time()
-            one.develop(stage, weather, light)
+            one.finish(stage, weather, light)
             times.append(time.process_time() - start)
         rows.append(row(f"frame with everything on, {name}", 1e3 * median(times), "ms", None))
     return rows

@@ -28,7 +28,7 @@ from oodscen._registry import DEFAULT_LLM, make_encoder
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.baselines import load_baseline
-from oodscen.encoders import CachedEncoder
+from oodscen.encoders._cached import CachedEncoder
 from oodscen.errors import AnswerError
 from oodscen.metrics._vectors.similarity import unit
 from oodscen.prompts._scenario.describe_path import STYLES, plain

@@ -34,7 +34,7 @@ Operation = Callable[[ScenarioTree], object]
 
 def broad(size: int) -> ScenarioTree:
     """Grow families of a hundred leaves, one edit at a time, each with its own id."""
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     family = ""
     for number in range(size - 3):
         is_family = number % 101 == 0
@@ -68,7 +68,7 @@ OPERATIONS: dict[str, Operation] = {
     "provenance": lambda tree: fresh(tree).provenance(middle(tree)),
     "diff with itself": lambda tree: diff(tree, fresh(tree), encoder=HashEncoder()),
     "merge with itself": lambda tree: merge(tree, fresh(tree)).nodes,
-    "merge with another": lambda tree: merge(ScenarioTree.planted(), tree).nodes,
+    "merge with another": lambda tree: merge(ScenarioTree.initial(), tree).nodes,
     "coverage": lambda tree: coverage(fresh(tree)),
     "Mermaid": lambda tree: to_mermaid(fresh(tree)),
     "Graphviz": lambda tree: to_dot(fresh(tree)),

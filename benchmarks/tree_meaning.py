@@ -23,11 +23,11 @@ from oodscen import make_encoder
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.author._knowledge.base import HazardKind
 from oodscen.author._knowledge.loading import load_knowledge
-from oodscen.encoders import CachedEncoder
+from oodscen.encoders._cached import CachedEncoder
 from oodscen.protocols import Encoder
 from oodscen.tree._labels import label_fault, same_words
-from oodscen.tree._matching import match
-from oodscen.tree._scenario_tree import THRESHOLD, ScenarioTree, TreeEdit
+from oodscen.tree._matching import THRESHOLD, match
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 LEAST = 0.95
 """Least precision: a wrong pair cannot be recovered."""
@@ -38,7 +38,7 @@ Row = dict[str, object]
 
 def planted(leaves: Sequence[tuple[HazardKind, str]]) -> ScenarioTree:
     """Plant texts below the class and family of their hazards, with uninformative ids."""
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     families: dict[tuple[str, str], str] = {}
     for hazard, label in leaves:
         key = hazard.class_name, hazard.family

@@ -1,7 +1,7 @@
 """Runs a custom driver in closed loop beside the shipped one, in a scene and its ordinary twin."""
 
 from oodscen import drive, make_simulator
-from oodscen.driving import Cruise, action_driver
+from oodscen.driving import action_driver
 from oodscen.stages import RuleBasedDriver
 from oodscen.testing import example_scene
 
@@ -10,12 +10,13 @@ class Watchful:
     """A driving stack: `look` is its perception, `act` its control."""
 
     def __init__(self) -> None:
-        self.driver = Cruise()
+        self.driver = action_driver("keep_speed")
+        self.brakes = False
 
     def look(self, state):
         """Brake for good when the gap ahead becomes small."""
-        if isinstance(self.driver, Cruise) and state.gaps[1:].min(initial=float("inf")) < 15.0:
-            self.driver = action_driver("emergency_brake")
+        if not self.brakes and state.gaps[1:].min(initial=float("inf")) < 15.0:
+            self.driver, self.brakes = action_driver("emergency_brake"), True
 
     def act(self, observation):
         """Return the control for the next step."""
@@ -25,8 +26,13 @@ class Watchful:
 def main() -> None:
     """Drive the example scene with three stacks."""
     with make_simulator("flat") as simulator:
-        for stack in (Cruise, Watchful, RuleBasedDriver):
-            for result in drive([example_scene()], stack, simulator):
+        stacks = {
+            "Blind": lambda: action_driver("keep_speed"),
+            "Watchful": Watchful,
+            "RuleBased": RuleBasedDriver,
+        }
+        for name, stack in stacks.items():
+            for result in drive([example_scene()], stack, simulator, name=name):
                 end = f"touches {result.collisions[0]}" if result.collisions else "passes"
                 print(f"{result.id:32} {end}, braking at most {result.peak_deceleration} m/s^2")
 

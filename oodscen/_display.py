@@ -145,15 +145,18 @@ def png(pixels: Any) -> bytes | None:
     """Return a picture as PNG.
 
     Args:
-        pixels: [height, width, 3] uint8, red first.
+        pixels: [height, width, 3] uint8, red first, or [height, width] uint8 or uint16.
 
     Returns:
         `None` for any other array, and where OpenCV is not installed.
     """
-    if str(pixels.dtype) != "uint8" or pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
+    is_colour = pixels.ndim == 3 and pixels.shape[2] == 3 and str(pixels.dtype) == "uint8"
+    is_grey = pixels.ndim == 2 and str(pixels.dtype) in ("uint8", "uint16")
+    if not (is_colour or is_grey) or not pixels.size:
         return None
     try:
         import cv2
     except ImportError:
         return None
-    return bytes(cv2.imencode(".png", pixels[..., ::-1].copy())[1].tobytes())
+    image = pixels[..., ::-1].copy() if is_colour else pixels
+    return bytes(cv2.imencode(".png", image)[1].tobytes())

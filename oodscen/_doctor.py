@@ -190,7 +190,7 @@ def _tried(what: str, check: Callable[[], str]) -> CheckResult:
 
 
 def _author() -> str:
-    from oodscen.author import load_knowledge
+    from oodscen.author._knowledge.loading import load_knowledge
     from oodscen.author._knowledge.validation import validate_knowledge
 
     issues = validate_knowledge()

@@ -1,5 +1,6 @@
 """File access: size-limited reading, atomic replacement, and names confined to a folder."""
 
+import errno
 import hashlib
 import os
 import re
@@ -11,6 +12,15 @@ from socket import gethostname
 from tempfile import TemporaryDirectory
 
 from oodscen.errors import DataError, Issue, UsageError
+
+_KINDS = {
+    stat.S_IFDIR: "a directory",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
+"""Words for what is no regular file."""
 
 MAX_BYTES = 1 << 30
 """Maximum number of bytes read from one file. The largest public data set of driving texts has about 300 MB."""
@@ -35,19 +45,28 @@ def read_regular(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> byte
         DataError: If the file is missing, unreadable, not a regular file, or too large.
     """
     try:
-        # Without O_NONBLOCK, opening a pipe waits for a writer.
-        opened = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
-        try:
-            status = os.fstat(opened)
-            if not stat.S_ISREG(status.st_mode):
-                raise _refused(noun, path, "is no regular file")
-            content = b"" if status.st_size > limit else _read(opened, limit)
-        finally:
-            os.close(opened)
+        return read_bytes(path, limit=limit)
     except (OSError, ValueError) as error:
         raise _refused(noun, path, getattr(error, "strerror", None) or str(error)) from None
+
+
+def read_bytes(path: str | Path, *, limit: int = MAX_BYTES) -> bytes:
+    """Return the bytes of a regular file, as `read_regular` does, for callers that expect an `OSError`.
+
+    Raises:
+        OSError: If the file is missing, unreadable, not a regular file, or too large.
+    """
+    _check_regular(os.stat(path), path)
+    # The file may have been replaced since; without O_NONBLOCK, opening a pipe waits for a writer.
+    opened = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
+    try:
+        status = os.fstat(opened)
+        _check_regular(status, path)
+        content = b"" if status.st_size > limit else _read(opened, limit)
+    finally:
+        os.close(opened)
     if max(status.st_size, len(content)) > limit:
-        raise _refused(noun, path, f"has more than {limit:,} bytes")
+        raise OSError(errno.EFBIG, f"has more than {limit:,} bytes", str(path))
     return content
 
 
@@ -58,11 +77,15 @@ def refuse_special(path: str | Path, noun: str) -> None:
         DataError: If the path is not a regular file.
     """
     try:
-        is_regular = stat.S_ISREG(os.stat(path).st_mode)
+        _check_regular(os.stat(path), path)
     except (OSError, ValueError) as error:
         raise _refused(noun, path, getattr(error, "strerror", None) or str(error)) from None
-    if not is_regular:
-        raise _refused(noun, path, "is no regular file")
+
+
+def _check_regular(status: os.stat_result, path: str | Path) -> None:
+    if not stat.S_ISREG(status.st_mode):
+        kind = _KINDS.get(stat.S_IFMT(status.st_mode), "something else")
+        raise OSError(errno.EINVAL, f"is no regular file but {kind}", str(path))
 
 
 def read_utf8(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> str:

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
+from oodscen._files import read_bytes
 from oodscen._redaction import redact
 from oodscen.errors import InUse, StudyError
 
@@ -119,7 +120,7 @@ def _holder() -> dict[str, str | int]:
 def _read(file: Path) -> tuple[str, str]:
     """Return the holder of a lock and its start time, as far as the file records them."""
     try:
-        said = json.loads(file.read_text(encoding="utf-8"))
+        said = json.loads(read_bytes(file, limit=10_000))
         holder = f"process {said['pid']} on {said['host']} ({said['command']})"
         return holder, str(said["since"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError):

@@ -4,6 +4,7 @@ import math
 from numbers import Integral, Real
 from typing import Any
 
+from oodscen._seeding import MAX_SEED
 from oodscen.errors import UsageError
 
 MOST = 1_000_000
@@ -23,6 +24,15 @@ def whole_number(name: str, value: Any, least: int = 0, most: int = MOST) -> int
     raise UsageError(
         f"{name} must be a whole number from {least:,} to {most:,}, not {_said(value)}"
     )
+
+
+def seed_number(value: Any) -> int:
+    """Return a seed as an integer.
+
+    Raises:
+        UsageError: If it is negative, too large or not a whole number.
+    """
+    return whole_number("seed", value, 0, MAX_SEED)
 
 
 def finite_number(name: str, value: Any, least: float = -math.inf, most: float = math.inf) -> float:

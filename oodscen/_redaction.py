@@ -58,11 +58,33 @@ def redact_keys(text: str, known: Iterable[str] = ()) -> str:
 
     Known are the given values, the values passed to `hide`, and the values of environment variables with KEY,
     TOKEN, SECRET, PASSWORD, CREDENTIALS, JWT, BEARER or PAT as a word in their names. They are also found when
-    any of their characters are escaped, as in JSON, HTML or an address, or in Base64. Values shorter than `SHORTEST` characters are kept.
+    any of their characters are escaped, as in JSON, HTML, an address or quoted-printable text, and in Base64,
+    as hexadecimal digits and as a list of numbers. Values shorter than `SHORTEST` characters are kept.
     """
+    return _any_of(_known(known)).sub(HIDDEN, text)
+
+
+def redact_start(text: str, length: int, *, is_cut: bool = False) -> str:
+    """Return the beginning of a redacted text; a credential that a cut divides leaves nothing.
+
+    Args:
+        text: A text of any length, of which only the beginning is searched.
+        length: Number of characters to return at most.
+        is_cut: True if the text is itself the beginning of a longer one.
+    """
+    end = _WIDEST * max(map(len, _known(())), default=0)
+    read = length + max(_MARGIN, 2 * end)
+    shown = redact(text[:read])
+    if is_cut or len(text) > read:
+        shown = shown[: max(0, len(shown) - end)]
+    return shown[:length]
+
+
+def _known(more: Iterable[str]) -> frozenset[str]:
+    """Return all credentials that are known, and the given ones."""
     held = (value for name, value in os.environ.items() if _SECRET_NAME.search(name))
-    values = {value for value in (*held, *_told, *known) if len(value) >= SHORTEST}
-    return _any_of(frozenset(values - {HIDDEN, HIDDEN[1:-1]})).sub(HIDDEN, text)
+    values = {value for value in (*held, *_told, *more) if len(value) >= SHORTEST}
+    return frozenset(values - {HIDDEN, HIDDEN[1:-1]})
 
 
 def hide(values: Iterable[str]) -> None:
@@ -95,8 +117,9 @@ def secrets_of(address: str) -> list[str]:
 def _any_of(values: frozenset[str]) -> re.Pattern[str]:
     """Return a pattern that matches these credentials in every encoding, and never matches if there are none."""
     longest_first = sorted(values, key=lambda value: (-len(value), value))
-    forms = sorted({form for value in values for form in _encoded(value)}, key=len, reverse=True)
-    return re.compile("|".join([*map(_escaped, longest_first), *map(re.escape, forms)]) or "(?!)")
+    coded = {form for value in values for form in (*_base64(value), *_digits(value))}
+    forms = sorted(coded, key=lambda form: (-len(form), form))
+    return re.compile("|".join([*map(_escaped, longest_first), *forms]) or "(?!)")
 
 
 def _escaped(value: str) -> str:
@@ -106,32 +129,42 @@ def _escaped(value: str) -> str:
         count = len(list(run))
         # Every level of JSON doubles a backslash.
         most = 4 * count if one == "\\" else count
-        pattern += f"(?:{_character(one)}){{{count},{most}}}"
+        pattern += f"(?:(?:{_character(one)}){_SOFT_BREAK}){{{count},{most}}}"
     return pattern
 
 
 @lru_cache(maxsize=1024)
 def _character(one: str) -> str:
-    r"""Return a pattern of a character as it is, or escaped for JSON, Python, HTML or an address.
+    r"""Return a pattern of a character as it is, or escaped for code, JSON, HTML, an address or a mail.
 
-    Escaping twice is covered as well: `\\u005a`, `%255A`, `&amp;#90;`.
+    Escaping twice is covered as well: `\\u005a`, `%255A`, `&amp;#90;`, `=3D5A`.
     """
     code = ord(one)
     units = one.encode("utf-16-be", "surrogatepass")
     pairs = zip(units[::2], units[1::2], strict=True)
     data = one.encode("utf-8", "replace")
+    names = "|".join(map(re.escape, _NAMES.get(one, ())))
+    bytewise = "".join(rf"{_SLASHES}(?:x(?i:{byte:02x})|0?{byte:03o})" for byte in data)
+    latin = rf"{_SLASHES}(?:x(?i:{code:02x})|0{{0,3}}{code:o}|o\{{0{{0,8}}{code:o}\}})"
+    # No text may match two of these: the search for a long value would take exponential time.
     forms = [
-        rf"&(?:amp;)*#(?:0*{code}|[xX]0*(?i:{code:x}));?",
+        rf"&(?:amp;){{0,8}}#(?:0{{0,8}}{code}|[xX]0{{0,8}}(?i:{code:x}));?",
         "".join(rf"{_SLASHES}u(?i:{high:02x}{low:02x})" for high, low in pairs),
-        rf"{_SLASHES}(?:u\{{0*(?i:{code:x})\}}|U(?i:{code:08x}))",
-        "".join(rf"%(?:25)*(?i:{byte:02x})" for byte in data),
-        rf"&(?:amp;)*(?:{'|'.join(map(re.escape, _NAMES[one]))});?" if one in _NAMES else "",
-        rf"{_SLASHES}x(?i:{code:02x})" if code < 256 else "",
+        rf"{_SLASHES}(?:[ux]\{{0{{0,8}}(?i:{code:x})\}}|U(?i:{code:08x}))",
+        "".join(rf"%(?:25){{0,8}}(?i:{byte:02x})" for byte in data),
+        _SOFT_BREAK.join(rf"=(?:3[dD]){{0,8}}(?i:{byte:02x})" for byte in data),
+        rf"&(?:amp;){{0,8}}(?:{names});?" if names else "",
+        bytewise if code > 127 else "",
+        latin if code < 256 else "",
         rf"{_SLASHES}{re.escape(_SHORT.get(one, one))}" if one in _SHORT or one in "\"'/" else "",
-        r"\+" if one == " " else "",
+        r"[+_]" if one == " " else "",
         re.escape(one),
     ]
     return "|".join(filter(None, forms))
+
+
+_DASHES = "‐‑‒–—―−"
+"""Characters that stand for a hyphen where text is typeset."""
 
 
 def _entities() -> dict[str, list[str]]:
@@ -139,7 +172,7 @@ def _entities() -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for name, one in html5.items():
         if len(one) == 1 and name.endswith(";"):
-            found.setdefault(one, []).append(name[:-1])
+            found.setdefault("-" if one in _DASHES else one, []).append(name[:-1])
     return found
 
 
@@ -148,16 +181,37 @@ _SLASHES = r"\\{1,8}"
 """The backslashes before an escape; bounded, as a search without a bound takes cubic time."""
 _SHORT = {"\b": "b", "\t": "t", "\n": "n", "\f": "f", "\r": "r"}
 """JSON's short escapes of control characters."""
+_BREAK = rf"(?:\s|{_SLASHES}[rn]|%(?:25)?0[aAdD])"
+"""A line break or a space, also escaped."""
+_SOFT_BREAK = rf"(?:={_BREAK}{{1,2}})?"
+"""A line break that quoted-printable text adds."""
+_BETWEEN = rf"(?:[\s,;:._-]{{0,3}}(?:0x|{_SLASHES}x|U\+|00)?)"
+"""The characters between two bytes in hexadecimal digits."""
+_MARGIN = 20_000
+"""Characters that are searched beyond those that are shown."""
+_WIDEST = 40
+"""Characters that an escaped character can take."""
 
 
-def _encoded(value: str) -> set[str]:
-    """Return the Base64 encodings of a value at every alignment, without characters shared with its neighbours."""
+def _base64(value: str) -> set[str]:
+    """Return patterns of a value in Base64 at every alignment, without characters shared with its neighbours."""
     forms, data = set(), value.encode("utf-8", "replace")
     for before in range(3):
         first, end = -(-8 * before // 6), 8 * (before + len(data)) // 6
         for encode in (base64.b64encode, base64.urlsafe_b64encode):
-            forms.add(encode(b"\0" * before + data).decode("ascii")[first:end])
+            coded = encode(b"\0" * before + data).decode("ascii")[first:end]
+            marks = (one if one.isalnum() else f"(?:{_character(one)})" for one in coded)
+            forms.add(f"{_BREAK}{{0,2}}".join(marks))
     return forms
+
+
+def _digits(value: str) -> set[str]:
+    """Return patterns of a value whose bytes are written as numbers, hexadecimal or decimal."""
+    data = value.encode("utf-8", "replace")
+    return {
+        _BETWEEN.join(f"(?i:{byte:02x})" for byte in data),
+        r"(?<!\d)" + r"[\s,;]{1,3}".join(f"0{{0,2}}{byte}" for byte in data) + r"(?!\d)",
+    }
 
 
 def _hidden(found: re.Match[str]) -> str:

@@ -4,18 +4,20 @@ import importlib.util
 import inspect
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from oodscen._conformance import conforming, described, reason, working
+from oodscen._numbers import seed_number
+from oodscen.data._catalogue import Catalogue
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError, close_matches
+from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.protocols import LLM, Driver, Encoder, Simulator
 
 if TYPE_CHECKING:
-    from oodscen.data._catalogue import Catalogue
     from oodscen.llm._remote.limits import Limits
 
 KINDS = {
@@ -95,7 +97,7 @@ def make_simulator(simulator: str | Simulator) -> Simulator:
     return made
 
 
-def make_catalogue(catalogue: "str | Path | Catalogue") -> "Catalogue":
+def make_catalogue(catalogue: str | Path | Catalogue) -> Catalogue:
     """Return a catalogue by name, from a JSON file, or the given one.
 
     A registered catalogue is plain data and starts nothing (`pybullet`, `carla-0.9.16`). Any other name is
@@ -105,8 +107,6 @@ def make_catalogue(catalogue: "str | Path | Catalogue") -> "Catalogue":
         UsageError: If there is no catalogue, simulator or file of this name.
         DataError: If the file is not a catalogue.
     """
-    from oodscen.data._catalogue import Catalogue
-
     if isinstance(catalogue, Catalogue):
         return catalogue
     name = str(catalogue)
@@ -121,28 +121,37 @@ def make_catalogue(catalogue: "str | Path | Catalogue") -> "Catalogue":
     return _as_catalogue(_made("catalogue", name), name)
 
 
-def _as_catalogue(made: object, name: str) -> "Catalogue":
-    from oodscen.data._catalogue import Catalogue
-
+def _as_catalogue(made: object, name: str) -> Catalogue:
     if not isinstance(made, Catalogue):
         raise UsageError(f"the catalogue of {name!r} is {described(made)}, not a Catalogue")
     return made
 
 
-def make_encoder(encoder: str | Encoder) -> Encoder:
+def make_encoder(encoder: str | Encoder, *, cache: bool | str | Path = False) -> Encoder:
     """Return the encoder of this name, or the given one.
 
     A registered name may carry an argument after a colon (`sentence-transformers:NAME`). A path to an
     existing folder is loaded with sentence-transformers.
 
+    Args:
+        encoder: A name, `module:attr`, a path, or an object.
+        cache: Encode each distinct text once: True keeps the vectors in memory, a folder also between
+            processes.
+
     Raises:
         UsageError: If there is no such encoder (with close matches), or it cannot be created.
     """
-    if not isinstance(encoder, str):
-        return cast(Encoder, conforming("encoder", encoder))
-    if encoder and encoder not in names("encoder") and _is_there(encoder, Path.is_dir):
-        encoder = f"sentence-transformers:{encoder}"
-    return cast(Encoder, conforming("encoder", _made("encoder", encoder), encoder))
+    if isinstance(encoder, str):
+        if encoder and encoder not in names("encoder") and _is_there(encoder, Path.is_dir):
+            encoder = f"sentence-transformers:{encoder}"
+        made = cast(Encoder, conforming("encoder", _made("encoder", encoder), encoder))
+    else:
+        made = cast(Encoder, conforming("encoder", encoder))
+    if cache is False:
+        return made
+    from oodscen.encoders._cached import CachedEncoder  # Late, because locks load slowly.
+
+    return CachedEncoder(made, None if cache is True else cache)
 
 
 def driver_maker(name: str) -> Callable[[], Driver]:
@@ -160,7 +169,14 @@ def driver_maker(name: str) -> Callable[[], Driver]:
 
 
 def make_llm(
-    llm: str | LLM, *, seed: int = 0, api_base: str | None = None, limits: "Limits | None" = None
+    llm: str | LLM,
+    *,
+    seed: int = 0,
+    api_base: str | None = None,
+    limits: "Limits | None" = None,
+    log: Callable[[Call], None] | None = None,
+    record: str | Path | None = None,
+    **settings: Any,
 ) -> LLM:
     """Return the language model of this name, or the given one.
 
@@ -173,12 +189,33 @@ def make_llm(
         seed: The run's seed.
         api_base: The address of a server, for models behind litellm; other models ignore it.
         limits: The run's caps, prices and endpoints, for models behind litellm.
+        log: Called with every call of the model, failed ones included, never from two threads at a time.
+        record: A file that records every answer; recorded questions are answered from it. See `replay:FILE`.
+        **settings: Further settings of a named model, e.g. `temperature=0.7` for models behind litellm.
 
     Raises:
-        UsageError: If there is no such model (with close matches), or it cannot be created.
+        UsageError: If there is no such model (with close matches), it does not have such a setting, or it
+            cannot be created.
     """
-    if not isinstance(llm, str):
-        return cast(LLM, conforming("llm", llm))
+    seed_number(seed)
+    if isinstance(llm, str):
+        made = _named_llm(llm, seed, api_base, limits, settings)
+    elif settings:
+        raise UsageError(f"a model that exists takes no settings: {', '.join(settings)}")
+    else:
+        made = cast(LLM, conforming("llm", llm))
+    if log is not None:
+        made = LoggedLLM(made, log)
+    if record is not None:
+        from oodscen.llm._replay import RecordingLLM  # Late, because locks load slowly.
+
+        made = RecordingLLM(made, record)
+    return made
+
+
+def _named_llm(
+    llm: str, seed: int, api_base: str | None, limits: "Limits | None", settings: Mapping[str, Any]
+) -> LLM:
     _refuse_long("llm", llm)
     if not llm.strip():
         raise UsageError("the name of a model is empty")
@@ -186,11 +223,13 @@ def make_llm(
     head = llm.partition(":")[0]
     if head != "litellm" and (head in registered or _is_reference(llm)):
         shared = {} if limits is None else {"limits": limits}
-        return cast(LLM, conforming("llm", _made("llm", llm, seed=seed, **shared), llm))
+        _refuse_settings(llm, find("llm", head if head in registered else llm), settings)
+        return cast(LLM, conforming("llm", _made("llm", llm, seed=seed, **shared, **settings), llm))
     client = find("llm", "litellm")
+    _refuse_settings(llm, client, settings)
     model = llm.removeprefix("litellm:")
     try:
-        return cast(LLM, client(model, api_base=api_base, seed=seed, limits=limits))
+        return cast(LLM, client(model, api_base=api_base, seed=seed, limits=limits, **settings))
     except (UnknownComponent, MissingExtra) as error:
         known = error.known if isinstance(error, UnknownComponent) else ()
         if close_matches(llm, registered):
@@ -228,6 +267,17 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
         is_refused = given and isinstance(error, TypeError | ValueError)
         fault = f"{head!r} does not take {argument!r}" if is_refused else f"{name!r} cannot be made"
         raise UsageError(f"the {kind} {fault}: {reason(error)}") from error
+
+
+def _refuse_settings(name: str, factory: Callable[..., Any], settings: Mapping[str, Any]) -> None:
+    """Raise an error for settings that a model does not have."""
+    if not settings:
+        return
+    known = inspect.signature(factory).parameters
+    takes_any = any(one.kind is one.VAR_KEYWORD for one in known.values())
+    unknown = [] if takes_any else [setting for setting in settings if setting not in known]
+    if unknown:
+        raise UnknownComponent(f"setting of {name}", unknown[0], known)
 
 
 def _refuse_long(kind: str, name: str) -> None:

@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 from pydantic import field_validator
 
 from oodscen._display import Brief, png
+from oodscen._numbers import finite_number, whole_number
 from oodscen._text import whole
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._messages import Image, Message
 from oodscen.data._scene import Scene
-from oodscen.errors import UsageError
 
 if TYPE_CHECKING:
     from oodscen.prompts._base import Prompt
@@ -168,14 +168,11 @@ class Camera:
 
     def __post_init__(self) -> None:
         for name in ("width", "height"):
-            size = getattr(self, name)
-            if type(size) is not int or not 1 <= size <= MAX_SIZE:
-                raise UsageError(f"camera: {name} must be a whole number from 1 to {MAX_SIZE}")
+            whole_number(f"camera: {name}", getattr(self, name), 1, MAX_SIZE)
         for name, least, most in (("fov_deg", 1.0, 170.0), ("pitch_deg", -90.0, 90.0)):
-            if not least <= getattr(self, name) <= most:
-                raise UsageError(f"camera: {name} must be from {least:g} to {most:g}")
-        if not all(map(math.isfinite, (self.x, self.y, self.z))):
-            raise UsageError("camera: x, y and z must be finite")
+            finite_number(f"camera: {name}", getattr(self, name), least, most)
+        for name in ("x", "y", "z"):
+            finite_number(f"camera: {name}", getattr(self, name))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -19,21 +19,25 @@ from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.data import Episode, Scenario
 from oodscen.data._messages import Image, Message
 from oodscen.data._verdict import Verdict
-from oodscen.driving import Cruise, action_driver, load_corridor
-from oodscen.encoders import CachedEncoder
+from oodscen.driving import action_driver, load_corridor
+from oodscen.driving._motion.actions import Cruise
+from oodscen.encoders._cached import CachedEncoder
 from oodscen.encoders._minilm import MiniLM
 from oodscen.errors import DataError, Issue
 from oodscen.judging import leaderboard
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
-from oodscen.llm import Limits, LoggedLLM, RecordingLLM
+from oodscen.llm import Limits
+from oodscen.llm._call_log import LoggedLLM
+from oodscen.llm._replay import RecordingLLM
 from oodscen.metrics._metrics import Metrics
 from oodscen.prompts._tree.give_examples import GiveExamples
 from oodscen.protocols import Camera, Frame, Request
-from oodscen.stages import RedTeamOptions, RuleBasedDriver, birds_eye
+from oodscen.stages import RuleBasedDriver, birds_eye
+from oodscen.stages._options import RedTeamOptions
 from oodscen.study._config import StudyConfig
 from oodscen.study._store import Store
 from oodscen.study._study import Study
-from oodscen.testing import AnsweringServer, FlatSimulator, FunctionLLM, ScriptedLLM, example_scene
+from oodscen.testing import AnsweringServer, FlatSimulator, ScriptedLLM, example_scene
 from oodscen.testing._encoder import HashEncoder
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
@@ -54,7 +58,7 @@ MAKERS = {
     "Cruise": Cruise,
     "DataError": lambda: DataError("scene", [Issue("a" * 80, "is wrong " * 30)] * 20),
     "Describer": lambda: oodscen.Describer(ScriptedLLM([]), HashEncoder()),
-    "FunctionLLM": lambda: FunctionLLM(str),
+    "ScriptedLLM": lambda: ScriptedLLM(str),
     "KinematicWorld": lambda: _stepped()._world,
     "LaneStrip": lambda: load_corridor(FLAT_CATALOGUE.maps[0]).strips[0],
     "LoggedLLM": lambda: LoggedLLM(ScriptedLLM([]), print),
@@ -209,7 +213,8 @@ def test_pictures_are_png(simulated):
     for picture in (above, simulated.frames["last"]):
         assert picture._repr_png_().startswith(b"\x89PNG")
     assert is_short(repr(above))
-    assert above[..., 0]._repr_png_() is None
+    assert above[..., 0]._repr_png_().startswith(b"\x89PNG")
+    assert above[0, 0]._repr_png_() is None
     frame = Frame(np.zeros((0, 0, 3), np.uint8), np.zeros((0, 0)), np.zeros((0, 0)))
     assert frame._repr_png_() is None
 

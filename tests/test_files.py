@@ -10,13 +10,16 @@ from click.testing import CliRunner
 
 from oodscen._cli import main
 from oodscen._files import _part_name, read_regular, read_utf8, replace, temporary_folder
-from oodscen._registry import make_catalogue
-from oodscen.author import load_knowledge
+from oodscen._registry import make_catalogue, make_llm
+from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.baselines import load_baseline
 from oodscen.baselines._embedded import open_embeddings
-from oodscen.driving import find_map
+from oodscen.baselines._texts import read_records
+from oodscen.driving._roads.building import find_map
 from oodscen.errors import DataError, UsageError
-from oodscen.metrics._score import score_file
+from oodscen.llm._replay import RecordingLLM
+from oodscen.protocols import Image
+from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 
 KINDS = ("fifo", "endless", "folder", "link to fifo", "link to endless", "socket", "nothing")
@@ -46,16 +49,36 @@ def test_what_is_no_regular_file_is_refused_at_once(tmp_path, kind):
     assert len(caught.value.issues) == 1
 
 
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "nothing"])
+def test_a_recording_and_a_picture_are_regular_files(tmp_path, kind):
+    path = put(tmp_path, kind, "x")
+    with pytest.raises(DataError, match="is no regular file"):
+        RecordingLLM(ScriptedLLM([]), path)
+    with pytest.raises(DataError, match="is no regular file"):
+        make_llm(f"replay:{path}")
+    with pytest.raises(OSError, match="is no regular file"):
+        Image.from_file(path)
+
+
+def test_a_line_without_an_end_is_no_exchange(tmp_path, monkeypatch):
+    monkeypatch.setattr("oodscen.llm._replay._LONGEST", 1_000)
+    (tmp_path / "x").write_bytes(b'{"answer":' + b" " * 2_000)
+    with pytest.raises(DataError, match="line 1"):
+        RecordingLLM(ScriptedLLM([]), tmp_path / "x")
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_readers_of_the_library_refuse_it_at_once(tmp_path, kind):
     flat = make_catalogue("flat")
     readers = {
         "x.xodr": lambda path: find_map(str(path), flat),
         "x.txt": load_baseline,
-        "x.csv": lambda path: score_file(path, encoder=HashEncoder()),
+        "x.csv": read_records,
         "x.toml": load_knowledge,
         "x.npy": lambda path: open_embeddings(path, HashEncoder()),
         "x.arrow": lambda path: open_embeddings(path, HashEncoder()),
+        "x.jsonl": lambda path: make_llm(f"replay:{path}"),
+        "y.jsonl": lambda path: make_llm(f"replay:{path}#m"),
     }
     for name, reader in readers.items():
         where = tmp_path / name.replace(".", "-")
@@ -74,7 +97,7 @@ def test_commands_refuse_it_in_one_line(tmp_path, kind):
         ("describe", path),
         ("augment", path),
         ("simulate", path, str(tmp_path / "out")),
-        ("faithful", path, "--scenarios", path),
+        ("check-claims", path, "--scenarios", path),
         ("tree", "show", path),
     ):
         result = CliRunner().invoke(main, order)

@@ -3,8 +3,10 @@
 import base64
 import codecs
 import html
+import html.entities
 import itertools
 import json
+import quopri
 import re
 from urllib.parse import quote, unquote
 
@@ -12,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen._redaction import HIDDEN, redact, redact_keys, secrets_in, secrets_of
+from oodscen._redaction import HIDDEN, redact, redact_keys, redact_start, secrets_in, secrets_of
 
 # What a key can consist of; a key of letters alone may be a word, which is hidden all the same.
 keys = st.text(st.characters(min_codepoint=0x21, max_codepoint=0x7E), min_size=8, max_size=40)
@@ -128,6 +130,8 @@ def test_ordinary_text_stays(text):
     assert redact(text) == text
 
 
+NAMES_OF = {one: name[:-1] for name, one in html.entities.html5.items() if name.endswith(";")}
+
 ESCAPES = (
     lambda one: one,
     lambda one: "".join(f"%{byte:02X}" for byte in one.encode()),
@@ -143,6 +147,15 @@ ESCAPES = (
     lambda one: f"\\x{ord(one):02X}" if ord(one) < 256 else one,
     lambda one: html.escape(one),
     lambda one: "".join(f"%25{byte:02X}" for byte in one.encode()),
+    lambda one: "".join(f"={byte:02X}" for byte in one.encode()),
+    lambda one: "".join(f"={byte:02x}=\r\n" for byte in one.encode()),
+    lambda one: "".join(f"\\{byte:03o}" for byte in one.encode()),
+    lambda one: "".join(f"\\\\{byte:03o}" for byte in one.encode()),
+    lambda one: f"\\u{{{ord(one):x}}}",
+    lambda one: f"\\x{{{ord(one):X}}}",
+    lambda one: f"&{NAMES_OF[one]};" if one in NAMES_OF else one,
+    lambda one: f"&amp;{NAMES_OF[one]};" if one in NAMES_OF else one,
+    lambda one: "&hyphen;" if one == "-" else one,
 )
 """Escapes of one character, in either case."""
 
@@ -157,7 +170,10 @@ def units(one):
 
 def decoded(text):
     """Return every reading of a text in which some of the escapes are undone, in several orders."""
-    escape = re.compile(r"(?:\\u[0-9a-fA-F]{4})+|\\x[0-9a-fA-F]{2}|\\.")
+    escape = re.compile(r"(?:\\u[0-9a-fA-F]{4})+|\\x[0-9a-fA-F]{2}|\\[0-7]{1,3}|\\.")
+
+    def unprinted(text):
+        return quopri.decodestring(text.encode("utf-8", "replace")).decode("utf-8", "replace")
 
     def unescaped(text):
         return escape.sub(
@@ -169,7 +185,7 @@ def decoded(text):
             text,
         )
 
-    for steps in itertools.permutations((unquote, html.unescape, unescaped)):
+    for steps in itertools.permutations((unquote, html.unescape, unescaped, unprinted)):
         found = text
         for step in steps:
             found = step(found)
@@ -177,7 +193,7 @@ def decoded(text):
         yield unquote(found)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.data())
 def test_no_mixture_of_escapes_leaves_a_key_that_can_be_decoded(data):
     key = data.draw((keys | others).filter(lambda key: key not in HIDDEN))
@@ -186,6 +202,40 @@ def test_no_mixture_of_escapes_leaves_a_key_that_can_be_decoded(data):
     shown = redact_keys(f"so {form} it is", [key])
     assert shown == f"so {HIDDEN} it is"
     assert not any(key in reading for reading in decoded(shown))
+
+
+def spaced(data, width):
+    """Return bytes as numbers in the ways in which programs list them."""
+    digits = [f"{byte:02x}" for byte in data]
+    yield from (data.hex(), data.hex().upper(), *(data.hex(mark) for mark in " :-_"))
+    yield from ("".join(f"\\x{two}" for two in digits), ", ".join(f"0x{two}" for two in digits))
+    yield from (str(list(data)), json.dumps({"type": "Buffer", "data": list(data)}))
+    yield "\n".join(data.hex()[at : at + width] for at in range(0, 2 * len(data), width))
+    lines = base64.b64encode(data).decode()
+    lines = "\n".join(lines[at : at + width] for at in range(0, len(lines), width))
+    yield from (lines, json.dumps(lines)[1:-1], quote(lines, safe=""))
+
+
+@pytest.mark.parametrize(
+    "key", ["k3y-0f-8", "k3y-0f-thirt!", "hV0f8m2Lr9wQb5Tz1Xc7Nn4Jd6/k3Ps8+a0Ue2Io"]
+)
+def test_a_key_is_hidden_as_numbers_and_over_several_lines(key):
+    for form in spaced(key.encode(), 16):
+        shown = redact_keys(f"so {form} it is", [key])
+        assert HIDDEN in shown
+        assert not re.search(r"[0-9a-fA-F]{4}|\d, \d", shown.replace(HIDDEN, ""))
+
+
+@settings(max_examples=60)
+@given(st.integers(0, 60), st.integers(0, 300), st.sampled_from(ESCAPES), st.data())
+def test_a_key_that_the_end_of_a_long_text_divides_leaves_nothing(before, length, escape, data):
+    key = "hV0f8m2Lr9wQb5Tz1Xc7Nn4Jd6Gk3Ps8Ya0Ue2Io"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("OPENAI_API_KEY", key)
+        text = " " * before + 1_500 * "".join(map(escape, key))
+        text = text[: data.draw(st.integers(len(text) // 2, len(text)))]
+        shown = redact_start(text, length, is_cut=True)
+    assert not any(one.isalnum() for one in shown.replace("redacted", "").strip(" []redact="))
 
 
 @pytest.mark.parametrize("escape", ESCAPES)

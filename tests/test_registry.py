@@ -19,9 +19,13 @@ from oodscen._registry import (
 from oodscen.encoders._sentence_transformers import SentenceTransformerEncoder
 from oodscen.errors import MissingExtra, UnknownComponent, UsageError
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
+from oodscen.llm._ask import ask
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 from oodscen.testing._flat import FlatSimulator
+
+IMAGINE = ImagineScenario(shown=("A deer crosses.",))
 
 
 class Plain:
@@ -180,3 +184,24 @@ def test_what_follows_the_colon_goes_where_the_component_says(tmp_path):
     assert (author.seed, author.name) == (4, "builtin:own.toml")
     with pytest.raises(UsageError):
         make_llm(f"builtin:{tmp_path / 'nowhere.toml'}")
+
+
+def test_calls_are_logged_and_answers_recorded(tmp_path):
+    asked = ScriptedLLM({IMAGINE.purpose: {"text": "A sofa lies on the road."}})
+    calls = []
+    llm = make_llm(asked, log=calls.append, record=tmp_path / "answers.jsonl")
+    assert ask(llm, IMAGINE) == ask(llm, IMAGINE) == ask(asked, IMAGINE)
+    assert [call.purpose for call in calls] == [IMAGINE.purpose]
+
+
+@pytest.mark.parametrize("llm", ["constant", "gpt-4o", ScriptedLLM([])])
+def test_a_setting_that_a_model_does_not_have_is_refused(llm):
+    with pytest.raises(UsageError):
+        make_llm(llm, temprature=0.5)
+
+
+def test_an_encoder_with_a_cache_encodes_a_text_once(tmp_path):
+    plain, cached = HashEncoder(), make_encoder(HashEncoder(), cache=True)
+    assert make_encoder(plain) is plain
+    assert (cached.encode(["a", "b", "a"]) == plain.encode(["a", "b", "a"])).all()
+    assert make_encoder(plain, cache=tmp_path).path.parent == tmp_path

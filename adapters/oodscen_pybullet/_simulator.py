@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import Corridor, KinematicSimulator, find_map
+from oodscen.driving import KinematicSimulator
+from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import SpawnError
 from oodscen.protocols import Camera, Frame
 from oodscen_pybullet._catalogue import load_catalogue
@@ -20,11 +22,11 @@ from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh, asset_ids
-from oodscen_pybullet._meshes.vehicles.cars import bonnet
+from oodscen_pybullet._meshes.vehicles.ego import bonnet
 from oodscen_pybullet._rendering.appearance import Cast, Look, mesh_of
 from oodscen_pybullet._rendering.cameras import choose_camera
 from oodscen_pybullet._rendering.particles import Ball, filled, placed
-from oodscen_pybullet._rendering.picture import RawPicture, develop
+from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
 from oodscen_pybullet._rendering.stage import Stage
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
@@ -139,7 +141,7 @@ class PyBulletSimulator(KinematicSimulator):
         light = Light.of(scene.weather, corridor.heading(corridor.start), is_snowy=_is_snowy(scene))
         ground = poses[0][2]
         portal = Shelter(corridor).portal(view)
-        shot = stage.photograph(
+        shot = stage.render(
             view,
             light,
             ground=ground if light.daylight > DARK else None,
@@ -162,7 +164,7 @@ class PyBulletSimulator(KinematicSimulator):
             portal=portal,
             balls=balls,
         )
-        rgb = develop(picture)
+        rgb = postprocessed(picture)
         return Frame(
             rgb=rgb,
             depth=shot.depth,

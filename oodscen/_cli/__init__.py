@@ -172,7 +172,7 @@ for _command in (
     pruning.prune,
     stages.describe,
     stages.augment,
-    claims.faithful,
+    claims.check_claims,
     stages.simulate,
     study.evaluate,
     driving.drive,

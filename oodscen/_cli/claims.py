@@ -7,18 +7,24 @@ from typing import TypeVar
 
 import click
 
-from oodscen._cli.options import json_option, llm_options, seed_option, simulator_option
+from oodscen._cli.options import (
+    json_option,
+    llm_options,
+    seed_option,
+    simulator_option,
+    things_option,
+)
 from oodscen._cli.output import say, tracked
 from oodscen._cli.paths import READABLE
 from oodscen._files import read_utf8
-from oodscen.claims._check import Faithfulness, Unjudged
+from oodscen.claims._faithfulness import Faithfulness, Unjudged
 from oodscen.data._base import Data, canonical_json
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 
 Value = TypeVar("Value", bound=Data)
 
 
-@click.command()
+@click.command("check-claims")
 @click.argument("scenes", type=READABLE)
 @click.option(
     "--scenarios", type=READABLE, required=True, help="File of the texts, one scenario per line."
@@ -26,14 +32,16 @@ Value = TypeVar("Value", bound=Data)
 @llm_options
 @seed_option
 @simulator_option
+@things_option
 @json_option
-def faithful(
+def check_claims(
     scenes: Path,
     scenarios: Path,
     llm: str,
     api_base: str | None,
     seed: int,
     simulator: str,
+    encoder: str,
     as_json: bool,
 ) -> None:
     """Check every scene of the file SCENES against the claims of its text.
@@ -42,8 +50,8 @@ def faithful(
     are reported and counted, not checked. The exit code is 1 if there are any, or if a scene contradicts its
     text.
     """
-    from oodscen import Scenario, Scene, make_llm, make_simulator
-    from oodscen.claims._check import check_faithful
+    from oodscen import Scenario, Scene, make_encoder, make_llm, make_simulator
+    from oodscen.claims._faithfulness import check_text
     from oodscen.driving import check_scene
 
     texts, faulty = {}, []
@@ -54,9 +62,10 @@ def faithful(
             faulty.append(Unjudged(id=f"{scenarios.name}:{number}", faults=scenario))
     model = make_llm(llm, seed=seed, api_base=api_base)
     catalogue = make_simulator(simulator).catalogue()
+    measure = None if encoder.casefold() == "none" else make_encoder(encoder, cache=True)
     rows: list[Data] = [*faulty]
     staged = list(_values(Scene, scenes))
-    for number, scene in tracked(staged, "faithful", len(staged)):
+    for number, scene in tracked(staged, "check-claims", len(staged)):
         if not isinstance(scene, Scene):
             rows.append(Unjudged(id=f"{scenes.name}:{number}", faults=scene))
             continue
@@ -68,7 +77,7 @@ def faithful(
             rows.append(Unjudged(id=scene.id, faults=tuple(faults)))
             continue
         try:
-            rows.append(check_faithful(model, text, scene, catalogue))
+            rows.append(check_text(model, text, scene, catalogue, encoder=measure))
         except (AnswerError, LLMError) as error:
             rows.append(Unjudged(id=scene.id, faults=(str(error),)))
     judged = [row for row in rows if isinstance(row, Faithfulness)]

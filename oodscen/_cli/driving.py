@@ -13,7 +13,7 @@ from oodscen._cli.paths import PathName
 
 if TYPE_CHECKING:
     from oodscen.judging._drives import DriveRate, DriveRow
-    from oodscen.judging._leaderboard.board import Estimate
+    from oodscen.judging._leaderboard.scores import Estimate
 
 
 @click.command()

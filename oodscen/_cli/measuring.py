@@ -40,16 +40,15 @@ def score(
     as_json: bool,
 ) -> None:
     """Measure OOD-ness and diversity of the texts in the file TEXTS (JSONL with `text`, or lines)."""
-    from oodscen import make_encoder
-    from oodscen.metrics._score import score_file, table_of_file
+    from oodscen import Metrics, make_encoder
+    from oodscen.baselines._texts import read_records
 
     report: Any
+    if table and band is not None:
+        raise UsageError("--table measures all texts; do not combine it with --band")
+    metrics = Metrics(make_encoder(encoder), baseline, seed=seed)
     if table:
-        if band is not None:
-            raise UsageError("--table measures all texts; do not combine it with --band")
-        report = table_of_file(texts, baseline=baseline, encoder=make_encoder(encoder), seed=seed)
+        report = metrics.paper_table([record.text for record in read_records(texts)])
     else:
-        report = score_file(
-            texts, baseline=baseline, encoder=make_encoder(encoder), band=band, seed=seed
-        )
+        report = metrics.score_file(texts, band=band)
     click.echo(report.model_dump_json(indent=2) if as_json else str(report))

@@ -7,7 +7,7 @@ import click
 
 from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.paths import OutputName
-from oodscen._registry import DEFAULT_LLM, DEFAULT_SIMULATOR
+from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
 from oodscen.errors import UsageError
 from oodscen.llm._remote.limits import LONGEST_S, PATIENCE_S, TIMEOUT_S, check_price
@@ -50,6 +50,13 @@ simulator_option = click.option(
     default=DEFAULT_SIMULATOR,
     show_default=True,
     help="Simulator: a registered name, or module:attr.",
+)
+things_option = click.option(
+    "--encoder",
+    default=DEFAULT_ENCODER,
+    show_default=True,
+    help="Text encoder that compares the things of a text with the actors said to show them; `none` compares words "
+    "only.",
 )
 out_option = click.option(
     "-o",
@@ -146,7 +153,7 @@ judging_options = _options(
     click.option("--judge", help="Model that judges the open answers."),
 )
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-traffic_options = _options(
+limit_options = _options(
     click.option(
         "--max-requests", type=click.IntRange(min=0), help="Maximum number of HTTP requests."
     ),
@@ -191,23 +198,19 @@ traffic_options = _options(
 
 
 def limits_from(choices: dict[str, Any]) -> "Limits":
-    """Remove the options of `traffic_options` from a command's arguments and return them as `Limits`.
+    """Remove the options of `limit_options` from a command's arguments and return them as `Limits`.
 
     Raises:
         UsageError: When a price is malformed.
     """
-    from oodscen.llm._remote.limits import Caps, Limits
+    from oodscen.llm._remote.limits import Limits
 
-    caps = Caps(
+    return Limits(
         requests=choices.pop("max_requests"),
         tokens=choices.pop("max_tokens"),
         cost_usd=choices.pop("max_cost"),
         seconds=choices.pop("max_seconds"),
-    )
-    prices = dict(map(_price, choices.pop("prices")))
-    return Limits(
-        caps,
-        prices=prices,
+        prices=dict(map(_price, choices.pop("prices"))),
         concurrency=choices.pop("concurrency"),
         patience_s=choices.pop("patience"),
         timeout_s=choices.pop("timeout"),

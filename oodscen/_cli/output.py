@@ -18,7 +18,8 @@ from oodscen.errors import DataError, FolderTaken, Issue, OodscenError
 
 if TYPE_CHECKING:
     from oodscen.data._verdict import Verdict
-    from oodscen.judging._leaderboard.board import Estimate, Leaderboard, Rate
+    from oodscen.judging._leaderboard.board import Leaderboard
+    from oodscen.judging._leaderboard.scores import Estimate, Rate
     from oodscen.llm._accounting import Account
     from oodscen.stages._redteam.saturation import Saturation
 

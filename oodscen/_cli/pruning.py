@@ -13,7 +13,7 @@ from oodscen.errors import UsageError
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Catalogue
     from oodscen.protocols import LLM
-    from oodscen.stages._prune.pruner import PruneDecision
+    from oodscen.stages._prune.decisions import PruneDecision
     from oodscen.tree._scenario_tree import ScenarioTree
 
 
@@ -61,7 +61,7 @@ def prune(
     """
     from oodscen import ScenarioTree, make_llm
     from oodscen._registry import make_catalogue
-    from oodscen.stages._prune.pruner import all_decisions, pruned
+    from oodscen.stages._prune.decisions import all_decisions, pruned
     from oodscen.stages._prune.restoration import restoration
     from oodscen.stages._prune.side_by_side import compare
 

@@ -18,6 +18,7 @@ from oodscen._cli.options import (
     seed_option,
     simulator_option,
     style_option,
+    things_option,
 )
 from oodscen._cli.output import bars, read_lines, rounds_in_words, say, tracked, write, write_lines
 from oodscen._cli.paths import READABLE, FileCommand, OutputName, PathName
@@ -95,7 +96,6 @@ def redteam(
 ) -> None:
     """Extend the tree in the file TREE by red teaming."""
     from oodscen import RedTeamer, ScenarioTree, make_encoder, make_llm
-    from oodscen.encoders import CachedEncoder
     from oodscen.stages._redteam.saturation import saturation
 
     grown = ScenarioTree.load(tree)
@@ -106,7 +106,7 @@ def redteam(
         make_llm(red_llm, seed=seed, api_base=api_base) if red_llm else None,
         iterations=most if iterations is None else iterations,
         closed_loop=not open_loop,
-        encoder=None if is_blind else CachedEncoder(make_encoder(encoder)),
+        encoder=None if is_blind else make_encoder(encoder, cache=True),
         budget=budget,
         **{
             name.removeprefix("red_"): value for name, value in choices.items() if value is not None
@@ -228,6 +228,7 @@ def describe(
     show_default=True,
     help="Check every scene against the claims of its text.",
 )
+@things_option
 @out_option
 def augment(
     scenarios: Path,
@@ -236,19 +237,24 @@ def augment(
     seed: int,
     simulator: str,
     claims: bool,
+    encoder: str,
     out: Path | None,
 ) -> None:
     """Turn every scenario of the file SCENARIOS into a scene, one per line.
 
     Texts that cannot be staged are reported on standard error and skipped; the exit code is then 1.
     """
-    from oodscen import Augmenter, make_llm, make_simulator
+    from oodscen import Augmenter, make_encoder, make_llm, make_simulator
     from oodscen.data._scenario import Scenario
-    from oodscen.driving._sight.nameable import AdvisingCheck
+    from oodscen.driving._sight.staging_advice import AdvisingCheck
 
     model = make_llm(llm, seed=seed, api_base=api_base)
     augmenter = Augmenter(
-        model, make_simulator(simulator).catalogue(), check=AdvisingCheck(), claims=claims
+        model,
+        make_simulator(simulator).catalogue(),
+        check=AdvisingCheck(),
+        claims=claims,
+        encoder=None if encoder.casefold() == "none" else make_encoder(encoder, cache=True),
     )
     items = read_lines(Scenario, scenarios)
     scenes: list[Scene] = []

@@ -14,6 +14,7 @@ from oodscen._cli.options import (
     extras_options,
     json_option,
     judging_options,
+    limit_options,
     limits_from,
     llm_options,
     picture_options,
@@ -21,7 +22,6 @@ from oodscen._cli.options import (
     seed_option,
     simulator_option,
     style_option,
-    traffic_options,
 )
 from oodscen._cli.output import bars, estimated, left_out, say, standings, summary
 from oodscen._cli.paths import READABLE, PathName
@@ -41,7 +41,7 @@ from oodscen.errors import UsageError
 @click.option("--fallback", help="Model to ask if the others give no answer.")
 @click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
 @judging_options
-@traffic_options
+@limit_options
 @simulator_option
 @click.option(
     "--catalogue",
@@ -204,7 +204,7 @@ def run(
     help="Address of an OpenAI-compatible server for the models named here.  [default: the study's]",
 )
 @click.option("--retry-failed", is_flag=True, help="Ask again where the last answer was unusable.")
-@traffic_options
+@limit_options
 @json_option
 def evaluate(
     out: Path,

@@ -232,7 +232,7 @@ def _read(place: Path, which: str) -> ScenarioTree:
 
 def _meaning(encoder: str | None, threshold: float | None) -> dict[str, Any]:
     from oodscen._registry import make_encoder
-    from oodscen.tree._scenario_tree import THRESHOLD
+    from oodscen.tree._matching import THRESHOLD
 
     made: Encoder | None = make_encoder(encoder) if encoder is not None else None
     return {"encoder": made, "threshold": THRESHOLD if threshold is None else threshold}

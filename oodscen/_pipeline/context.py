@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -10,8 +11,10 @@ from oodscen._pipeline.models import Models
 from oodscen._pipeline.options import RunOptions
 from oodscen._redaction import redact
 from oodscen._registry import make_encoder, make_simulator
+from oodscen.baselines import load_baseline
+from oodscen.baselines._baseline import Baseline
 from oodscen.data._base import Data
-from oodscen.encoders import CachedEncoder
+from oodscen.encoders._cached import CachedEncoder
 from oodscen.errors import StudyError
 from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study
@@ -46,7 +49,7 @@ class Context:
         """Create the simulator, the encoder and the models.
 
         Raises:
-            UsageError: For an unknown component or a missing extra.
+            UsageError: For an unknown component, a missing extra, or an unusable file of ordinary texts.
         """
         self.simulator = make_simulator(self.config.simulator)
         self.encoder = CachedEncoder(make_encoder(self.config.encoder))
@@ -55,6 +58,13 @@ class Context:
         self.threads = self.models.threads(self.config.llm)
         for name in self.config.models:
             self.models.get(name)
+        if not self.has("metrics.json"):
+            _ = self.baseline  # A wrong file is found before a model is asked.
+
+    @cached_property
+    def baseline(self) -> Baseline | None:
+        """Texts of ordinary driving, or `None` for the shipped ones."""
+        return load_baseline(self.config.baseline) if self.config.baseline else None
 
     def each(
         self,

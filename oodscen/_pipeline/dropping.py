@@ -7,6 +7,7 @@ from oodscen._registry import make_llm
 from oodscen.data._base import canonical_json
 from oodscen.errors import OodscenError, UnknownComponent
 from oodscen.judging._leaderboard.leaderboard import leaderboard
+from oodscen.report._render import write_report
 from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study
 
@@ -79,8 +80,6 @@ def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     study.store.write("study.json", canonical_json(info) + "\n")
     study.store.write_lines("verdicts.jsonl", kept)
     study.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
-    from oodscen.report._render import write_report
-
     write_report(study)
     return counts
 

@@ -57,7 +57,7 @@ def estimate(
 
     Raises:
         UsageError: When a run would be refused: an unknown model, a malformed address, a cap on the cost of a model
-            without a price, a simulator that workers cannot import.
+            without a price, a simulator that workers cannot import, unusable ordinary texts.
         StudyMismatch: When the folder holds a study of another configuration.
         FolderTaken: When the folder holds no study, but files that a study would write.
     """

@@ -4,7 +4,7 @@ from oodscen._pipeline.options import RunOptions
 from oodscen._registry import is_builtin, make_llm
 from oodscen.judging._references import is_reference
 from oodscen.llm._call_log import Call, LoggedLLM
-from oodscen.llm._capped import MeteredLLM
+from oodscen.llm._capped import CappedLLM
 from oodscen.llm._fallback import FallbackLLM
 from oodscen.llm._replay import Recorder, RecordingLLM, ReplayLLM
 from oodscen.protocols import LLM
@@ -85,7 +85,7 @@ class Models:
         # A client of litellm counts its HTTP requests itself.
         is_free = is_builtin(name) and given is None
         is_free = is_free or isinstance(made, ReplayLLM) or hasattr(made, "limits")
-        return made if is_free or is_reference(made) else MeteredLLM(made, self.limits)
+        return made if is_free or is_reference(made) else CappedLLM(made, self.limits)
 
     def _log(self, call: Call) -> None:
         call = call.model_copy(update={"stage": self.stage})

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,8 +19,9 @@ from oodscen._version import __version__
 from oodscen.data._base import canonical_json
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.errors import RunStopped, StudyMismatch
+from oodscen.errors import RunStopped, StudyError, StudyMismatch
 from oodscen.llm._accounting import accounts
+from oodscen.report._render import write_report
 from oodscen.study._config import JUDGING, Status, StudyConfig
 from oodscen.study._record import record
 from oodscen.study._study import Study
@@ -90,12 +92,13 @@ class Pipeline:
             raise
         except KeyboardInterrupt:
             limits.close()
-            self._save(
-                "stopped",
-                stopped="it was interrupted; the same command continues it",
-                usage=self._usage(),
-            )
-            self._report()
+            with suppress(StudyError):  # A full disk must not hide the signal.
+                self._save(
+                    "stopped",
+                    stopped="it was interrupted; the same command continues it",
+                    usage=self._usage(),
+                )
+                self._report()
             raise
         finally:
             self.context.models.close()
@@ -182,8 +185,6 @@ class Pipeline:
         self.store.write("study.json", canonical_json(record(self.config, status, **more)) + "\n")
 
     def _report(self) -> None:
-        from oodscen.report._render import write_report
-
         write_report(self.study)
 
     def _finish(self, counts: Mapping[str, Any], seconds: float) -> None:

@@ -1,7 +1,7 @@
 """Sweeps over many scenes in worker processes: picklable jobs go out, bytes come back."""
 
 import hashlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -13,6 +13,7 @@ from oodscen._conformance import reason
 from oodscen._files import temporary_folder
 from oodscen._processes import Processes, is_importable, is_script
 from oodscen._registry import find, make_simulator
+from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode
 from oodscen.data._scene import Scene
 from oodscen.data._twins import twin_id
@@ -20,7 +21,7 @@ from oodscen.driving._trace_table import to_parquet
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
 from oodscen.protocols import Camera, Frame, Simulator
 from oodscen.stages._annotations import annotate, encode_annotations, semantic_map
-from oodscen.stages._clearer import clearer
+from oodscen.stages._decision_retiming import retimed
 from oodscen.stages._restage import Attempt, Restaging, restaged
 from oodscen.stages._simulate import Simulated, simulate
 from oodscen.stages._video import View, record
@@ -63,6 +64,8 @@ class Job:
     safe."""
     camera: Camera = field(default_factory=Camera)
     """The camera of the frames."""
+    claims: Mapping[str, tuple[Claim, ...]] = field(default_factory=dict)
+    """The claims of the texts by scenario, which no re-staged scene may contradict."""
 
 
 @dataclass(frozen=True)
@@ -232,11 +235,17 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
 def _improved(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> Restaging:
     """Return the scene, re-staged if its hazard cannot be named or its choice does not matter, and its run."""
     found = Restaging(scene, simulated)
-    for stage in (clearer, restaged):
+    for stage in (retimed, restaged):
         episode = found.simulated.episode
-        if episode.is_below_floor if stage is clearer else not episode.is_decidable:
+        if episode.is_below_floor if stage is retimed else not episode.is_decidable:
             better = stage(
-                found.scene, found.simulated, simulator, job.seed, job.extras.traces, job.camera
+                found.scene,
+                found.simulated,
+                simulator,
+                job.seed,
+                job.extras.traces,
+                job.camera,
+                job.claims.get(scene.scenario_id, ()),
             )
             if episode.restaged and better.scene is not found.scene:
                 better = _described(

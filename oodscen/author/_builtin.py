@@ -32,7 +32,7 @@ from oodscen.prompts._tree.classify_examples import (
 )
 from oodscen.prompts._tree.give_examples import Examples, GiveExamples
 from oodscen.prompts._tree.imagine_scenario import ImaginedScenario, ImagineScenario
-from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._tree.judge_branch import JudgeBranch, JudgeBranches
 from oodscen.prompts._tree.place_scenario import PlaceScenario
 from oodscen.prompts._tree.propose_tree import ProposeTree
 from oodscen.protocols import Completion, Request
@@ -85,6 +85,7 @@ class BuiltinAuthor(Brief):
             ImagineScenario: self._imagine,
             PlaceScenario: lambda prompt, request: self._trees.place(prompt),
             JudgeBranch: lambda prompt, request: self._judge.judge(prompt),
+            JudgeBranches: lambda prompt, request: self._judge.judge_all(prompt),
             DescribePath: self._describe,
             DescribeOrdinary: self._ordinary,
             ExtractClaims: lambda prompt, request: Claims(claims=list(read_claims(prompt.text))),

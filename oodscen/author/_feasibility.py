@@ -12,7 +12,10 @@ from oodscen.prompts._digest import CatalogueDigest, WeatherLimits
 from oodscen.prompts._tree.judge_branch import (
     WEATHER_SCALES,
     BranchJudgement,
+    BranchJudgements,
     JudgeBranch,
+    JudgeBranches,
+    NumberedJudgement,
     Substitute,
 )
 from oodscen.tree._scenario_tree import MAX_LABEL
@@ -66,7 +69,7 @@ class Option:
 
 
 class BranchJudge:
-    """Answers `JudgeBranch`."""
+    """Answers `JudgeBranch` and `JudgeBranches`."""
 
     def __init__(self, recogniser: Recogniser) -> None:
         """BranchJudge the hazards that a recogniser finds."""
@@ -94,6 +97,15 @@ class BranchJudge:
         if hidden:
             narrower, shown = self._narrowed(reading, options, shown)
         return self._kept([options[number] for number in shown], hidden, narrower, prompt.catalogue)
+
+    def judge_all(self, prompt: JudgeBranches) -> BranchJudgements:
+        """Judge each of several branches as if it were asked about alone."""
+        return BranchJudgements(
+            judgements=[
+                NumberedJudgement(number=number, **self.judge(prompt.single(number)).model_dump())
+                for number in range(1, len(prompt.paths) + 1)
+            ]
+        )
 
     def _reading(self, label: str) -> LabelReading:
         """Return the alternatives of a label; a widened label stands for the hazard and its kin."""

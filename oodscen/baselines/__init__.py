@@ -1,7 +1,7 @@
 """Baselines: texts of ordinary driving, the reference for OOD-ness.
 
 `load_baseline()` is the bundled corpus; `load_baseline(file)` reads your own.
-`load_controls(split)` and `load_off_topic(split)` return texts for testing a measure.
+`load_controls(split)` returns texts for testing a measure.
 """
 
 import lazy_loader

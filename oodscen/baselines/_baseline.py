@@ -1,24 +1,13 @@
 """A set of texts of ordinary driving."""
 
 import hashlib
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import ClassVar
 
 from pydantic import Field, field_validator
 
-from oodscen._files import read_utf8
-from oodscen.baselines._datasets import (
-    Layout,
-    LayoutName,
-    chosen_parts,
-    layout_of,
-    parse,
-    recognise,
-)
-from oodscen.baselines._texts import check_texts, read_records, refuse
-from oodscen.data._base import Data, Faults, canonical_json
-from oodscen.errors import DataError, Issue, UsageError
+from oodscen.baselines._texts import check_texts
+from oodscen.data._base import Data, IssuesError, canonical_json
+from oodscen.errors import DataError
 
 
 class Baseline(Data):
@@ -40,7 +29,7 @@ class Baseline(Data):
         try:
             return check_texts(texts, cls.noun)
         except DataError as error:
-            raise Faults(error.issues) from None
+            raise IssuesError(error.issues) from None
 
     def __len__(self) -> int:
         return len(self.texts)
@@ -48,90 +37,3 @@ class Baseline(Data):
     def digest(self) -> str:
         """Return the SHA-256 of the texts in their order; the name does not enter."""
         return hashlib.sha256(canonical_json(self.texts).encode()).hexdigest()
-
-
-def load_baseline(
-    path: str | Path | None = None,
-    *,
-    layout: LayoutName | Literal["auto", "plain"] = "auto",
-    parts: Sequence[str] | None = None,
-    distinct: bool = False,
-    name: str = "",
-    licence: str = "",
-) -> Baseline:
-    """Read a baseline from a file of your own, or from one of a public driving data set.
-
-    Without a path it is the bundled one. Your own files (`plain`): lines, JSON lines with `text`, a JSON list, or CSV or TSV with a
-    column `text`. Data sets, as they are distributed: DriveLM, nuScenes, Talk2Car, BDD-X and
-    CityFlow-NL; see `oodscen.baselines._datasets` for their files, texts and licences.
-
-    Equal texts are kept unless `distinct`: a text that occurs often is as ordinary as one that
-    occurs once, and `tabulated` OOD-ness does not change. Random draws from the baseline do change.
-
-    Args:
-        path: The file; the bundled texts of ordinary driving if left out.
-        layout: The file's layout; `auto` detects it from the content, `plain` is a file of your own.
-        parts: The texts of a data set to read, e.g. `["scene"]` for the scene descriptions of
-            DriveLM; by default those that `oodscen.baselines._datasets` lists first. Of the bundled
-            texts, `["handwritten"]` are those that were written by hand.
-        distinct: Keep only the first of equal texts.
-        name: The name shown in reports; the file's name by default.
-        licence: Licence for redistribution of the texts; that of the data set by default.
-
-    Raises:
-        DataError: If the file cannot be read, is not UTF-8, holds no text, or does not match its
-            layout: one issue per place.
-        UsageError: If there is no such layout or part.
-    """
-    if path is None:
-        return _bundled(parts)
-    file = Path(path)
-    found = _dataset(file, layout)
-    if found is None and parts is not None:
-        raise UsageError(f"{file.name} is a plain file of texts, and has no parts")
-    if found is None:
-        origin, texts = None, [record.text for record in read_records(path, Baseline.noun)]
-    else:
-        origin, texts = found[0], _texts(*found, parts, str(path))
-    return Baseline(
-        texts=tuple(dict.fromkeys(texts) if distinct else texts),
-        name=name or file.name,
-        source=f"{origin.title}, {file.name}" if origin else file.name,
-        licence=licence or (origin.licence if origin else ""),
-    )
-
-
-def _bundled(parts: Sequence[str] | None) -> Baseline:
-    from oodscen.baselines._handwritten import handwritten_driving
-    from oodscen.baselines._ordinary import ordinary_driving
-
-    if parts is None:
-        return ordinary_driving()
-    if tuple(parts) == ("handwritten",):
-        return handwritten_driving()
-    raise UsageError("the only part of the bundled baseline is `handwritten`")
-
-
-def _dataset(file: Path, layout: str) -> tuple[Layout, Any] | None:
-    """Return the layout of a file, and its content in the form that the layout's reader takes."""
-    if layout == "plain":
-        return None
-    if layout == "auto":
-        return recognise(read_utf8(file, Baseline.noun), file.suffix.lower())
-    chosen = layout_of(layout)
-    return chosen, parse(read_utf8(file, Baseline.noun), chosen)
-
-
-def _texts(layout: Layout, document: Any, parts: Sequence[str] | None, source: str) -> list[str]:
-    kinds = layout.parts if parts is None else chosen_parts(layout, tuple(parts))
-    issues: list[Issue] = []
-    texts: list[str] = []
-    for found in [document] if isinstance(document, Issue) else layout.read(document):
-        if isinstance(found, Issue):
-            issues.append(found)
-        elif found.kind in kinds:
-            texts.append(found.text)
-    if not texts and not issues:
-        issues.append(Issue("", f"holds none of these texts of {layout.title}: {', '.join(kinds)}"))
-    refuse(Baseline.noun, issues, source=source)
-    return texts

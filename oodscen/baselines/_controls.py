@@ -10,14 +10,13 @@ that the baseline lacks. *Frozen* serves to report results once the choice is ma
 """
 
 from functools import cache
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, overload
 
 from pydantic import Field
 
-from oodscen.baselines._texts import bundled
+from oodscen.baselines._off_topic import OffTopic, off_topic_texts
+from oodscen.baselines._texts import Split, bundled
 from oodscen.data._base import Data
-
-Split = Literal["tune", "frozen"]
 
 
 class ControlText(Data):
@@ -37,15 +36,34 @@ class ControlText(Data):
     text: str = Field(min_length=1)
 
 
-def load_controls(split: Split) -> tuple[ControlText, ...]:
-    """Return one half of the bundled controls.
+@overload
+def load_controls(
+    split: Split, *, off_topic: Literal[False] = False
+) -> tuple[ControlText, ...]: ...
+
+
+@overload
+def load_controls(
+    split: Split | Literal["blind"], *, off_topic: Literal[True]
+) -> tuple[OffTopic, ...]: ...
+
+
+def load_controls(
+    split: Split | Literal["blind"], *, off_topic: bool = False
+) -> tuple[ControlText, ...] | tuple[OffTopic, ...]:
+    """Return one part of the bundled controls.
 
     Args:
-        split: `tune` to choose a detector or a baseline, `frozen` to report results.
+        split: `tune` to choose a detector, a baseline or a threshold, `frozen` to report results; of the
+            off-topic texts also `blind`, by an author who had seen neither the others nor the guard.
+        off_topic: Return the texts that are not about driving, near misses first.
 
     Returns:
-        The sentences in pairs, the ordinary one first: `[::2]` and `[1::2]` are matched lists.
+        The sentences in pairs, the ordinary one first: `[::2]` and `[1::2]` are matched lists; or the
+        off-topic texts.
     """
+    if off_topic:
+        return off_topic_texts(split)
     return tuple(control for control in _controls() if control.split == split)
 
 

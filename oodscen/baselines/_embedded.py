@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from oodscen._display import Brief
 from oodscen._files import read_utf8, refuse_special, replace
 from oodscen._json import parse_object
+from oodscen.encoders._check import encode
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
 from oodscen.protocols import Encoder
 
@@ -88,8 +89,6 @@ def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -
     Returns:
         The number of texts.
     """
-    from oodscen.encoders._check import encode
-
     file = Path(path)
     if file.suffix != ".npy":
         raise UsageError(f"embeddings are written as .npy, not as {file.name}")

@@ -12,8 +12,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from oodscen.baselines._controls import Split
-from oodscen.baselines._texts import bundled
+from oodscen.baselines._texts import Split, bundled
 from oodscen.data._base import Data
 
 
@@ -33,7 +32,7 @@ class OffTopic(Data):
     text: str = Field(min_length=1)
 
 
-def load_off_topic(split: Split | Literal["blind"]) -> tuple[OffTopic, ...]:
+def off_topic_texts(split: Split | Literal["blind"]) -> tuple[OffTopic, ...]:
     """Return one part of the bundled texts, near misses first.
 
     Args:

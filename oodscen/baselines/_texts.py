@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 from oodscen._display import brief
 from oodscen._files import read_utf8
@@ -21,6 +21,8 @@ MAX_CHARACTERS = 1_000_000
 _MOST_ISSUES = 20
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
+Split = Literal["tune", "frozen"]
+"""Half of a set of texts: to choose settings, or to report results."""
 Rows: TypeAlias = "csv.DictReader[str]"
 
 

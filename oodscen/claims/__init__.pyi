@@ -1,3 +1,2 @@
-from ._check import extract_claims as extract_claims
 from ._checking import check_claims as check_claims
-from ._checking import judge_claims as judge_claims
+from ._faithfulness import extract_claims as extract_claims

@@ -1,8 +1,8 @@
 """Checks of claims about single actors: their place, distance, motion and state."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene
 from oodscen.driving._roads.projection import places
 from oodscen.driving._trace import Course, Trace
+
+if TYPE_CHECKING:
+    from oodscen.driving._roads.corridor import Corridor
 
 Floats = NDArray[np.float64]
 Verdict = tuple[bool | None, str]
@@ -28,6 +31,8 @@ _ASIDE_M = 0.5
 """Lateral distance from the lane's middle beyond which an actor is to the left or right, m."""
 _IN_LANE = 0.3
 """Share of the lane, or of the actor if it is narrower, that an actor in the lane must cover."""
+_ACROSS_LANES = 0.5
+"""Share of a further lane, or of the actor if it is narrower, that an actor in several lanes must cover."""
 _COLOURS = frozenset({"red", "amber", "green"})
 _SPREADS = frozenset({"obscured"})
 """Tags of assets that spread out from where they are instead of moving."""
@@ -36,7 +41,7 @@ _CLEAR_M = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class ObservedActor:
     """The motion of one actor relative to the ego; arrays are [steps]."""
 
     actor: int
@@ -64,6 +69,8 @@ class Seen:
     """Width of the ego's lane, m."""
     lane: Floats
     """Lanes to the left of the ego's; NaN off the lanes."""
+    covered: Mapping[str, Floats]
+    """Greatest share of a `left_lane`, `right_lane` or `oncoming_lane` that the actor covers, as in `share`."""
     along: Floats
     """Speed along the road, m/s."""
     speed: Floats
@@ -108,6 +115,9 @@ class Seen:
                 half_width=across[:, row],
                 lane_width=width[:, row],
                 lane=trace["lane"][:, row],
+                covered=_covered(
+                    corridor, course.strip, s[:, row], trace["t"][:, row], across[:, row]
+                ),
                 along=along[:, row],
                 speed=speed[:, row],
                 gear=trace["speed"][:, row],
@@ -171,12 +181,13 @@ class Seen:
             sign = 1.0 if value == "left" else -1.0
             return bool((sign * aside > _ASIDE_M).any()), where
         known = lane[self.before]
-        test = {
+        is_centred = {
             "left_lane": known >= 1.0,
             "right_lane": known <= -1.0,
             "oncoming_lane": known >= self.own_lanes,
         }[value]
-        return bool(test.any()), where
+        is_across = self.covered[value][self.before] >= _ACROSS_LANES
+        return bool((is_centred | is_across).any()), where
 
     def _distance(self, metres: float) -> Verdict:
         away = np.abs(self.ahead[self.before])
@@ -241,3 +252,26 @@ class Seen:
         if value not in states:
             return None, f"{self.asset.id} cannot show {value!r}"
         return (self.state or states[0]) == value, found
+
+
+def _covered(
+    corridor: "Corridor", own: int, s: Floats, t: Floats, half_width: Floats
+) -> dict[str, Floats]:
+    """Return the greatest shares of the lanes beside the ego's that a footprint covers, by kind of lane."""
+    middle = float(np.mean(corridor.strips[own].left + corridor.strips[own].right))
+    shares = {name: np.zeros(len(s)) for name in ("left_lane", "right_lane", "oncoming_lane")}
+    for number, strip in enumerate(corridor.strips):
+        if number == own or strip.kind != "driving":
+            continue
+        left = np.interp(s, corridor.s, strip.left)
+        right = np.interp(s, corridor.s, strip.right)
+        taken = np.minimum(t + half_width, left) - np.maximum(t - half_width, right)
+        share = np.maximum(taken, 0.0) / np.maximum(
+            np.minimum(left - right, 2.0 * half_width), 1e-6
+        )
+        is_left = float(np.mean(strip.left + strip.right)) > middle
+        kinds = ["left_lane" if is_left else "right_lane"]
+        kinds += ["oncoming_lane"] if strip.direction < 0 else []
+        for kind in kinds:
+            shares[kind] = np.maximum(shares[kind], share)
+    return shares

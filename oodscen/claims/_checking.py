@@ -1,11 +1,11 @@
 """Comparison of a text's claims with a scene and with its trace."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import permutations
 from math import perm
 from typing import ClassVar, Literal, NamedTuple
 
-from oodscen.claims._actors import Seen
+from oodscen.claims._actors import ObservedActor
 from oodscen.claims._matching import OF_THE_MAP, Likeness, doubt, is_of_map
 from oodscen.claims._surroundings import judge_surroundings
 from oodscen.claims._things import Thing, may_be, named
@@ -48,8 +48,13 @@ def check_claims(
     trace: Trace | None = None,
     *,
     likeness: Likeness | None = None,
-) -> list[Mismatch]:
-    """Find the claims of a text that a scene contradicts.
+) -> list[ClaimFinding]:
+    """Compare every claim of a text with a scene, in their order.
+
+    Each subject is assigned the actor that fits most of its claims, among those that the scene says stand for
+    it or else those that its noun fits; subjects with the same name are different actors. Claims about several
+    things (`count`), or about someone or something that the text does not name, only need one actor for which
+    they are true.
 
     Args:
         claims: The claims of one text.
@@ -60,43 +65,14 @@ def check_claims(
         likeness: Nearness in meaning between the text's nouns and the assets, for the scene's `stands_for`.
 
     Returns:
-        One mismatch per claim that does not hold; empty for a faithful scene.
-    """
-    return [
-        Mismatch(claim=one.claim, found=one.found, path=one.path)
-        for one in judge_claims(claims, scene, catalogue, trace, likeness=likeness)
-        if one.status == "fails"
-    ]
-
-
-def judge_claims(
-    claims: Sequence[Claim],
-    scene: Scene,
-    catalogue: Catalogue,
-    trace: Trace | None = None,
-    *,
-    likeness: Likeness | None = None,
-) -> list[ClaimFinding]:
-    """Compare every claim of a text with a scene, in their order.
-
-    Each subject is assigned the actor that fits most of its claims, among those that the scene says stand for
-    it or else those that its noun fits; subjects with the same name are different actors. Claims about several
-    things (`count`), or about someone or something that the text does not name, only need one actor for which
-    they are true.
-
-    Args:
-        claims: As for `check_claims`.
-        scene: As for `check_claims`.
-        catalogue: As for `check_claims`.
-        trace: As for `check_claims`.
-        likeness: As for `check_claims`.
+        One finding per claim; those that the scene contradicts have the status `fails`.
     """
     if not claims:
         return []
     if trace is None:
         trace = watch(scene, catalogue)
     road = _road(scene, catalogue)
-    seen = Seen.of(scene, catalogue, trace)
+    seen = ObservedActor.of(scene, catalogue, trace)
     by_subject: dict[str, list[Claim]] = {}
     for claim in claims:
         if claim.kind in OF_THINGS:
@@ -124,6 +100,15 @@ def judge_claims(
     return told
 
 
+def mismatches(findings: Iterable[ClaimFinding]) -> list[Mismatch]:
+    """Return the claims that a scene contradicts."""
+    return [
+        Mismatch(claim=one.claim, found=one.found, path=one.path)
+        for one in findings
+        if one.status == "fails"
+    ]
+
+
 def _road(scene: Scene, catalogue: Catalogue) -> RoadMap | None:
     """Return the scene's map, or `None` if its traits are unknown."""
     road = find_map(scene.map, catalogue)
@@ -144,7 +129,7 @@ def _groups(subjects: Mapping[str, Sequence[Claim]]) -> list[list[str]]:
 class _Role(NamedTuple):
     """The actors that may show a thing."""
 
-    fitting: tuple[Seen, ...]
+    fitting: tuple[ObservedActor, ...]
     is_told: bool = False
     """True if the scene names the actors that show it."""
     why_not: str = ""
@@ -157,7 +142,7 @@ def _role(
     subject: str,
     claims: Sequence[Claim],
     scene: Scene,
-    seen: Sequence[Seen],
+    seen: Sequence[ObservedActor],
     catalogue: Catalogue,
     likeness: Likeness | None,
 ) -> _Role:
@@ -206,8 +191,8 @@ def _settle(
         for name in single
         for one in roles[name].fitting
     }
-    best: tuple[int, tuple[Seen | None, ...]] | None = None
-    pool: list[Seen | None] = [*fitting, *([None] * max(0, len(single) - len(fitting)))]
+    best: tuple[int, tuple[ObservedActor | None, ...]] | None = None
+    pool: list[ObservedActor | None] = [*fitting, *([None] * max(0, len(single) - len(fitting)))]
     if single and perm(len(pool), len(single)) > _CASTS:
         pool = pool[: max(len(single), 12)]
         options = [tuple(pool[: len(single)])] if perm(len(pool), len(single)) > _CASTS else None
@@ -236,7 +221,7 @@ def _several(claims: Sequence[Claim]) -> bool:
     return any(claim.kind == "count" and int(claim.value) > 1 for claim in claims)
 
 
-def _judge_one(claims: Sequence[Claim], one: Seen) -> dict[Claim, ClaimFinding]:
+def _judge_one(claims: Sequence[Claim], one: ObservedActor) -> dict[Claim, ClaimFinding]:
     findings = {}
     for claim in claims:
         holds, found = one.judge(claim, claims)
@@ -296,7 +281,7 @@ def _of_scenery(claim: Claim) -> ClaimFinding:
     return _finding(claim, True if claim.kind == "thing" else None, "the map has it", "map")
 
 
-def _traffic(claim: Claim, seen: Sequence[Seen], taken: set[str]) -> ClaimFinding:
+def _traffic(claim: Claim, seen: Sequence[ObservedActor], taken: set[str]) -> ClaimFinding:
     users = [one for one in seen if one.asset.category in _USERS]
     if claim.value == "none":
         extra = [one.id for one in users if one.id not in taken and one.is_traffic]

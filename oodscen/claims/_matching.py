@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from oodscen.claims._things import Thing, is_head, may_be, named, words_of
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.encoders._check import encode
+from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.protocols import Encoder
 
 OF_THE_MAP = "map"
@@ -65,8 +66,6 @@ class Likeness:
 
 def likeness_of(encoder: Encoder | None, catalogue: Catalogue) -> Likeness | None:
     """Return the nearness in meaning by an encoder; `None` if its cosines are not known to follow meaning."""
-    from oodscen.metrics._detection.guard import is_calibrated
-
     if encoder is None or not is_calibrated(encoder.name):
         return None
     return Likeness(encoder, catalogue)

@@ -9,7 +9,7 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.world import KinematicWorld
-from oodscen.driving._roads.building import find_map, load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._trace import Course, Trace
 from oodscen.protocols import State
 
@@ -36,7 +36,7 @@ def watch(scene: Scene, catalogue: Catalogue, *, seed: int = 0, after_s: float =
     Returns:
         The ground truth of every step.
     """
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     world = KinematicWorld(corridor, scene, catalogue, seed, dt=DT)
     driver = Cruise()
     states = [_state(world)]

@@ -2,7 +2,6 @@ from ._catalogue import Asset as Asset
 from ._catalogue import Catalogue as Catalogue
 from ._catalogue import RoadMap as RoadMap
 from ._catalogue import WeatherRange as WeatherRange
-from ._episode import ACTIONS as ACTIONS
 from ._episode import Episode as Episode
 from ._scenario import Scenario as Scenario
 from ._scene import Actor as Actor

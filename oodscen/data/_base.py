@@ -5,7 +5,7 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
@@ -14,9 +14,29 @@ from oodscen._files import read_utf8
 from oodscen._json import parse_json
 from oodscen.errors import DataError, Issue
 
+if TYPE_CHECKING:
+    _Model = BaseModel
+else:
 
-class Data(Brief, BaseModel):
-    """Immutable, JSON-serialisable value without extra fields; validation reports every fault at once."""
+    class _Constructor(type(BaseModel)):
+        """Lets a direct call of a class raise this library's error, and validation of parts pydantic's."""
+
+        def __call__(cls, *values: Any, **fields: Any) -> Any:
+            try:
+                return super().__call__(*values, **fields)
+            except ValidationError as error:
+                raise DataError(cls.noun, issues_of(error)) from None
+
+    class _Model(BaseModel, metaclass=_Constructor):
+        noun: ClassVar[str] = "value"
+
+
+class Data(Brief, _Model):
+    """Immutable, JSON-serialisable value without extra fields; validation reports every fault at once.
+
+    Raises:
+        DataError: With one `Issue` per fault.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -79,7 +99,7 @@ def digest(value: Any) -> str:
     return hashlib.sha256(canonical_json(value).encode()).hexdigest()
 
 
-class Faults(ValueError):
+class IssuesError(ValueError):
     """Raised by validators that check a value as a whole and can find several faults at once."""
 
     def __init__(self, issues: Sequence[Issue]) -> None:
@@ -93,7 +113,7 @@ def issues_of(error: ValidationError) -> list[Issue]:
     for item in error.errors(include_url=False, include_input=False):
         path = dotted(item["loc"])
         cause = item.get("ctx", {}).get("error")
-        if isinstance(cause, Faults):
+        if isinstance(cause, IssuesError):
             issues += [Issue(_below(path, i.path), i.message) for i in cause.issues]
         else:
             issues.append(Issue(path, item["msg"].removeprefix("Value error, ")))

@@ -115,6 +115,8 @@ VALUES: Mapping[str, Mapping[str, str]] = {
         "amber": "an amber signal",
         "flashing": "a signal that flashes",
         "all_on": "several colours of one signal at once",
+        "closed": "a gate or barrier is down",
+        "open": "a gate or barrier is up",
     },
 }
 """Allowed values of each kind of claim, and their meanings; the kinds in `NUMBERS` have none."""

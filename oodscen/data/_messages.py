@@ -6,6 +6,7 @@ from typing import Literal, Self
 
 from pydantic import Field
 
+from oodscen._files import read_bytes
 from oodscen.data._base import Data
 
 _BEGINS = (b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n")
@@ -26,7 +27,7 @@ class Image(Data):
     def from_file(cls, path: Path, name: str = "") -> Self:
         """Create a reference to a JPEG or PNG file."""
         return cls(
-            name=name or path.name, sha256=hashlib.sha256(path.read_bytes()).hexdigest(), path=path
+            name=name or path.name, sha256=hashlib.sha256(read_bytes(path)).hexdigest(), path=path
         )
 
     def fault(self) -> str:
@@ -49,7 +50,7 @@ class Image(Data):
         """Return the encoded bytes."""
         if self.path is None:
             raise FileNotFoundError(f"no file is known for the image {self.name}")
-        return self.path.read_bytes()
+        return read_bytes(self.path)
 
 
 class Message(Data):

@@ -15,7 +15,7 @@ from pydantic import (
     model_validator,
 )
 
-from oodscen.data._base import Data, Faults
+from oodscen.data._base import Data, IssuesError
 from oodscen.data._twins import is_twin, twin_id
 from oodscen.errors import Issue
 
@@ -154,7 +154,7 @@ class Scene(Data):
     def _consistent(self) -> Self:
         issues = _misfits(self)
         if issues:
-            raise Faults(issues)
+            raise IssuesError(issues)
         return self
 
     @property

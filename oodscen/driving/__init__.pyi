@@ -1,10 +1,5 @@
 from ._kinematic_simulator import KinematicSimulator as KinematicSimulator
-from ._motion.actions import Cruise as Cruise
 from ._motion.actions import action_driver as action_driver
-from ._motion.behaviours import BEHAVIOURS as BEHAVIOURS
 from ._motion.world import KinematicWorld as KinematicWorld
-from ._roads.building import find_map as find_map
 from ._roads.building import load_corridor as load_corridor
-from ._roads.corridor import Corridor as Corridor
 from ._sight.placement import check_scene as check_scene
-from .maps._shipped import SHIPPED_MAPS as SHIPPED_MAPS

@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
-from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import Scene
+from oodscen.driving._motion.behaviours import BEHAVIOURS
 from oodscen.driving._motion.world import KinematicWorld, Published, WorldSnapshot
-from oodscen.driving._roads.building import find_map, load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.placement import staging_issues
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import SceneError, SimulatorError, UsageError
 from oodscen.protocols import Camera, Control, Frame, Observation, State
 
@@ -41,6 +43,10 @@ class KinematicSimulator(Brief, ABC):
     reset and must remove everything that an earlier scene left behind.
     """
 
+    BEHAVIOURS: ClassVar[tuple[BehaviourKind, ...]] = BEHAVIOURS
+    """The behaviours that the world moves, for the catalogue."""
+    MAPS: ClassVar[tuple[RoadMap, ...]] = SHIPPED_MAPS
+    """The shipped maps, for the catalogue."""
     _repr_fields: ClassVar[tuple[str, ...]] = ("name", "dt")
 
     name: str = "mirror"
@@ -141,7 +147,7 @@ class KinematicSimulator(Brief, ABC):
         issues = staging_issues(scene, catalogue)
         if issues:
             raise SceneError(scene.id, issues)
-        corridor = load_corridor(find_map(scene.map, catalogue))
+        corridor = load_corridor(scene.map, catalogue)
         world = KinematicWorld(corridor, scene, catalogue, seed, dt=self.dt)
         self.load(corridor, scene, seed)
         poses = world.poses()

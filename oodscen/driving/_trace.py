@@ -14,7 +14,7 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving import _trace_table as table
 from oodscen.driving._motion.world import ego_strip
-from oodscen.driving._roads.building import find_map, load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.projection import lanes, places
 from oodscen.driving._surrogate_safety import (
@@ -69,7 +69,7 @@ class Course(Brief):
         bodies = catalogue.bodies(scene)
         sizes = np.array([(asset.length, asset.width, asset.height) for _, asset, _ in bodies])
         passable = np.array([asset.is_passable(state) for _, asset, state in bodies])
-        corridor = load_corridor(find_map(scene.map, catalogue))
+        corridor = load_corridor(scene.map, catalogue)
         return cls(corridor, ego_strip(corridor, scene.ego.lane), sizes, passable)
 
 

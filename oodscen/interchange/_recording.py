@@ -12,11 +12,12 @@ from oodscen.data._scene import Scene, Trigger
 from oodscen.driving import KinematicSimulator, action_driver, load_corridor
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
+from oodscen.driving._motion.triggers import MAX_APPROACH_S
 from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import SimulatorError
 from oodscen.protocols import Camera, Driver, Frame, Simulator, State
-from oodscen.stages._simulate import MAX_APPROACH_S, approach
+from oodscen.stages._simulate import approach
 
 Floats = NDArray[np.float64]
 

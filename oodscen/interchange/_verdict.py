@@ -11,7 +11,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import ActionOutcome
 from oodscen.data._scene import Scene
 from oodscen.driving import KinematicWorld, load_corridor
-from oodscen.driving._motion.triggers import is_due
+from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._trace import Course, Trace
@@ -19,7 +19,7 @@ from oodscen.errors import DataError, Issue
 from oodscen.interchange._poses import PlayedPoses
 from oodscen.protocols import State
 from oodscen.stages._drive import drive_result
-from oodscen.stages._simulate import MAX_APPROACH_S, judged
+from oodscen.stages._simulate import judged
 
 Floats = NDArray[np.float64]
 

@@ -7,15 +7,16 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._numbers import seed_number
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of
-from oodscen.judging._leaderboard.board import Estimate
+from oodscen.judging._leaderboard.scores import Estimate
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler
-from oodscen.statistics._tests import PairedTest, paired
+from oodscen.statistics._significance import PairedTest, paired
 
 RULE_BASED = "rule-based"
 """Name of the built-in driver that the others are compared with."""
@@ -146,7 +147,7 @@ def drive_board(
     grouped: dict[str, list[DriveResult]] = {}
     for one in results:
         grouped.setdefault(one.driver, []).append(one)
-    sums = _Sums(paths, seed)
+    sums = _Sums(paths, seed_number(seed))
     yardstick = _sound(grouped.get(RULE_BASED, ()))
     found = {}
     for driver, drives in grouped.items():

@@ -5,7 +5,9 @@ from typing import TypeVar, cast
 
 from pydantic import BaseModel, ValidationError
 
+from oodscen._numbers import whole_number
 from oodscen._redaction import redact_keys
+from oodscen._seeding import MAX_SEED
 from oodscen.data._base import issues_of
 from oodscen.data._messages import Message
 from oodscen.errors import AnswerError, Issue
@@ -54,21 +56,24 @@ def ask(
 
     Raises:
         AnswerError: When the last answer is still invalid; the error keeps the raw text and the faults.
+        UsageError: When `sample` or `attempts` is not a whole number of this range.
         LLMError: When the model cannot be reached, or its implementation raises anything else.
     """
+    whole_number("sample", sample, 0, MAX_SEED)
+    whole_number("attempts", attempts, 1)
     checks: list[Check[Answer]] = [prompt.check, *([check] if check else [])]
     kind = cast(type[Answer], prompt.answer)
     question = messages = prompt.messages()
     schema = prompt.answer_schema()
     issues: list[Issue] = []
     raw = ""
-    for attempt in range(1, max(attempts, 1) + 1):
+    for attempt in range(1, attempts + 1):
         raw = redact_keys(complete(llm, Request(prompt, messages, schema, sample, attempt)).text)
         answer, issues = read(raw) if read else read_answer(raw, kind, checks)
         if answer is not None:
             return answer
         messages = (*question, *_repair(raw, issues))
-    raise AnswerError(llm.name, prompt.purpose, issues, raw, max(attempts, 1))
+    raise AnswerError(llm.name, prompt.purpose, issues, raw, attempts)
 
 
 def speaker(llm: LLM) -> str:

@@ -7,7 +7,7 @@ from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request
 
 
-class MeteredLLM(Wrapper):
+class CappedLLM(Wrapper):
     """Holds another model to the caps of a run; every call counts as one request.
 
     Args:

@@ -5,7 +5,7 @@ from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import Completion, Request
 
 
-class ContainedLLM(Wrapper):
+class CircuitBreakerLLM(Wrapper):
     """Fails the question instead of the run when the wrapped model is given up.
 
     Args:

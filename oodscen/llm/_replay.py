@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import BinaryIO, ClassVar, NamedTuple
 
 from oodscen._display import Brief
+from oodscen._files import refuse_special
 from oodscen._lock import locked
 from oodscen._redaction import redact_keys
 from oodscen.data._base import Data, canonical_json
@@ -28,6 +29,9 @@ from oodscen.protocols import LLM, Completion, Request, Usage
 
 SHOWN = 60
 """Number of characters quoted from each of two texts where they first differ."""
+
+_LONGEST = 1 << 26
+"""Bytes at which a line is refused: no exchange is as long."""
 
 
 class Exchange(Data):
@@ -178,7 +182,10 @@ class Recording(Brief):
         if self._seen is None:
             return
         with self._opened() as file:
-            for line in file:
+            while line := file.readline(_LONGEST):
+                if len(line) == _LONGEST:
+                    issue = Issue(f"line {self._line + 1}", f"has {_LONGEST:,} bytes and more")
+                    raise DataError("recording", [issue], source=str(self.path))
                 if line.strip():
                     if not line.endswith(b"\n") and not _is_whole(line):
                         self._torn = line
@@ -210,6 +217,7 @@ class Recording(Brief):
 
     @contextmanager
     def _opened(self) -> Iterator[BinaryIO]:
+        refuse_special(self.path, "recording")
         try:
             with self.path.open("rb") as file:
                 yield file
@@ -242,7 +250,10 @@ class Recorder(Recording):
     @classmethod
     def at(cls, path: str | Path) -> "Recorder":
         """Return this process's recorder of a file, or a new one if there is none."""
-        place = Path(path).resolve()
+        try:
+            place = Path(path).resolve()
+        except (OSError, ValueError, RuntimeError) as error:
+            raise DataError("recording", [Issue("", str(error))], source=str(path)) from None
         with _sharing:
             recorder = _recorders.get(place)
             if recorder is not None:
@@ -397,8 +408,7 @@ class ReplayLLM(Brief):
         path, mark, model = str(source).rpartition("#")
         if not mark or Path(source).is_file():
             path, model = str(source), ""
-        if not Path(path).is_file():
-            raise DataError("recording", [Issue("", "there is no such file")], source=path)
+        refuse_special(path, "recording")
         self.name = (
             f"replay:{Path(path).name}{mark and '#'}{model}"
             if model

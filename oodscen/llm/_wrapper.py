@@ -2,6 +2,7 @@
 
 from typing import Any, ClassVar
 
+from oodscen._conformance import conforming
 from oodscen._display import Brief
 from oodscen.protocols import LLM
 
@@ -16,7 +17,7 @@ class Wrapper(Brief):
     _repr_fields: ClassVar[tuple[str, ...]] = ("_llm",)
 
     def __init__(self, llm: LLM) -> None:
-        self.name = llm.name
+        self.name = conforming("llm", llm).name
         self._llm = llm
 
     def __getattr__(self, name: str) -> Any:

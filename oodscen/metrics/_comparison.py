@@ -14,7 +14,7 @@ from oodscen.metrics._diversity import mean_nearest, mean_pairwise
 from oodscen.metrics._oodness import Measure
 from oodscen.metrics._vectors.distances import frechet, mmd
 from oodscen.metrics._vectors.similarity import Vectors
-from oodscen.statistics._tests import PERMUTATIONS, permutation_test, sign_flip
+from oodscen.statistics._significance import PERMUTATIONS, permutation_test, sign_flip
 
 if TYPE_CHECKING:
     from oodscen.metrics._vectors.space import Space

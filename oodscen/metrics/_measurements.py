@@ -18,7 +18,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.metrics._diversity import Diversity, mean_nearest, mean_pairwise
 from oodscen.metrics._metrics import Metrics
 from oodscen.metrics._oodness import Measure
-from oodscen.metrics._report import BaselineBatch, Report
+from oodscen.metrics._report import BaselineBatch, MetricsReport
 from oodscen.metrics._vectors.axes import principal_axes
 from oodscen.metrics._vectors.similarity import Vectors
 from oodscen.statistics._auroc import Auroc, auroc_interval
@@ -115,7 +115,7 @@ class Measurements(Data):
 
     encoder: str
     baseline: BaselineUsed
-    sets: dict[str, Report]
+    sets: dict[str, MetricsReport]
     """By size for the diverse tree, and `simulatable` for all texts of the other."""
     baseline_batch: BaselineBatch
     baseline_diversity: Diversity

@@ -3,17 +3,16 @@
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._conformance import conforming
 from oodscen._display import Brief
-from oodscen._numbers import finite_number, whole_number
+from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._progress import Progress, reporting
-from oodscen._seeding import MAX_SEED, stream
-from oodscen.baselines._baseline import Baseline, load_baseline
+from oodscen._seeding import stream
+from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._duplicates import NearDuplicates, near_duplicates
 from oodscen.baselines._embedded import (
     EMBEDDED,
@@ -21,6 +20,7 @@ from oodscen.baselines._embedded import (
     open_embeddings,
     write_embeddings,
 )
+from oodscen.baselines._loading import load_baseline
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.baselines._texts import check_texts
 from oodscen.data._scenario import Scenario
@@ -30,14 +30,13 @@ from oodscen.metrics._comparison import Comparison, SetDistance, compare, distan
 from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
-from oodscen.metrics._report import BaselineBatch, Report, baseline_batch, report
+from oodscen.metrics._report import BaselineBatch, MetricsReport, baseline_batch, report
+from oodscen.metrics._score import score_records
 from oodscen.metrics._selection import Band, Method, Selection, band, select
+from oodscen.metrics._table import Table, paper_table
 from oodscen.metrics._variety import Variety, variety
 from oodscen.metrics._vectors.space import Space
 from oodscen.protocols import Encoder
-
-if TYPE_CHECKING:
-    from oodscen.metrics._table import Table
 
 Texts = Sequence[str | Scenario]
 
@@ -71,7 +70,7 @@ class Metrics(Brief):
     ) -> None:
         self.encoder: Encoder = all_minilm() if encoder is None else conforming("encoder", encoder)
         self.baseline = _as_baseline(baseline, self.encoder)
-        self.seed = whole_number("seed", seed, 0, MAX_SEED)
+        self.seed = seed_number(seed)
         self._space = Space(self.encoder, self.baseline, seed, device)
 
     def oodness(self, texts: Texts, definition: Measure = "tabulated") -> Oodness:
@@ -106,7 +105,7 @@ class Metrics(Brief):
         definition: Measure = "tabulated",
         checks: bool = True,
         progress: Progress | bool | None = None,
-    ) -> Report:
+    ) -> MetricsReport:
         """Return all figures of a set of texts.
 
         They come with checks against the known pitfalls: the percentile of the texts among held-out
@@ -313,7 +312,7 @@ class Metrics(Brief):
 
     def paper_table(
         self, texts: Texts, *, sizes: Sequence[int] = (10, 100, 1000), repeats: int = 10
-    ) -> "Table":
+    ) -> Table:
         """Return the paper's table: batches of the baseline, and random draws of the texts by size.
 
         Args:
@@ -321,8 +320,6 @@ class Metrics(Brief):
             sizes: Sizes of the draws; sizes above the number of texts are left out.
             repeats: Draws per size, as in the paper; figures are their means.
         """
-        from oodscen.metrics._table import paper_table
-
         return paper_table(self, texts, sizes=sizes, repeats=repeats)
 
     def score_file(
@@ -331,7 +328,7 @@ class Metrics(Brief):
         *,
         band: tuple[float, float] | None = None,
         definition: Definition = "tabulated",
-    ) -> Report:
+    ) -> MetricsReport:
         """Return the OOD-ness and diversity of the texts in a file.
 
         Args:
@@ -344,8 +341,6 @@ class Metrics(Brief):
             DataError: If the file cannot be read, or a line has no text.
             UsageError: If no text lies inside the band.
         """
-        from oodscen.metrics._score import score_records
-
         return score_records(self, path, band=band, definition=definition)
 
     def compare(

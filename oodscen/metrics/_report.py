@@ -50,7 +50,7 @@ class ControlCheck(Data):
     """AUROC of the set against the ordinary controls."""
 
 
-class Report(Data):
+class MetricsReport(Data):
     """All figures of one set of texts, with the data needed to reproduce them.
 
     Can also be read like a mapping: `report["oodness"]["mean"]`, `dict(report)`.
@@ -185,7 +185,7 @@ def report(
     *,
     checks: bool,
     told: Progress = silent,
-) -> Report:
+) -> MetricsReport:
     """Return all figures of a set of texts; see `Metrics.report`."""
     total = 5 if checks else 2
     told("metrics", 0, total)
@@ -203,7 +203,7 @@ def report(
         if is_calibrated(encoder):
             flags = space.guard.flags(space.vectors(texts))
         told("metrics", 5, total)
-    return Report(
+    return MetricsReport(
         oodness=found,
         diversity=differing,
         n=len(texts),

@@ -1,54 +1,24 @@
 """Scores a file of texts; implements the command `oodscen score`."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._texts import Record, read_records
 from oodscen.errors import UsageError
-from oodscen.metrics._metrics import Metrics
 from oodscen.metrics._oodness import Definition
-from oodscen.metrics._report import Report
-from oodscen.metrics._table import Table, paper_table
-from oodscen.protocols import Encoder
+from oodscen.metrics._report import MetricsReport
 
-
-def score_file(
-    path: str | Path,
-    *,
-    baseline: str | Path | Baseline | None = None,
-    encoder: Encoder | None = None,
-    band: tuple[float, float] | None = None,
-    definition: Definition = "tabulated",
-    seed: int = 0,
-) -> Report:
-    """Return the OOD-ness and diversity of the texts in a file.
-
-    Args:
-        path: Plain lines, JSON lines with `text` (and `path` or `leaf`, if known), a JSON list, or
-            CSV with a column `text`.
-        baseline: A baseline, or a file in one of these formats; by default the bundled baseline.
-        encoder: By default all-MiniLM-L6-v2.
-        band: Bounds of OOD-ness; only the texts inside are reported.
-        definition: Definition of OOD-ness.
-        seed: Seed of the bootstrap.
-
-    Raises:
-        DataError: If a file cannot be read, or a line has no text.
-        UsageError: If no text lies inside the band.
-        EncoderError: If the encoder fails.
-    """
-    return score_records(
-        Metrics(encoder, baseline, seed=seed), path, band=band, definition=definition
-    )
+if TYPE_CHECKING:
+    from oodscen.metrics._metrics import Metrics
 
 
 def score_records(
-    metrics: Metrics,
+    metrics: "Metrics",
     path: str | Path,
     *,
     band: tuple[float, float] | None = None,
     definition: Definition = "tabulated",
-) -> Report:
+) -> MetricsReport:
     """Return the report of the texts in a file; see `Metrics.score_file`."""
     records = read_records(path)
     texts = [record.text for record in records]
@@ -63,29 +33,6 @@ def score_records(
     records = [records[index] for index in kept.indices]
     report = metrics.report(kept.texts, _groups(records), definition=definition)
     return report.model_copy(update={"band": kept})
-
-
-def table_of_file(
-    path: str | Path,
-    *,
-    baseline: str | Path | Baseline | None = None,
-    encoder: Encoder | None = None,
-    seed: int = 0,
-) -> Table:
-    """Return the paper's table for the texts in a file.
-
-    Args:
-        path: As for `score_file`.
-        baseline: As for `score_file`, e.g. DriveLM's `v1_1_train_nus.json`.
-        encoder: By default all-MiniLM-L6-v2.
-        seed: Seed of the draws.
-
-    Raises:
-        DataError: If a file cannot be read, or a line has no text.
-        EncoderError: If the encoder fails.
-    """
-    texts = [record.text for record in read_records(path)]
-    return paper_table(Metrics(encoder, baseline, seed=seed), texts)
 
 
 def _groups(records: list[Record]) -> tuple[str, ...] | None:

@@ -1,14 +1,16 @@
 """The paper's table, with both definitions of each figure side by side."""
 
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from oodscen._seeding import stream
 from oodscen.data._base import Data
 from oodscen.data._scenario import Scenario
-from oodscen.metrics._metrics import Metrics
+
+if TYPE_CHECKING:
+    from oodscen.metrics._metrics import Metrics
 
 SIZES = (10, 100, 1000)
 
@@ -51,7 +53,7 @@ class Table(Data):
 
 
 def paper_table(
-    metrics: Metrics,
+    metrics: "Metrics",
     texts: Sequence[str | Scenario],
     *,
     sizes: Sequence[int] = SIZES,
@@ -82,7 +84,7 @@ def paper_table(
     )
 
 
-def _baseline_rows(metrics: Metrics, repeats: int) -> tuple[TableRow, TableRow]:
+def _baseline_rows(metrics: "Metrics", repeats: int) -> tuple[TableRow, TableRow]:
     batch = max(1, min(100, len(metrics.baseline) // 2))
     own = metrics.baseline_diversity()
     return (
@@ -105,7 +107,7 @@ def _baseline_rows(metrics: Metrics, repeats: int) -> tuple[TableRow, TableRow]:
     )
 
 
-def _row(label: str, metrics: Metrics, texts: Sequence[str], size: int, repeats: int) -> TableRow:
+def _row(label: str, metrics: "Metrics", texts: Sequence[str], size: int, repeats: int) -> TableRow:
     """Return the means over random draws of a size."""
     draws = stream(metrics.seed, "paper-table", size)
     found = []

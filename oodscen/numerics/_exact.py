@@ -174,12 +174,6 @@ def asin(x: float) -> float:
 
 
 @part
-def acos(x: float) -> float:
-    """Return the arc cosine of a number in [-1, 1]."""
-    return atan2(math.sqrt((1.0 - x) * (1.0 + x)), x)
-
-
-@part
 def hypot(x: float, y: float) -> float:
     """Return the length of a vector whose square neither overflows nor underflows."""
     return math.sqrt(x * x + y * y)

@@ -7,7 +7,8 @@ from typing import Self
 
 from oodscen.data._additions import FOG_M, ICE
 from oodscen.data._base import Data
-from oodscen.data._catalogue import BehaviourKind, Catalogue, RoadMap
+from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
+from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import DataError, UnknownComponent
 from oodscen.prompts._landmarks import Landmark, landmarks
 from oodscen.prompts._layout import layout
@@ -28,6 +29,13 @@ class AssetLine(Data):
     length_m: float = 0.0
     width_m: float = 0.0
     height_m: float = 0.0
+
+    @property
+    def is_plain(self) -> bool:
+        """True if the description holds every word of the id, which then says enough."""
+        told = set(re.findall(r"[a-z0-9]+", self.description.casefold()))
+        words = re.findall(r"[a-z0-9]+", self.id.casefold())
+        return all(any(one.startswith(word) for one in told) for word in words)
 
 
 class BehaviourLine(Data):
@@ -156,7 +164,7 @@ class CatalogueDigest(Data):
                 AssetLine(
                     id=a.id,
                     category=a.category,
-                    description=a.description,
+                    description=_described(a),
                     states=a.states,
                     names=a.names,
                     length_m=a.length,
@@ -169,6 +177,13 @@ class CatalogueDigest(Data):
             maps=tuple(_map_line(road, catalogue) for road in catalogue.maps),
             weather=_weather_line(catalogue),
         )
+
+
+def _described(asset: Asset) -> str:
+    """Return an asset's description; the size of one that smokes or spreads flat says nothing of its smoke."""
+    if asset.description and {"flat", "smoke"} <= set(asset.tags):
+        return f"{asset.description} (the size is that of its foot; its smoke rises above)"
+    return asset.description
 
 
 def _behaviour_line(kind: BehaviourKind) -> BehaviourLine:
@@ -201,10 +216,8 @@ def _seen_along(road: RoadMap, catalogue: Catalogue) -> tuple[tuple[Landmark, ..
     """Return the landmarks and layout of a map's file; both empty if there is no readable file."""
     if not road.file:
         return (), ""
-    from oodscen.driving._roads.building import find_map, load_corridor
-
     try:
-        corridor = load_corridor(find_map(road.id, catalogue))
+        corridor = load_corridor(road.id, catalogue)
     except (DataError, UnknownComponent):
         return (), ""
     return landmarks(corridor, road.traits), layout(corridor)

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Literal
 
 from oodscen.data._base import Data
+from oodscen.numerics._exact import cos
 
 if TYPE_CHECKING:
     from oodscen.driving._roads.corridor import Corridor
@@ -64,8 +65,6 @@ def _structures(road: "Corridor") -> Iterator[Landmark]:
 
 
 def _lights(road: "Corridor") -> Iterator[Landmark]:
-    from oodscen.numerics._exact import cos
-
     lane = road.ego_lanes[0]
     for signal in road.signals:
         ahead = signal.s - road.start

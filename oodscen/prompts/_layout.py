@@ -32,14 +32,26 @@ def layout(road: "Corridor") -> str:
 
     Offsets are measured from the centre of the rightmost lane in the ego's direction, positive to the left.
     """
-    parts = [_section(road), *_ends(road), *_bends(road), *_stop_lines(road), *_sides(road)]
+    section = _section(road, road.start)
+    parts = [f"offsets from right to left: {section}", *_structures(road, section)]
+    parts += [*_ends(road), *_bends(road), *_stop_lines(road), *_sides(road)]
     return "; ".join(parts)
 
 
-def _section(road: "Corridor") -> str:
-    """Return the strips at the ego's start, from right to left."""
-    at = round(road.start / road.step)
-    zero = road.centre(road.ego_lanes[0], road.start)
+def _structures(road: "Corridor", usual: str) -> Iterator[str]:
+    """Yield the strips inside tunnels and on bridges where they differ from those at the start."""
+    for one in road.structures:
+        if one.end > road.start and one.start - road.start <= _REACH_M:
+            section = _section(road, 0.5 * (one.start + one.end))
+            if section != usual:
+                where = "in" if one.kind == "tunnel" else "on"
+                yield f"{where} the {one.kind}: {section}"
+
+
+def _section(road: "Corridor", s: float) -> str:
+    """Return the strips at a place along the road, from right to left."""
+    at = round(s / road.step)
+    zero = road.centre(road.ego_lanes[0], s)
     strips: list[tuple[str, float, float]] = []
     for strip in road.strips:
         right, left = float(strip.right[at]) - zero, float(strip.left[at]) - zero
@@ -56,7 +68,7 @@ def _section(road: "Corridor") -> str:
         + (f" (centre {round(0.5 * (right + left), 2) + 0.0:g})" if name.endswith("lane") else "")
         for name, right, left in strips
     ]
-    return "offsets from right to left: " + ", ".join(told)
+    return ", ".join(told)
 
 
 def _ends(road: "Corridor") -> Iterator[str]:
@@ -104,6 +116,7 @@ def _sides(road: "Corridor") -> Iterator[str]:
         if other.is_connecting:
             continue
         lanes: dict[str, list[str]] = {}
+        reach: dict[str, float] = {}
         for strip in other.corridor.strips:
             if strip.kind != "driving" or not strip.direction:
                 continue
@@ -122,6 +135,9 @@ def _sides(road: "Corridor") -> Iterator[str]:
                 where = "towards" if way * sign < 0 else "away from"
                 text = f"lane {where} the ego's road {ahead.mean():.1f} m ahead (heading_deg {90 * way:.0f})"
                 lanes.setdefault(side, []).append(text)
+                straight = abs(s - road.start - ahead.mean()) <= 5.0
+                far = float((sign * offset)[straight].max())
+                reach[side] = max(far, reach.get(side, 0.0))
         for side, told in lanes.items():
             if len(told) > 1:
-                yield f"side road on the {side}: {', '.join(told)}"
+                yield f"side road on the {side}, to {reach[side]:.0f} m aside: {', '.join(told)}"

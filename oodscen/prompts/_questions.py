@@ -19,7 +19,7 @@ from oodscen.prompts._tree.classify_examples import (
 )
 from oodscen.prompts._tree.give_examples import GiveExamples
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
-from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._tree.judge_branch import JudgeBranch, JudgeBranches
 from oodscen.prompts._tree.place_scenario import PlaceScenario
 from oodscen.prompts._tree.propose_tree import ProposeTree
 
@@ -32,6 +32,7 @@ QUESTIONS: Mapping[str, type[Prompt[Any]]] = {
         ImagineScenario,
         PlaceScenario,
         JudgeBranch,
+        JudgeBranches,
         DescribePath,
         DescribeOrdinary,
         ExtractClaims,

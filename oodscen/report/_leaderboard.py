@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen.data._verdict import NOTHING, Verdict
-from oodscen.judging._leaderboard.board import PRIVILEGED
 from oodscen.judging._leaderboard.findings import MOST_MISSING, Finding, answer, findings
 from oodscen.judging._leaderboard.leaderboard import (
     Leaderboard,
@@ -15,6 +14,7 @@ from oodscen.judging._leaderboard.leaderboard import (
     leaderboard,
     paper_example,
 )
+from oodscen.judging._leaderboard.scores import PRIVILEGED
 from oodscen.report._charts import scores as charts
 from oodscen.report._charts.canvas import Canvas
 from oodscen.report._load import Material

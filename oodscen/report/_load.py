@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeVar
 
+from oodscen._files import read_bytes
 from oodscen._json import object_lines, parse_object
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
@@ -15,7 +16,7 @@ from oodscen.data._verdict import Verdict
 from oodscen.errors import DataError
 from oodscen.judging._drives import current
 from oodscen.metrics._measurements import Measurements
-from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._store import Store
 from oodscen.study._study import TABLES, TREES, Study
@@ -227,7 +228,7 @@ def _lines(store: Store, name: str, found: Material) -> Iterator[dict[str, Any]]
 
 def _bytes(store: Store, name: str, found: Material) -> bytes | None:
     try:
-        return store.path(name).read_bytes()
+        return read_bytes(store.path(name))
     except FileNotFoundError:
         found.gaps[name] = f"{name} is not there yet"
     except OSError as error:

@@ -11,8 +11,8 @@ from oodscen.data._episode import Episode
 from oodscen.llm._accounting import Account, account, accounts
 from oodscen.report import _gallery as gallery
 from oodscen.report import _leaderboard as trust
-from oodscen.report import _measures as measures
 from oodscen.report import _sections as parts
+from oodscen.report import _text_metrics as measures
 from oodscen.report._charts import rounds as charts
 from oodscen.report._charts.canvas import Canvas
 from oodscen.report._charts.outline import outline

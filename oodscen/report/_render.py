@@ -13,7 +13,7 @@ import jinja2
 from markupsafe import Markup, escape
 
 from oodscen.errors import FolderTaken
-from oodscen.judging._leaderboard.board import Estimate, Rate
+from oodscen.judging._leaderboard.scores import Estimate, Rate
 from oodscen.report import _load as reading
 from oodscen.report import _page as page
 from oodscen.report import _phrasing as words

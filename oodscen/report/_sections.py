@@ -6,8 +6,8 @@ from typing import Any, Literal, NamedTuple
 from oodscen.errors import OodscenError
 from oodscen.report import _parts as parts
 from oodscen.report._load import Material
-from oodscen.report._measures import pictures
 from oodscen.report._simulators import simulators
+from oodscen.report._text_metrics import pictures
 from oodscen.study._study import Study
 
 Place = Literal["drives", "undecided", "metrics", "growth", "pruning", "coverage"]

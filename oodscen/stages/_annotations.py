@@ -7,10 +7,11 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import png
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving._roads.building import find_map, load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._roads.projection import places
 from oodscen.driving._sight.scene_checks import bodies
@@ -104,6 +105,17 @@ class FrameAnnotations(Data):
     """Semantic ids by name."""
     actors: tuple[ActorAnnotation, ...]
     """Annotations of the actors, in the scene's order."""
+
+    @staticmethod
+    def semantic_map(
+        frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
+    ) -> NDArray[np.uint8]:
+        """Return the class of every pixel of a frame, by `classes`: [height, width] uint8.
+
+        Road and pavement are found by position: pixels on the surface of a strip of the road. The arguments are
+        those of `annotate`.
+        """
+        return semantic_map(frame, state, scene, catalogue, camera)
 
     def save(
         self, folder: str | Path, name: str, frame: Frame, classes: NDArray[np.uint8]
@@ -214,7 +226,7 @@ def semantic_map(
         eye.place[axis] + depth * (eye.forward[axis] + u * eye.right[axis] + v * eye.down[axis])
         for axis in range(3)
     )
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     kinds = _ground(corridor, x, y, z)
     for other in corridor.others:
         beside = kinds == 0
@@ -318,9 +330,7 @@ def _rounded(point: Sequence[float]) -> tuple[float, float, float]:
 
 
 def _png(image: NDArray[Any]) -> bytes:
-    try:
-        import cv2
-    except ImportError:
-        raise MissingExtra("writing pictures", "pybullet", "opencv-python-headless") from None
-    _, data = cv2.imencode(".png", image)
-    return bytes(data.tobytes())
+    data = png(image)
+    if data is None:
+        raise MissingExtra("writing pictures", "pybullet", "opencv-python-headless")
+    return data

@@ -2,27 +2,27 @@
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
-
-from pydantic import ValidationError
 
 from oodscen._display import Brief
+from oodscen._numbers import whole_number
 from oodscen._progress import Progress, reporting
 from oodscen._text import one_line
-from oodscen.data._base import issues_of
+from oodscen.claims._checking import check_claims, mismatches
+from oodscen.claims._faithfulness import extract_claims
+from oodscen.claims._matching import Likeness, likeness_of
+from oodscen.claims._roads import fitting_roads, of_roads
+from oodscen.claims._things import may_be
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim, Mismatch
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.errors import AnswerError, Issue
+from oodscen.driving._sight.placement import check_scene
+from oodscen.errors import AnswerError, DataError, Issue
 from oodscen.llm._ask import ATTEMPTS, ask
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 from oodscen.protocols import LLM, Encoder
-
-if TYPE_CHECKING:
-    from oodscen.claims._matching import Likeness
 
 
 class Augmenter(Brief):
@@ -52,31 +52,25 @@ class Augmenter(Brief):
         llm: LLM,
         catalogue: Catalogue,
         *,
-        check: Callable[[Scene, Catalogue], Sequence[Issue]] | None = None,
+        check: Callable[[Scene, Catalogue], Sequence[Issue]] = check_scene,
         attempts: int = ATTEMPTS,
         claims: bool = True,
         reader: LLM | None = None,
         context: int | None = None,
         encoder: Encoder | None = None,
     ) -> None:
-        if check is None:
-            from oodscen.driving import check_scene
-
-            check = check_scene
         self.llm = llm
         self.catalogue = catalogue
         self.digest = CatalogueDigest.of(catalogue)
         self.check = check
-        self.attempts = attempts
+        self.attempts = whole_number("attempts", attempts, 1)
         self.claims = claims
         self.reader = reader or llm
-        self.context = context
+        self.context = None if context is None else whole_number("context", context, 1)
         self.encoder = encoder
 
     @cached_property
-    def _likeness(self) -> "Likeness | None":
-        from oodscen.claims._matching import likeness_of
-
+    def _likeness(self) -> Likeness | None:
         return likeness_of(self.encoder, self.catalogue)
 
     def read(self, scenario: Scenario) -> tuple[Claim, ...]:
@@ -88,8 +82,6 @@ class Augmenter(Brief):
         """
         if not self.claims:
             return ()
-        from oodscen.claims import extract_claims
-
         return extract_claims(self.reader, scenario.text, attempts=self.attempts)
 
     def run(
@@ -144,8 +136,6 @@ class Augmenter(Brief):
         Raises:
             AnswerError: When no map satisfies them.
         """
-        from oodscen.claims._roads import fitting_roads, of_roads
-
         told = of_roads(claims)
         if not told:
             return ()
@@ -165,21 +155,19 @@ class Augmenter(Brief):
             return []
         try:
             scene = scene_of_draft(scenario, draft, self.catalogue)
-        except ValidationError as error:
-            return issues_of(error)
+        except DataError as error:
+            return error.issues
         faults = self.check(scene, self.catalogue)
         if faults or not claims:
             return faults
-        from oodscen.claims import check_claims
-
-        found = check_claims(claims, scene, self.catalogue, likeness=self._likeness)
+        found = mismatches(check_claims(claims, scene, self.catalogue, likeness=self._likeness))
         return _together(found, scene)
 
 
-def _together(mismatches: Sequence[Mismatch], scene: Scene) -> list[Issue]:
+def _together(contradicted: Sequence[Mismatch], scene: Scene) -> list[Issue]:
     """Return one issue per cause: claims about one thing that fail for the same reason are one."""
     causes: dict[tuple[str, str, str], list[Mismatch]] = {}
-    for one in mismatches:
+    for one in contradicted:
         causes.setdefault((one.path, one.claim.subject, one.found), []).append(one)
     issues = []
     for (path, subject, found), group in causes.items():
@@ -220,8 +208,6 @@ def _is_told_by_words(
     thing: str, names: Sequence[str], draft: SceneDraft, catalogue: Catalogue
 ) -> bool:
     """Return whether the noun of a thing alone leads to the actors that show it."""
-    from oodscen.claims._things import may_be
-
     known = {asset.id: asset for asset in catalogue.assets}
     assets = {actor.id: known.get(actor.asset) for actor in draft.actors}
     shown = [assets.get(name) for name in names]

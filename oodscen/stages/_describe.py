@@ -14,6 +14,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.encoders._check import encode
 from oodscen.errors import AnswerError, UsageError
 from oodscen.llm._ask import ask
+from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import STYLES, DescribePath, plain
@@ -44,6 +45,8 @@ class Describer(Brief):
         UsageError: For an unknown option, a value that is not allowed, or a selection without metrics.
     """
 
+    Options: ClassVar[type[DescribeOptions]] = DescribeOptions
+    """The options as one frozen value."""
     styles: ClassVar[tuple[str, ...]] = STYLES
     """Names of the styles that `style` accepts."""
     _repr_fields = ("llm", "encoder", "options")
@@ -194,8 +197,6 @@ class Describer(Brief):
 
     def _off_topic(self, texts: list[str]) -> set[int]:
         """Return the positions of texts that are not about driving, if the encoder can tell."""
-        from oodscen.metrics._detection.guard import is_calibrated
-
         if self.metrics is None or not is_calibrated(self.metrics.encoder.name):
             return set()
         return set(self.metrics.off_topic(texts).flagged)

@@ -8,17 +8,19 @@ import numpy as np
 
 from oodscen._conformance import working
 from oodscen._display import Brief
+from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._scene import Scene
 from oodscen.data._twins import is_twin, twin_id
-from oodscen.driving import Cruise, find_map, load_corridor
-from oodscen.driving._motion.triggers import is_due
+from oodscen.driving import load_corridor
+from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import OodscenError, UsageError
 from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, State
-from oodscen.stages._simulate import MAX_APPROACH_S, peak_deceleration, peak_jerk
+from oodscen.stages._simulate import peak_deceleration, peak_jerk
 
 MakeDriver = Callable[[], Driver]
 
@@ -54,6 +56,7 @@ def drive(
     Returns:
         The results in the order of the scenes, each followed by its twin's.
     """
+    seed_number(seed)
     label = name or getattr(driver, "__name__", type(driver).__name__)
     with reporting(progress) as told:
         results = [
@@ -155,7 +158,7 @@ def _horizon(
 ) -> tuple[int, float, Trace]:
     """Return a scene's duration in steps, its decision time, and the trace of a blind drive."""
     state = simulator.reset(scene, seed)
-    corridor = load_corridor(find_map(scene.map, simulator.catalogue()))
+    corridor = load_corridor(scene.map, simulator.catalogue())
     driver = Cruise()
     states, decision_s = [state], None
     last = steps if steps is not None else math.inf

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from oodscen._display import Brief
+from oodscen._numbers import whole_number
 from oodscen._paper import FEW_SHOTS, NODES, attestation
 from oodscen._progress import Progress, reporting
 from oodscen._text import one_line
@@ -35,8 +36,8 @@ class TreeGrower(Brief):
         shown: tuple[str, ...] = FEW_SHOTS,
     ) -> None:
         self.llm = llm
-        self.nodes = nodes
-        self.examples = examples
+        self.nodes = whole_number("nodes", nodes, 1)
+        self.examples = whole_number("examples", examples)
         self.shown = shown
 
     def run(self, sample: int = 0, *, progress: Progress | bool | None = None) -> ScenarioTree:
@@ -64,10 +65,10 @@ class TreeGrower(Brief):
             )
             proposed = ask(self.llm, propose, sample)
             told("grow", 3, 3)
-        return _planted(proposed, given, model=speaker(self.llm), prompt=propose.citation())
+        return _initial_tree(proposed, given, model=speaker(self.llm), prompt=propose.citation())
 
 
-def _planted(
+def _initial_tree(
     proposed: ProposedTree, given: Sequence[str], *, model: str, prompt: str
 ) -> ScenarioTree:
     """Return the tree, with ids, of the numbered list in an answer."""

@@ -54,7 +54,7 @@ class RedTeamOptions(Data):
     """Number of proposals in flight: the red-LLM sees the tree as it was this many rounds ago. Decisions are
     taken in the order of the rounds.
     """
-    threads: int | None = None
+    threads: int | None = Field(default=None, ge=1)
     """Threads that ask; they change no result. As many as `in_flight` if left out."""
 
     @model_validator(mode="after")
@@ -69,12 +69,12 @@ class DescribeOptions(Data):
 
     noun: ClassVar[str] = "describe options"
 
-    per_path: int = PER_PATH
+    per_path: int = Field(default=PER_PATH, ge=1)
     """Texts per path, as far as its kind bears them."""
     style: Style = "natural"
     nearest: float = 0.93
     """Largest cosine between two texts of one path."""
-    redraws: int = 3
+    redraws: int = Field(default=3, ge=0)
     """Maximum number of redraws of near duplicates and off-topic texts before they are accepted."""
     candidates: int = Field(default=1, ge=1)
     """Texts written for each one that is kept; of several, those that differ most from one another are kept."""
@@ -86,7 +86,7 @@ class DescribeOptions(Data):
     """Maximum number of texts per call."""
     sample: int = 0
     """Keeps independent sets of texts apart."""
-    threads: int = 1
+    threads: int = Field(default=1, ge=1)
     """Number of paths to work on at once."""
 
     @property

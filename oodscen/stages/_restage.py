@@ -1,10 +1,12 @@
 """Re-staging of scenes in which all or no actions are safe: these cannot tell drivers apart."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._catalogue import Catalogue
+from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene
 from oodscen.errors import OodscenError
@@ -39,6 +41,7 @@ def restaged(
     seed: int,
     traces: bool = False,
     camera: Camera | None = None,
+    claims: Sequence[Claim] = (),
 ) -> Restaging:
     """Return the first variant of a scene that tells actions apart, and its run.
 
@@ -52,6 +55,7 @@ def restaged(
         seed: Seed of the simulator's random streams.
         traces: Keep the ground truth of every action's rollout.
         camera: The camera; by default the ego's dash camera.
+        claims: Claims of the scene's text, which no variant may contradict.
     """
     if not simulated.episode.is_deterministic:
         why = "replaying the approach gave another trace, so that no action can be called safe"
@@ -61,7 +65,8 @@ def restaged(
     for variant, how in variants(scene, simulator.catalogue(), is_too_easy):
         try:
             probe = simulate(variant, simulator, seed=seed, render=False).episode
-            if why := _refusal(probe, simulated.episode):
+            why = _refusal(probe, simulated.episode)
+            if why := why or contradiction(claims, scene, variant, simulator.catalogue()):
                 tried.append(Attempt(how, why))
                 continue
             again = simulate(variant, simulator, seed=seed, camera=camera, traces=traces)
@@ -90,6 +95,17 @@ def _refusal(probe: Episode, before: Episode) -> str:
     if probe.decision_fired is not before.decision_fired:
         return "the moment of decision comes about otherwise"
     return ""
+
+
+def contradiction(
+    claims: Sequence[Claim], before: Scene, after: Scene, catalogue: Catalogue
+) -> str:
+    """Return the first claim that a changed scene contradicts and the scene before did not; empty if none."""
+    found = mismatches(check_claims(claims, after, catalogue)) if claims else []
+    if not found:
+        return ""
+    known = {one.claim for one in mismatches(check_claims(claims, before, catalogue))}
+    return next((str(one) for one in found if one.claim not in known), "")
 
 
 def variants(scene: Scene, catalogue: Catalogue, is_too_easy: bool) -> Iterator[tuple[Scene, str]]:

@@ -10,26 +10,24 @@ import numpy as np
 
 from oodscen._conformance import conforming, working
 from oodscen._display import Brief, picture, png
-from oodscen._numbers import whole_number
-from oodscen._seeding import MAX_SEED
+from oodscen._numbers import seed_number
 from oodscen.data._bird_sketch import sketch
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.data._scene import Scene
-from oodscen.driving import Cruise, action_driver, find_map, load_corridor
-from oodscen.driving._motion.actions import is_available
-from oodscen.driving._motion.triggers import is_due
+from oodscen.driving import action_driver, load_corridor
+from oodscen.driving._motion.actions import Cruise, is_available
+from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._sight.visibility import is_noticeable
 from oodscen.driving._trace import Course, Trace, concatenated
 from oodscen.errors import MissingExtra, UnknownComponent
 from oodscen.protocols import Camera, Control, Driver, Frame, Observation, Simulator, State
+from oodscen.stages._video import birds_eye
 from oodscen.stages._visibility import sighting
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-MAX_APPROACH_S = 15.0
-"""Latest time of the decision, in seconds, even if its trigger has not fired."""
 FOLLOWING_S = 4.0
 """Maximum time headway of a follower behind the ego, in seconds."""
 JERK_S = 0.2
@@ -63,8 +61,6 @@ class Simulated(Brief):
 
     def _repr_html_(self) -> str:
         """Return the last frame, the decision point from above and all actions, for notebooks."""
-        from oodscen.stages._video import birds_eye
-
         pictures = ""
         if "last" in self.frames:
             pictures += picture(png(self.frames["last"].rgb), "the last frame")
@@ -120,7 +116,7 @@ def simulate(
         UsageError: When the object is not a simulator, or an action is unknown.
     """
     conforming("simulator", simulator)
-    whole_number("seed", seed, 0, MAX_SEED)
+    seed_number(seed)
     for action in actions:
         if action not in ACTIONS:
             raise UnknownComponent("action", str(action), ACTIONS)
@@ -310,7 +306,7 @@ def approach(
         The states, the controls between them, and true if the trigger fired.
     """
     state = simulator.reset(scene, seed)
-    corridor = load_corridor(find_map(scene.map, simulator.catalogue()))
+    corridor = load_corridor(scene.map, simulator.catalogue())
     driver = Cruise()
     states = [state]
     controls: list[Control] = []

@@ -10,16 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import png
+from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._progress import Progress, reporting
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import Cruise, action_driver, find_map, load_corridor
-from oodscen.driving._motion.triggers import is_due
+from oodscen.driving import action_driver, load_corridor
+from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError
-from oodscen.protocols import Camera, Driver, Simulator, State
-from oodscen.stages._simulate import MAX_APPROACH_S
+from oodscen.protocols import MAX_SIZE, Camera, Driver, Simulator, State
 
 View = Literal["ego", "bird", "both"]
 VIEWS: tuple[View, ...] = ("ego", "bird", "both")
@@ -102,9 +103,11 @@ def birds_eye(
     Raises:
         MissingExtra: When OpenCV is not installed.
     """
+    whole_number("size", size, 1, MAX_SIZE)
+    finite_number("span_m", span_m, 1.0, 10_000.0)
     cv2 = _opencv()
     cast = bodies(scene, catalogue, state.poses)
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     picture = np.empty((size, size, 3), np.uint8)
     picture[:] = _GRASS
     ground = _Map(cast[0], size, span_m)
@@ -235,11 +238,10 @@ def record(
     later = action_driver(driver) if isinstance(driver, str) else None
     now: Driver = Cruise() if driver is None or isinstance(driver, str) else driver
     catalogue = simulator.catalogue()
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     camera = camera or Camera()
-    state = simulator.reset(scene, seed)
-    if not 0.1 <= fps <= 1.0 / simulator.dt + 1e-9:
-        raise UsageError(f"fps must be from 0.1 to {1.0 / simulator.dt:g}, not {fps:g}")
+    state = simulator.reset(scene, seed_number(seed))
+    finite_number("fps", fps, 0.1, 1.0 / simulator.dt + 1e-9)
     if Path(path).suffix.lower() != ".mp4":
         raise UsageError(f"a video's name must end in .mp4, not {Path(path).name!r}")
     stride = max(1, round(1.0 / (simulator.dt * fps)))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.data._sighting import Sighting, apparent_size
-from oodscen.driving import find_map, load_corridor
+from oodscen.driving import load_corridor
 from oodscen.driving._sight.decision_view import SCALE_PX, best, drawn, groups
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye
@@ -41,7 +41,7 @@ def sighting(
         return None
     cast = bodies(scene, catalogue, state.poses)
     if frame.unhidden is None and not frame.ids.any():
-        return drawn(scene, cast, load_corridor(find_map(scene.map, catalogue)), camera)
+        return drawn(scene, cast, load_corridor(scene.map, catalogue), camera)
     eye = Eye(camera, cast[0].solid)
     found = [_measured(scene, rows, cast, eye, frame) for rows in groups(scene, cast)]
     return best(found)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, Self
 
-from pydantic import Field, ModelWrapValidatorHandler, ValidationError, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, model_validator
 
 from oodscen import _paper as paper
 from oodscen._redaction import redact
@@ -16,8 +16,7 @@ from oodscen._registry import (
     names,
 )
 from oodscen._seeding import MAX_SEED
-from oodscen.data._base import Data, issues_of
-from oodscen.errors import DataError
+from oodscen.data._base import Data
 from oodscen.prompts._scenario.describe_path import Style
 from oodscen.protocols import Camera
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
@@ -123,24 +122,13 @@ class StudyConfig(Data):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _typed(cls, value: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        """Raise this library's error, also for configurations made in a script."""
+    def _with_sets(cls, value: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Give a model that is paid for no text sets of its own accord."""
         if isinstance(value, Mapping) and value.get("sets") is None:
             value = {name: item for name, item in value.items() if name != "sets"}
             if not is_builtin(str(value.get("llm", DEFAULT_LLM))):
                 value["sets"] = ()
-        try:
-            return handler(value)
-        except ValidationError as error:
-            raise DataError(cls.noun, issues_of(error)) from None
-
-    @classmethod
-    def parse(cls, value: object, *, source: str = "") -> Self:
-        """Validate plain data or JSON text; see `Data.parse`."""
-        try:
-            return super().parse(value, source=source)
-        except DataError as error:
-            raise DataError(cls.noun, error.issues, source=source) from None
+        return handler(value)
 
     @classmethod
     def quick(cls, **changes: Any) -> Self:

@@ -12,6 +12,7 @@ from pydantic import ConfigDict
 from oodscen._display import Brief, escaped, html_table
 from oodscen.data._base import Data
 from oodscen.data._claim import Claim
+from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
@@ -30,7 +31,7 @@ from oodscen.judging._aspects.opinions import Opinion
 from oodscen.judging._drives import DriveBoard, drive_board
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
 from oodscen.llm._call_log import Call
-from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison
 from oodscen.stages._redteam.red_teamer import Round
@@ -45,8 +46,6 @@ from oodscen.tree._scenario_tree import ScenarioTree
 if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
-
-    from oodscen.data._drive_result import DriveResult
 
 Row = TypeVar("Row", bound=Data)
 
@@ -101,10 +100,10 @@ class _Restaged(Data):
     scene: Scene | None = None
 
 
-class _Dry(Data):
-    """A line of `dry.jsonl`."""
+class _ShortPath(Data):
+    """A line of `short_paths.jsonl`."""
 
-    noun: ClassVar[str] = "path that ran dry"
+    noun: ClassVar[str] = "short path"
 
     file: str
     leaf: str
@@ -116,7 +115,7 @@ _KINDS: Mapping[str, type[Data]] = {
     "edits.jsonl": TreeEdit,
     "pruned.jsonl": PruneDecision,
     "scenarios.jsonl": Scenario,
-    "dry.jsonl": _Dry,
+    "short_paths.jsonl": _ShortPath,
     "claims.jsonl": _Told,
     "staged.jsonl": Staging,
     "scenes.jsonl": Scene,
@@ -311,10 +310,8 @@ class Study(Brief):
         return self._rows(Verdict, "verdicts.jsonl")
 
     @property
-    def drives(self) -> "list[DriveResult]":
+    def drives(self) -> list[DriveResult]:
         """The results of `oodscen drive`."""
-        from oodscen.data._drive_result import DriveResult
-
         return self._rows(DriveResult, "drives.jsonl")
 
     def leaderboard(self) -> Leaderboard:

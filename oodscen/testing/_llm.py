@@ -16,12 +16,13 @@ Answer = str | Mapping[str, Any] | BaseModel | BaseException
 
 
 class ScriptedLLM(Brief):
-    """Gives prepared answers in order, and records its requests.
+    """Gives prepared answers, and records its requests.
 
     Args:
-        answers: A sequence of answers to any question; or, by a prompt's `purpose`, a separate sequence of
-            answers. A single answer instead of a sequence is repeated.
-        name: The model's name in reports.
+        answers: A sequence of answers to any question; by a prompt's `purpose`, a separate sequence of
+            answers, or a single one that is repeated; or a function of the request, called possibly from
+            several threads, which returns or raises the answer.
+        name: The model's name in reports; by default `function` or `scripted`.
 
     Example:
         >>> llm = ScriptedLLM({"imagine-scenario": [{"text": "A piano lies on the road ahead."}]})
@@ -31,14 +32,17 @@ class ScriptedLLM(Brief):
 
     def __init__(
         self,
-        answers: Sequence[Answer] | Mapping[str, Answer | Sequence[Answer]],
+        answers: Sequence[Answer]
+        | Mapping[str, Answer | Sequence[Answer]]
+        | Callable[[Request], Answer | Completion],
         *,
-        name: str = "scripted",
+        name: str | None = None,
     ) -> None:
-        self.name = name
+        self.name = name or ("function" if callable(answers) else "scripted")
         self.requests: list[Request] = []
+        self._function = answers if callable(answers) else None
         self._by_purpose = dict(answers) if isinstance(answers, Mapping) else None
-        self._for_all = () if isinstance(answers, Mapping) else tuple(answers)
+        self._for_all = tuple(answers) if isinstance(answers, Sequence) else ()
         self._given: dict[str, int] = {}
         self._lock = threading.Lock()
 
@@ -50,8 +54,10 @@ class ScriptedLLM(Brief):
         """
         with self._lock:
             self.requests.append(request)
-            answer = self._next(request.prompt.purpose)
-        return spoken(answer)
+            if self._function is None:
+                return spoken(self._next(request.prompt.purpose))
+        answer = self._function(request)
+        return answer if isinstance(answer, Completion) else spoken(answer)
 
     def _next(self, purpose: str) -> Answer:
         script: Answer | Sequence[Answer] | None = self._for_all
@@ -67,29 +73,6 @@ class ScriptedLLM(Brief):
             )
         self._given[key] = number + 1
         return script[number]
-
-
-class FunctionLLM(Brief):
-    """Answers with the result of a function of the request.
-
-    Args:
-        function: Called with the request, possibly from several threads; returns text, a mapping, a
-            pydantic model or a `Completion`, or raises.
-        name: The model's name in reports.
-    """
-
-    _repr_fields = ("name",)
-
-    def __init__(
-        self, function: Callable[[Request], Answer | Completion], *, name: str = "function"
-    ) -> None:
-        self.name = name
-        self._function = function
-
-    def complete(self, request: Request) -> Completion:
-        """Return the function's answer."""
-        answer = self._function(request)
-        return answer if isinstance(answer, Completion) else spoken(answer)
 
 
 def spoken(answer: Answer) -> Completion:

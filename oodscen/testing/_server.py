@@ -10,18 +10,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, get_args
 
 from oodscen._display import Brief
 from oodscen.errors import LLMError
 from oodscen.llm._remote.litellm import LiteLLM, provider_seed
 from oodscen.protocols import LLM, Completion, Request
 
-Fault = Literal[
-    "malformed",
-    "truncated",
-    "wrong_schema",
-    "null",
+ResponseFault = Literal[
     "http400",
     "http401",
     "http429",
@@ -29,7 +25,6 @@ Fault = Literal[
     "http503",
     "html",
     "empty",
-    "cut",
     "reset",
     "slow",
     "slow_head",
@@ -38,8 +33,11 @@ Fault = Literal[
     "packed",
     "redirect",
     "filtered",
-    "withheld",
-    "flagged",
+]
+"""The faults that replace the whole response."""
+
+Fault = Literal[
+    "malformed", "truncated", "wrong_schema", "null", "cut", "withheld", "flagged", ResponseFault
 ]
 """The faults that the server can produce.
 
@@ -227,7 +225,7 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
             index = server.record(received)
             request = server.recognise(received)
             fault = server.fault(index, request)
-            if fault in _RESPONSES:
+            if fault is not None and fault in get_args(ResponseFault):
                 return self._misbehave(fault)
             if request is None:
                 return self._error(400, "this conversation was not announced, or arrived changed")
@@ -308,24 +306,6 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
 
     return Handler
 
-
-_RESPONSES = (
-    "http400",
-    "http401",
-    "http429",
-    "http500",
-    "http503",
-    "html",
-    "empty",
-    "reset",
-    "slow",
-    "slow_head",
-    "processing",
-    "huge",
-    "packed",
-    "redirect",
-    "filtered",
-)
 
 _PAUSE_S = 0.02
 """Seconds between two bytes of a slow server."""

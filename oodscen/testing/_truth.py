@@ -8,8 +8,9 @@ import numpy as np
 
 from oodscen.data._episode import ACTIONS, MOMENTS
 from oodscen.data._scene import Scene, Weather
-from oodscen.driving import Corridor, find_map, load_corridor
+from oodscen.driving import load_corridor
 from oodscen.driving._motion.world import ego_strip, neighbour_strip
+from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies, floating, overlapping
 from oodscen.driving._sight.visibility import Eye
 from oodscen.errors import Issue, SceneError
@@ -62,7 +63,7 @@ def check_truth(
     except SceneError as error:
         return list(error.issues)
     catalogue = simulator.catalogue()
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     moments = {
         moment: bodies(scene, catalogue, simulated.state_of(moment).poses) for moment in MOMENTS
     }

@@ -1,13 +1,15 @@
 """Differences between two trees, node by node."""
 
 from collections.abc import Container
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from oodscen.data._base import Data
 from oodscen.protocols import Encoder
 from oodscen.tree._export import mermaid_text
-from oodscen.tree._matching import Match, match
-from oodscen.tree._scenario_tree import THRESHOLD, ScenarioTree
+from oodscen.tree._matching import THRESHOLD, Match, match
+
+if TYPE_CHECKING:
+    from oodscen.tree._scenario_tree import ScenarioTree
 
 
 class Placed(Data):
@@ -153,8 +155,8 @@ _STYLES = (
 
 
 def diff(
-    one: ScenarioTree,
-    other: ScenarioTree,
+    one: "ScenarioTree",
+    other: "ScenarioTree",
     *,
     encoder: Encoder | None = None,
     threshold: float = THRESHOLD,
@@ -210,7 +212,7 @@ def diff(
     )
 
 
-def _alone(tree: ScenarioTree, paired: Container[str]) -> tuple[Placed, ...]:
+def _alone(tree: "ScenarioTree", paired: Container[str]) -> tuple[Placed, ...]:
     return tuple(
         Placed(
             id=node.id,
@@ -223,7 +225,7 @@ def _alone(tree: ScenarioTree, paired: Container[str]) -> tuple[Placed, ...]:
     )
 
 
-def _path(tree: ScenarioTree, node_id: str) -> tuple[str, ...]:
+def _path(tree: "ScenarioTree", node_id: str) -> tuple[str, ...]:
     """Return the labels from the root to a node, cut to a readable length."""
     labels: list[str] = []
     cursor: str | None = node_id

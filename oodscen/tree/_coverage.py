@@ -10,10 +10,10 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of
 from oodscen.tree._labels import same_words
-from oodscen.tree._scenario_tree import ScenarioTree
 
 if TYPE_CHECKING:
     from oodscen.study._study import Study
+    from oodscen.tree._scenario_tree import ScenarioTree
 
 Kind = Literal["root", "class", "family", "leaf"]
 Lack = Literal["", "text", "scene", "episode", "choice"]
@@ -104,7 +104,7 @@ COUNTS = (
 
 
 def coverage(
-    tree: ScenarioTree,
+    tree: "ScenarioTree",
     *,
     texts: Iterable[Scenario] = (),
     scenes: Iterable[Scene] = (),
@@ -190,7 +190,7 @@ def _count_episode(count: Counter[str], episode: Episode) -> None:
         count["mixed"] += episode.is_decidable
 
 
-def _rows(tree: ScenarioTree, counts: Mapping[str, Counter[str]]) -> tuple[NodeTally, ...]:
+def _rows(tree: "ScenarioTree", counts: Mapping[str, Counter[str]]) -> tuple[NodeTally, ...]:
     order = list(tree.walk())
     lacks: dict[str, Lack] = {}
     for node, depth in reversed(order):

@@ -72,10 +72,10 @@ def added(edit: TreeEdit) -> Node:
     return Node(id=edit.node, parent=edit.parent, label=edit.label or "", attested=edit.attested)
 
 
-def slug(label: str) -> str:
-    """Turn a label into an id that is safe in file names and URLs (at most 48 characters)."""
+def slug(label: str, longest: int = 48) -> str:
+    """Turn a label into an id that is safe in file names and URLs, cut to a number of characters."""
     plain = unicodedata.normalize("NFKD", label).encode("ascii", "ignore").decode().lower()
-    return re.sub(r"[^a-z0-9]+", "-", plain)[:48].strip("-") or "node"
+    return re.sub(r"[^a-z0-9]+", "-", plain)[:longest].strip("-") or "node"
 
 
 _TOO_DEEP = f"a node would lie more than {MAX_DEPTH} levels below the root: hang it higher up"

@@ -2,12 +2,15 @@
 
 import json
 import re
+from typing import TYPE_CHECKING
 
 from oodscen.tree._edit_log import Node
-from oodscen.tree._scenario_tree import ScenarioTree
+
+if TYPE_CHECKING:
+    from oodscen.tree._scenario_tree import ScenarioTree
 
 
-def to_mermaid(tree: ScenarioTree) -> str:
+def to_mermaid(tree: "ScenarioTree") -> str:
     """Return the tree as a Mermaid flowchart.
 
     Labels are quoted and escaped; leaves that the paper names have a bold border. Mermaid renderers
@@ -24,7 +27,7 @@ def to_mermaid(tree: ScenarioTree) -> str:
     return "\n".join(["flowchart LR", *lines, "  classDef paper stroke-width:3px"])
 
 
-def to_dot(tree: ScenarioTree) -> str:
+def to_dot(tree: "ScenarioTree") -> str:
     """Return the tree in Graphviz's DOT language; node names are the ids."""
     lines = [
         f"  {_dot_text(node.id)} [label={_dot_text(node.label)}"
@@ -44,7 +47,7 @@ def to_dot(tree: ScenarioTree) -> str:
     return "\n".join([*head, *lines, "}"])
 
 
-def to_nested_json(tree: ScenarioTree) -> str:
+def to_nested_json(tree: "ScenarioTree") -> str:
     """Return the tree as nested JSON objects: `id`, `label`, `attested`, `children`.
 
     An empty tree is `null`.
@@ -72,11 +75,11 @@ def mermaid_text(text: str) -> str:
 _SPECIAL = re.compile(r"[^\w .,;()/+–—’“”„→…-]|^[-+]|(?<=^\d)\.|(?<=^\d\d)\.")
 
 
-def _names(tree: ScenarioTree) -> dict[str, str]:
+def _names(tree: "ScenarioTree") -> dict[str, str]:
     return {node.id: f"n{number}" for number, node in enumerate(tree.nodes)}
 
 
-def _is_papers(tree: ScenarioTree, node: Node) -> bool:
+def _is_papers(tree: "ScenarioTree", node: Node) -> bool:
     return node.attested is not None and not tree.children[node.id]
 
 

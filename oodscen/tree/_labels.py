@@ -13,6 +13,8 @@ import unicodedata
 
 from oodscen._text import BLANK, is_visible, one_line
 
+CLASSES = ("Environmental", "Interactional")
+"""Labels of the two classes of OOD scenarios (paper, section III-A)."""
 MAX_LABEL = 200
 """Length of the longest label, in characters."""
 

@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import count, takewhile
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -13,8 +13,16 @@ from oodscen.metrics._vectors.centring import label_rows
 from oodscen.metrics._vectors.similarity import Vectors, unit
 from oodscen.protocols import Encoder
 from oodscen.tree._edit_log import Node, TreeEdit
-from oodscen.tree._labels import same_words
-from oodscen.tree._scenario_tree import CLASSES, THRESHOLD, ScenarioTree
+from oodscen.tree._labels import CLASSES, same_words
+
+if TYPE_CHECKING:
+    from oodscen.tree._scenario_tree import ScenarioTree
+
+THRESHOLD = 0.75
+"""Centred cosine (`oodscen.metrics._vectors.centring`) from which two labels mean the same, for
+MiniLM. Measured so that hardly any pair is wrong: an unpaired node stays, a wrongly paired one
+is lost."""
+
 
 _BLOCK = 1024
 
@@ -32,8 +40,8 @@ class Match(Data):
 
 
 def match(
-    one: ScenarioTree,
-    other: ScenarioTree,
+    one: "ScenarioTree",
+    other: "ScenarioTree",
     *,
     encoder: Encoder | None = None,
     threshold: float = THRESHOLD,
@@ -104,7 +112,7 @@ class _Pairs:
         self.forth[before] = self.back[after] = found
 
 
-def _classes(tree: ScenarioTree) -> dict[str, str]:
+def _classes(tree: "ScenarioTree") -> dict[str, str]:
     """Return the class of every node in lower case; empty if it is neither of the two classes."""
     known = {name.casefold() for name in CLASSES}
     found: dict[str, str] = {}
@@ -120,7 +128,7 @@ def _classes(tree: ScenarioTree) -> dict[str, str]:
     return found
 
 
-def _merged(tree: ScenarioTree, other: ScenarioTree) -> Iterator[tuple[str, str]]:
+def _merged(tree: "ScenarioTree", other: "ScenarioTree") -> Iterator[tuple[str, str]]:
     """Yield pairs of node ids that an earlier merge of the other tree treated as one."""
     for edit in tree.edits:
         if edit.stage == "merge" and edit.origin_node in other.by_id and edit.node in tree.by_id:
@@ -130,7 +138,7 @@ def _merged(tree: ScenarioTree, other: ScenarioTree) -> Iterator[tuple[str, str]
                 yield edit.node, there.id
 
 
-def _by_id(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:
+def _by_id(one: "ScenarioTree", other: "ScenarioTree", pairs: _Pairs) -> None:
     first, second = _first_adds(one), _first_adds(other)
     shared = _shared(one, other)
     for node in one.nodes:
@@ -141,7 +149,7 @@ def _by_id(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:
                 pairs.add(node.id, node.id, "id", is_moved=node.id in shared)
 
 
-def _first_adds(tree: ScenarioTree) -> Mapping[str, TreeEdit]:
+def _first_adds(tree: "ScenarioTree") -> Mapping[str, TreeEdit]:
     found: dict[str, TreeEdit] = {}
     for edit in tree.edits:
         if edit.op == "add":
@@ -149,13 +157,13 @@ def _first_adds(tree: ScenarioTree) -> Mapping[str, TreeEdit]:
     return found
 
 
-def _shared(one: ScenarioTree, other: ScenarioTree) -> set[str]:
+def _shared(one: "ScenarioTree", other: "ScenarioTree") -> set[str]:
     """Return the ids of the nodes that existed before two trees diverged."""
     both = takewhile(lambda pair: pair[0] == pair[1], zip(one.edits, other.edits, strict=False))
     return {edit.node for edit, _ in both if edit.op == "add"}
 
 
-def _by_label(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:
+def _by_label(one: "ScenarioTree", other: "ScenarioTree", pairs: _Pairs) -> None:
     below: dict[tuple[str, str | None], list[Node]] = defaultdict(list)
     anywhere: dict[tuple[str, str], list[Node]] = defaultdict(list)
     for node in reversed(other.nodes):
@@ -183,7 +191,7 @@ def _by_label(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:
 
 
 def _by_meaning(
-    one: ScenarioTree, other: ScenarioTree, pairs: _Pairs, encoder: Encoder, threshold: float
+    one: "ScenarioTree", other: "ScenarioTree", pairs: _Pairs, encoder: Encoder, threshold: float
 ) -> None:
     meanings: dict[str, Vectors] | None = None
     for is_leaf in (True, False):
@@ -211,14 +219,16 @@ def _by_meaning(
                     pairs.add(node.id, columns[there].id, "meaning", cosine)
 
 
-def _meanings(trees: Iterable[ScenarioTree], encoder: Encoder) -> dict[str, Vectors]:
+def _meanings(trees: "Iterable[ScenarioTree]", encoder: Encoder) -> dict[str, Vectors]:
     """Return the vectors of the labels of both trees, without their common component."""
     labels = list(dict.fromkeys(node.label for tree in trees for node in tree.nodes))
     rows, centre = label_rows(encoder, labels)
     return dict(zip(labels, unit((rows - centre).astype(np.float32)), strict=True))
 
 
-def _vectors(tree: ScenarioTree, nodes: Sequence[Node], meanings: Mapping[str, Vectors]) -> Vectors:
+def _vectors(
+    tree: "ScenarioTree", nodes: Sequence[Node], meanings: Mapping[str, Vectors]
+) -> Vectors:
     """Return the vectors of nodes: a leaf has its label's; a branch has half its label's and half its leaves'."""
     own = np.array([meanings[node.label] for node in nodes])
     if not tree.children[nodes[0].id]:

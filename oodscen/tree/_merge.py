@@ -1,21 +1,25 @@
 """Merging of two trees that were grown separately."""
 
+from typing import TYPE_CHECKING
+
 from oodscen.protocols import Encoder
 from oodscen.tree._edit_log import Node, TreeEdit, added, adding
 from oodscen.tree._history import undone_edits
 from oodscen.tree._labels import same_words
-from oodscen.tree._matching import Match, match
-from oodscen.tree._scenario_tree import THRESHOLD, ScenarioTree
+from oodscen.tree._matching import THRESHOLD, Match, match
+
+if TYPE_CHECKING:
+    from oodscen.tree._scenario_tree import ScenarioTree
 
 
 def merge(
-    one: ScenarioTree,
-    other: ScenarioTree,
+    one: "ScenarioTree",
+    other: "ScenarioTree",
     *,
     encoder: Encoder | None = None,
     threshold: float = THRESHOLD,
     name: str | None = None,
-) -> ScenarioTree:
+) -> "ScenarioTree":
     """Return the first tree, with the nodes that only the second one has added in their places.
 
     The log of the first tree stays as it is. A node of the second tree that the first also has (see
@@ -50,7 +54,7 @@ def merge(
     return merging.tree
 
 
-def _free_name(tree: ScenarioTree) -> str:
+def _free_name(tree: "ScenarioTree") -> str:
     taken = {edit.origin.partition("/")[0] for edit in tree.edits}
     number = 1
     while f"merge-{number}" in taken:
@@ -61,7 +65,7 @@ def _free_name(tree: ScenarioTree) -> str:
 class _Merging:
     """The state of a merge."""
 
-    def __init__(self, one: ScenarioTree, name: str) -> None:
+    def __init__(self, one: "ScenarioTree", name: str) -> None:
         self.tree = one
         self._name = name
         self._ids: dict[str, str] = {}
@@ -141,7 +145,7 @@ def _why(edit: TreeEdit) -> tuple[int | None, str, str, str]:
     return edit.round, edit.source, edit.model, edit.prompt
 
 
-def _decisions(tree: ScenarioTree) -> dict[str, list[TreeEdit]]:
+def _decisions(tree: "ScenarioTree") -> dict[str, list[TreeEdit]]:
     """Return, per node, the edit that added it and the later edits in force that relabelled or confirmed it."""
     undone = undone_edits(tree.edits)
     found: dict[str, list[TreeEdit]] = {}

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NoReturn, Self
+from typing import Any, ClassVar, Literal, NoReturn, Self
 
 from oodscen._files import read_utf8
 from oodscen.data._base import Data, canonical_json, digest
@@ -11,14 +11,17 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import DataError, Issue, UnknownComponent, UsageError
+from oodscen.protocols import Encoder
+from oodscen.tree._comparison import TreeDiff, diff
+from oodscen.tree._coverage import Coverage, coverage
 from oodscen.tree._edit_log import EditLog, Node, TreeEdit, adding, slug
-from oodscen.tree._labels import MAX_LABEL, label_fault
-
-if TYPE_CHECKING:
-    from oodscen.protocols import Encoder
-    from oodscen.tree._comparison import TreeDiff
-    from oodscen.tree._coverage import Coverage
-    from oodscen.tree._provenance import Provenance
+from oodscen.tree._export import to_dot, to_mermaid, to_nested_json
+from oodscen.tree._history import moment, replay, undo, undo_round
+from oodscen.tree._html import notebook_html, to_page
+from oodscen.tree._labels import CLASSES, MAX_LABEL, label_fault
+from oodscen.tree._matching import THRESHOLD
+from oodscen.tree._merge import merge
+from oodscen.tree._provenance import Provenance, provenance
 
 __all__ = [
     "CLASSES",
@@ -33,15 +36,6 @@ __all__ = [
 
 ROOT = "root"
 """Id of the root of every tree."""
-
-CLASSES = ("Environmental", "Interactional")
-"""Labels of the two classes of OOD scenarios (paper, section III-A)."""
-
-
-THRESHOLD = 0.75
-"""Centred cosine (`oodscen.metrics._vectors.centring`) from which two labels mean the same, for
-MiniLM. Measured so that hardly any pair is wrong: an unpaired node stays, a wrongly paired one
-is lost."""
 
 
 class TreeFile(Data):
@@ -91,7 +85,7 @@ class ScenarioTree:
         return tree
 
     @classmethod
-    def planted(cls, label: str = "Out-of-distribution driving scenario") -> Self:
+    def initial(cls, label: str = "Out-of-distribution driving scenario") -> Self:
         """Return a tree with a root and the two classes."""
         nodes = [Node(id=ROOT, parent=None, label=label)]
         nodes += [Node(id=slug(name), parent=ROOT, label=name) for name in CLASSES]
@@ -175,8 +169,6 @@ class ScenarioTree:
             UsageError: If there is no such edit, or it cannot be undone in the current tree (its
                 node is gone, or it would create a cycle).
         """
-        from oodscen.tree._history import undo, undo_round
-
         if round is not None and index is not None:
             raise UsageError("undo takes the index of an edit or a round, not both")
         if round is None and origin:
@@ -199,24 +191,18 @@ class ScenarioTree:
         Raises:
             UsageError: If not exactly one argument is given, or there was no such moment.
         """
-        from oodscen.tree._history import moment
-
         return self._at(self._index, moment(self.edits, edit=edit, round=round, stage=stage))
 
-    def provenance(self, node_id: str) -> "Provenance":
+    def provenance(self, node_id: str) -> Provenance:
         """Return who added a node and why, and the later decisions about it.
 
         Raises:
             UnknownComponent: If there never was such a node.
         """
-        from oodscen.tree._provenance import provenance
-
         return provenance(self, node_id)
 
     def replay(self) -> "Iterator[tuple[TreeEdit, ScenarioTree]]":
         """Yield every edit with the tree after it, starting with the first."""
-        from oodscen.tree._history import replay
-
         return replay(self)
 
     def before(self, index: int) -> Node | None:
@@ -233,9 +219,9 @@ class ScenarioTree:
         self,
         other: "ScenarioTree",
         *,
-        encoder: "Encoder | None" = None,
+        encoder: Encoder | None = None,
         threshold: float = THRESHOLD,
-    ) -> "TreeDiff":
+    ) -> TreeDiff:
         """Return the nodes that another tree adds, removes, relabels or moves.
 
         Args:
@@ -247,15 +233,13 @@ class ScenarioTree:
             UsageError: If the threshold is not a cosine.
             EncoderError: If the encoder fails.
         """
-        from oodscen.tree._comparison import diff
-
         return diff(self, other, encoder=encoder, threshold=threshold)
 
     def merge(
         self,
         other: "ScenarioTree",
         *,
-        encoder: "Encoder | None" = None,
+        encoder: Encoder | None = None,
         threshold: float = THRESHOLD,
         name: str | None = None,
     ) -> "ScenarioTree":
@@ -274,8 +258,6 @@ class ScenarioTree:
             UsageError: If the threshold is not a cosine.
             EncoderError: If the encoder fails.
         """
-        from oodscen.tree._merge import merge
-
         return merge(self, other, encoder=encoder, threshold=threshold, name=name)
 
     def coverage(
@@ -284,7 +266,7 @@ class ScenarioTree:
         texts: Iterable[Scenario] = (),
         scenes: Iterable[Scene] = (),
         episodes: Iterable[Episode] = (),
-    ) -> "Coverage":
+    ) -> Coverage:
         """Count the texts, scenes and episodes that cover each node; `Study.coverage` does it for a study.
 
         Args:
@@ -292,34 +274,24 @@ class ScenarioTree:
             scenes: The staged scenes; each belongs to the leaf of its text.
             episodes: The episodes of the scenes, including those of twins.
         """
-        from oodscen.tree._coverage import coverage
-
         return coverage(self, texts=texts, scenes=scenes, episodes=episodes)
 
     # ------------------------------------------------------------------ export
 
     def to_mermaid(self) -> str:
         """Return the tree as a Mermaid flowchart; leaves that the paper names have a bold border."""
-        from oodscen.tree._export import to_mermaid
-
         return to_mermaid(self)
 
     def to_dot(self) -> str:
         """Return the tree in Graphviz's DOT language; node names are the ids."""
-        from oodscen.tree._export import to_dot
-
         return to_dot(self)
 
     def to_nested_json(self) -> str:
         """Return the tree as nested JSON objects, without its log."""
-        from oodscen.tree._export import to_nested_json
-
         return to_nested_json(self)
 
     def to_page(self) -> str:
         """Return the whole tree as a separate page, light or dark by the reader's preference."""
-        from oodscen.tree._html import to_page
-
         return to_page(self)
 
     # -------------------------------------------------------------------- read
@@ -433,8 +405,6 @@ class ScenarioTree:
 
     def _repr_html_(self) -> str:
         """Return the tree as a collapsible outline for notebooks."""
-        from oodscen.tree._html import notebook_html
-
         return notebook_html(self)
 
     # ------------------------------------------------------------------- value

@@ -3,9 +3,9 @@ from typing import Any
 
 import pytest
 
-from oodscen.author import load_knowledge
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Knowledge
+from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.prompts import Prompt
 from oodscen.prompts._digest import CatalogueDigest

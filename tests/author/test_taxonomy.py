@@ -24,7 +24,7 @@ def proposal(nodes: int) -> ProposeTree:
 
 
 def grown(author: BuiltinAuthor, ask, nodes: int) -> ScenarioTree:
-    tree, ids = ScenarioTree.planted(), {1: "root"}
+    tree, ids = ScenarioTree.initial(), {1: "root"}
     for node in ask(author, proposal(nodes)).nodes[1:]:
         if node.parent == 1:
             ids[node.number] = node.label.casefold()
@@ -101,7 +101,7 @@ def test_what_a_leaf_says_is_covered(author: BuiltinAuthor, ask) -> None:
 
 
 def test_close_kin_broadens_a_leaf_once(author: BuiltinAuthor, ask) -> None:
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(
             op="add", node="logs", parent="environmental", label="Logs spilled from a timber lorry"
         )
@@ -114,7 +114,7 @@ def test_close_kin_broadens_a_leaf_once(author: BuiltinAuthor, ask) -> None:
 
 
 def test_a_foreign_family_is_found_by_its_leaves(author: BuiltinAuthor, ask) -> None:
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="stuff", parent="environmental", label="Things that lorries drop"),
         TreeEdit(op="add", node="a", parent="stuff", label="Mattress fallen from a vehicle"),
     )
@@ -124,7 +124,7 @@ def test_a_foreign_family_is_found_by_its_leaves(author: BuiltinAuthor, ask) -> 
 
 
 def test_a_new_family_comes_with_its_leaf(author: BuiltinAuthor, ask) -> None:
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     text = "A small aircraft stands across the road after an emergency landing."
     placed = ask(author, PlaceScenario(text=text, nodes=tree.nodes))
     assert placed.decision == "add"
@@ -143,11 +143,11 @@ def test_a_new_family_comes_with_its_leaf(author: BuiltinAuthor, ask) -> None:
 def test_what_is_no_ood_scenario_is_refused(
     author: BuiltinAuthor, ask, text: str, decision: str
 ) -> None:
-    placed = ask(author, PlaceScenario(text=text, nodes=ScenarioTree.planted().nodes))
+    placed = ask(author, PlaceScenario(text=text, nodes=ScenarioTree.initial().nodes))
     assert placed.decision == decision
 
 
 @given(st.text(min_size=1, max_size=200))
 @settings(deadline=None)
 def test_any_text_gets_a_valid_decision(author: BuiltinAuthor, ask, text: str) -> None:
-    ask(author, PlaceScenario(text=text, nodes=ScenarioTree.planted().nodes))
+    ask(author, PlaceScenario(text=text, nodes=ScenarioTree.initial().nodes))

@@ -3,9 +3,9 @@ from collections import Counter
 
 import pytest
 
-from oodscen.baselines._off_topic import load_off_topic
+from oodscen.baselines._off_topic import off_topic_texts
 
-TUNE, FROZEN = load_off_topic("tune"), load_off_topic("frozen")
+TUNE, FROZEN = off_topic_texts("tune"), off_topic_texts("frozen")
 ALL = (*TUNE, *FROZEN)
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from oodscen.claims import check_claims
-from oodscen.claims._checking import judge_claims
+from oodscen.claims._checking import mismatches
 from oodscen.claims._watching import watch
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather
@@ -36,12 +36,12 @@ def actor(**fields):
 
 
 def broken(scene, claims=CLAIMS):
-    return [one.claim for one in check_claims(claims, scene, FLAT_CATALOGUE)]
+    return [one.claim for one in mismatches(check_claims(claims, scene, FLAT_CATALOGUE))]
 
 
 def test_a_faithful_scene_has_no_mismatch():
     assert broken(SCENE) == []
-    assert {one.status for one in judge_claims(CLAIMS, SCENE, FLAT_CATALOGUE)} == {"holds"}
+    assert {one.status for one in check_claims(CLAIMS, SCENE, FLAT_CATALOGUE)} == {"holds"}
 
 
 CAR = Actor(
@@ -118,3 +118,30 @@ def test_watching_is_deterministic_and_goes_beyond_the_decision():
     one, other = watch(SCENE, FLAT_CATALOGUE), watch(SCENE, FLAT_CATALOGUE)
     assert all((one[name] == other[name]).all() for name in ("x", "y", "speed"))
     assert one["s"][-1, 0] > SCENE.actors[0].placement.ahead_m
+
+
+LANES = [Claim(kind="place", value=name, subject="lorry") for name in ("in_lane", "left_lane")]
+
+
+@pytest.mark.parametrize(
+    ("offset", "heading", "missing"),
+    [
+        (1.7, 90.0, []),
+        (1.0, 90.0, []),
+        (0.0, 0.0, ["left_lane"]),
+        (3.4, 0.0, ["in_lane"]),
+        (0.4, 0.0, ["left_lane"]),
+        (3.0, 0.0, ["in_lane"]),
+    ],
+)
+def test_a_thing_across_two_lanes_is_in_both(offset, heading, missing):
+    place = Placement(ahead_m=60.0, offset_m=offset, heading_deg=heading)
+    lorry = Actor(id="lorry", asset="truck", placement=place)
+    scene = changed(
+        map="urban_avenue", actors=[lorry], hazard={"actors": {"lorry": None}},
+        decision=Trigger(kind="distance", value=25.0, actor="lorry"),
+    )  # fmt: skip
+    claims = [Claim(kind="thing", value="present", subject="lorry"), *LANES]
+    assert [one.value for one in broken(scene, claims)] == missing
+    oncoming = [claims[0], Claim(kind="place", value="oncoming_lane", subject="lorry")]
+    assert broken(scene, oncoming)

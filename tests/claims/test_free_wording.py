@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 from oodscen_pybullet._catalogue import load_catalogue
 
-from oodscen.claims import check_claims
+from oodscen.claims._checking import check_claims, mismatches
 from oodscen.claims._matching import Likeness
 from oodscen.encoders._minilm import MiniLM
 from oodscen.stages._augment import Augmenter
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
@@ -35,7 +35,7 @@ WORDED_FREELY = {
 @pytest.fixture(scope="module")
 def judged():
     catalogue = load_catalogue()
-    augmenter = Augmenter(FunctionLLM(lambda request: ""), catalogue, encoder=MiniLM())
+    augmenter = Augmenter(ScriptedLLM(lambda request: ""), catalogue, encoder=MiniLM())
     wanted = [one for one in recorded() if one["id"] in WORDED_FREELY or one["fault"]]
     return {one["id"]: (told, why) for one, told, why in accepted(augmenter, wanted)}
 
@@ -64,7 +64,9 @@ def test_a_scene_that_contradicts_its_text_is_refused_by_the_claim(judged):
     caught = [
         any(
             found.claim.kind in one.kinds
-            for found in check_claims(one.told.claims, one.scene, catalogue, likeness=likeness)
+            for found in mismatches(
+                check_claims(one.told.claims, one.scene, catalogue, likeness=likeness)
+            )
         )
         for one in made
     ]

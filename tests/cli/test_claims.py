@@ -1,11 +1,13 @@
-"""`oodscen faithful`: scenes of any origin against their texts, exit codes."""
+"""`oodscen check-claims`: scenes of any origin against their texts, exit codes."""
 
 import json
 
 import pytest
 from click.testing import CliRunner
 
+from oodscen import make_encoder
 from oodscen._cli import main
+from oodscen.claims._faithfulness import Faithfulness
 from oodscen.data._scenario import Scenario
 from oodscen.testing._scenes import example_scene
 
@@ -18,7 +20,7 @@ def call(folder, scene, text, *options):
     (folder / "texts.jsonl").write_text(scenario.to_json() + "\n")
     files = (str(folder / "scenes.jsonl"), "--scenarios", str(folder / "texts.jsonl"))
     simulator = ("--simulator", "oodscen.testing._flat:FlatSimulator")
-    return CliRunner().invoke(main, ["faithful", *files, *simulator, *options])
+    return CliRunner().invoke(main, ["check-claims", *files, *simulator, *options])
 
 
 def test_a_faithful_scene_passes(tmp_path):
@@ -64,7 +66,7 @@ def test_what_is_wrong_with_one_line_leaves_the_others_judged(tmp_path, line, ex
     (tmp_path / "scenes.jsonl").write_text("\n".join(lines))
     files = (str(tmp_path / "scenes.jsonl"), "--scenarios", str(tmp_path / "texts.jsonl"))
     simulator = ("--simulator", "oodscen.testing._flat:FlatSimulator")
-    done = CliRunner().invoke(main, ["faithful", *files, *simulator, *option])
+    done = CliRunner().invoke(main, ["check-claims", *files, *simulator, *option])
     assert done.exit_code == 1
     assert expected in done.output
     if option:
@@ -80,7 +82,23 @@ def test_a_malformed_text_is_told_and_costs_only_its_own_scenes(tmp_path):
     path.write_text('{"id": 1}\n' + path.read_text())
     files = (str(tmp_path / "scenes.jsonl"), "--scenarios", str(path))
     simulator = ("--simulator", "oodscen.testing._flat:FlatSimulator")
-    done = CliRunner().invoke(main, ["faithful", *files, *simulator])
+    done = CliRunner().invoke(main, ["check-claims", *files, *simulator])
     assert done.exit_code == 1
     assert "texts.jsonl:1" in done.output
     assert "1 of them could not be checked" in done.output
+
+
+@pytest.mark.parametrize(
+    ("option", "name"),
+    [((), "minilm"), (("--encoder", "hash"), "hash"), (("--encoder", "none"), None)],
+)
+def test_the_encoder_of_a_run_compares_things_with_actors(tmp_path, monkeypatch, option, name):
+    used = []
+
+    def check(model, text, scene, catalogue, *, encoder):
+        used.append(encoder)
+        return Faithfulness(id=scene.id, findings=())
+
+    monkeypatch.setattr("oodscen.claims._faithfulness.check_text", check)
+    assert call(tmp_path, example_scene(), TEXT, *option).exit_code == 0
+    assert [one and one.name for one in used] == [name and make_encoder(name).name]

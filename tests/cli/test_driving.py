@@ -8,7 +8,7 @@ from oodscen._pipeline import run_study
 from tests.pipeline.quick import QUICK
 
 STACK = """
-from oodscen.driving import Cruise
+from oodscen.driving._motion.actions import Cruise
 
 def make():
     return Cruise()

@@ -25,8 +25,11 @@ CHEAP = {
     "redteam": ["tree.json", "--iterations", "1", "--encoder", "none"],
     "prune": ["tree.json", "--simulator", "flat"],
     "describe": ["tree.json", "--per-path", "1"],
-    "augment": ["empty", "--simulator", "flat"],
-    "faithful": ["scene.jsonl", "--scenarios", "texts.jsonl", "--simulator", "flat"],
+    "augment": ["empty", "--simulator", "flat", "--encoder", "none"],
+    "check-claims": [
+        *("scene.jsonl", "--scenarios", "texts.jsonl"),
+        *("--simulator", "flat", "--encoder", "none"),
+    ],
     "simulate": ["empty", "out", "--simulator", "flat"],
     "evaluate": ["."],
     "drive": ["."],

@@ -9,7 +9,7 @@ from oodscen import ScenarioTree, TreeGrower
 from oodscen._cli import main
 from oodscen._registry import make_catalogue
 from oodscen.author._builtin import BuiltinAuthor
-from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 
 
@@ -80,7 +80,7 @@ ordinary = "the lane ahead is free"
 needs = { assets = ["piano"] }
 """
     )
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     tree = tree.apply(
         tree.edits[0].model_copy(
             update={"node": "piano", "parent": "environmental", "label": "Grand piano on the road"}

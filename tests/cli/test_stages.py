@@ -31,7 +31,7 @@ def test_a_file_that_holds_nothing_is_refused(tmp_path, content) -> None:
     for order in (
         ("augment", nothing),
         ("simulate", nothing, tmp_path / "out"),
-        ("faithful", nothing, "--scenarios", nothing),
+        ("check-claims", nothing, "--scenarios", nothing),
     ):
         found = invoke(*order)
         assert found.exit_code == 2

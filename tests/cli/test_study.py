@@ -1,3 +1,4 @@
+import errno
 import json
 import os
 import shutil
@@ -14,7 +15,7 @@ from oodscen._pipeline import run_study
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
 from oodscen.llm._replay import Exchange
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import QUICK
 
 SMALL = QUICK.model_copy(update={"max_paths": 1, "iterations": 2})
@@ -76,6 +77,17 @@ def test_a_folder_without_a_study_exits_with_2(tmp_path, command) -> None:
     assert "holds no study" in found.output
 
 
+@pytest.mark.parametrize("content", [b"", b"\0\0", b"\xff", b"[1, 2]", b"[" * 100_000])
+def test_a_dry_run_opens_the_texts_of_ordinary_driving(tmp_path, content) -> None:
+    (tmp_path / "texts.json").write_bytes(content)
+    words = ["--quick", "--simulator", "flat", "--encoder", "hash", "--dry-run", "--baseline"]
+    found = CliRunner().invoke(
+        main, ["run", str(tmp_path / "o"), *words, str(tmp_path / "texts.json")]
+    )
+    assert (found.exit_code, found.output.count("texts.json")) == (2, 1)
+    assert not (tmp_path / "o").exists()
+
+
 def test_the_help_lists_the_exit_codes() -> None:
     words = invoke("--help").output
     assert all(f"{code}  {said}" in words for code, said in EXIT_CODES.items())
@@ -85,7 +97,7 @@ def judged(study, name):
     def answer(request):
         raise LLMError("boom")
 
-    model = FunctionLLM(answer)
+    model = ScriptedLLM(answer)
     model.name = name
     config = SMALL.model_copy(update={"vlms": (name,), "servers": {name: "http://127.0.0.1:1/v1"}})
     run_study(study, config, models={name: model})
@@ -165,6 +177,22 @@ def test_a_signal_interrupts_and_the_next_one_ends_at_once(tmp_path, monkeypatch
     assert Study.open(tmp_path / "out").info["status"] == "stopped"
     assert handlers == [signal.SIG_DFL] * len(SIGNALS)
     assert [*map(signal.getsignal, SIGNALS)] == before
+
+
+def test_an_interruption_with_a_full_disk_keeps_the_code_of_the_signal(
+    tmp_path, monkeypatch
+) -> None:
+    def interrupted(pipeline) -> None:
+        monkeypatch.setattr("oodscen.study._store.replace", full)
+        signal.raise_signal(signal.SIGTERM)
+
+    def full(target, data) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("oodscen._pipeline.pipeline.Pipeline._stages", interrupted)
+    words = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "1"]
+    found = CliRunner().invoke(main, ["run", str(tmp_path / "o"), *words])
+    assert (found.exit_code, "interrupted" in found.output) == (143, True)
 
 
 def test_a_signal_that_shall_be_ignored_is(tmp_path, monkeypatch) -> None:

@@ -13,7 +13,7 @@ from oodscen.study._study import TREES
 from oodscen.tree._export import to_mermaid
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
-BEFORE = ScenarioTree.planted().apply(
+BEFORE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="weather", parent="environmental", label="Weather", stage="grow"),
     TreeEdit(op="add", node="fog", parent="weather", label="Thick fog", stage="grow"),
 )

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.data._base import Data, Faults, canonical_json, dotted
+from oodscen.data._base import Data, IssuesError, canonical_json, dotted
 from oodscen.data._catalogue import Asset, BehaviourKind, BehaviourParameter, RoadMap, WeatherRange
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._messages import Image, Message
@@ -111,7 +111,7 @@ def test_faults_of_a_whole_are_listed_below_its_place():
         parts: list[int] = []
 
         def model_post_init(self, context):
-            raise Faults([Issue("parts[0]", "a"), Issue("[1]", "b"), Issue("", "c")])
+            raise IssuesError([Issue("parts[0]", "a"), Issue("[1]", "b"), Issue("", "c")])
 
     class Holder(Data):
         wholes: list[Whole]

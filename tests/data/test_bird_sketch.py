@@ -6,7 +6,8 @@ from itertools import pairwise
 import pytest
 
 from oodscen import simulate
-from oodscen.data import ACTIONS, Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._episode import ACTIONS
 from oodscen.testing._flat import FlatSimulator
 
 SCENE = Scene(

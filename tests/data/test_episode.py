@@ -3,8 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.data import ACTIONS, Episode
-from oodscen.data._episode import ActionOutcome
+from oodscen.data import Episode
+from oodscen.data._episode import ACTIONS, ActionOutcome
 
 outcomes = st.sampled_from(
     [

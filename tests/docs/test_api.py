@@ -17,7 +17,9 @@ LISTED = {
     name: set(re.findall(r"`(\w+)`", listing))
     for name, listing in re.findall(r"^## `([\w.]+)`\n\n[^\n]*\n\n([^\n]*)$", PAGE, re.MULTILINE)
 }
-UNLISTED = {f"oodscen.{name}" for name in ("metrics", "numerics", "statistics", "study")}
+UNLISTED = {
+    f"oodscen.{name}" for name in ("encoders", "metrics", "numerics", "statistics", "study")
+}
 """Packages that list no name."""
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 TEXTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -43,7 +45,7 @@ def test_a_package_lists_its_names_and_has_them(name):
 
 def test_the_page_counts_its_names():
     counted = set().union(*(names for name, names in LISTED.items() if name != "oodscen.errors"))
-    assert f"\n{len(counted)} names," in PAGE
+    assert f"\n{len(counted - LISTED['oodscen.errors'])} names," in PAGE
 
 
 @pytest.mark.parametrize("path", [*TEXTS, *EXAMPLES], ids=lambda path: path.name)

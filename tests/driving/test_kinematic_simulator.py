@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Trigger
-from oodscen.driving import Cruise, KinematicSimulator
+from oodscen.driving import KinematicSimulator
+from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.errors import SceneError, SimulatorError
 from oodscen.protocols import Camera, Control, Frame, Simulator

@@ -5,10 +5,11 @@ import pytest
 
 from oodscen import simulate
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
-from oodscen.driving import SHIPPED_MAPS, load_corridor
+from oodscen.driving import load_corridor
 from oodscen.driving._roads.projection import places
 from oodscen.driving._trace import Trace
 from oodscen.driving._trace_table import COLUMNS
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError, UsageError
 from oodscen.protocols import Control
 from oodscen.testing._flat import FlatSimulator

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._lock import locked
-from oodscen.encoders import CachedEncoder
-from oodscen.encoders._cached import cache_folder
+from oodscen.encoders._cached import CachedEncoder, cache_folder
 from oodscen.testing._encoder import HashEncoder
 
 TEXTS = ["a car waits", "a deer jumps", "a van turns left", "a car waits"]
@@ -99,7 +98,7 @@ def test_what_two_writers_save_is_joined(tmp_path):
 SAVING = """
 import sys
 from pathlib import Path
-from oodscen.encoders import CachedEncoder
+from oodscen.encoders._cached import CachedEncoder
 from oodscen.testing._encoder import HashEncoder
 
 for number in range(5):

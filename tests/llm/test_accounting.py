@@ -8,12 +8,12 @@ from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, UsageError
 from oodscen.llm._accounting import Ledger, account, accounts
 from oodscen.llm._ask import ask
 from oodscen.llm._call_log import Call, LoggedLLM
-from oodscen.llm._capped import MeteredLLM
+from oodscen.llm._capped import CappedLLM
 from oodscen.llm._fallback import FallbackLLM
-from oodscen.llm._remote.limits import Caps, Limits, Price
+from oodscen.llm._remote.limits import Limits, Price
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Completion, Usage
-from oodscen.testing import FunctionLLM, ScriptedLLM
+from oodscen.testing import ScriptedLLM
 
 QUESTION = ImagineScenario(shown=("A deer crosses.",))
 GOOD = {"text": "A grand piano lies across the ego vehicle's lane."}
@@ -73,7 +73,7 @@ def test_a_second_model_answers_where_the_first_does_not():
 
 def test_a_first_model_that_is_down_is_left_alone():
     first = ScriptedLLM([EndpointDown("a", "dead")] * 2, name="a")
-    llm = FallbackLLM(first, FunctionLLM(lambda asked: GOOD))
+    llm = FallbackLLM(first, ScriptedLLM(lambda asked: GOOD))
     for sample in range(3):
         ask(llm, QUESTION, sample)
     assert len(first.requests) == 1
@@ -89,13 +89,13 @@ def test_a_cap_is_no_reason_to_ask_another_model():
 
 def test_models_of_ones_own_are_held_to_the_caps():
     usage = Usage(input_tokens=100, output_tokens=10)
-    author = FunctionLLM(
+    author = ScriptedLLM(
         lambda asked: Completion(text='{"text": "A sofa lies on the road there."}', usage=usage)
     )
     with pytest.raises(UsageError, match="--price function="):
-        MeteredLLM(author, Limits(Caps(cost_usd=1)))
-    limits = Limits(Caps(requests=3, cost_usd=1), prices={"function": Price(1, 1)})
-    llm = MeteredLLM(author, limits)
+        CappedLLM(author, Limits(cost_usd=1))
+    limits = Limits(requests=3, cost_usd=1, prices={"function": Price(1, 1)})
+    llm = CappedLLM(author, limits)
     for sample in range(3):
         ask(llm, QUESTION, sample)
     with pytest.raises(BudgetExceeded):

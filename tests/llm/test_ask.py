@@ -13,7 +13,7 @@ from oodscen.llm._ask import MAX_ANSWER, QUOTED, SHOWN_ISSUES, ask, read_answer
 from oodscen.prompts import QUESTIONS
 from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.prompts._tree.imagine_scenario import ImaginedScenario, ImagineScenario
-from oodscen.testing import FunctionLLM, ScriptedLLM
+from oodscen.testing import ScriptedLLM
 from tests import strategies  # noqa: F401  # says how claims are drawn
 from tests.prompts.samples import SAMPLES
 
@@ -105,7 +105,7 @@ documents = st.recursive(
 
 def answer_or_error(prompt, words):
     try:
-        return ask(FunctionLLM(lambda request: words), prompt, attempts=2)
+        return ask(ScriptedLLM(lambda request: words), prompt, attempts=2)
     except AnswerError as error:
         return error
 
@@ -216,6 +216,6 @@ def test_whatever_a_models_object_raises_is_a_model_that_failed(raised, is_retry
         raise raised
 
     with pytest.raises(LLMError, match=type(raised).__name__) as caught:
-        ask(FunctionLLM(answer), QUESTION)
+        ask(ScriptedLLM(answer), QUESTION)
     assert caught.value.__cause__ is raised
     assert caught.value.retryable is is_retryable

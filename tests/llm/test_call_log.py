@@ -11,7 +11,7 @@ from oodscen.llm._ask import ask
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import LLM, Completion, Usage
-from oodscen.testing import FunctionLLM, ScriptedLLM
+from oodscen.testing import ScriptedLLM
 
 QUESTION = ImagineScenario(shown=("A deer crosses.",))
 GOOD = {"text": "A grand piano lies across the ego vehicle's lane."}
@@ -22,7 +22,7 @@ def test_a_call_is_accounted_for():
     calls = []
     text = '{"text": "A grand piano lies across the lane."}'
     llm = LoggedLLM(
-        FunctionLLM(lambda r: Completion(text=text, usage=usage), name="m"), calls.append
+        ScriptedLLM(lambda r: Completion(text=text, usage=usage), name="m"), calls.append
     )
     assert isinstance(llm, LLM)
     ask(llm, QUESTION, sample=4)
@@ -87,6 +87,6 @@ def test_lines_are_written_one_at_a_time():
         calls.append(call)
         busy.release()
 
-    llm = LoggedLLM(FunctionLLM(lambda asked: GOOD), log)
+    llm = LoggedLLM(ScriptedLLM(lambda asked: GOOD), log)
     list(as_finished(lambda sample: ask(llm, QUESTION, sample), range(60), threads=8))
     assert sorted(call.sample for call in calls) == list(range(60))

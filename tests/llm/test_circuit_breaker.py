@@ -3,10 +3,10 @@
 import pytest
 
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, ModelSkipped
-from oodscen.llm._circuit_breaker import ContainedLLM
+from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 
 PROMPT = ImagineScenario(shown=("A deer crosses.",))
 REQUEST = Request(PROMPT, PROMPT.messages(), PROMPT.answer_schema())
@@ -16,7 +16,7 @@ def raising(error):
     def fail(request):
         raise error
 
-    return ContainedLLM(FunctionLLM(fail))
+    return CircuitBreakerLLM(ScriptedLLM(fail))
 
 
 def test_a_model_that_is_given_up_fails_the_question_for_now():
@@ -34,8 +34,8 @@ def test_everything_else_passes(error):
 
 
 def test_it_answers_and_looks_like_the_model():
-    model = FunctionLLM(lambda request: "said")
+    model = ScriptedLLM(lambda request: "said")
     model.speaks_for = "another"
-    contained = ContainedLLM(model)
+    contained = CircuitBreakerLLM(model)
     assert contained.complete(REQUEST).text == "said"
     assert (contained.name, contained.speaks_for) == (model.name, "another")

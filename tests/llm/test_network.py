@@ -3,6 +3,7 @@
 import asyncio
 import base64
 import json
+import re
 import socket
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -22,7 +23,7 @@ from oodscen.llm._remote.transport import guard, responds
 from oodscen.llm._replay import Recorder, RecordingLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
-from oodscen.testing import AnsweringServer, FunctionLLM
+from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.llm.rogue import BEGINNING, answering, dripping, redirecting, talking
 
 PROMPT = ImagineScenario(shown=("A deer crosses.",))
@@ -35,7 +36,7 @@ PROCESSING = b"HTTP/1.1 102 Processing\r\n\r\n"
 @pytest.fixture(scope="module", autouse=True)
 def warm():
     """Let litellm load what it loads at the first call."""
-    with AnsweringServer(FunctionLLM(lambda asked: {"text": "A sofa."})) as server:
+    with AnsweringServer(ScriptedLLM(lambda asked: {"text": "A sofa."})) as server:
         server.client("m").complete(REQUEST)
 
 
@@ -257,7 +258,7 @@ def test_offline_holds_for_every_socket(monkeypatch):
 def test_a_call_within_a_running_loop_is_like_any_other():
     async def call():
         with AnsweringServer(
-            FunctionLLM(lambda asked: {"text": "A sofa lies on the road."})
+            ScriptedLLM(lambda asked: {"text": "A sofa lies on the road."})
         ) as server:
             return ask(server.client("m"), PROMPT).text
 
@@ -269,22 +270,37 @@ def test_a_call_within_a_running_loop_is_like_any_other():
 
 def written(key):
     """Return how a key may turn up in what a server says."""
-    pair = base64.b64encode(f"user:{key}".encode()).decode()
-    return (key, json.dumps(key)[1:-1], quote(key, safe=""), pair)
+    data = key.encode()
+    pair = base64.b64encode(b"user:" + data).decode()
+    return (
+        *(key, json.dumps(key)[1:-1], quote(key, safe=""), pair, data.hex(), data.hex(" ").upper()),
+        *("".join(f"{mark}{byte:{form}}" for byte in data) for mark, form in BYTES),
+        "".join(f"&#{byte};" for byte in data),
+        key.replace("-", "&hyphen;").replace("!", "&excl;").replace("/", "&sol;"),
+        str(list(data)),
+    )
+
+
+BYTES = (("\\", "03o"), ("=", "02X"), ("\\x", "02x"), ("%25", "02x"))
+"""Marks of an escaped byte, each with the format of the number after it."""
 
 
 @pytest.mark.parametrize("key", KEYS, ids=len)
-@pytest.mark.parametrize("place", ["environment", "argument", "address"])
+@pytest.mark.parametrize(
+    ("place", "status"), [("environment", 400), ("argument", 401), ("address", 403)]
+)
 def test_an_echoed_key_is_in_no_file_output_or_foreign_request(
-    monkeypatch, tmp_path, capfd, key, place
+    monkeypatch, tmp_path, capfd, key, place, status
 ):
     settings = {}
     echo = " ".join(json.dumps(form)[1:-1] for form in written(key))
-    words = json.dumps(json.dumps({"text": f"A sofa lies there. {key}"}))[1:-1]
+    words = json.dumps(json.dumps({"text": f"A sofa lies there. {' '.join(written(key))}"}))[1:-1]
     with (
         talking(answering(words)) as other,
         talking(answering(words)) as good,
-        talking(answering(echo, "401 " + quote(key, safe="/+!"), f"x-key: {key}\r\n")) as denying,
+        talking(
+            answering(echo, f"{status} {quote(key, safe='/+!')}", f"x-key: {key}\r\n")
+        ) as denying,
         talking(redirecting(other.address)) as rogue,
     ):
         for variable in PROXIES:
@@ -306,7 +322,7 @@ def test_an_echoed_key_is_in_no_file_output_or_foreign_request(
     for form in written(key):
         for text in (said, out, err, files, *(str(e) + repr(vars(e)) for e in errors)):
             assert form not in text
-    assert said == "A sofa lies there. [redacted]"
+    assert re.fullmatch(r"A sofa lies there\.( \S*\[redacted\]\S*)+", said)
 
 
 def test_a_model_of_ones_own_leaves_no_key_either(monkeypatch):
@@ -316,7 +332,7 @@ def test_a_model_of_ones_own_leaves_no_key_either(monkeypatch):
         raise ValueError("x" * 495 + KEYS[0])
 
     with pytest.raises(LLMError) as caught:
-        ask(FunctionLLM(fail), PROMPT)
+        ask(ScriptedLLM(fail), PROMPT)
     assert KEYS[0][:5] not in str(caught.value)
-    llm = FunctionLLM(lambda asked: {"text": f"{KEYS[0]} lies on the road there."})
+    llm = ScriptedLLM(lambda asked: {"text": f"{KEYS[0]} lies on the road there."})
     assert ask(llm, PROMPT).text == "[redacted] lies on the road there."

@@ -9,7 +9,7 @@ import pytest
 from oodscen.data._messages import Image
 from oodscen.errors import LLMError
 from oodscen.llm._ask import ask
-from oodscen.llm._remote.limits import Caps, Limits, Price
+from oodscen.llm._remote.limits import Limits, Price
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.prompts._judging.describe_frame import DescribeFrame
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
@@ -120,7 +120,7 @@ def test_no_key_is_in_an_error_and_the_key_is_sent(provider):
 @pytest.mark.parametrize("provider", MODELS)
 def test_caps_hold_for_every_provider(provider):
     name = MODELS[provider]
-    limits = Limits(Caps(requests=2, cost_usd=1.0), prices={name: Price(0, 0)}, patience_s=None)
+    limits = Limits(requests=2, cost_usd=1.0, prices={name: Price(0, 0)}, patience_s=None)
     with (
         serving(provider, lambda texts, images: "prose") as wire,
         pytest.raises(Exception, match="cap of 2 requests"),

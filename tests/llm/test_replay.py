@@ -17,7 +17,7 @@ from oodscen.llm._replay import Exchange, Recorder, Recording, RecordingLLM, Rep
 from oodscen.prompts._judging.describe_frame import DescribeFrame
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Completion, Request, Usage
-from oodscen.testing import FunctionLLM, ScriptedLLM
+from oodscen.testing import ScriptedLLM
 
 KEY = "sk-test-planted-0123456789abcdef"
 QUESTION = ImagineScenario(shown=("A deer crosses.",))
@@ -51,7 +51,7 @@ def test_answers_come_back_byte_for_byte(tmp_path_factory, texts):
 
 def test_what_is_recorded_is_not_asked_again(file):
     asked = []
-    llm = FunctionLLM(lambda r: asked.append(r.sample) or by_sample(r))
+    llm = ScriptedLLM(lambda r: asked.append(r.sample) or by_sample(r))
     first = RecordingLLM(llm, file).complete(request(sample=3))
     again = RecordingLLM(llm, file).complete(request(sample=3))
     assert (again.text, again.usage) == (first.text, first.usage)
@@ -62,7 +62,7 @@ def test_what_is_recorded_is_not_asked_again(file):
 
 
 def test_a_line_says_everything(file):
-    RecordingLLM(FunctionLLM(by_sample, name="m"), file).complete(request(sample=3))
+    RecordingLLM(ScriptedLLM(by_sample, name="m"), file).complete(request(sample=3))
     line = json.loads(file.read_text())
     assert line.pop("seconds") >= 0
     assert line == {
@@ -124,7 +124,7 @@ def test_a_recording_that_is_cut_anywhere_keeps_its_whole_lines(tmp_path_factory
     ends = [sum(map(len, LINES[: n + 1])) - 1 for n in range(3)]
     whole = sum(cut >= end for end in ends)
     assert len(untouched(file, lambda: Recording(file))) == whole
-    llm = RecordingLLM(FunctionLLM(by_sample, name="m\u2028\x85"), file)
+    llm = RecordingLLM(ScriptedLLM(by_sample, name="m\u2028\x85"), file)
     assert [llm.complete(request(sample=n)).requests for n in range(3)] == [
         0 if n < whole else 2 for n in range(3)
     ]
@@ -155,14 +155,14 @@ def test_a_file_that_is_no_recording_is_refused_with_its_line(tmp_path, content)
 
 
 def test_what_cannot_be_read_is_refused(tmp_path):
-    with pytest.raises(DataError, match="no such file"):
+    with pytest.raises(DataError, match="No such file"):
         ReplayLLM(tmp_path / "nowhere")
     with pytest.raises(DataError, match="directory"):
         Recording(tmp_path)
 
 
 def test_a_file_is_recorded_by_one_at_a_time(file):
-    mine = RecordingLLM(FunctionLLM(by_sample), file)
+    mine = RecordingLLM(ScriptedLLM(by_sample), file)
     mine.complete(request())
     mine._recorder.close()
     with ThreadPoolExecutor(1) as other:
@@ -178,23 +178,23 @@ def test_a_file_is_recorded_by_one_at_a_time(file):
 
 
 def test_recorders_of_one_file_in_one_process_are_one(file):
-    llms = [RecordingLLM(FunctionLLM(by_sample), file) for _ in range(4)]
+    llms = [RecordingLLM(ScriptedLLM(by_sample), file) for _ in range(4)]
     list(as_finished(lambda n: llms[n % 4].complete(request(sample=n)), range(80), threads=8))
     assert len(Recording(file)) == 80
     file.unlink()
-    RecordingLLM(FunctionLLM(by_sample), file).complete(request())
+    RecordingLLM(ScriptedLLM(by_sample), file).complete(request())
     assert len(Recording(file)) == 1
 
 
 def test_what_others_add_meanwhile_is_found_before_anybody_is_asked(file):
-    late = RecordingLLM(FunctionLLM(by_sample, name="m"), Recorder(file))
-    RecordingLLM(FunctionLLM(by_sample, name="m"), Recorder(file)).complete(request())
+    late = RecordingLLM(ScriptedLLM(by_sample, name="m"), Recorder(file))
+    RecordingLLM(ScriptedLLM(by_sample, name="m"), Recorder(file)).complete(request())
     assert late.complete(request()).requests == 0
 
 
 def test_a_full_disk_is_an_error_and_leaves_whole_lines(file, monkeypatch):
     recorder = Recorder(file)
-    llm = RecordingLLM(FunctionLLM(by_sample), recorder)
+    llm = RecordingLLM(ScriptedLLM(by_sample), recorder)
     llm.complete(request())
     whole = file.read_bytes()
     append = recorder._append
@@ -215,7 +215,7 @@ def test_a_full_disk_is_an_error_and_leaves_whole_lines(file, monkeypatch):
 
 
 def test_many_threads_record_whole_lines(file):
-    llm = RecordingLLM(FunctionLLM(by_sample), file)
+    llm = RecordingLLM(ScriptedLLM(by_sample), file)
     list(as_finished(lambda n: llm.complete(request(sample=n)), range(80), threads=8))
     replay = ReplayLLM(file)
     for sample in range(80):
@@ -231,7 +231,7 @@ def missed(file, asked):
 
 
 def test_a_miss_says_which_part_differs(file):
-    RecordingLLM(FunctionLLM(by_sample), file).complete(request(sample=3))
+    RecordingLLM(ScriptedLLM(by_sample), file).complete(request(sample=3))
     assert missed(file, request(sample=4)) == {"sample": "recorded 3, asked 4"}
     assert missed(file, request(sample=3, attempt=2)) == {"attempt": "recorded 1, asked 2"}
     differs = missed(file, request(OTHER, sample=3))

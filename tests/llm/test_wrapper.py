@@ -5,21 +5,21 @@ import copy
 import pytest
 
 from oodscen.llm._wrapper import Wrapper
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 
 
 def test_it_has_the_name_and_the_attributes_of_who_answers():
-    llm = FunctionLLM(lambda request: "")
+    llm = ScriptedLLM(lambda request: "")
     llm.seed = 7
     assert (Wrapper(llm).name, Wrapper(llm).seed) == (llm.name, 7)
 
 
 def test_what_is_private_or_missing_is_an_attribute_error():
-    llm = Wrapper(FunctionLLM(lambda request: ""))
+    llm = Wrapper(ScriptedLLM(lambda request: ""))
     for name in ("_secret", "colour"):
         with pytest.raises(AttributeError):
             getattr(llm, name)
 
 
 def test_a_copy_does_not_look_for_its_model_without_end():
-    assert copy.copy(Wrapper(FunctionLLM(lambda request: ""))).name
+    assert copy.copy(Wrapper(ScriptedLLM(lambda request: ""))).name

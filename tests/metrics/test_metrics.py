@@ -11,10 +11,10 @@ from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.data._scenario import Scenario
-from oodscen.encoders import CachedEncoder
+from oodscen.encoders._cached import CachedEncoder
 from oodscen.encoders._minilm import MiniLM
 from oodscen.errors import DataError, EncoderError, UsageError
-from oodscen.metrics._report import Report
+from oodscen.metrics._report import MetricsReport
 from oodscen.statistics._auroc import auroc
 from oodscen.testing._encoder import HashEncoder
 
@@ -149,7 +149,7 @@ def test_an_encoder_that_breaks_its_contract_is_named(monkeypatch, result):
 
 def test_a_report_round_trips_and_reads_like_a_mapping():
     report = Metrics(ENCODER, ["b", "c"], seed=4).report(["a", "d", "e"], ["p", "p", "q"])
-    assert Report.parse(report.to_json()) == report
+    assert MetricsReport.parse(report.to_json()) == report
     plain = json.loads(report.to_json())
     assert dict(report) == plain
     assert plain["oodness"]["mean"] == report.oodness.mean

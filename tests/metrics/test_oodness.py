@@ -8,11 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from pydantic import ValidationError
 
 from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
-from oodscen.errors import UnknownComponent
+from oodscen.errors import DataError, UnknownComponent
 from oodscen.metrics._oodness import Definition, Neighbour, Oodness, oodness, scores
 from oodscen.metrics._vectors.similarity import unit
 from oodscen.metrics._vectors.space import Space
@@ -131,5 +130,5 @@ def test_a_result_is_of_at_least_one_text_and_one_of_the_baseline() -> None:
     fields |= {"n": 1, "N": 1, "definition": "tabulated", "encoder": "hash-16"}
     assert Oodness(**fields).seed == 0
     for name in ("n", "N"):
-        with pytest.raises(ValidationError):
+        with pytest.raises(DataError):
             Oodness(**{**fields, name: 0})

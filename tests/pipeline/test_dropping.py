@@ -12,7 +12,7 @@ from oodscen._pipeline.dropping import drop_models
 from oodscen._pipeline.steps.judge import ALWAYS
 from oodscen.errors import UnknownComponent
 from oodscen.judging._constant_answerers import ConstantAnswerer
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import QUICK
 
 SMALL = QUICK.model_copy(update={"max_paths": 1, "iterations": 2})
@@ -20,7 +20,7 @@ ADDRESS = "http://127.0.0.1:1/v1"
 
 
 def named(name, answer=None):
-    model = FunctionLLM(answer or (lambda asked: ConstantAnswerer("stop").complete(asked).text))
+    model = ScriptedLLM(answer or (lambda asked: ConstantAnswerer("stop").complete(asked).text))
     model.name = name
     return model
 

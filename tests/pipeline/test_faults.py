@@ -13,9 +13,9 @@ from oodscen import Study, make_llm
 from oodscen._cli import main
 from oodscen._pipeline import RunOptions, estimate, run_study
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError
-from oodscen.llm._remote.limits import Caps, Limits, Price
+from oodscen.llm._remote.limits import Limits, Price
 from oodscen.llm._wrapper import Wrapper
-from oodscen.testing import AnsweringServer, FunctionLLM, ScriptedLLM
+from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.llm.rogue import dripping, talking
 from tests.pipeline.quick import QUICK
 
@@ -107,7 +107,7 @@ def test_keys_that_a_server_repeats_are_in_no_file_output_or_foreign_request(
 
     with (
         talking(dripping(b"HTTP/1.1 200 OK\r\n\r\n", b" ")) as proxy,
-        AnsweringServer(FunctionLLM(repeat), faults=faults) as server,
+        AnsweringServer(ScriptedLLM(repeat), faults=faults) as server,
     ):
         monkeypatch.setenv("http_proxy", f"http://127.0.0.1:{proxy.port}")
         study = run(tmp_path, server, Limits(concurrency=4, patience_s=None), retries=0)
@@ -121,7 +121,7 @@ def test_keys_that_a_server_repeats_are_in_no_file_output_or_foreign_request(
     assert not [(name, form) for name, data in files.items() for form in forms if form in data]
 
 
-@pytest.mark.parametrize("purpose", ["imagine-scenario", "judge-branch", "describe-path"])
+@pytest.mark.parametrize("purpose", ["imagine-scenario", "judge-branches", "describe-path"])
 def test_an_interruption_leaves_no_question_to_be_waited_for(tmp_path, author, purpose):
     limits = Limits(concurrency=2)
     together = threading.Barrier(2)
@@ -148,7 +148,7 @@ def test_an_interruption_of_the_very_end_leaves_the_study_stopped(tmp_path, monk
         monkeypatch.undo()
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("oodscen.report._render.write_report", interrupt)
+    monkeypatch.setattr("oodscen._pipeline.pipeline.write_report", interrupt)
     with pytest.raises(KeyboardInterrupt):
         run_study(tmp_path, QUICK)
     assert Study.open(tmp_path).info["status"] == "stopped"
@@ -159,7 +159,7 @@ def test_a_cap_ends_the_run_and_the_same_command_continues_it(tmp_path, author, 
     asked = []
     for _ in range(20):
         with AnsweringServer(author) as server, suppress(BudgetExceeded):
-            run(tmp_path, server, Limits(Caps(requests=15), concurrency=4))
+            run(tmp_path, server, Limits(requests=15, concurrency=4))
         asked += [json.dumps([r.messages, r.body["seed"]]) for r in server.received]
         if (status := Study.open(tmp_path).info["status"]) == "success":
             break
@@ -307,7 +307,7 @@ def test_a_dry_run_refuses_what_a_run_refuses(tmp_path, words):
 
 def test_doctor_asks_a_model_two_questions(author):
     from oodscen._doctor import examine_llm
-    from oodscen.testing import FunctionLLM
+    from oodscen.testing import ScriptedLLM
 
     def answer(asked):
         if asked.prompt.purpose == "describe-frame":
@@ -316,14 +316,14 @@ def test_doctor_asks_a_model_two_questions(author):
 
     import oodscen._registry as registry
 
-    with AnsweringServer(FunctionLLM(answer)) as server, pytest.MonkeyPatch.context() as patch:
+    with AnsweringServer(ScriptedLLM(answer)) as server, pytest.MonkeyPatch.context() as patch:
         patch.setattr(registry, "make_llm", lambda name, **more: server.client(name))
         found = {item.what: item for item in examine_llm("gpt-4o")}
     assert all(item.is_ok for item in found.values())
     assert "valid at once" in found["answer"].detail
     assert "sees it" in found["image"].detail
     assert len(server.received[1].images) == 1
-    with AnsweringServer(FunctionLLM(answer), faults=lambda i, r: "http401") as server:
+    with AnsweringServer(ScriptedLLM(answer), faults=lambda i, r: "http401") as server:
         result = call("doctor", "llm", "m", "--api-base", server.api_base)
     assert result.exit_code == 1
     assert KEY not in result.output

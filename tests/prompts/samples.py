@@ -17,7 +17,7 @@ from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.prompts._tree.classify_examples import ClassifyExamples
 from oodscen.prompts._tree.give_examples import GiveExamples
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
-from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._tree.judge_branch import JudgeBranch, JudgeBranches
 from oodscen.prompts._tree.place_scenario import Hidden, PlaceScenario
 from oodscen.prompts._tree.propose_tree import ProposeTree
 from oodscen.tree._scenario_tree import Node
@@ -87,6 +87,7 @@ SAMPLES = (
         procedure="closed",
     ),
     JudgeBranch(path=PATH, catalogue=DIGEST),
+    JudgeBranches(paths=(PATH, (*PATH[:-1], "Fog")), catalogue=DIGEST),
     DescribePath(path=PATH, count=3, avoid=("A deer stands on the highway.",), catalogue=DIGEST),
     DescribeOrdinary(text="A stag leaps onto the road.", path=PATH),
     ExtractClaims(text="A stag leaps onto the road at night."),

@@ -21,7 +21,7 @@ QUESTIONS = (
 @pytest.mark.parametrize("question", QUESTIONS, ids=lambda question: question.purpose)
 def test_a_question_fits_four_thousand_tokens(question):
     short = fitted(question, 4_096)
-    assert tokens_of(question) > tokens_of(short)
+    assert tokens_of(question) >= tokens_of(short)
     assert tokens_of(short) + ANSWER_TOKENS <= 4_096
     rendered = short.instructions()
     assert "stag with antlers" in rendered

@@ -20,7 +20,7 @@ from oodscen.prompts._digest import AssetLine, BehaviourLine, MapLine
 from oodscen.prompts._scenario.describe_path import DescribePath
 from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
-from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._tree.judge_branch import JudgeBranch, JudgeBranches
 from oodscen.prompts._tree.place_scenario import PlaceScenario
 from oodscen.tree._scenario_tree import Node
 from tests.prompts.samples import DIGEST, NODES, PATH, SAMPLES
@@ -33,8 +33,14 @@ OF_STAGERS = {
     *((BehaviourLine, name) for name in ("categories", "parameters")),
     (AssetLine, "states"),
 }
+OF_JUDGES = {
+    *((MapLine, name) for name in ("speed_limit", "landmarks", "layout")),
+    *((AssetLine, name) for name in ("description", "names", "length_m", "width_m", "height_m")),
+    (BehaviourLine, "parameters"),
+}
 LEFT_OUT = {
-    JudgeBranch: {(MapLine, "layout")},
+    JudgeBranch: OF_JUDGES,
+    JudgeBranches: OF_JUDGES,
     DescribePath: OF_STAGERS,
     ImagineScenario: OF_STAGERS,
 }
@@ -134,7 +140,9 @@ def test_versions_are_stable_and_tell_questions_apart():
     assert all(re.fullmatch(r"[0-9a-f]{12}", version) for version in versions)
 
 
-@pytest.mark.parametrize("template", ["_catalogue.md", "stage_scene.md", "describe_frame.md"])
+@pytest.mark.parametrize(
+    "template", ["_catalogue.md", "_means.md", "stage_scene.md", "describe_frame.md"]
+)
 def test_a_version_changes_with_every_template_it_shows(template, monkeypatch):
     before = {question: question.version() for question in QUESTIONS.values()}
     source = base._source
@@ -152,7 +160,8 @@ def test_a_version_changes_with_every_template_it_shows(template, monkeypatch):
     assert (
         differing
         == {
-            "_catalogue.md": {"judge-branch", "stage-scene"},
+            "_catalogue.md": {"stage-scene"},
+            "_means.md": {"judge-branch", "judge-branches"},
             "stage_scene.md": {"stage-scene"},
             "describe_frame.md": {
                 "describe-frame",
@@ -220,4 +229,4 @@ def test_fenced_inputs_change_nothing_outside_their_fence(text):
     staged = [StageScene(text=one, path=(one,), catalogue=DIGEST) for one in (text, "a stag")]
     assert outside(staged[0]) == outside(staged[1])
     asked = DescribePath(path=(*PATH, text), count=3, avoid=(text,))
-    assert outside(asked) == outside(SAMPLES[6])
+    assert outside(asked) == outside(SAMPLES[7])

@@ -28,8 +28,8 @@ from oodscen.metrics._measurements import (
     SizeCurve,
 )
 from oodscen.metrics._oodness import Neighbour, Oodness
-from oodscen.metrics._report import BaselineBatch, Report
-from oodscen.stages._prune.pruner import PruneDecision, all_decisions
+from oodscen.metrics._report import BaselineBatch, MetricsReport
+from oodscen.stages._prune.decisions import PruneDecision, all_decisions
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.statistics._auroc import Auroc
 from oodscen.statistics._intervals import Interval
@@ -44,7 +44,7 @@ LEAVES = {
 
 
 def initial_tree() -> ScenarioTree:
-    return ScenarioTree.planted().apply(
+    return ScenarioTree.initial().apply(
         *(
             TreeEdit(op="add", node=leaf, parent=parent, label=label, stage="grow", attested=mark)
             for (leaf, (parent, label)), mark in zip(
@@ -187,7 +187,7 @@ def interval(middle: float) -> Interval:
     return Interval(low=middle - 0.02, high=middle + 0.02, method="bootstrap", units=9)
 
 
-def measured(count: int, seed: int) -> Report:
+def measured(count: int, seed: int) -> MetricsReport:
     """Return a report of scores drawn at random."""
     values = np.round(np.random.default_rng(seed).normal(-0.62, 0.07, count), 6).tolist()
     mean = sum(values) / count
@@ -195,7 +195,7 @@ def measured(count: int, seed: int) -> Report:
         Neighbour(index=i, text=f"The ego follows car {i} in its lane.", cosine=-value)
         for i, value in enumerate(values)
     ]
-    return Report(
+    return MetricsReport(
         oodness=Oodness(
             mean=mean,
             per_text=tuple(values),

@@ -86,7 +86,7 @@ def test_without_drives_there_is_no_part(tmp_path):
 
 
 def test_labels_are_escaped_in_the_coverage(tmp_path):
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="x", parent="environmental", label="fog & dust")
     )
     texts = [Scenario(id="s", text="t", leaf="elsewhere")]

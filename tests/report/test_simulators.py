@@ -8,7 +8,7 @@ from oodscen.report._load import Material, read
 from oodscen.report._render import rendered
 from oodscen.report._sections import RenderedPart, drawn
 from oodscen.report._simulators import simulators
-from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.side_by_side import compare
 from oodscen.testing._flat import FlatSimulator
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
@@ -17,7 +17,7 @@ LABELS = {"dog": "A dog", "ridge": "Rain or snow", "box": "A box"}
 
 
 def compared():
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     for node, label in LABELS.items():
         tree = tree.apply(TreeEdit(op="add", node=node, parent="interactional", label=label))
     here = [

@@ -12,7 +12,7 @@ from oodscen.errors import UsageError
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import STYLES, plain
 from oodscen.stages._describe import spread, spread_subset
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit
 
@@ -38,7 +38,7 @@ def writer(texts):
         fresh = [text for text in texts if text not in request.prompt.avoid]
         return {"texts": fresh[: request.prompt.count]}
 
-    return FunctionLLM(answer)
+    return ScriptedLLM(answer)
 
 
 def test_ids_are_numbered_within_the_leaf_and_batches_avoid_earlier_texts():
@@ -143,7 +143,7 @@ def test_what_cannot_be_is_refused_at_once(options):
 
 def test_texts_of_different_paths_that_agree_are_written_again():
     texts = ["The ego vehicle meets a box.", "A carton lies ahead of the ego vehicle."]
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="a", parent="environmental", label="Box"),
         TreeEdit(op="add", node="b", parent="environmental", label="Carton"),
     )
@@ -162,4 +162,4 @@ def test_twins_are_written_on_demand_and_left_out_where_no_answer_is_valid():
             return {"text": request.prompt.text}
         return {"texts": ["A large box lies in the lane of the ego vehicle."]}
 
-    assert Describer(FunctionLLM(answer), twins=True).path("b", PATH, 1)[0].ordinary is None
+    assert Describer(ScriptedLLM(answer), twins=True).path("b", PATH, 1)[0].ordinary is None

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from oodscen import make_simulator
-from oodscen.driving import Cruise
+from oodscen.driving._motion.actions import Cruise
 from oodscen.errors import SimulatorError
 from oodscen.protocols import Camera, Control
 from oodscen.stages._drive import RuleBasedDriver, drive

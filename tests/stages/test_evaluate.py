@@ -13,7 +13,7 @@ from oodscen.data._verdict import Verdict
 from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ModelSkipped
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
 from oodscen.stages._evaluate import aspect_options, names_aspect
-from oodscen.testing import FunctionLLM, ScriptedLLM
+from oodscen.testing import ScriptedLLM
 
 PATH = ("OOD", "Environmental", "Overturned vehicles", "Overturned vehicle ahead")
 EPISODE = Episode(
@@ -72,7 +72,7 @@ def test_a_model_that_fails_is_a_verdict_with_what_was_seen_so_far(frames):
             return {"description": "a road"}
         raise LLMError("out of credit")
 
-    verdict = evaluate(EPISODE, frames, FunctionLLM(answer), path=PATH)
+    verdict = evaluate(EPISODE, frames, ScriptedLLM(answer), path=PATH)
     assert verdict.status == "failed"
     assert "out of credit" in verdict.error
     assert len(verdict.descriptions) == 3
@@ -155,7 +155,7 @@ def test_a_model_that_does_not_answer_in_time_is_told_from_one_that_fails(frames
     def late(request):
         raise LLMError("the request timed out after 120 s", retryable=True)
 
-    verdict = evaluate(EPISODE, frames, FunctionLLM(late), path=PATH)
+    verdict = evaluate(EPISODE, frames, ScriptedLLM(late), path=PATH)
     assert (verdict.outcome, verdict.status, verdict.retryable) == ("timeout", "failed", True)
 
 
@@ -172,13 +172,13 @@ def test_what_keeps_a_model_from_answering_has_a_typed_outcome(frames, error, ou
     def fail(request):
         raise error
 
-    verdict = evaluate(EPISODE, frames, FunctionLLM(fail), path=PATH)
+    verdict = evaluate(EPISODE, frames, ScriptedLLM(fail), path=PATH)
     assert (verdict.outcome, verdict.status, verdict.retryable) == (outcome, "failed", retryable)
     assert verdict.error_type == type(error).__name__
 
 
 def test_a_filter_that_declines_one_question_costs_that_question(frames):
-    llm = FunctionLLM(by_purpose)
+    llm = ScriptedLLM(by_purpose)
     verdict = evaluate(EPISODE, frames, llm, path=PATH)
     assert (verdict.outcome, verdict.action, verdict.is_ood) == ("refused", "stop", None)
 
@@ -255,7 +255,7 @@ def test_whatever_a_model_does_its_verdict_is_typed_and_can_be_written(frames, p
 
     options = aspect_options({"wreck": "Overturned vehicle"}, seed=1, item="x-001")
     verdict = evaluate(
-        EPISODE, frames, FunctionLLM(answer), path=PATH, leaf="wreck", options=options
+        EPISODE, frames, ScriptedLLM(answer), path=PATH, leaf="wreck", options=options
     )
     assert Verdict.parse(verdict.to_json().encode()) == verdict
     assert (verdict.status == "failed") == (verdict.outcome not in ("answered", "unavailable"))

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from oodscen import Describer, RedTeamer
 from oodscen.errors import UsageError
 from oodscen.stages._options import DescribeOptions, RedTeamOptions
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 
-LLM = FunctionLLM(lambda request: {})
+LLM = ScriptedLLM(lambda request: {})
 
 
 @given(st.integers(0, 9), st.booleans(), st.integers(1, 9))

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Ego, Hazard, Scene, Trigger, Weather
-from oodscen.driving import SHIPPED_MAPS
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import OodscenError, UnknownComponent
 from oodscen.protocols import Camera, Control
 from oodscen.stages._video import Video, birds_eye, record

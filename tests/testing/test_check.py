@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Weather
-from oodscen.driving import SHIPPED_MAPS
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import SpawnError, UnknownComponent
 from oodscen.protocols import Control, Frame, State
 from oodscen.testing import check_simulator

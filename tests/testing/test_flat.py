@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Weather
-from oodscen.driving import SHIPPED_MAPS
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.protocols import Camera
 from oodscen.testing._flat import FlatSimulator, _transmittance
 from tests.driving.staging import actor, scene

@@ -6,7 +6,7 @@ from oodscen._concurrency import as_finished
 from oodscen.errors import LLMError
 from oodscen.prompts._tree.imagine_scenario import ImaginedScenario
 from oodscen.protocols import LLM, Completion, Request, Usage
-from oodscen.testing import FunctionLLM, ScriptedLLM
+from oodscen.testing import ScriptedLLM
 from tests.prompts.samples import SAMPLES
 
 IMAGINE, DESCRIBE = SAMPLES[3], SAMPLES[6]
@@ -58,7 +58,7 @@ def test_threads_share_a_script():
 def test_a_function_answers_requests():
     full = Completion(text="all", usage=Usage(input_tokens=3))
     answers = ["plain", {"a": 1}, full]
-    llm = FunctionLLM(lambda asked: answers[asked.sample], name="f")
+    llm = ScriptedLLM(lambda asked: answers[asked.sample], name="f")
     assert isinstance(llm, LLM)
     assert llm.name == "f"
     assert llm.complete(request(sample=0)).text == "plain"

@@ -15,7 +15,7 @@ from oodscen.errors import LLMError
 from oodscen.llm._ask import ask
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.prompts._judging.describe_frame import DescribeFrame
-from oodscen.testing import AnsweringServer, FunctionLLM
+from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.prompts.samples import SAMPLES
 
 IMAGINE = SAMPLES[3]
@@ -37,7 +37,7 @@ def echo(asked):
 
 def test_many_threads_get_their_own_answers():
     prompts = [IMAGINE.model_copy(update={"shown": (f"Example {n}.",)}) for n in range(12)]
-    with AnsweringServer(FunctionLLM(echo)) as server:
+    with AnsweringServer(ScriptedLLM(echo)) as server:
         llm = server.client("m")
         pairs = as_finished(lambda p: ask(llm, p, sample=3).text, prompts, threads=6)
         assert {p.shown[0]: text for p, text in pairs} == {
@@ -53,7 +53,7 @@ def test_the_same_words_with_other_pictures_are_another_question(tmp_path):
         assert cv2.imwrite(str(file), np.full((8, 8, 3), level, np.uint8))
         images.append(Image.from_file(file))
     with AnsweringServer(
-        FunctionLLM(lambda asked: {"description": asked.prompt.frames[0].name})
+        ScriptedLLM(lambda asked: {"description": asked.prompt.frames[0].name})
     ) as server:
         llm = server.client("m")
         for image in (*images, *images):
@@ -65,13 +65,13 @@ def test_a_picture_that_changed_since_it_was_named_is_refused(tmp_path):
     assert cv2.imwrite(str(file), np.zeros((8, 8, 3), np.uint8))
     image = Image.from_file(file)
     assert cv2.imwrite(str(file), np.full((8, 8, 3), 99, np.uint8))
-    llm = FunctionLLM(lambda asked: {"description": "x"})
+    llm = ScriptedLLM(lambda asked: {"description": "x"})
     with AnsweringServer(llm) as server, pytest.raises(LLMError, match="changed"):
         ask(server.client("m"), DescribeFrame(frames=(image,)))
 
 
 def test_what_was_not_announced_is_refused():
-    with AnsweringServer(FunctionLLM(echo)) as server:
+    with AnsweringServer(ScriptedLLM(echo)) as server:
         with pytest.raises(LLMError, match="announced"):
             ask(LiteLLM("m", api_base=server.api_base), IMAGINE)
         hello = {"model": "m", "messages": [{"role": "user", "content": "hello"}]}
@@ -84,7 +84,7 @@ def test_what_was_not_announced_is_refused():
 )
 def test_only_pictures_are_pictures(url):
     content = [{"type": "image_url", "image_url": {"url": url}}]
-    with AnsweringServer(FunctionLLM(echo)) as server:
+    with AnsweringServer(ScriptedLLM(echo)) as server:
         status, body = post(
             server, {"model": "m", "messages": [{"role": "user", "content": content}]}
         )
@@ -99,7 +99,7 @@ def test_faults_are_chosen_by_number_and_question():
         seen.append((index, asked.prompt.purpose))
         return "malformed" if index == 0 else None
 
-    with AnsweringServer(FunctionLLM(echo), faults=faults) as server:
+    with AnsweringServer(ScriptedLLM(echo), faults=faults) as server:
         ask(server.client("m"), IMAGINE)
     assert seen == [(0, "imagine-scenario"), (1, "imagine-scenario")]
 
@@ -108,14 +108,14 @@ def test_a_failure_of_the_model_is_an_error_of_the_server():
     def fail(asked):
         raise LLMError("the author is out")
 
-    server = AnsweringServer(FunctionLLM(fail))
+    server = AnsweringServer(ScriptedLLM(fail))
     with server, pytest.raises(LLMError, match="the author is out"):
         ask(server.client("m"), IMAGINE)
 
 
 def test_the_address_is_gone_with_the_context():
     threads = threading.active_count()
-    with AnsweringServer(FunctionLLM(echo)) as server:
+    with AnsweringServer(ScriptedLLM(echo)) as server:
         address = server.api_base
         assert address.startswith("http://127.0.0.1:")
     with pytest.raises(RuntimeError):

@@ -16,7 +16,7 @@ from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 from tests.tree.woods import broad, chain, changes, few, grown, trees
 
 ENCODER = HashEncoder()
-BEFORE = ScenarioTree.planted().apply(
+BEFORE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
     TreeEdit(op="add", node="fog", parent="weather", label="Fog"),
     TreeEdit(op="add", node="hail", parent="weather", label="Hail"),

@@ -31,7 +31,7 @@ def episode(name, outcomes=(), status="ok"):
     return Episode(id=name, scene_id=name, status=status, actions=actions)
 
 
-TREE = ScenarioTree.planted().apply(
+TREE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
     *(
         TreeEdit(op="add", node=name, parent="weather", label=name)

@@ -9,7 +9,7 @@ from oodscen.tree import TreeEdit
 from oodscen.tree._edit_log import slug
 from tests.tree.woods import chain, changes, few, grown
 
-FOG = ScenarioTree.planted().apply(
+FOG = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="fog", parent="environmental", label="Fog or smoke", attested="paper")
 )
 
@@ -70,7 +70,7 @@ def test_a_slug_is_the_plain_words_of_a_label(label, found):
 
 
 def test_a_node_that_moves_and_returns_stands_where_it_stood():
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         *(TreeEdit(op="add", node=name, parent="environmental", label=name) for name in "abc"),
         TreeEdit(op="move", node="b", parent="interactional"),
     )
@@ -80,7 +80,7 @@ def test_a_node_that_moves_and_returns_stands_where_it_stood():
 
 
 def test_siblings_below_a_parent_that_came_later_keep_their_order():
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         *(TreeEdit(op="add", node=name, parent="environmental", label=name) for name in "abcp"),
         *(TreeEdit(op="move", node=name, parent="p") for name in "cab"),
     )
@@ -89,7 +89,7 @@ def test_siblings_below_a_parent_that_came_later_keep_their_order():
 
 
 def test_a_node_that_was_removed_and_added_again_stands_where_it_stood():
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         *(TreeEdit(op="add", node=name, parent="environmental", label=name) for name in "abc"),
         TreeEdit(op="remove", node="a"),
         TreeEdit(op="add", node="a", parent="environmental", label="a"),
@@ -98,7 +98,7 @@ def test_a_node_that_was_removed_and_added_again_stands_where_it_stood():
 
 
 def test_a_branch_keeps_its_own_order_of_nodes_that_another_branch_added_too():
-    trunk = ScenarioTree.planted()
+    trunk = ScenarioTree.initial()
     fog, ice = (TreeEdit(op="add", node=n, parent="environmental", label=n) for n in ("fog", "ice"))
     for edits in ((fog, ice), (ice, fog), (fog, ice)):
         tree = trunk.apply(*edits)

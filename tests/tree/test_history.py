@@ -38,7 +38,7 @@ def test_rounds_and_stages_are_moments():
     def add(name, **why):
         return TreeEdit(op="add", node=name, parent="environmental", label=name, **why)
 
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         add("a", stage="redteam", round=2),
         add("b", stage="redteam", round=2),
         add("c", stage="redteam", round=4),
@@ -55,7 +55,7 @@ def test_rounds_and_stages_are_moments():
 )
 def test_what_is_no_moment_is_refused(moment):
     with pytest.raises(UsageError):
-        ScenarioTree.planted().at(**moment)
+        ScenarioTree.initial().at(**moment)
 
 
 @given(trees)
@@ -97,7 +97,7 @@ def test_undoing_step_by_step_leads_back_to_nothing(steps):
 
 def test_undoing_a_round_takes_back_all_it_did():
     why = {"stage": "redteam", "round": 3}
-    before = ScenarioTree.planted()
+    before = ScenarioTree.initial()
     tree = before.apply(
         TreeEdit(op="add", node="weather", parent="environmental", label="Weather", **why),
         TreeEdit(op="add", node="fog", parent="weather", label="Fog", **why),
@@ -115,7 +115,7 @@ def test_undoing_a_round_takes_back_all_it_did():
 def test_undoing_a_large_round_looks_at_the_tree_once(monkeypatch, is_chain):
     size = MAX_DEPTH - 1 if is_chain else 300
     why = {"stage": "redteam", "round": 3}
-    before = ScenarioTree.planted()
+    before = ScenarioTree.initial()
     tree = before.apply(
         *(
             TreeEdit(
@@ -160,7 +160,7 @@ def test_undoing_a_round_is_undoing_its_edits_from_the_last_one_on(steps, number
 
 def test_what_a_round_added_and_removed_does_not_come_back():
     why = {"stage": "redteam", "round": 3}
-    before = ScenarioTree.planted()
+    before = ScenarioTree.initial()
     tree = before.apply(
         TreeEdit(op="add", node="fog", parent="environmental", label="Fog", **why),
         TreeEdit(op="broaden", node="environmental", label="Surroundings", **why),
@@ -170,7 +170,7 @@ def test_what_a_round_added_and_removed_does_not_come_back():
 
 
 def test_a_removed_leaf_comes_back_with_its_parents_and_to_its_place():
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
         TreeEdit(op="add", node="fog", parent="weather", label="Fog"),
         TreeEdit(op="add", node="debris", parent="environmental", label="Debris"),
@@ -181,7 +181,7 @@ def test_a_removed_leaf_comes_back_with_its_parents_and_to_its_place():
 
 
 def test_a_move_that_would_now_be_a_cycle_cannot_be_undone():
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="a", parent="environmental", label="A"),
         TreeEdit(op="add", node="b", parent="a", label="B"),
         TreeEdit(op="move", node="b", parent="environmental"),
@@ -193,7 +193,7 @@ def test_a_move_that_would_now_be_a_cycle_cannot_be_undone():
 
 
 def test_a_narrowed_label_has_a_history_and_can_be_taken_back():
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="a", parent="environmental", label="Fog or hail", attested="paper"),
         TreeEdit(op="narrow", node="a", label="Hail", stage="prune"),
     )
@@ -203,7 +203,7 @@ def test_a_narrowed_label_has_a_history_and_can_be_taken_back():
 
 
 def test_an_edit_whose_undoing_was_undone_is_in_force_again():
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="fog", parent="environmental", label="Fog"),
         TreeEdit(op="broaden", node="fog", label="Fog or smoke"),
     )

@@ -49,7 +49,7 @@ def test_every_label_is_there_once_and_is_text(tree):
 
 
 def test_remarks_are_text_too():
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="a", parent="environmental", label=HOSTILE[0])
     )
     for hostile in (*HOSTILE, *ADDRESSED):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.author import load_knowledge
+from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.tree._labels import label_fault, same_words
 from tests.tree.woods import HOSTILE, REFUSED
 

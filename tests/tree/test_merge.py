@@ -83,7 +83,7 @@ def test_siblings_that_only_look_different_are_one(one, other):
 
 def weather(*nodes, top="environmental", **why):
     """Return a tree with a family of weather."""
-    return ScenarioTree.planted().apply(
+    return ScenarioTree.initial().apply(
         TreeEdit(op="add", node="weather", parent=top, label="Weather", **why),
         *(
             TreeEdit(op="add", node=name, parent=parent, label=label, **why)
@@ -108,7 +108,7 @@ def test_a_leaf_that_is_a_family_in_the_other_tree_stays_a_leaf_of_it():
 
 def test_siblings_of_one_tree_that_only_look_different_are_one():
     other = weather(SNOW, ("snow-2", "weather", "  SNOW "), ("blizzard", "snow-2", "Blizzard"))
-    merged = merge(ScenarioTree.planted(), other)
+    merged = merge(ScenarioTree.initial(), other)
     assert [merged.path(leaf.id)[2:] for leaf in merged.leaves] == [
         ("Weather", "Snow", "Snow"),
         ("Weather", "Snow", "Blizzard"),
@@ -133,22 +133,22 @@ def test_rounds_of_the_merged_tree_are_undone_apart():
     assert [leaf.label for leaf in merged.undo(round=3, origin="merge-1").leaves] == ["Mud"]
     third = merge(merged, weather(SNOW, round=3), name="third")
     assert [leaf.label for leaf in third.undo(round=3, origin="third").leaves] == ["Mud", "Hail"]
-    own = merge(ScenarioTree.planted(), other)
+    own = merge(ScenarioTree.initial(), other)
     with pytest.raises(UsageError, match="merge-1"):
         own.undo(round=3)
     with pytest.raises(UsageError):
         own.undo(origin="merge-1")
-    assert own.at(round=3) == ScenarioTree.planted()
+    assert own.at(round=3) == ScenarioTree.initial()
     assert "round 3 of merge-1" in str(merged.provenance("hail"))
-    twice = merge(ScenarioTree.planted(), own, name="outer")
+    twice = merge(ScenarioTree.initial(), own, name="outer")
     assert {edit.origin for edit in twice.edits if edit.node == "hail"} >= {"outer/merge-1"}
 
 
 def test_a_decision_that_was_undone_is_not_merged():
     other = weather(("hail", "weather", "Hail"))
     wider = other.apply(TreeEdit(op="broaden", node="hail", label="Hail or sleet")).undo()
-    merged = merge(ScenarioTree.planted(), wider)
-    assert merged.nodes == merge(ScenarioTree.planted(), other).nodes
+    merged = merge(ScenarioTree.initial(), wider)
+    assert merged.nodes == merge(ScenarioTree.initial(), other).nodes
     assert [edit.op for edit in merged.edits if edit.node == "hail"] == ["add", "keep"]
 
 
@@ -183,7 +183,7 @@ def test_nodes_keep_who_put_them_there():
             )
             for number, label in enumerate(leaves)
         ]
-        return ScenarioTree.planted().apply(*edits)
+        return ScenarioTree.initial().apply(*edits)
 
     one, other = grow("one", "Fog at night", "Hail"), grow("other", "Snow", "At night fog")
     other = other.apply(TreeEdit(op="broaden", node="leaf-0", label="Snow or ice", model="other"))
@@ -263,7 +263,7 @@ def test_what_paired_two_nodes_is_in_the_reason():
 
 
 def test_an_added_node_brings_its_decisions_and_ends_as_it_was():
-    one, other = ScenarioTree.planted(), weather(("fog", "weather", "Fog"))
+    one, other = ScenarioTree.initial(), weather(("fog", "weather", "Fog"))
     other = other.apply(
         TreeEdit(op="broaden", node="fog", label="Fog or smoke", attested="paper", **SAYS),
         TreeEdit(op="keep", node="fog", round=1, **SAYS),
@@ -291,7 +291,7 @@ def test_a_label_that_an_undoing_gave_back_is_told_as_such():
         TreeEdit(op="narrow", node="fog", label="Fog at night"),
         TreeEdit(op="broaden", node="fog", label="Fog, smoke", undoes=5),
     )
-    merged = merge(ScenarioTree.planted(), other)
+    merged = merge(ScenarioTree.initial(), other)
     assert merged.by_id["fog"] == other.by_id["fog"]
     (given,) = (edit for edit in merged.edits if edit.reason == "its label in the other tree")
     assert given == TreeEdit(
@@ -332,13 +332,13 @@ def test_a_leaf_that_was_kept_remains_a_path_when_it_becomes_a_family_too():
 
 
 def test_merged_trees_are_numbered_and_their_own_names_kept():
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     for number, label in enumerate(("Mud", "Hail", "Sand"), 1):
         tree = merge(tree, weather((label.lower(), "weather", label)))
         assert {edit.origin for edit in tree.edits} == {
             "", *(f"merge-{earlier}" for earlier in range(1, number + 1))
         }  # fmt: skip
-    outer = merge(ScenarioTree.planted(), tree)
+    outer = merge(ScenarioTree.initial(), tree)
     assert {edit.origin for edit in outer.edits} == {
         "", "merge-1", *(f"merge-1/merge-{number}" for number in (1, 2, 3))
     }  # fmt: skip
@@ -352,7 +352,7 @@ def test_merged_trees_are_numbered_and_their_own_names_kept():
 def test_a_further_decision_about_a_node_is_told_once(tree, why):
     if "environmental" not in tree.by_id:
         return
-    merged = merge(ScenarioTree.planted(), tree)
+    merged = merge(ScenarioTree.initial(), tree)
     more = tree.apply(TreeEdit(op="keep", node="environmental", **{"source": "other", **why}))
     again = merge(merged, more, name="again")
     assert [edit.origin for edit in again.edits[len(merged.edits) :]] == ["again"]

@@ -26,7 +26,7 @@ def test_every_edit_belongs_to_the_history_of_one_node(tree):
 
 
 def test_a_node_says_who_why_and_what_came_later():
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(
             op="add",
             node="fog",
@@ -61,15 +61,15 @@ def test_a_node_says_who_why_and_what_came_later():
 
 def test_a_node_that_never_was_is_named_with_close_matches():
     with pytest.raises(UnknownComponent) as caught:
-        ScenarioTree.planted().provenance("enviromental")
+        ScenarioTree.initial().provenance("enviromental")
     assert caught.value.matches == ("environmental",)
     with pytest.raises(UnknownComponent):
-        ScenarioTree.planted().node("enviromental")
+        ScenarioTree.initial().node("enviromental")
 
 
 def test_what_a_model_says_is_shown_escaped():
     hostile = "\x1b]0;owned\x07 \u202egnp.exe\n  9: added"
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(
             op="add",
             node="fog",

@@ -131,7 +131,7 @@ def test_every_earlier_tree_is_the_fold_of_its_edits(tree):
     assert tree.at(edit=len(tree.edits)) == tree
 
 
-STORY = ScenarioTree.planted().apply(
+STORY = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="fog", parent="environmental", label="Fog", stage="grow"),
     TreeEdit(op="add", node="ice", parent="environmental", label="Ice", stage="redteam", round=1),
     TreeEdit(op="add", node="mud", parent="environmental", label="Mud", stage="redteam", round=2),
@@ -186,7 +186,7 @@ def test_a_node_is_found_with_who_added_it_or_refused_by_name():
 
 
 def test_a_planted_tree_has_two_classes_and_an_empty_one_nothing():
-    tree = ScenarioTree.planted("Anything")
+    tree = ScenarioTree.initial("Anything")
     assert tree.outline() == "- Anything\n  - Environmental\n  - Interactional"
     assert [node.id for node in tree] == ["root", "environmental", "interactional"]
     assert {edit.stage for edit in tree.edits} == {"grow"}
@@ -225,11 +225,11 @@ def test_a_slug_is_a_safe_file_name(label):
 def test_labels_stay_on_one_line(char):
     assert unicodedata.category(char) in ("Cc", "Zl", "Zp")
     with pytest.raises(DataError):
-        ScenarioTree.planted().apply(TreeEdit(op="broaden", node=ROOT, label=f"a{char}b"))
+        ScenarioTree.initial().apply(TreeEdit(op="broaden", node=ROOT, label=f"a{char}b"))
 
 
 def test_a_removed_id_is_not_given_out_again():
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="fog", parent="environmental", label="Fog"),
         TreeEdit(op="remove", node="fog"),
     )
@@ -237,7 +237,7 @@ def test_a_removed_id_is_not_given_out_again():
 
 
 def test_ids_are_numbered_without_a_gap_and_an_earlier_tree_knows_no_later_ones():
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     past = [tree]
     for wanted in ("fog", "fog-2", "fog-3", "fog-4"):
         assert tree.new_id("Fog") == wanted
@@ -251,7 +251,7 @@ def test_ids_are_numbered_without_a_gap_and_an_earlier_tree_knows_no_later_ones(
 
 
 def test_broadening_keeps_the_place_and_the_attestation():
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="fog", parent="environmental", label="Fog", attested="paper"),
         TreeEdit(op="add", node="ice", parent="environmental", label="Ice"),
         TreeEdit(op="broaden", node="fog", label="Fog or smoke"),
@@ -264,7 +264,7 @@ def test_broadening_keeps_the_place_and_the_attestation():
 
 def test_every_fault_of_an_edit_list_is_reported():
     with pytest.raises(DataError) as caught:
-        ScenarioTree.planted().apply(
+        ScenarioTree.initial().apply(
             TreeEdit(op="add", node="a b", parent="environmental", label="x"),
             TreeEdit(op="add", node="fog", parent="nowhere", label="x"),
             TreeEdit(op="keep", node="environmental"),
@@ -311,7 +311,7 @@ def test_a_file_of_misfitting_nodes_lists_every_node():
 
 @pytest.mark.parametrize("part", ["nodes", "edits"])
 def test_a_label_that_is_none_is_found_in_a_file_too(part):
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="fog", parent="environmental", label="Fog")
     )
     value = json.loads(tree.to_json())
@@ -323,7 +323,7 @@ def test_a_label_that_is_none_is_found_in_a_file_too(part):
 
 
 def test_nodes_that_do_not_follow_from_the_edits_are_refused():
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     value = json.loads(tree.to_json())
     value["nodes"][1]["label"] = "Else"
     with pytest.raises(DataError) as caught:
@@ -393,7 +393,7 @@ def test_ten_thousand_single_edits_copy_nothing():
 @few
 @given(changes, changes)
 def test_branches_of_one_tree_know_nothing_of_each_other(one, other):
-    trunk = ScenarioTree.planted()
+    trunk = ScenarioTree.initial()
     first, second = grown(one, trunk), grown(other, trunk)
     assert first == ScenarioTree(edits=first.edits)
     assert second == ScenarioTree(edits=second.edits)
@@ -404,7 +404,7 @@ def test_branches_of_one_tree_know_nothing_of_each_other(one, other):
 
 
 def test_threads_may_branch_off_the_same_tree():
-    trunk = ScenarioTree.planted()
+    trunk = ScenarioTree.initial()
     found = {}
 
     def grow(name):
@@ -444,12 +444,12 @@ def test_a_moved_branch_takes_all_below_it_along(tree, edit):
 @pytest.mark.parametrize("label", REFUSED)
 @pytest.mark.parametrize("op", ["add", "broaden", "narrow"])
 def test_what_cannot_be_a_label_is_refused(label, op):
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     node = "fog" if op == "add" else "environmental"
     with pytest.raises(DataError) as caught:
         tree.apply(TreeEdit(op=op, node=node, parent="environmental", label=label))
     assert len(str(caught.value)) < 500
-    assert tree == ScenarioTree.planted()
+    assert tree == ScenarioTree.initial()
 
 
 @few
@@ -463,7 +463,7 @@ def test_copies_are_equal_and_hold_everything(tree):
 
 
 def test_a_tree_never_changes():
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     for name in ("nodes", "edits", "by_id", "children"):
         with pytest.raises(AttributeError, match="never changes"):
             setattr(tree, name, ())

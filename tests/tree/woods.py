@@ -92,7 +92,7 @@ changes = st.lists(edits, max_size=14)
 
 def grown(changes, tree=None):
     """Apply what can be applied, one by one."""
-    tree = ScenarioTree.planted() if tree is None else tree
+    tree = ScenarioTree.initial() if tree is None else tree
     for edit in changes:
         with suppress(DataError):
             tree = tree.apply(edit)
@@ -124,7 +124,7 @@ def chain(size):
 @cache
 def broad(size):
     """Return a tree of families of a hundred leaves, so many nodes in all."""
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     family = ""
     for number in range(size - 3):
         is_family = number % 101 == 0

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.driving import Corridor
-from oodscen.driving._roads.corridor import DRIVABLE, LaneStrip, PaintedArea
+from oodscen.driving._roads.corridor import DRIVABLE, Corridor, LaneStrip, PaintedArea
 from oodscen_pybullet._land.ground import Ground, RoadCourse, Way
 from oodscen_pybullet._land.terrain import KERB, Theme
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv

@@ -10,8 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.driving import Corridor
-from oodscen.driving._roads.corridor import Structure
+from oodscen.driving._roads.corridor import Corridor, Structure
 from oodscen_pybullet._land.adaptive_grid import Squares, crossing
 from oodscen_pybullet._land.ground import TIGHT, Ground
 from oodscen_pybullet._land.islands import Islands

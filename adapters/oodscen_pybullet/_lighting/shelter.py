@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.driving import Corridor
+from oodscen.driving._roads.corridor import Corridor
 from oodscen_pybullet._rendering.view import CameraView, Point
 from oodscen_pybullet._scenery.structures import CEILING_M
 

@@ -1,4 +1,4 @@
-"""Generated low-poly meshes of everything the adapter can show."""
+"""Low-poly meshes of everything that the adapter can show: most from designs, some from code."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -6,11 +6,11 @@ from functools import lru_cache
 from oodscen.errors import UnknownComponent
 from oodscen_pybullet._meshes.atlas import LOOKS
 from oodscen_pybullet._meshes.builder import Lamp, Mesh, MeshBuilder, Point, Puff
-from oodscen_pybullet._meshes.living import animals, people, roles
-from oodscen_pybullet._meshes.look import Lights, Shown
-from oodscen_pybullet._meshes.objects import cargo, flat, plants, props, signs, work_zone
-from oodscen_pybullet._meshes.objects import misc as oddities
-from oodscen_pybullet._meshes.vehicles import cars, haulers, heavy, riders, wagons
+from oodscen_pybullet._meshes.designs import assemble, load_designs
+from oodscen_pybullet._meshes.living import people, roles
+from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.objects import cargo, flat, misc, plants, props, signs
+from oodscen_pybullet._meshes.vehicles import ego, riders, wrecks
 
 __all__ = [
     "FLASHING",
@@ -18,7 +18,6 @@ __all__ = [
     "PAINTS",
     "SMOKING",
     "Lamp",
-    "Lights",
     "Mesh",
     "Puff",
     "asset_ids",
@@ -26,18 +25,15 @@ __all__ = [
     "paints_of",
 ]
 
-_MODULES = (
-    cars, wagons, heavy, haulers, riders, people, roles, animals, props, cargo, flat, oddities,
-    work_zone, signs, plants,
-)  # fmt: skip
+_MODULES = (ego, riders, wrecks, people, roles, props, cargo, flat, misc, signs, plants)
 _STILL: dict[str, Callable[[MeshBuilder], None]] = {
     maker.__name__: maker for module in _MODULES for maker in getattr(module, "STILL", ())
 }
-"""Assets that always look the same, by id."""
-_VARIED: dict[str, Callable[[MeshBuilder, Shown], None]] = {
+"""Assets that always look the same and that take arithmetic to describe, by id."""
+_VARIED: dict[str, Callable[[MeshBuilder, Appearance], None]] = {
     maker.__name__: maker for module in _MODULES for maker in getattr(module, "VARIED", ())
 }
-"""Assets with a state, a paint or moving parts."""
+"""Assets whose shape depends on their state, their clothes or a frame in ways of their own."""
 
 PAINTS: dict[str, tuple[str, ...]] = {k: tuple(v) for k, v in LOOKS["paints"].items()}
 """Colours or clothes of assets; an asset without an entry has one look."""
@@ -57,7 +53,8 @@ SMOKING: frozenset[str] = frozenset({"burning_car", "smoke", "fire"})
 
 def asset_ids() -> tuple[str, ...]:
     """Return the ids of all meshes, including the ego's."""
-    return (*_STILL, *_VARIED)
+    designed = (name for name in load_designs() if not name.startswith("_"))
+    return (*_STILL, *_VARIED, *designed)
 
 
 def paints_of(asset: str) -> tuple[str, ...]:
@@ -83,11 +80,13 @@ def asset_mesh(
     """
     if asset not in asset_ids():
         raise UnknownComponent("asset", asset, asset_ids())
-    shown = Shown(state, paint or paints_of(asset)[0], running, frame)
+    shown = Appearance(state, paint or paints_of(asset)[0], running, frame)
     return _made(asset, shown).shift(_rest(asset)).build()
 
 
-def _made(asset: str, shown: Shown) -> MeshBuilder:
+def _made(asset: str, shown: Appearance) -> MeshBuilder:
+    if asset in load_designs():
+        return assemble(asset, shown)
     mesh = MeshBuilder()
     if asset in _STILL:
         _STILL[asset](mesh)
@@ -99,5 +98,5 @@ def _made(asset: str, shown: Shown) -> MeshBuilder:
 @lru_cache(maxsize=512)
 def _rest(asset: str) -> Point:
     """Return the offset that centres an asset's footprint, at rest, on the origin."""
-    low, high = _made(asset, Shown(paint=paints_of(asset)[0])).bounds
+    low, high = _made(asset, Appearance(paint=paints_of(asset)[0])).bounds
     return (-float(low[0] + high[0]) / 2, -float(low[1] + high[1]) / 2, -float(low[2]))

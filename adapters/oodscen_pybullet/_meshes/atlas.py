@@ -7,6 +7,8 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen_pybullet._meshes.textures import paint_regions
+
 SIZE = 1024
 """Width and height of the atlas, in pixels."""
 SWATCH = 16
@@ -52,8 +54,6 @@ def region_uv(name: str) -> NDArray[np.float64]:
 @lru_cache(maxsize=2)
 def draw_atlas(is_snowy: bool) -> NDArray[np.uint8]:
     """Paint the atlas: [SIZE, SIZE, 3] RGB; every call returns the same bytes."""
-    from oodscen_pybullet._meshes.textures import paint_regions
-
     image = np.zeros((SIZE, SIZE, 3), np.uint8)
     colours = {**COLOURS, **SNOWED} if is_snowy else COLOURS
     for index, name in enumerate(_NAMES):
@@ -61,6 +61,6 @@ def draw_atlas(is_snowy: bool) -> NDArray[np.uint8]:
         image[row * SWATCH : (row + 1) * SWATCH, column * SWATCH : (column + 1) * SWATCH] = colours[
             name
         ]
-    paint_regions(image, colours)
+    paint_regions(image, REGIONS, colours)
     image.flags.writeable = False
     return image

@@ -4,12 +4,12 @@ import math
 from collections.abc import Sequence
 
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
-from oodscen_pybullet._meshes.look import Shown
+from oodscen_pybullet._meshes.look import Appearance
 
 BLACK_SMOKE: Point = (0.12, 0.115, 0.11)
 
 
-def flames(mesh: MeshBuilder, shown: Shown, seats: Sequence[Point], size: float) -> None:
+def flames(mesh: MeshBuilder, shown: Appearance, seats: Sequence[Point], size: float) -> None:
     """Add flames that flicker in height, lean, and never exceed `size`.
 
     Args:
@@ -35,7 +35,7 @@ def flames(mesh: MeshBuilder, shown: Shown, seats: Sequence[Point], size: float)
 
 def smoke_column(
     mesh: MeshBuilder,
-    shown: Shown,
+    shown: Appearance,
     foot: Point,
     radius: float,
     height: float,

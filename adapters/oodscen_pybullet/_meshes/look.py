@@ -1,7 +1,13 @@
 """The appearance requested of a mesh: state, paint, lamps and animation frame."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+
+RED = (1.0, 0.12, 0.08)
+WHITE = (1.0, 0.97, 0.86)
+AMBER = (1.0, 0.62, 0.08)
+BLUE = (0.25, 0.5, 1.0)
+GREEN = (0.25, 1.0, 0.5)
 
 WALKING = 1
 """First frame of a walk."""
@@ -26,7 +32,7 @@ class Lights:
 
 
 @dataclass(frozen=True)
-class Shown:
+class Appearance:
     """The requested appearance of one asset."""
 
     state: str = ""
@@ -67,3 +73,32 @@ class Shown:
     def cycle(self) -> float:
         """The completed fraction of a cycle of smoke, of a wheel or of pedals."""
         return self.frame % STEPS / STEPS
+
+    def colour(self, name: str) -> str:
+        """Return a colour's name, with `paint` replaced by the paint."""
+        return self.paint if name == "paint" else name
+
+    def painted(self, paint: str) -> "Appearance":
+        """Return the same look in another paint."""
+        return replace(self, paint=paint)
+
+    def applies(self, word: str, side: float) -> bool:
+        """Return whether a condition of a design is met.
+
+        Args:
+            word: A state of the asset, or a lamp that is lit at this moment: `running`, `brake`,
+                `beacon`, `indicator` for that of the part's own side, `indicators` for both;
+                `first` and `second` are the halves of a cycle.
+            side: 1 for a part on the left side, -1 for its mirror image.
+        """
+        lights = self.lights
+        lamps = {
+            "running": lights.running,
+            "brake": lights.brake,
+            "beacon": lights.beacon,
+            "indicator": lights.left if side > 0 else lights.right,
+            "indicators": lights.left and lights.right,
+            "first": not lights.is_second,
+            "second": lights.is_second,
+        }
+        return lamps.get(word, word in self.state.split("+"))

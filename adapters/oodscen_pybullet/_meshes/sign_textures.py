@@ -1,5 +1,7 @@
 """The faces of signs, placards and lettering, painted into the atlas."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,22 +14,26 @@ BLACK: Colour = (18, 18, 20)
 BACK: Colour = (126, 128, 130)
 
 
-def paint_sign(patch: Image, name: str, _: dict[str, Colour], __: np.random.Generator) -> None:
-    """Paint one face, in place."""
-    patch[:] = BACK
-    _FACES[name.removeprefix("sign_")](patch)
-
-
-def _words(
-    patch: Image, words: str, ink: Colour, *, middle: float = 0.5, height: float = 0.5,
-    width: float = 0.9, weight: int = 2,
+def write(
+    patch: Image, words: str, ink: Colour, *, middle: float = 0.5, height: float = 0.7,
+    width: float = 0.92, weight: float = 1.8,
 ) -> None:  # fmt: skip
-    """Write one line as large as fits, centred at a fraction of the height."""
+    """Write one line as large as fits.
+
+    Args:
+        patch: The pixels, changed in place.
+        words: The line.
+        ink: Its colour.
+        middle: Its height from the top, as a fraction of the patch's.
+        height: Its largest height, as a fraction of the patch's.
+        width: Its largest width, as a fraction of the patch's.
+        weight: Thickness of the strokes at size 1.
+    """
     import cv2
 
     tall, wide = patch.shape[:2]
     font = cv2.FONT_HERSHEY_DUPLEX
-    (span, rise), _ = cv2.getTextSize(words, font, 1.0, weight)
+    (span, rise), _ = cv2.getTextSize(words, font, 1.0, round(weight))
     scale = min(width * wide / span, height * tall / rise)
     bold = max(1, round(weight * scale))
     (span, rise), _ = cv2.getTextSize(words, font, scale, bold)
@@ -52,7 +58,7 @@ def _octagon(inset: float) -> list[tuple[float, float]]:
 def _stop(patch: Image) -> None:
     _shape(patch, _octagon(0.0), WHITE)
     _shape(patch, _octagon(0.04), RED)
-    _words(patch, "STOP", WHITE, height=0.34, width=0.8, weight=3)
+    write(patch, "STOP", WHITE, height=0.34, width=0.8, weight=3)
 
 
 def _triangle(inset: float, *, is_down: bool) -> list[tuple[float, float]]:
@@ -102,7 +108,7 @@ def _round(patch: Image, rim: Colour, ground: Colour, share: float) -> None:
 
 def _limit(patch: Image) -> None:
     _round(patch, RED, WHITE, 0.76)
-    _words(patch, "30", BLACK, height=0.38, width=0.62, weight=3)
+    write(patch, "30", BLACK, height=0.38, width=0.62, weight=3)
 
 
 def _entry(patch: Image) -> None:
@@ -124,40 +130,15 @@ def _oneway(patch: Image) -> None:
         (0.06, 0.64),
     ]
     _shape(patch, arrow, WHITE)
-    _words(patch[:, :92], "ONE WAY", (28, 82, 168), height=0.2, width=0.85)
+    write(patch[:, :92], "ONE WAY", (28, 82, 168), height=0.2, width=0.85, weight=2)
 
 
 def _placard(patch: Image) -> None:
     patch[:] = (250, 248, 236)
     patch[:3] = patch[-3:] = patch[:, :3] = patch[:, -3:] = (60, 50, 40)
-    _words(patch, "STOP", RED, middle=0.28, height=0.3, weight=4)
-    _words(patch, "THE", BLACK, middle=0.53, height=0.13, weight=2)
-    _words(patch, "CARS!", BLACK, middle=0.77, height=0.26, weight=4)
-
-
-def _school(patch: Image) -> None:
-    patch[:] = (248, 176, 16)
-    _words(patch, "SCHOOL BUS", BLACK, height=0.62, weight=3)
-
-
-def _taxi(patch: Image) -> None:
-    patch[:] = (255, 244, 190)
-    _words(patch, "TAXI", BLACK, height=0.66, weight=3)
-
-
-def _tram(patch: Image) -> None:
-    patch[:] = (20, 20, 22)
-    _words(patch, "5  CENTRE", (255, 190, 60), height=0.6)
-
-
-def _fuel(patch: Image) -> None:
-    patch[:] = (226, 228, 230)
-    _words(patch, "FLAMMABLE", RED, height=0.6, weight=3)
-
-
-def _parcel(patch: Image) -> None:
-    patch[:] = (250, 248, 240)
-    _words(patch, "REMOVALS", (28, 66, 140), height=0.4, weight=3)
+    write(patch, "STOP", RED, middle=0.28, height=0.3, weight=4, width=0.9)
+    write(patch, "THE", BLACK, middle=0.53, height=0.13, weight=2, width=0.9)
+    write(patch, "CARS!", BLACK, middle=0.77, height=0.26, weight=4, width=0.9)
 
 
 def _rail(patch: Image) -> None:
@@ -168,23 +149,33 @@ def _rail(patch: Image) -> None:
         cv2.line(patch, one, two, WHITE, 14, cv2.LINE_AA)
 
 
-def _figure(patch: Image, ink: Colour, spread: int) -> None:
-    import cv2
+def _figure(ink: Colour, spread: int) -> Callable[[Image], None]:
+    """Return a painter of a lit person whose legs are spread by some pixels."""
 
-    patch[:] = BLACK
-    cv2.circle(patch, (24, 9), 5, ink, -1, cv2.LINE_AA)
-    cv2.line(patch, (24, 16), (24, 28), ink, 8, cv2.LINE_AA)
-    for side in (-1, 1):
-        cv2.line(patch, (24, 28), (24 + side * (3 + spread), 44), ink, 5, cv2.LINE_AA)
-        cv2.line(patch, (24 + side * 3, 17), (24 + side * (6 + spread), 29), ink, 3, cv2.LINE_AA)
+    def paint(patch: Image) -> None:
+        import cv2
+
+        patch[:] = BLACK
+        cv2.circle(patch, (24, 9), 5, ink, -1, cv2.LINE_AA)
+        cv2.line(patch, (24, 16), (24, 28), ink, 8, cv2.LINE_AA)
+        for side in (-1, 1):
+            foot, hand = (24 + side * (3 + spread), 44), (24 + side * (6 + spread), 29)
+            cv2.line(patch, (24, 28), foot, ink, 5, cv2.LINE_AA)
+            cv2.line(patch, (24 + side * 3, 17), hand, ink, 3, cv2.LINE_AA)
+
+    return paint
 
 
-def _man(patch: Image) -> None:
-    _figure(patch, (255, 70, 56), 0)
+def _board(
+    ground: Colour, words: str, ink: Colour, height: float, *, weight: int = 3
+) -> Callable[[Image], None]:
+    """Return a painter of a board with one line."""
 
+    def paint(patch: Image) -> None:
+        patch[:] = ground
+        write(patch, words, ink, height=height, width=0.9, weight=weight)
 
-def _walker(patch: Image) -> None:
-    _figure(patch, (80, 244, 140), 6)
+    return paint
 
 
 def _checks(patch: Image) -> None:
@@ -195,10 +186,10 @@ def _checks(patch: Image) -> None:
 
 def _danger(patch: Image) -> None:
     _shape(patch, [(0.5, 0.0), (1.0, 0.5), (0.5, 1.0), (0.0, 0.5)], (240, 110, 20))
-    _words(patch, "3", BLACK, height=0.36, weight=2)
+    write(patch, "3", BLACK, height=0.36, weight=2, width=0.9)
 
 
-_FACES = {
+_FACES: dict[str, Callable[[Image], None]] = {
     "stop": _stop,
     "yield": _yield,
     "limit": _limit,
@@ -207,14 +198,19 @@ _FACES = {
     "warning": _warning,
     "oneway": _oneway,
     "placard": _placard,
-    "school": _school,
-    "taxi": _taxi,
     "rail": _rail,
-    "tram": _tram,
-    "fuel": _fuel,
-    "parcel": _parcel,
-    "man": _man,
-    "walker": _walker,
     "checks": _checks,
     "danger": _danger,
+    "school": _board((248, 176, 16), "SCHOOL BUS", BLACK, 0.62),
+    "taxi": _board((255, 244, 190), "TAXI", BLACK, 0.66),
+    "tram": _board((20, 20, 22), "5  CENTRE", (255, 190, 60), 0.6, weight=2),
+    "fuel": _board((226, 228, 230), "FLAMMABLE", RED, 0.6),
+    "man": _figure((255, 70, 56), 0),
+    "walker": _figure((80, 244, 140), 6),
 }
+
+
+def paint_sign(patch: Image, name: str) -> None:
+    """Paint one face, in place."""
+    patch[:] = BACK
+    _FACES[name.removeprefix("sign_")](patch)

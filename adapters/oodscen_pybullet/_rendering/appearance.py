@@ -10,11 +10,10 @@ from oodscen.data._scene import Scene
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._lighting.light import Glow
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
+from oodscen_pybullet._meshes.look import STEPS
 
 Pose = tuple[float, float, float, float]
 
-STEPS = 8
-"""Frames of one stride, and of one cycle of smoke."""
 RUNNING = 2.4
 """Speed above which legs run, in walking strides per second."""
 BRAKING = -1.0

@@ -106,7 +106,7 @@ class BulletStage:
         """Return `None`: an answer would need one picture per actor."""
         return None
 
-    def photograph(
+    def render(
         self,
         view: CameraView,
         light: Light,

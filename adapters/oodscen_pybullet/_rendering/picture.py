@@ -17,7 +17,7 @@ from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SID
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering import postprocess as d
 from oodscen_pybullet._rendering.particles import Ball, add_puffs
-from oodscen_pybullet._rendering.postprocess_arrays import develop_arrays
+from oodscen_pybullet._rendering.postprocess_arrays import postprocess_arrays
 from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR
 from oodscen_pybullet._rendering.view import CameraView
@@ -46,7 +46,7 @@ _TUNNEL = (1.03, 1.0, 0.93)
 
 @dataclass(frozen=True, eq=False)
 class RawPicture:
-    """A raw picture and everything that determines its development."""
+    """A raw picture and everything that determines its postprocessing."""
 
     shot: Shot
     """The raw picture; pixels filled by smoke become those of the body it belongs to."""
@@ -65,16 +65,16 @@ class RawPicture:
     """Smoke, fire and dust."""
 
 
-def develop(picture: RawPicture) -> NDArray[np.uint8]:
+def postprocessed(picture: RawPicture) -> NDArray[np.uint8]:
     """Apply light and weather: [height, width, 3] uint8; depends only on the argument."""
     view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     rate, air = extinction(weather), air_colour(weather, light)
     plate = _plate(picture, rate, air)
     if is_compiled():
         image = np.empty((view.height, view.width, 3), np.uint8)
-        d.develop_pixels(plate, image)
+        d.postprocess_pixels(plate, image)
     else:
-        image = develop_arrays(plate)
+        image = postprocess_arrays(plate)
     if picture.balls:
         add_puffs(image, shot.depth, shot.rows, view, picture.balls, light, rate, air)
     add_glows(image, view, shot.depth, picture.glows, light, rate)
@@ -143,7 +143,7 @@ def _kinds(picture: RawPicture) -> NDArray[np.uint8]:
 
 
 def _settings(picture: RawPicture, rate: float, air: Sequence[float]) -> F32:
-    """Return the numbers that `develop_pixels` needs."""
+    """Return the numbers that `postprocess_pixels` needs."""
     view, light, weather, shade = (
         picture.view, picture.light, picture.weather, picture.shot.shade,
     )  # fmt: skip
@@ -190,7 +190,7 @@ def _settings(picture: RawPicture, rate: float, air: Sequence[float]) -> F32:
 
 
 def _set_portal(values: F32, picture: RawPicture) -> None:
-    """Add the numbers that `develop_pixels` needs for a tunnel ahead."""
+    """Add the numbers that `postprocess_pixels` needs for a tunnel ahead."""
     portal, weather, daylight = picture.portal, picture.weather, picture.light.daylight
     if portal is None:
         return

@@ -23,7 +23,7 @@ SETTINGS = 56
     FAR_X, FAR_Y, FAR_SCALE, FOG_RATE, HAS_PORTAL, IS_INSIDE, PORTAL, PORTAL_RIGHT, PORTAL_UP,
     PORTAL_AHEAD, TUNNEL_R, TUNNEL_G, TUNNEL_B, AIR_INSIDE,
 ) = range(44)  # fmt: skip
-"""Indices in the settings of `develop_pixels`."""
+"""Indices in the settings of `postprocess_pixels`."""
 _ONE, _HALF, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.0)
 TINT_G, TINT_B = np.float32(0.97), np.float32(0.88)
 """Green and blue of the ego's beams, relative to red."""
@@ -95,7 +95,7 @@ def grain(number: Any) -> Any:
 
 
 class Plate(NamedTuple):
-    """Everything that a picture is developed from."""
+    """The inputs of the postprocessing of a picture."""
 
     rgb: U8
     """[3, height, width] raw colours."""
@@ -158,7 +158,7 @@ class RowBuffers(NamedTuple):
 
 
 @Kernel
-def develop_pixels(plate: Plate, image: U8) -> None:
+def postprocess_pixels(plate: Plate, image: U8) -> None:
     """Develop a picture into `image`, [height, width, 3]."""
     settings = plate.settings
     height, width = plate.depth.shape

@@ -8,8 +8,8 @@ from oodscen_pybullet._rendering.depth_kernel import U8
 _ONE, _HALF, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.0)
 
 
-def develop_arrays(plate: d.Plate) -> U8:
-    """Develop a picture without numba, like `develop_pixels` but without shadows, lamps and tunnels.
+def postprocess_arrays(plate: d.Plate) -> U8:
+    """Postprocess a picture without numba, like `postprocess_pixels` but without shadows, lamps and tunnels.
 
     Returns:
         [height, width, 3]

@@ -88,7 +88,7 @@ class Rasteriser:
             lengths = self._actors.spans[:, 1] - self._actors.spans[:, 0]
             self._actors.shelter(np.repeat(self._shelter.covers(middles), lengths))
 
-    def photograph(
+    def render(
         self,
         view: CameraView,
         light: Light,
@@ -105,9 +105,9 @@ class Rasteriser:
                 view, _LAMPS if is_inside else light.shades, ground, self._scenery, self._actors,
                 is_inside=is_inside,
             )  # fmt: skip
-        return self._photograph(view, light, shade)
+        return self._render(view, light, shade)
 
-    def _photograph(self, view: CameraView, light: Light, shade: Shade | None) -> Shot:
+    def _render(self, view: CameraView, light: Light, shade: Shade | None) -> Shot:
         assert self._scenery is not None
         assert self._actors is not None
         shape = (view.height, view.width)

@@ -56,7 +56,7 @@ class Stage(Protocol):
     def pose_actors(self, poses: Sequence[Pose]) -> None:
         """Move every actor to its x, y, z, yaw."""
 
-    def photograph(
+    def render(
         self,
         view: CameraView,
         light: Light,

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from oodscen._seeding import stream
-from oodscen.driving import Corridor
+from oodscen.driving._roads.corridor import Corridor
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.surfaces import lay_roads
 from oodscen_pybullet._land.terrain import Terrain, Theme, theme_of

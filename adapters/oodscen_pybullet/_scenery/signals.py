@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 
-from oodscen.driving import Corridor
-from oodscen.driving._roads.corridor import RoadSignal
+from oodscen.driving._roads.corridor import Corridor, RoadSignal
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes import asset_ids, asset_mesh
 from oodscen_pybullet._meshes.builder import Lamp, Mesh, Point

@@ -25,7 +25,7 @@ BUS_STOP_M = 17.0
 """Distance of a bus stop ahead of the ego's start, m, clear of where scenes place people."""
 _SIDES = (1, -1)
 _PAINTS = ("red", "blue", "silver", "white", "dark_grey", "green", "burgundy")
-_BACK = (-1.0, 0.0)
+_FRONTS = ("hedge_front", "picket_front", "wall_front")
 
 
 def furnish(site: Site, theme: Theme, *, is_night: bool) -> None:
@@ -176,16 +176,16 @@ def _home(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
         return
     x, y = spot.beside(-1.8, 0.35)
     if style < 3 and site.claim(x, y, spot.heading, 5.0, 0.3, margin=2.2):
-        site.stand(furniture.front(style), spot, -1.8, 0.35)
+        site.stand(furniture.piece(_FRONTS[style]), spot, -1.8, 0.35)
     x, y = spot.beside(6.3, 4.6)
     if site.claim(x, y, spot.heading, 1.0, 4.2, margin=2.0):
-        site.stand(furniture.drive(9.0), spot, 6.3, 0.0)
+        site.stand(furniture.piece("drive"), spot, 6.3, 0.0)
         if has_car:
             heading = (-spot.heading[1], spot.heading[0])
             if rng.uniform() < 0.5:
                 heading = (-heading[0], -heading[1])
-            site.stand(furniture.parked_car(_PAINTS[paint]), spot, 6.3, 4.4, heading)
-        site.try_to_stand(furniture.mailbox(), spot, 4.6, 0.3, margin=1.8, radius=0.2)
+            site.stand(furniture.piece("parked_car", paint=_PAINTS[paint]), spot, 6.3, 4.4, heading)
+        site.try_to_stand(furniture.piece("mailbox"), spot, 4.6, 0.3, margin=1.8, radius=0.2)
     if rng.uniform() < 0.75:
         _tree(site, spot, -4.5 + 2.0 * float(rng.uniform()), 2.6, 3.5)
     for _ in range(2):
@@ -195,7 +195,7 @@ def _home(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
     if rng.uniform() < 0.3:
         x, y = spot.beside(-7.6, 6.0)
         if site.claim(x, y, spot.heading, 0.3, 4.0, margin=3.5):
-            site.stand(furniture.side_hedge(), spot, -7.6, 1.5)
+            site.stand(furniture.piece("side_hedge"), spot, -7.6, 1.5)
 
 
 # ------------------------------------------------------------------ city
@@ -211,7 +211,7 @@ def _urban(site: Site, is_night: bool) -> None:
     is_free = site.ground.is_free((x,), (y,), 0.9) and not site.is_spanned(stop)
     is_free = is_free and not site.terrain.is_corner(x, y, 14.0)
     if is_free and site.claim(x, y, stop.heading, 3.0, 0.9, margin=0.0):
-        site.stand(furniture.bus_stop(is_night=is_night), stop, 0.0, -0.95)
+        site.stand(furniture.piece("bus_stop", is_night=is_night), stop, 0.0, -0.95)
     for way in streets:
         _lamps(site, way, 28.0, -1.9, height=7.5, is_night=is_night)
         _speed_signs(site, way, -2.2, 60.0)
@@ -268,14 +268,14 @@ def _street_thing(site: Site, spot: RoadsidePlace, index: int) -> None:
     if choice < 0.6:
         _tree(site, spot, 0.0, kerb + 0.2, 0.6)
     elif choice < 0.72:
-        site.try_to_stand(furniture.bench(), spot, 0.0, -0.35, margin=1.2, radius=0.5)
-        site.try_to_stand(furniture.litter_bin(), spot, 1.5, -0.35, margin=1.2, radius=0.2)
+        site.try_to_stand(furniture.piece("bench"), spot, 0.0, -0.35, margin=1.2, radius=0.5)
+        site.try_to_stand(furniture.piece("litter_bin"), spot, 1.5, -0.35, margin=1.2, radius=0.2)
     elif choice < 0.8:
-        site.try_to_stand(furniture.hydrant(), spot, 2.0, kerb - 0.1, margin=0.4, radius=0.2)
+        site.try_to_stand(furniture.piece("hydrant"), spot, 2.0, kerb - 0.1, margin=0.4, radius=0.2)
     elif choice < 0.9:
         for step in range(3):
             site.try_to_stand(
-                furniture.bollard(), spot, 1.8 * step, kerb - 0.3, margin=0.3, radius=0.15
+                furniture.piece("bollard"), spot, 1.8 * step, kerb - 0.3, margin=0.3, radius=0.15
             )
 
 
@@ -292,7 +292,9 @@ def _highway(site: Site, is_night: bool) -> None:
         _guard_rails(site, way)
         for side in _SIDES:
             for spot in site.spots(way, side, 50.0):
-                site.try_to_stand(furniture.delineator(), spot, 0.0, 2.0, margin=1.5, radius=0.1)
+                site.try_to_stand(
+                    furniture.piece("delineator"), spot, 0.0, 2.0, margin=1.5, radius=0.1
+                )
         if way.is_ego:
             wide = abs(float(way.asphalt[0][0])) + 0.6
             for spot in site.spots(way, -1, 420.0, first=20.0):
@@ -331,7 +333,7 @@ def _rail(site: Site, way: Way, t: Array, side: int) -> None:
         x, y = float(line.x[row] - t[row] * s), float(line.y[row] + t[row] * c)
         heading = (c, s) if side > 0 else (-c, -s)
         if not any(o.start < line.s[row] < o.end for o in way.corridor.structures):
-            site.add(furniture.rail_post(), (x, y, float(line.z[row])), heading)
+            site.add(furniture.piece("rail_post"), (x, y, float(line.z[row])), heading)
 
 
 # ------------------------------------------------------------------ country
@@ -371,11 +373,13 @@ def _rural(site: Site, is_night: bool) -> None:
             for spot in site.spots(way, side, 25.0):
                 if not site.is_spanned(spot, 0.0):
                     site.try_to_stand(
-                        furniture.delineator(), spot, 0.0, 0.7, margin=0.5, radius=0.1
+                        furniture.piece("delineator"), spot, 0.0, 0.7, margin=0.5, radius=0.1
                     )
         for spot in site.spots(way, 1, 4.0):
             if not site.is_spanned(spot):
-                site.try_to_stand(furniture.field_fence(), spot, 0.0, 10.0, margin=6.0, radius=0.3)
+                site.try_to_stand(
+                    furniture.piece("field_fence"), spot, 0.0, 10.0, margin=6.0, radius=0.3
+                )
         _power_line(site, way)
         _speed_signs(site, way, 1.6, 90.0)
         for spot in site.spots(way, 1, 330.0, first=40.0):
@@ -383,7 +387,12 @@ def _rural(site: Site, is_night: bool) -> None:
         for spot in site.spots(way, -1, 90.0, jitter=30.0):
             for along in (0.0, 7.0, 15.0):
                 site.try_to_stand(
-                    furniture.hay_bale(), spot, along, 26.0 + along / 3, margin=8.0, radius=0.8
+                    furniture.piece("hay_bale"),
+                    spot,
+                    along,
+                    26.0 + along / 3,
+                    margin=8.0,
+                    radius=0.8,
                 )
         _woods(site, way, 15.0, (7.5, 40.0))
     _horizon(site, 70.0)
@@ -399,7 +408,7 @@ def _power_line(site: Site, way: Way) -> None:
             last = None
             continue
         site.claim(x, y, spot.heading, 0.3, 0.3, margin=0.0)
-        _, _, z = site.stand(furniture.power_pole(), spot, 0.0, 13.0)
+        _, _, z = site.stand(furniture.piece("power_pole"), spot, 0.0, 13.0)
         (ax, ay), (bx, by) = spot.beside(0.0, 12.1), spot.beside(0.0, 13.9)
         ends: tuple[Point, Point] = ((ax, ay, z + 8.15), (bx, by, z + 8.15))
         if last is not None:

@@ -27,7 +27,7 @@ from oodscen.judging._aspects.opinions import (
 )
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._references import Blind, NoveltyReference, Oracle, is_reference
-from oodscen.llm._circuit_breaker import ContainedLLM
+from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.llm._remote.limits import JUDGING
 from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._questions import prompt_versions
@@ -190,7 +190,7 @@ def _models(
         if is_reference(model):
             models[name] = (model, 1)
         else:
-            models[name] = (ContainedLLM(model), run.models.limits.concurrency)
+            models[name] = (CircuitBreakerLLM(model), run.models.limits.concurrency)
     return models
 
 
@@ -244,7 +244,7 @@ def _judged(
 
     label, opinions = "", dict[str, Opinion]()
     if run.config.judge:
-        judge = ContainedLLM(run.models.get(run.config.judge))
+        judge = CircuitBreakerLLM(run.models.get(run.config.judge))
         label = judge_label(judge)
         items = {
             opinion_id(label, one.aspect, path_of(one)): (one.aspect, path_of(one))

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 
 from oodscen._pipeline.context import Context
-from oodscen.baselines import load_baseline
 from oodscen.data._base import digest
 from oodscen.data._scenario import Scenario
 from oodscen.metrics._measurements import Measurements, measurements
@@ -31,5 +30,4 @@ def measure(
 
 
 def _metrics(run: Context, groups: Mapping[str, Sequence[Scenario]]) -> Measurements:
-    baseline = load_baseline(run.config.baseline) if run.config.baseline else None
-    return measurements(Metrics(run.encoder, baseline, seed=run.config.seed), groups)
+    return measurements(Metrics(run.encoder, run.baseline, seed=run.config.seed), groups)

@@ -1,6 +1,6 @@
 """The stages that make scenes and episodes: augment, simulate."""
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from oodscen._concurrency import as_finished
@@ -12,13 +12,15 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of, twin_id
-from oodscen.driving._sight.nameable import AdvisingCheck
+from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import DataError, Issue, LLMError
 from oodscen.stages._augment import Augmenter
 from oodscen.study._staging import Staging
 
 SCENES = "scenes.jsonl"
 """File with one line per scenario: the scene that was run."""
+CLAIMS = "claims.jsonl"
+"""File of the claims of every text."""
 STAGED = "staged.jsonl"
 """File with one `Staging` per scenario."""
 RESTAGED = "restaged.jsonl"
@@ -149,15 +151,24 @@ def _claims(
             return failed(scenario.id, error)
         return {"id": scenario.id, "claims": [claim.model_dump(mode="json") for claim in claims]}
 
-    rows = _asked(run, "claims", "claims.jsonl", scenarios, work, lambda name: digest(texts[name]))
-    return {
+    rows = _asked(run, "claims", CLAIMS, scenarios, work, lambda name: digest(texts[name]))
+    errors = {
         row["id"]: LLMError(
             f"what the text says could not be read: {row['error']}",
             retryable=row.get("retryable", False),
         )
-        if row.get("status") == "failed"
-        else tuple(Claim.parse(claim) for claim in row["claims"])
         for row in rows
+        if row.get("status") == "failed"
+    }
+    return {**_claims_of(rows), **errors}
+
+
+def _claims_of(rows: Iterable[Line]) -> dict[str, tuple[Claim, ...]]:
+    """Return the claims in lines of `claims.jsonl` by scenario; texts that could not be read have none."""
+    return {
+        row["id"]: tuple(Claim.parse(claim) for claim in row["claims"])
+        for row in rows
+        if row.get("status") != "failed"
     }
 
 
@@ -222,6 +233,7 @@ def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
         twins=True,
         restages=True,
         camera=run.config.camera,
+        claims=_claims_of(run.store.lines(CLAIMS)),
     )
     made_from = {name: one.ran.digest() for name, one in staged.items()}
 

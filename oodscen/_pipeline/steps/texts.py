@@ -6,7 +6,6 @@ from typing import Any
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
 from oodscen._registry import is_builtin
-from oodscen.baselines import load_baseline
 from oodscen.data._scenario import Scenario
 from oodscen.errors import LLMError, UsageError
 from oodscen.metrics._detection.guard import is_calibrated
@@ -14,7 +13,7 @@ from oodscen.metrics._metrics import Metrics
 from oodscen.stages._describe import Describer, spread, spread_subset
 from oodscen.tree._scenario_tree import ScenarioTree
 
-DRY = "dry.jsonl"
+SHORT_PATHS = "short_paths.jsonl"
 """File with a line per path whose kind bears fewer texts than were asked for."""
 
 
@@ -65,11 +64,13 @@ def _describe(
     for line in run.store.lines(file):
         if not run.is_again(line):
             lines.setdefault(line["leaf"], []).append(line)
-    dry = {line["leaf"]: line["texts"] for line in run.store.lines(DRY) if line["file"] == file}
+    short = {
+        line["leaf"]: line["texts"] for line in run.store.lines(SHORT_PATHS) if line["file"] == file
+    }
     done = {
         leaf: rows
         for leaf, rows in lines.items()
-        if leaf in paths and _is_whole(rows, paths[leaf], {counts[leaf], dry.get(leaf, -1)})
+        if leaf in paths and _is_whole(rows, paths[leaf], {counts[leaf], short.get(leaf, -1)})
     }
 
     def work(leaf: str) -> list[dict[str, Any]]:
@@ -85,7 +86,7 @@ def _describe(
     run.progress(stage, len(done), len(paths))
     for leaf, rows in as_finished(work, todo, threads=run.threads, cancel=run.cancel):
         if len(rows) < counts[leaf] and "error" not in rows[0]:
-            run.store.append(DRY, {"file": file, "leaf": leaf, "texts": len(rows)})
+            run.store.append(SHORT_PATHS, {"file": file, "leaf": leaf, "texts": len(rows)})
         for row in rows:
             run.store.append(file, row)
         done[leaf] = rows
@@ -100,8 +101,7 @@ def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
     is_chosen = config.candidates > 1
     metrics = None
     if is_chosen or is_calibrated(run.encoder.name):
-        baseline = load_baseline(config.baseline) if config.baseline else None
-        metrics = Metrics(run.encoder, baseline, seed=config.seed)
+        metrics = Metrics(run.encoder, run.baseline, seed=config.seed)
     return Describer(
         run.llm,
         run.encoder,

@@ -2,7 +2,8 @@
 
 from oodscen._pipeline.context import Context
 from oodscen.stages._grow import TreeGrower
-from oodscen.stages._prune.pruner import Pruner, all_decisions, pruned
+from oodscen.stages._prune.decisions import all_decisions, pruned
+from oodscen.stages._prune.pruner import Pruner
 from oodscen.stages._prune.restoration import restoration
 from oodscen.stages._redteam.red_teamer import RedTeamer
 from oodscen.stages._redteam.thresholds import TOKENS

@@ -97,7 +97,7 @@ def inspect_knowledge(
         Issue(name, "has no category: add it to [[things]]")
         for name in _uncategorised(hazards, knowledge)
     ]
-    author = _Hand(Stager(knowledge, recogniser))
+    author = _StagingLLM(Stager(knowledge, recogniser))
     shown = dict.fromkeys(offered, 0)
     fitted: set[str] = set()
     tried: set[str] = set()
@@ -127,7 +127,7 @@ def inspect_knowledge(
     )
 
 
-class _Hand:
+class _StagingLLM:
     """A stub model that only stages, for knowledge bases that an author would reject."""
 
     name = "builtin"

@@ -43,7 +43,7 @@ _TABLES: dict[str, type[Data]] = {
 _SINGLE: dict[str, type[Data]] = {"wording": Wording, "paper": Paper}
 
 
-class Shelf:
+class KnowledgeFiles:
     """The content of the files read so far, and its faults."""
 
     def __init__(self) -> None:
@@ -206,12 +206,20 @@ def _shipped() -> list[tuple[str, str]]:
 
 def own_files(path: Path) -> tuple[str, ...]:
     """Return the names of the files at a user's path."""
-    return tuple(f.name for f in sorted(path.glob("*.toml"))) if path.is_dir() else (path.name,)
+    return tuple(file.name for file in _toml_files(path))
+
+
+def _toml_files(path: Path) -> list[Path]:
+    """Return the files of a folder, or the path itself if it is none."""
+    try:
+        return sorted(path.glob("*.toml")) if path.is_dir() else [path]
+    except OSError as error:
+        issue = Issue("", error.strerror or str(error))
+        raise DataError("knowledge base", [issue], source=str(path)) from None
 
 
 def _own(path: Path) -> list[tuple[str, str]]:
-    files = sorted(path.glob("*.toml")) if path.is_dir() else [path]
-    if not files:
+    if not (files := _toml_files(path)):
         raise DataError("knowledge base", [Issue("", "no .toml file in it")], source=str(path))
     try:
         return [(file.name, read_utf8(file, "knowledge base", limit=_MAX_BYTES)) for file in files]
@@ -220,7 +228,9 @@ def _own(path: Path) -> list[tuple[str, str]]:
         raise DataError("knowledge base", issues, source=str(path)) from None
 
 
-def gather(path: str | Path | None, *, salvaged: bool = False) -> tuple[Shelf, Knowledge | None]:
+def gather(
+    path: str | Path | None, *, salvaged: bool = False
+) -> tuple[KnowledgeFiles, Knowledge | None]:
     """Read the shipped files and a user's own, and collect all faults.
 
     Args:
@@ -230,7 +240,7 @@ def gather(path: str | Path | None, *, salvaged: bool = False) -> tuple[Shelf, K
     Raises:
         DataError: If a file cannot be read at all.
     """
-    shelf = Shelf()
+    shelf = KnowledgeFiles()
     for name, text in _shipped():
         shelf.read(name, text)
     if path is not None:
@@ -256,7 +266,7 @@ def stamp_of(path: str | Path | None) -> tuple[tuple[str, int, int], ...]:
     """Return a stamp that changes with a user's files: path, modification time and size of each."""
     if path is None:
         return ()
-    files = sorted(Path(path).glob("*.toml")) if Path(path).is_dir() else [Path(path)]
+    files = _toml_files(Path(path))
     return tuple((str(f), f.stat().st_mtime_ns, f.stat().st_size) for f in files if f.exists())
 
 

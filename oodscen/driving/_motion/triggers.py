@@ -7,6 +7,9 @@ from oodscen.driving._roads.corridor import Corridor
 from oodscen.numerics._kernels import part
 from oodscen.protocols import State
 
+MAX_APPROACH_S = 15.0
+"""Latest time of a decision, in seconds, even if its trigger has not fired."""
+
 TIME, DISTANCE, TTC = 0, 1, 2
 CODES = {"time": TIME, "distance": DISTANCE, "ttc": TTC}
 """Codes of triggers in kernels, by `Trigger.kind`."""

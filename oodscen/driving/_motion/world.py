@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief, brief
+from oodscen._numbers import finite_number, seed_number
 from oodscen._seeding import stream
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene, Trigger
@@ -124,7 +125,8 @@ class KinematicWorld(Brief):
         """
         self.corridor = corridor
         self.scene = scene
-        self.dt = dt
+        seed_number(seed)
+        self.dt = finite_number("dt", dt, 1e-4, 10.0)
         self.friction = scene.weather.friction
         self.visual_range = quantised(visual_range(scene.weather))
         self.step_count = 0

@@ -3,6 +3,7 @@
 import math
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
@@ -48,35 +49,34 @@ _TIGHTEST = 0.1
 """Minimum share of its length that a line parallel to a bend must keep."""
 
 
-def load_corridor(road_map: RoadMap) -> Corridor:
+def load_corridor(road_map: RoadMap | str, catalogue: Catalogue | None = None) -> Corridor:
     """Return the road that the ego drives on a map; each file is read only once per process.
 
     Consecutive roads form one corridor, also through junctions: first those of `RoadMap.route`, then the
     roads straight on.
 
     Args:
-        road_map: Gives the OpenDRIVE file, the ego's start and its route.
+        road_map: Gives the OpenDRIVE file, the ego's start and its route; or `Scene.map`: a map's id, or the
+            path of an `.xodr` file. In a user's own file, the ego starts on the first road outside junctions
+            with a long enough way straight on, 160 m after the beginning of that way or after a quarter of it.
+        catalogue: Describes the maps that are named by an id.
+
+    Returns:
+        The corridor; its `road_map` describes the map.
 
     Raises:
+        UnknownComponent: If there is no such map.
         DataError: With every fault of the file, or if start or route are not on the road.
     """
-    return _corridor(
-        read_map(road_map.file),
-        road_map.road,
-        road_map.start_m,
-        road_map.forward,
-        road_map.route,
-        road_map.file,
-    )
+    found = find_map(road_map, catalogue) if isinstance(road_map, str) else road_map
+    return _corridor(read_map(found.file), found)
 
 
-def find_map(name: str, catalogue: Catalogue) -> RoadMap:
+def find_map(name: str, catalogue: Catalogue | None = None) -> RoadMap:
     """Return a map of the catalogue, or the description of the OpenDRIVE file that a scene names.
 
     Args:
-        name: `Scene.map`: a map's id, or the path of an `.xodr` file. In a user's own file, the ego
-            starts on the first road outside junctions with a long enough way straight on, 160 m after the
-            beginning of that way or after a quarter of it.
+        name: `Scene.map`, as for `load_corridor`.
         catalogue: The simulator's catalogue.
 
     Raises:
@@ -85,10 +85,12 @@ def find_map(name: str, catalogue: Catalogue) -> RoadMap:
     """
     if not name.endswith(".xodr"):
         try:
-            return catalogue.map(name)
+            if catalogue is not None:
+                return catalogue.map(name)
         except KeyError:
-            known = [road.id for road in catalogue.maps]
-            raise UnknownComponent("map", name, known) from None
+            pass
+        known = [road.id for road in catalogue.maps] if catalogue else []
+        raise UnknownComponent("map", name, known)
     return _describe(read_map(name), name)
 
 
@@ -100,7 +102,7 @@ def _describe(data: bytes, name: str) -> RoadMap:
     road, forward = legs[index]
     start_m = start if forward else road.length - start
     route = tuple(leg.road.id for leg in legs[index + 1 :])
-    corridor = _corridor(data, road.id, start_m, forward, route, name)
+    corridor = _sampled_route(data, road.id, start_m, forward, route, name)
     kinds = {strip.kind for strip in corridor.strips}
     return RoadMap(
         id=Path(name).stem,
@@ -182,7 +184,16 @@ def _network(data: bytes, source: str) -> Network:
 
 
 @lru_cache(maxsize=32)
-def _corridor(
+def _corridor(data: bytes, road_map: RoadMap) -> Corridor:
+    """Return the corridor of a map, which it keeps as its `road_map`."""
+    start, forward, route = road_map.start_m, road_map.forward, road_map.route
+    corridor = copy(_sampled_route(data, road_map.road, start, forward, route, road_map.file))
+    object.__setattr__(corridor, "road_map", road_map)
+    return corridor
+
+
+@lru_cache(maxsize=32)
+def _sampled_route(
     data: bytes,
     road_id: str,
     start: float,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
+from oodscen.data._catalogue import RoadMap
 from oodscen.driving._roads import track as look
 from oodscen.driving._roads.coverage import REACH_M, OverlapStrip, Ranges, covered, extend, merged
 from oodscen.driving._roads.network import StripKind
@@ -137,6 +138,8 @@ class Corridor(Brief):
     crosswalks: tuple[PaintedArea, ...] = field(default=(), repr=False)
     """Crosswalks and stop lines on all roads of the map."""
     structures: tuple[Structure, ...] = ()
+    road_map: RoadMap | None = field(default=None, repr=False)
+    """Description of the map that it was loaded from."""
     driving: tuple[int, ...] = field(init=False)
     """Indices of the driving strips at the start, from right to left."""
     step: float = field(init=False)

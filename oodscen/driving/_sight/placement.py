@@ -6,7 +6,7 @@ from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER
 from oodscen.driving._motion.world import KinematicWorld, ego_strip, neighbour_strip
-from oodscen.driving._roads.building import find_map, load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies, overlapping, touch, truth_issues
 from oodscen.errors import DataError, Issue, UnknownComponent
@@ -39,7 +39,7 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     issues = staging_issues(scene, catalogue)
     if issues:
         return issues
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     path, issues = _roll(scene, catalogue, corridor, within=APPROACH_S)
     if not issues:
         last = len(path) - 1
@@ -64,7 +64,7 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
         and not any(issue.path == f"{path}.behaviour.name" for issue in issues)
     ]
     try:
-        corridor = load_corridor(find_map(scene.map, catalogue))
+        corridor = load_corridor(scene.map, catalogue)
     except UnknownComponent as error:
         return issues or [Issue("map", str(error))]
     except DataError as error:

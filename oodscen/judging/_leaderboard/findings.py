@@ -1,19 +1,22 @@
 """Plain-language findings of a leaderboard: which model to trust with which task, and how certainly."""
 
 from collections.abc import Sequence
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from oodscen.data._base import Data
-from oodscen.judging._leaderboard.board import missing_share, worst_score
-from oodscen.judging._leaderboard.leaderboard import (
+from oodscen.judging._leaderboard.scores import (
     Estimate,
-    Leaderboard,
     LeaderboardRow,
     ModelComparison,
     Rate,
     Task,
+    missing_share,
     score,
+    worst_score,
 )
+
+if TYPE_CHECKING:
+    from oodscen.judging._leaderboard.board import Leaderboard
 
 ALPHA = 0.05
 MOST_MISSING = 0.2
@@ -40,7 +43,7 @@ class Finding(Data):
     text: str
 
 
-def findings(board: Leaderboard) -> list[Finding]:
+def findings(board: "Leaderboard") -> list[Finding]:
     """Return three findings per model: it notices, it names, it acts."""
     return [
         finding
@@ -50,7 +53,7 @@ def findings(board: Leaderboard) -> list[Finding]:
     ]
 
 
-def answer(board: Leaderboard) -> list[str]:
+def answer(board: "Leaderboard") -> list[str]:
     """Return a few sentences on which model to trust with what, and how certainly."""
     models = [row for row in board.standings if row.kind == "model" and row.protocol == "ours"]
     if not models:
@@ -103,7 +106,7 @@ _AIMS: dict[Task, str] = {
 }
 
 
-def _best(board: Leaderboard, models: Sequence[LeaderboardRow], task: Task) -> str:
+def _best(board: "Leaderboard", models: Sequence[LeaderboardRow], task: Task) -> str:
     """Return sentences on whether the best model in a task can be trusted with it, and whether it leads."""
     scored = [row for row in models if score(row, task) is not None]
     silent = [row for row in scored if missing_share(row, task) > MOST_MISSING]
@@ -140,7 +143,7 @@ def _best(board: Leaderboard, models: Sequence[LeaderboardRow], task: Task) -> s
     return f"{text}{_lead(board, ranked, task)}{left}"
 
 
-def _is_ahead_of_floor(board: Leaderboard, row: LeaderboardRow, task: Task) -> bool:
+def _is_ahead_of_floor(board: "Leaderboard", row: LeaderboardRow, task: Task) -> bool:
     """Return whether a model is shown to beat not looking, with missing answers left out."""
     if task == "detection" and row.detection.balanced_accuracy.interval is not None:
         return _against(row.detection.balanced_accuracy, 0.5) == "yes"
@@ -156,7 +159,7 @@ def _at_worst(row: LeaderboardRow, task: Task) -> str:
     return f" It would be {percent(worst)} if its unanswered ones were wrong."
 
 
-def _score(board: Leaderboard, row: LeaderboardRow, task: Task) -> str:
+def _score(board: "Leaderboard", row: LeaderboardRow, task: Task) -> str:
     """Return the sentence on a model's score and the best score without looking."""
     if task == "detection":
         balanced = row.detection.balanced_accuracy
@@ -180,7 +183,7 @@ def _score(board: Leaderboard, row: LeaderboardRow, task: Task) -> str:
     return text
 
 
-def _lead(board: Leaderboard, ranked: Sequence[LeaderboardRow], task: Task) -> str:
+def _lead(board: "Leaderboard", ranked: Sequence[LeaderboardRow], task: Task) -> str:
     """Return the sentence on whether the first of the ranked models is shown to beat the others."""
     best, others = ranked[0].model, {row.model for row in ranked[1:]}
     open_, behind, ahead = list[str](), list[str](), list[str]()
@@ -201,7 +204,7 @@ def _lead(board: Leaderboard, ranked: Sequence[LeaderboardRow], task: Task) -> s
     return text
 
 
-def _unfinished(board: Leaderboard, row: LeaderboardRow) -> str:
+def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
     """Return the sentence on the items that stayed unanswered."""
     silent = sum(row.outcomes.values()) - sum(
         row.outcomes.get(name, 0) for name in ("answered", "unavailable")
@@ -217,7 +220,7 @@ def _unfinished(board: Leaderboard, row: LeaderboardRow) -> str:
     return f"{row.model} {' and '.join(parts)}." if parts else ""
 
 
-def _notices(board: Leaderboard, row: LeaderboardRow) -> Finding:
+def _notices(board: "Leaderboard", row: LeaderboardRow) -> Finding:
     seen, quiet, balanced = (
         row.detection.sensitivity,
         row.detection.specificity,
@@ -243,7 +246,7 @@ def _notices(board: Leaderboard, row: LeaderboardRow) -> Finding:
     )
 
 
-def _names(board: Leaderboard, row: LeaderboardRow) -> Finding:
+def _names(board: "Leaderboard", row: LeaderboardRow) -> Finding:
     named, chosen = row.identification.open, row.identification.closed
     if not named.n and not chosen.n:
         asked = named if named.missing else chosen
@@ -268,7 +271,7 @@ def _names(board: Leaderboard, row: LeaderboardRow) -> Finding:
     )
 
 
-def _acts(board: Leaderboard, row: LeaderboardRow) -> Finding:
+def _acts(board: "Leaderboard", row: LeaderboardRow) -> Finding:
     safe, needless = row.control.safe, row.control.needless
     if not safe.n:
         return Finding(model=row.model, task="act", grade="unknown", text=_unanswered(safe))
@@ -290,7 +293,7 @@ def _acts(board: Leaderboard, row: LeaderboardRow) -> Finding:
     )
 
 
-def _floor_grade(board: Leaderboard, row: LeaderboardRow, task: Task) -> Grade:
+def _floor_grade(board: "Leaderboard", row: LeaderboardRow, task: Task) -> Grade:
     """Return the grade of a model against the best reference, also with its missing answers counted as wrong."""
     if missing_share(row, task) > MOST_MISSING:
         return "incomplete"
@@ -307,7 +310,7 @@ def _floor_grade(board: Leaderboard, row: LeaderboardRow, task: Task) -> Grade:
 
 
 def _floor_comparison(
-    board: Leaderboard, row: LeaderboardRow, task: Task
+    board: "Leaderboard", row: LeaderboardRow, task: Task
 ) -> ModelComparison | None:
     return next(
         (
@@ -319,7 +322,7 @@ def _floor_comparison(
     )
 
 
-def _detection_grade(board: Leaderboard, row: LeaderboardRow) -> Grade:
+def _detection_grade(board: "Leaderboard", row: LeaderboardRow) -> Grade:
     """Return the grade of a model's balanced accuracy against one half, the score of a guess.
 
     Without an interval (few paths, or equal scores everywhere), the comparison with the best reference decides.
@@ -366,7 +369,7 @@ def _silent_in_detection(row: LeaderboardRow) -> str:
     )
 
 
-def _without_models(board: Leaderboard) -> list[str]:
+def _without_models(board: "Leaderboard") -> list[str]:
     sentences = [
         "No vision-language model was judged in this study, so there is none to trust yet."
     ]

@@ -13,7 +13,9 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._twins import is_twin
 from oodscen.data._verdict import NOTHING, Protocol, Verdict
 from oodscen.judging._items import AnswerColumns, Items, Mask, Ratio
-from oodscen.judging._leaderboard.board import (
+from oodscen.judging._leaderboard.board import Leaderboard
+from oodscen.judging._leaderboard.paper_example import paper_example
+from oodscen.judging._leaderboard.scores import (
     TASKS,
     ActionScore,
     ActionTally,
@@ -21,7 +23,6 @@ from oodscen.judging._leaderboard.board import (
     Detection,
     Estimate,
     Identification,
-    Leaderboard,
     LeaderboardRow,
     ModelComparison,
     Rate,
@@ -30,12 +31,11 @@ from oodscen.judging._leaderboard.board import (
     best_floor,
     score,
 )
-from oodscen.judging._leaderboard.paper_example import paper_example
 from oodscen.statistics._answers import above_chance, d_prime, intraclass
 from oodscen.statistics._auroc import auroc_of_items
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler
-from oodscen.statistics._tests import holm, paired
+from oodscen.statistics._significance import holm, paired
 
 __all__ = [
     "ActionScore",

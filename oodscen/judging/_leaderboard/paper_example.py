@@ -7,7 +7,7 @@ from oodscen.data._base import Data
 from oodscen.judging._leaderboard.power import SampleSize, scenes_needed
 from oodscen.statistics._answers import d_prime, two_proportions
 from oodscen.statistics._intervals import wilson
-from oodscen.statistics._tests import holm, mcnemar
+from oodscen.statistics._significance import holm, mcnemar
 
 N = paper.PATHS * paper.PER_PATH
 """Scenes of the paper, ten on each of 13 paths."""

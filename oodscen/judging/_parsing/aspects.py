@@ -12,9 +12,9 @@ from oodscen.judging._parsing.reading import (
     is_refusal,
     members,
     read,
-    unwrapped,
     words_in,
 )
+from oodscen.judging._parsing.stating import is_against
 from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, folded
 
 LONGEST_ASPECT = 300
@@ -33,12 +33,16 @@ class Detected:
 
 def read_aspect(text: str) -> ParsedAnswer[Detected]:
     """Return whether something was called out of the ordinary, the aspect and the confidence."""
-    return read(text, Question(_detected, _detected_in_prose, _DETECTION))
+    return read(text, Question(_detected, _detected_in_prose, _DETECTION, _disowned))
 
 
 def read_named_aspect(text: str) -> ParsedAnswer[str]:
     """Return the aspect named in answer to the paper's question; empty if the answer says that there is none."""
-    return read(text, Question(_named, _named_in_prose, _NAMED))
+    return read(text, Question(_named, _named_in_prose, _NAMED, _disowned))
+
+
+def _disowned(reasons: str, _: object) -> bool:
+    return is_against(folded(reasons))
 
 
 def names_nothing(aspect: str) -> bool:
@@ -58,14 +62,13 @@ _IS_OOD = re.compile(
     r"(?:is)?(?:ood|outofdistribution|outof(?:the)?ordinary|(?:anything|something)?unusual|anomal(?:y"
     r"|ous)|abnormal)|answer"
 )
-_ASPECT = re.compile(r"(?:\w*aspect|what|label)")
+_ASPECT = re.compile(r"(?:the|one|main|named|ood|unusual)*aspect|what|label")
 _NAMED = re.compile(rf"{_ASPECT.pattern}|answer")
 _CONFIDENCE = re.compile(r"(?:confidence|certainty|probability)")
 _DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{_CONFIDENCE.pattern}")
 
 
 def _detected(value: Mapping[str, Any]) -> Detected | None:
-    value = unwrapped(value, _IS_OOD)
     held = [one for one in members(value, _IS_OOD) if not is_placeholder(one)]
     if not held:
         return None
@@ -89,7 +92,6 @@ def _aspect(value: Mapping[str, Any]) -> str:
 
 
 def _named(value: Mapping[str, Any]) -> str | None:
-    value = unwrapped(value, _NAMED)
     held = [one for one in members(value, _NAMED) if not is_placeholder(one)]
     said = {words_in(one) for one in held}
     if len(said) > 1:
@@ -180,7 +182,7 @@ def _aspect_in(prose: str, *, is_marked: bool) -> str:
         named = _CONFIDENT.sub(
             "", prose if is_marked else re.sub(r"\A\W*\w+\W*", "", prose, count=1)
         )
-        if len(named) > LONGEST_ASPECT:
+        if len(named) > LONGEST_ASPECT or re.search(r"\w[.!?;] +\w", named):
             raise UnusableError("the aspect is not named")
         named = "" if is_marked else named.strip(" \n.,:;!()\u2014\u2013-")
     return "" if names_nothing(named) else named
@@ -215,7 +217,7 @@ _MARKED = re.compile(
     r"(?! ?(?:or\b|/|,? not\b|\w+ (?:is|are)\b))"
 )
 _OPENING = re.compile(
-    rf"\W*(yes|no|true|false|(?:there is |i see )?nothing (?:is )?{_ODD}|everything (?:is|looks) (?:normal|ordinary))\b"
+    rf"[\s(\u2022-]*(yes|no|true|false|(?:there is |i see )?nothing (?:is )?{_ODD}|everything (?:is|looks) (?:normal|ordinary))\b"
     r"(?: here)?(?=\s*(?:[,.:;!\u2014\u2013-]|$))"
 )
 _USUAL = re.compile(

@@ -4,29 +4,35 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from oodscen.data._episode import ACTIONS
+from oodscen.errors import UsageError
 from oodscen.judging._parsing.reading import (
     ParsedAnswer,
     Question,
-    is_placeholder,
     is_refusal,
     members,
     read,
     unwrapped,
 )
-from oodscen.judging._parsing.stating import FIRST, GERUNDS, OPTION, denied, options_in, stated
+from oodscen.judging._parsing.stating import FIRST, GERUNDS, OPTION, is_against, stated
 from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, folded, tidied
 
 Marking = Callable[[str], str]
 """Replaces every option that folded prose names with a character of `stating.OPTION`."""
 
 
-def read_action(text: str, offered: Sequence[str]) -> ParsedAnswer[str]:
+def read_action(text: str, offered: Sequence[str] = ACTIONS) -> ParsedAnswer[str]:
     """Return which of the offered actions was chosen.
 
     Args:
         text: A model's answer.
-        offered: Ids of the actions.
+        offered: Ids of the actions; all of them by default.
+
+    Raises:
+        UsageError: When an id is empty.
     """
+    if "" in offered:
+        raise UsageError("the id of an action is empty")
     words = {name: _ACTION_WORDS.get(name, re.escape(folded(name))) for name in offered}
     return _read(text, list(offered), _marking(words), _ACTION, is_numbered=False)
 
@@ -52,7 +58,7 @@ def contradiction(reasoning: str, action: str, offered: Sequence[str]) -> str:
 
 _FINAL = r"(?:final|chosen|selected|best|my|the|safest|recommended|correct)*"
 _ASKED = r"(?:answer|choice|decision|option|selection|response|result|output)"
-_ACTION = re.compile(rf"{_FINAL}(?:action|{_ASKED})s?(?:id|name|taken)?")
+_ACTION = re.compile(rf"{_FINAL}(?:action|{_ASKED})(?:id|name|taken)?")
 _CHOICE = re.compile(rf"{_FINAL}(?:number|label|{_ASKED})(?:id|number)?")
 _INSIDE = re.compile(r"(?:id|name|value|number|label|option|action|choice|answer)")
 
@@ -64,43 +70,35 @@ def _read(
         if isinstance(value, list) and len(value) == 1 and depth:
             return resolved(value[0], depth - 1)
         if isinstance(value, dict) and depth:
-            return agreed(members(value, keys) or members(value, _INSIDE), depth - 1)
+            held, reasons = unwrapped(value, _INSIDE)
+            found = agreed(list(held.values()), depth - 1)
+            return None if found is None or denies(tidied(reasons), found) else found
         if is_numbered and isinstance(value, (int, float)) and not isinstance(value, bool):
             return int(value) - 1 if value in range(1, len(names) + 1) else None
-        return in_prose(tidied(value)) if isinstance(value, str) else None
+        is_text = isinstance(value, str) and re.match(r"[\s*`\"'(#]*\w", value)
+        return in_prose(tidied(value)) if is_text else None
 
-    def agreed(values: Sequence[Any], depth: int) -> int | None:
-        found = [resolved(value, depth) for value in values]
-        known = {one for one in found if one is not None}
-        if len(known) > 1:
+    def agreed(values: Sequence[Any], depth: int = 4) -> int | None:
+        found = {resolved(value, depth) for value in values}
+        if len(found) > 1:
             raise UnusableError(TWO_ANSWERS)
-        return known.pop() if known and found[0] is not None else None
+        return found.pop() if found else None
 
     def in_prose(prose: str) -> int | None:
-        if is_refusal(prose):
-            return None
-        found = stated(mark(folded(prose)))
+        found = None if is_refusal(prose) else stated(mark(folded(prose)))
         return found if found is not None and found < len(names) else None
 
     def picked(value: Mapping[str, Any]) -> int | None:
-        held = [one for one in members(unwrapped(value, keys), keys) if not is_placeholder(one)]
-        if not held:
-            return None
-        found = agreed(held, 4)
-        if found is None:
+        held = members(value, keys)
+        found = agreed(held)
+        if held and found is None:
             raise UnusableError(f"{str(held[0])[:80]!r} is no option")
         return found
 
-    def named(prose: str) -> set[int]:
-        return options_in(mark(folded(prose)))
+    def denies(reasons: str, option: int) -> bool:
+        return is_against(mark(folded(reasons)), option)
 
-    def denies(prose: str, option: int) -> bool:
-        return option in denied(mark(folded(prose)))
-
-    reading = read(
-        text,
-        Question(picked, in_prose, re.compile(f"{keys.pattern}|{_INSIDE.pattern}"), named, denies),
-    )
+    reading = read(text, Question(picked, in_prose, keys, denies))
     if reading.value is None:
         return ParsedAnswer(None, reading.outcome, reading.note)
     return ParsedAnswer(names[reading.value], "answered", reading.note)
@@ -139,7 +137,7 @@ def _marking(words: Mapping[str, str], *, is_numbered: bool = False) -> Marking:
     def mark(plain: str) -> str:
         if not is_numbered:
             return finder.sub(called, _LIST_MARK.sub("\u2022 ", plain))
-        plain = finder.sub(called, plain)
+        plain = finder.sub(called, re.sub(r"#(?=\d)", "", plain))
         for pattern in _NUMBERS:
             plain = pattern.sub(numbered, plain)
         return plain

@@ -24,7 +24,7 @@ _LONGEST_REFUSAL = 300
 
 def read_description(text: str) -> ParsedAnswer[str]:
     """Return a description of a frame; any prose is accepted except a refusal or nothing."""
-    return read(text, Question(_in_object, _in_prose, _ANY))
+    return read(text, Question(_in_object, _in_prose, _ANY, has_labels=False))
 
 
 def _in_object(value: Mapping[str, Any]) -> str | None:

@@ -1,20 +1,17 @@
-"""Finds the JSON objects in an answer, parses the answer from them or its prose, and detects refusals."""
+"""Parses an answer from its JSON object or labelled lines, else from its prose, and detects refusals.
+
+What counts is listed; what is not listed makes the answer unreadable. An answer may hold one object. Around it
+stand reasoning that has ended, a code fence and a phrase such as "Here is my answer:". Beside the requested
+members it has reasons and a confidence. Lines such as `Action: stop` are parsed like an object.
+"""
 
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar
 
-from oodscen.judging._parsing.surroundings import (
-    RETRACTED,
-    is_doubtful,
-    leads_to_an_answer,
-    runs_on,
-    split_reasons,
-    takes_back,
-)
 from oodscen.judging._parsing.text import (
     LONGEST,
     TWO_ANSWERS,
@@ -44,32 +41,27 @@ class Question(Generic[Value]):
     """The way to find the answer to one question."""
 
     pick: Callable[[Mapping[str, Any]], Value | None]
-    """Returns the answer in one object; `None` if it lacks the requested member. Raises `UnusableError`."""
+    """Returns the answer in the requested members; `None` if they are missing. Raises `UnusableError`."""
     prose: Callable[[str], Value | None]
     """Returns the answer in tidied prose; `None` if there is none. Raises `UnusableError`."""
     members: re.Pattern[str]
-    """Matches the names of the members that hold the answer, as `spelt` spells them."""
-    named: Callable[[str], Set[Value]] | None = None
-    """For a choice from a list: returns the options that tidied prose names, in whatever way."""
+    """Matches the names of the requested members, as `spelt` spells them."""
     denies: Callable[[str, Value], bool] | None = None
-    """For a choice from a list: returns whether tidied reasons rule an option out."""
+    """Returns whether tidied reasons deny or condemn a value."""
+    has_labels: bool = True
+    """Labelled lines are parsed like an object."""
 
-    def answer_in(self, one: Found, said: str) -> tuple[Value | None, str]:
-        """Return the answer in one object of a text, and the reason why one that it has cannot be used."""
-        try:
-            value = self.pick(one.value)
-        except UnusableError as error:
-            return None, str(error)
-        if value is None:
-            return None, ""
-        fault = ""
-        if one.is_mended and _lost_words(one, said):
-            fault = "the JSON object has faults"
-        elif _is_annulled(one.value, self.members):
-            fault = "another member puts the answer in doubt"
-        elif self.denies and self.denies(tidied(_reasons(one.value)), value):
-            fault = "its reasons rule the answer out"
-        return None if fault else value, fault
+    def answer_in(self, value: Mapping[str, Any]) -> Value | None:
+        """Return the answer in an object; `None` if it lacks the requested members.
+
+        Raises:
+            UnusableError: If it has a member that nobody asked for, or reasons against its own answer.
+        """
+        held, reasons = unwrapped(value, self.members)
+        found = self.pick(held)
+        if found is not None and self.denies and self.denies(tidied(reasons), found):
+            raise UnusableError("its reasons are against the answer")
+        return found
 
 
 def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
@@ -81,12 +73,17 @@ def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
     note = "no answer is named plainly"
     try:
         said = spoken_json(text)
-        value = _in_objects(said, question)
-        if value is not None:
-            return ParsedAnswer(value, "answered", "JSON")
-        value = question.prose(tidied("\n".join(_between(said, scan(said)[0]))))
-        if value is not None:
-            return ParsedAnswer(value, "answered", "prose")
+        found = _only_object(said)
+        if found is not None:
+            value = question.answer_in(found)
+            if value is not None:
+                return ParsedAnswer(value, "answered", "JSON")
+        else:
+            prose = tidied(said)
+            lines = _labelled(prose, question.members) if question.has_labels else None
+            value = question.answer_in(lines) if lines else question.prose(prose)
+            if value is not None:
+                return ParsedAnswer(value, "answered", "prose")
     except UnusableError as error:
         note = str(error)
     if is_refusal(text):
@@ -94,152 +91,169 @@ def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
     return ParsedAnswer(None, "unparsed", note)
 
 
-# ------------------------------------------------------------------ objects
+# ------------------------------------------------------------------ the object and the words around it
 
 
 def spoken_json(text: str) -> str:
-    """Return the text outside the reasoning, unwrapped if all of it is one JSON string."""
-    said = cleaned(spoken(text))
+    """Return the text after the reasoning, unwrapped if all of it is one JSON string."""
+    said = cleaned(text).strip()
     if said.startswith('"'):
         try:
             inner = json.loads(said, strict=False)
         except (ValueError, RecursionError):
-            return said
-        return spoken(inner) if isinstance(inner, str) else said
+            inner = None
+        said = inner if isinstance(inner, str) else said
+    said = spoken(said)
     return said if '"' in said else re.sub("[\u201c\u201d]", '"', said)
 
 
-def _in_objects(said: str, question: Question[Value]) -> Value | None:
-    """Return the answer in the last object that is given as one; `None` if no object has the requested member."""
+def _only_object(said: str) -> dict[str, Any] | None:
+    """Return the object that a text consists of; `None` if it holds none."""
     found, broken_off = scan(said)
     if broken_off is not None:
         raise UnusableError("the answer is cut off before its end")
-    if len(found) > _MOST_OBJECTS:
-        raise UnusableError(f"it has {len(found)} JSON objects")
-    between = _between(said, found)
-    picked = [question.answer_in(one, said) for one in found]
-    holding = [index for index, (value, fault) in enumerate(picked) if value is not None or fault]
-    given = [
-        index
-        for index in holding
-        if leads_to_an_answer(between[index], "".join(between[:index]))
-        and not runs_on(between[index + 1])
-    ]
-    if not holding:
+    if not found:
         return None
-    if not given:
-        raise UnusableError("the JSON object is not given as the answer")
-    last = given[-1]
-    value, fault = picked[last]
-    if value is None:
-        raise UnusableError(fault)
-    for index in given[:-1]:
-        is_other = not picked[index][1] and picked[index][0] != value
-        if is_other and not RETRACTED.search("\n".join(between[index + 1 : last + 1])):
-            raise UnusableError(TWO_ANSWERS)
-    told, reasons = split_reasons("\n".join(between[last + 1 :]))
-    if last < len(found) - 1 or takes_back(told) or RETRACTED.search(reasons):
-        raise UnusableError("it is taken back after the JSON object")
-    if question.named and question.named(told) - {value}:
-        raise UnusableError(TWO_ANSWERS)
-    if question.denies and question.denies(reasons, value):
-        raise UnusableError("its reasons rule the answer out")
-    return value
+    if len(found) > 1:
+        raise UnusableError(f"it has {len(found)} JSON objects")
+    (one,) = found
+    if one.is_mended and _lost_words(one, said):
+        raise UnusableError("the JSON object has faults")
+    before, after = said[: one.start], said[one.start + one.width :]
+    lead = folded(tidied(_OPENS.sub("", before)))
+    end = folded(tidied(_CLOSES.sub("", after)))
+    if not (_LEAD.fullmatch(lead) and _COURTESY.fullmatch(end)):
+        raise UnusableError("other words stand around the JSON object")
+    return one.value
 
 
-def _between(said: str, found: Sequence[Found]) -> list[str]:
-    """Return the texts before, between and after the objects."""
-    parts, end = [], 0
-    for one in found:
-        parts.append(said[end : one.start])
-        end = one.start + one.width
-    return [*parts, said[end:]]
-
-
-def _is_annulled(value: Mapping[str, Any], asked: re.Pattern[str], depth: int = 6) -> bool:
-    """Return whether a member beside the answer is a truth value, or a note that may deny the answer."""
-    for name, held in value.items():
-        if _REASON.fullmatch(spelt(name)):
-            continue
-        for one in held if isinstance(held, list) else [held]:
-            if isinstance(one, dict):
-                if not depth or _is_annulled(one, asked, depth - 1):
-                    return True
-            elif not asked.fullmatch(spelt(name)) and (
-                isinstance(one, (bool, list))
-                or (isinstance(one, str) and is_doubtful(one))
-                or (isinstance(one, (int, float)) and _DENYING.search(spelt(name)))
-            ):
-                return True
-    return False
-
-
-_DENYING = re.compile(r"not|neg|wrong|invalid|reject|false|fake|cancel|revoke|retract|void")
-"""Matches the names of members whose number may deny the answer."""
-
-
-def _reasons(value: Mapping[str, Any], depth: int = 6) -> str:
-    """Return the reasons in an object and in the objects that it wraps."""
-    found = [words_in(one) for name, one in value.items() if _REASON.fullmatch(spelt(name))]
-    inner = [one for one in value.values() if isinstance(one, dict) and depth]
-    return "\n".join([*found, *(_reasons(one, depth - 1) for one in inner)])
-
-
-_REASON = re.compile(
-    r"(?:step\w*|chainof)?(?:reason(?:s|ing)?|rationale|thoughts?|thinking|analysis|explanation|justification"
-    r"|descriptions?|observations?|details)"
+_ELEMENTS = r"(?:answer|final_answer|action|choice|response|output|result|json)"
+_OPENS = re.compile(
+    rf"(?:<{_ELEMENTS}>\s*)?(?:(?:```|~~~)[ \t]*(?:json)?\s*)?[`*]*\Z", re.IGNORECASE
 )
-"""Matches the members that give reasons, in which other options may be weighed."""
-
-_MOST_OBJECTS = 50
+_CLOSES = re.compile(rf"\A[`*]*\.?\s*(?:```|~~~)?(?:\s*</{_ELEMENTS}>)?", re.IGNORECASE)
+_LEAD = re.compile(
+    r"(?:assistant:? ?|#{1,6} )?(?:(?:sure|ok|okay|certainly|of course|yes|so|therefore)(?:[,.!:]|$) ?)?(?:here it is[.:]?"
+    r"|i(?: would|'d| will|'ll)? (?:answer|choose|pick|select)(?: that)? ?:?"
+    r"|(?:(?:here is|here's|this is) )?(?:(?:the|my|your) )?"
+    r"(?:(?:final|best|safest|chosen|requested|recommended|correct|structured|json) )*"
+    r"(?:answer|response|choice|selection|decision|action|aspect|description|output|result|json|verdict)(?: object)?"
+    r"(?: (?:in|as) (?:(?:the|a|valid|requested|required|specified|json) )*(?:format|json|object))?"
+    r"(?: is)? ?[:.]?)?"
+)
+"""Matches the phrases, in folded prose, that may lead to an object; nothing is one too."""
+_COURTESY = re.compile(
+    r"(?:(?:i )?hope (?:this|that|it) helps[.!]?"
+    r"|(?:please )?let me know if you (?:need|have|want) (?:anything else|(?:any )?(?:more|further questions|questions))[.!]?)?"
+)
+"""Matches the phrases, in folded prose, that may follow an object."""
 
 
 def _lost_words(one: Found, said: str) -> bool:
     """Return whether repairing an object dropped some of its words, such as one of two values, or a fence."""
-    source = _COMMENT.sub(" ", said[one.start : one.start + one.width])
+    source = said[one.start : one.start + one.width]
     kept = json.dumps(one.value, ensure_ascii=False, default=str)
     return "```" in source or bool(_words(source) - _words(kept))
 
 
-_COMMENT = re.compile(r"//[^\n]*|/\*[^*]*\*/")
-
-
 def _words(text: str) -> Counter[str]:
-    return Counter(re.findall(r"\w+|[!~]", text.casefold().replace("none", "null")))
+    return Counter(re.findall(r"\w+|[!~-]", text.casefold().replace("none", "null")))
 
 
-def spelt(name: str) -> str:
-    """Return the name of a member in a canonical spelling."""
-    return re.sub(r"[\W_]+", "", name).casefold()
+def _labelled(prose: str, asked: re.Pattern[str]) -> dict[str, Any] | None:
+    """Return tidied prose as an object if its first line has the label of a member; other lines go on with theirs."""
+    members: dict[str, str] = {}
+    name = ""
+    for line in _NEXT.sub("\n", prose).split("\n"):
+        label = _LABEL.fullmatch(line)
+        if label and any(one.fullmatch(spelt(label[1])) for one in (asked, _REASON, _CONFIDENCE)):
+            name = spelt(label[1])
+            if name in members:
+                raise UnusableError(TWO_ANSWERS)
+            members[name] = label[2].strip()
+        elif name:
+            members[name] = f"{members[name]}\n{line}".strip()
+        else:
+            return None
+    if not any(asked.fullmatch(name) for name in members):
+        return None
+    return {name: said.strip(" .") for name, said in members.items()}
 
 
-def members(value: Mapping[str, Any], names: re.Pattern[str]) -> list[Any]:
-    """Return the values of the members whose names match.
+_NEXT = re.compile(r"[.,;] (?=\w+ ?[:=] ?\w)")
+_LABEL = re.compile(r"(?:[-\u2022] |#{1,6} )?([\w ]{2,40}?) ?[:=] ?(.*)")
 
-    Raises:
-        UnusableError: If one of them occurs twice with different values.
-    """
-    repeated = getattr(value, "repeated", ())
-    if any(names.fullmatch(spelt(name)) for name in repeated):
-        raise UnusableError(TWO_ANSWERS)
-    return [one for name, one in value.items() if names.fullmatch(spelt(name))]
+# ------------------------------------------------------------------ members
 
 
 def unwrapped(
-    value: Mapping[str, Any], names: re.Pattern[str], depth: int = 4
-) -> Mapping[str, Any]:
-    """Return the object whose member names match: this one, or the one that it wraps."""
-    held = members(value, names)
-    inner = [one for one in members(value, _WRAPPERS) if isinstance(one, dict)]
-    if depth and len(inner) == 1 and (not held or held == inner):
-        found = unwrapped(inner[0], names, depth - 1)
-        return found if members(found, names) else value
-    return value
+    value: Mapping[str, Any], asked: re.Pattern[str], depth: int = 4
+) -> tuple[dict[str, Any], str]:
+    """Return the requested members of an object, or of the one that it wraps, and the reasons beside them.
+
+    Raises:
+        UnusableError: If it has other members, or one of them twice.
+    """
+    if getattr(value, "repeated", ()):
+        raise UnusableError(TWO_ANSWERS)
+    rest: dict[str, Any] = {}
+    reasons: list[str] = []
+    for name, one in value.items():
+        if asked.fullmatch(spelt(name)) or _WRAPPERS.fullmatch(spelt(name)):
+            rest[name] = one
+        elif _is_reason(name, one):
+            reasons += _texts(one)
+        elif not _is_confidence(name, one):
+            raise UnusableError(f"nobody asked for {name[:40]!r}")
+    inner = next(iter(rest.values())) if len(rest) == 1 else None
+    if isinstance(inner, dict) and depth and all(_WRAPPERS.fullmatch(spelt(name)) for name in rest):
+        held, within = unwrapped(inner, asked, depth - 1)
+        return held, "\n".join([*reasons, within])
+    for name in rest:
+        if not asked.fullmatch(spelt(name)):
+            raise UnusableError(f"nobody asked for {name[:40]!r}")
+    return rest, "\n".join(reasons)
 
 
 _WRAPPERS = re.compile(
-    r"(?:final|json|data|arguments|parameters|properties)?(?:answer|response|result|output|assessment)?"
+    r"(?=.)(?:final|json|data|arguments)?(?:answer|response|result|output|assessment)?"
 )
+_REASON = re.compile(
+    r"(?:stepbystep|chainof)?(?:reason(?:s|ing)?|rationale|thoughts?|thinking|analysis|explanation"
+    r"|justification|descriptions?|observations?|why)"
+)
+"""Matches the members that give reasons, in which other options may be weighed."""
+_CONFIDENCE = re.compile(r"confidence|certainty|probability")
+_SURE = re.compile(r"(?:\d+(?:\.\d+)? ?%?|(?:very )?(?:high|low)|medium|moderate)", re.IGNORECASE)
+
+
+def _is_reason(name: str, value: Any) -> bool:
+    return bool(_REASON.fullmatch(spelt(name))) and (value in (None, "", []) or bool(_texts(value)))
+
+
+def _is_confidence(name: str, value: Any) -> bool:
+    is_text = isinstance(value, (int, float, str)) and not isinstance(value, bool)
+    return bool(
+        _CONFIDENCE.fullmatch(spelt(name))
+        and (value is None or (is_text and _SURE.fullmatch(str(value).strip())))
+    )
+
+
+def _texts(value: Any) -> list[str]:
+    """Return a text, or the texts of a list of nothing else, as a list; else an empty one."""
+    texts = value if isinstance(value, list) else [value]
+    return list(texts) if all(isinstance(one, str) for one in texts) else []
+
+
+def spelt(name: str) -> str:
+    """Return the name of a member in a canonical spelling; one with other marks than spaces and hyphens is kept."""
+    is_plain = re.fullmatch(r"\s*\w[\w\s-]*", name)
+    return re.sub(r"[\s_-]+", "", name).casefold() if is_plain else name
+
+
+def members(value: Mapping[str, Any], names: re.Pattern[str]) -> list[Any]:
+    """Return the values of the members whose names match."""
+    return [one for name, one in value.items() if names.fullmatch(spelt(name))]
 
 
 def is_placeholder(value: object) -> bool:

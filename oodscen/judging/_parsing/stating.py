@@ -1,13 +1,12 @@
-"""Finds the one option that plain English prose states as its answer, if it clearly states one.
+"""Finds the one option that plain English prose states, and reasons that are against an option.
 
-Every option in the text is a single character here (`OPTION`), which keeps the patterns short. A sentence counts
-only if all of it has one of a few forms: "I would X", "the safest action is X because ...", "Answer: X", "X".
-Denials, conditions, questions, reports and statements about others match none of them.
+Every option in a text is a single character here (`OPTION`), which keeps the patterns short. Prose states an option
+if each of its sentences is either a statement ("I would X", "The safest action is X because ...", "X") or an
+observation: a sentence about the road and what is on it, which says nothing of anybody's choice.
 """
 
 import re
 
-from oodscen.judging._parsing.surroundings import DOUBTS, FEW, points_back
 from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError
 
 FIRST, GERUNDS = 0xE000, 0x800
@@ -20,89 +19,50 @@ def stated(plain: str) -> int | None:
     """Return the number of the option that folded prose states; `None` if it states none.
 
     Raises:
-        UnusableError: If it states two, or one and then something against it.
+        UnusableError: If it states two.
     """
-    if _UNREAL.search(plain):
-        return None
-    sentences = _sentences(plain)
-    stating = {
-        index: found for index in range(len(sentences)) if (found := _stated_in(sentences, index))
-    }
-    options = {_number(found) for found in stating.values()}
+    whole = re.fullmatch(rf"({OPTION})[\s.!]*", plain)
+    options = {number(whole[1])} if whole else set()
+    users = len(_ROAD_USERS.findall(plain))
+    for sentence in () if whole else _sentences(plain):
+        found = _stated_in(sentence, users)
+        if found is not None:
+            options.add(found)
+        elif not _OPENS.match(sentence) or not _is_observation(sentence):
+            return None
     if len(options) > 1:
         raise UnusableError(TWO_ANSWERS)
-    if options & denied(plain):
-        raise UnusableError("it is stated and denied")
-    for sentence in sentences[max(stating) + 1 :] if stating else ():
-        others = {_number(one) for one in re.findall(OPTION, sentence)} - options
-        is_short = len(sentence.split()) < FEW
-        if (
-            others
-            or _AGAINST.search(sentence)
-            or _NO.match(sentence)
-            or _UNSAYS.match(sentence)
-            or points_back(sentence)
-            or (is_short and DOUBTS.search(sentence))
-        ):
-            raise UnusableError("something else is said after the answer")
     return options.pop() if options else None
 
 
-def options_in(plain: str) -> set[int]:
-    """Return the numbers of the options that folded prose names, in whatever way."""
-    return {_number(option) for option in re.findall(OPTION, plain)}
-
-
-def denied(plain: str) -> set[int]:
-    """Return the numbers of the options that folded prose rules out without a condition."""
-    return {
-        _number(found[1] or found[2])
-        for sentence in _sentences(plain)
-        if not _CONDITIONAL.search(sentence)
-        for found in _RULED_OUT.finditer(sentence)
-        if not (found[1] and _OTHERS.search(sentence[: found.end()]))
-    }
-
-
-def _number(option: str) -> int:
+def number(option: str) -> int:
+    """Return the number of the option that a character stands for."""
     return (ord(option) - FIRST) % GERUNDS
 
 
 def _sentences(plain: str) -> list[str]:
-    """Return the sentences with their end marks; text under the heading "reasons" is dropped."""
-    plain = _HEADING.sub(r"\1: ", _REASONS.sub("", plain))
-    plain = _READY.sub("", plain.replace(":\n", ": "))
+    """Return the sentences; what stands before ", so I would" is one of its own."""
+    plain = re.sub(r"[:,]\n", lambda found: f"{found[0][0]} ", plain)
     plain = re.sub(rf"({OPTION})(?:[\s(:,=.\u2013-]{{1,3}}\1)+\)?", r"\1", plain)
-    sentences: list[str] = []
-    for part in re.findall(r"[^.;!?\n]*(?:[.;!?](?!\s|$)[^.;!?\n]*)*(?:[.;!?]+|\n|$)", plain):
-        so = _SO_THEN.search(part)
-        if so and not _AGAINST.search(part[: so.start()]):
-            sentences += [f"{part[: so.start()].strip()}.", part[so.end() :].strip()]
-        elif part.strip():
-            sentences.append(part.strip())
-    return sentences
+    plain = _SO_THEN.sub(".\n", _READY.sub("", plain))
+    return [part.strip() for part in re.split(r"(?<=[.!?;])\s+|\n+", plain) if part.strip()]
 
 
-_ANSWER = r"(?:\u2022 ?)?(?:the |my )?(?:final |chosen |best )?(?:answer|action|choice|decision)"
-_HEADING = re.compile(rf"^({_ANSWER}) ?:?\n+", re.MULTILINE)
-_REASONS = re.compile(
-    r"^(?:\u2022 ?)?(?:reason(?:s|ing)?|analysis|thoughts?|explanation|justification)"
-    rf" ?:(?:[^\n]*\n?(?!{_ANSWER}\b))*",
-    re.MULTILINE,
+_READY = re.compile(
+    rf",? and (?:be (?:ready|prepared)|prepare) to {OPTION}(?: if (?:needed|necessary))?"
 )
-_READY = re.compile(rf",?(?: and)? (?:be (?:ready|prepared)|prepare) to {OPTION}(?: if needed)?")
-_SO_THEN = re.compile(rf",? (?:so|hence|thus|therefore) (?=(?:i|we|the|my) |i'|let's |{OPTION})")
+_SO_THEN = re.compile(rf",? (?:so|hence|thus|therefore),? (?=(?:i|we|the|my) |i'|let's |{OPTION})")
 
-# ------------------------------------------------------------------ a sentence that states an answer
+# ------------------------------------------------------------------ statements
 
 _EGO = (
-    r"(?:i|we|you|(?:the )?ego(?: vehicle| car)?|(?:my|our) (?:car|vehicle)"
-    r"|the (?:self driving|autonomous) (?:car|vehicle)|the (?P<other>car|vehicle|driver))"
+    r"(?:i|we|(?:the )?ego(?: vehicle| car)?|(?:my|our) (?:car|vehicle)"
+    r"|the (?:self driving|autonomous) (?:car|vehicle)|the (?P<user>car|vehicle|driver))"
 )
 _WILL = (
     r"(?: (?:would|will|should|must|shall|needs? to|ha(?:ve|s) to|am going to)|'d|'ll|'m going to)"
 )
-_ADVERB = r"(?: (?:definitely|probably|now|therefore|simply|just|immediately|rather))?"
+_ADVERB = r"(?: (?:definitely|probably|now|therefore|simply|just|immediately))?"
 _CHOOSE = (
     r"(?:choose|pick|select|go with|opt for|recommend|suggest|advise|take|do|perform|execute|initiate"
     r"|make|say|answer)"
@@ -116,110 +76,157 @@ _THING = (
     r"(?:answer|ans|action|choice|option|decision|response|verdict|course of action|thing to do|thing"
     r"|maneuver|recommendation|conclusion|selection|description)"
 )
-_HERE = r"(?: (?:here|now|in this (?:case|situation)|for (?:the ego(?: vehicle)?|us|me)))?"
-_IS = r" ?(?:(?:is|would be|should be|will be|remains|:|=|->|\u2192|\u2014|\u2013|-) ?)+"
-_SO = r"(?:(?:so|therefore|thus|hence|overall|finally|now|conclusion|in conclusion|yes|ok)[,:]? ?)*"
-_SINCE = r"(?:(?:given that|since|because|as the|due to|to avoid)[^,:]{0,200}[,:] )?"
+_HERE = r"(?: (?:here|now|in this (?:case|situation|scenario)|for (?:the ego(?: vehicle)?|us|me)))?"
+_GIVES = r" ?(?:(?:is|would be|should be|will be|:|=|->|\u2192|\u2014|\u2013|-) ?)+"
+_SO = (
+    r"(?:(?:so|therefore|thus|hence|overall|finally|in conclusion|yes|ok|okay|sure|in this (?:case|situation|scenario)"
+    r"|(?:given|based on) (?:the|this|these) (?:situation|images?|frames?|descriptions?)|to avoid a (?:collision|crash))[.,:]? ?){0,3}"
+)
+_SINCE = r"(?:(?:given that|given(?= the )|since|because(?: of)?|as(?= the | there | it )|due to) (?P<since>[^,:]{1,200})[,:] )?"
 _I_THINK = r"(?:i (?:think|believe|recommend|suggest)(?: that)? )?"
-_FORMS = tuple(
-    re.compile(f"{_SO}{_SINCE}{_SO}{_I_THINK}{form}")
-    for form in (
-        rf"{_EGO}{_WILL}{_ADVERB}(?: {_CHOOSE})?{_THE}(?P<it>{OPTION})",
-        rf"(?:i|we){_ADVERB} (?:{_CHOOSE}{_THE})?(?P<it>{OPTION})",
-        rf"(?:let's |let us |(?:i'm )?going with |(?:it|that|this)(?: is|'s){_THE})(?P<it>{_BASE})",
-        rf"(?:let's )?{_CHOOSE}{_THE}(?P<it>{OPTION})",
-        rf"(?:\u2022 ?)?(?:the |my )?(?:{_GOOD} )*(?:{_THING}|{_GOOD}){_HERE}{_IS}{_THE}(?P<it>{OPTION})",
-        rf"(?P<it>{OPTION}) (?:is|would be|seems) (?:the |my )?(?:only )?{_GOOD}(?: {_THING})?{_HERE}",
-        rf"[\s\u2022('.:-]{{0,8}}(?:assistant ?: ?)?(?:just |option )?(?P<bare>(?P<it>{_BASE}))",
-        rf"(?P<bare>(?P<it>{OPTION})[\s.!)]*$)",
-    )
+_FORMS = (
+    rf"{_EGO}{_WILL}{_ADVERB}(?: {_CHOOSE})?{_THE}(?P<it>{OPTION})",
+    rf"you (?:should|must|need to){_THE}(?P<it>{OPTION})",
+    rf"(?:i|we){_ADVERB} (?:{_CHOOSE}{_THE})?(?P<it>{OPTION})",
+    rf"(?:let's |just )?{_CHOOSE}{_THE}(?P<it>{OPTION})",
+    rf"(?:let's |let us |(?:i'm )?going with |just |it is{_THE})(?P<it>{_BASE})",
+    rf"(?:\u2022 ?|- )?(?:the |my )?(?:{_GOOD} )*(?:{_THING}|{_GOOD}){_HERE}{_GIVES}{_THE}(?P<it>{OPTION})",
+    rf"(?P<it>{OPTION}) (?:is|would be|seems) (?:the |my )?(?:only )?{_GOOD}(?: {_THING})?{_HERE}",
+    rf"(?:[-\u2022] |\()?(?:option )?(?P<it>{_BASE})\)?",
 )
-_GOES_ON = re.compile(
-    r"(?:,? (?:now|here|immediately|at once|right away|gently|safely|carefully|for now|action|maneuver))*[\s)]*"
-    r"(?:[\s.;!)]*$"
-    r"|(?P<place>,? (?:in (?:the|my|its|our) lane|in front of|behind|before|until|within)\b)"
-    r"|[,;]? ?\(?(?:because|since|as (?=the |there |it |this |we |i )|due to|so that|in order to|which"
-    r"|to (?:avoid|let|prevent|give|allow|ensure|reduce|wait|yield)|given|and (?:wait|let|yield|stay))\b)"
+_NOW = r"(?:,? (?:now|here|immediately|at once|right away|gently|safely|carefully))*"
+_TAIL = (
+    rf"(?: (?:action|maneuver|option))?{_NOW}(?: in (?:the|my|our|its) (?:ego )?lane)?(?: (?P<place>(?:behind|before|in front of) [^,;]{{1,60}}))?"
+    r"(?:[,;]? ?(?P<reason>(?:because|since|as (?=the |there |it |this )|due to|given|in order to|so that"
+    r"|to (?:avoid|let|prevent|give|allow|ensure|reduce|wait|yield|keep|maintain))\b.+?))?[\s.!]*"
 )
-"""Matches the rest of a sentence if it adds only a place or a reason to an option."""
-_AGAINST = re.compile(
-    r"\b(?:but|however|though|although|unless|if|instead|otherwise|wait|actually|would have|when|once|opposite"
-    r"|wrong|worst|worse|incorrect|mistake\w*|jok(?:e|ing)|kidding|example|theory|supposed|had|were|provided|as long as"
-    r"|bad|false|except|scratch|strike|correction|on second thou?ght|take (?:that|it) back|chang\w+ my mind"
-    r"|reconsider\w*|second (?:best|safest)|riskiest|disregard|ignore|i (?:lied|misspoke|meant)"
-    r"|not (?:my|the|an?) (?:answer|choice|option)|(?:not|n't) (?:do|choose|pick) (?:that|this|it|so))\b|\bno[,:]|\?"
+_STATEMENTS = tuple(re.compile(_SO + _SINCE + _SO + _I_THINK + form + _TAIL) for form in _FORMS)
+_ROAD_USERS = re.compile(
+    r"\b(?:car|vehicle|driver|truck|lorry|bus|van|motorcycle|bicycle|cyclist|he|she)s?\b(?<!ego vehicle)(?<!ego car)"
 )
-"""Matches words that retract the statement of a sentence or make it conditional."""
-_NO = re.compile(r"\W*(?:or|not|no|nope|hmm+|oops|sorry|only|never ?mind)\b")
-_CONDITIONAL = re.compile(r"\b(?:if|unless|otherwise|when|where)\b")
-_RULED_OUT = re.compile(
-    r"(?:\b(?:not|never|cannot|refuse|decline|unable|wrong|unsafe)|n't)"
-    rf" (?:(?:to|a|an|be|do|choose|pick|select|take|answer|say|simply|just) )*({OPTION})"
-    rf"|({OPTION})(?: here| now)? (?:(?:is|was|would be|seems)(?:n't| not| never)"
-    r"|(?:is|would be) (?:wrong|unsafe|impossible|out of the question|the wrong|ruled out)"
-    r"|not\b|never\b|(?:i|we) (?:will|would|can|must|should|do|shall) ?not\b)"
-)
-"""Matches an option that is ruled out."""
-_OTHERS = re.compile(
-    r"\b(?:it|he|she|they|others?|(?:the|a|an) (?!ego\b|self\b|autonomous\b)\w+)(?: \w+){0,2}"
-    r" (?:must|should|will|would|can(?:not)?|could|do(?:es)?|did|may|might)(?:n't)?\b"
-)
-"""Matches road users other than the ego as the subject."""
-_UNSAYS = re.compile(
-    r"(?:(?:but|yet|still|and|alas),? )?(?:i|we)\b[^,;]*\b(?:not|never|no|nothing|anything)\b|(?:i|we)\b[^,;]*n't\b"
-    r"|(?:but|yet|still|alas)\b|.*\b(?:psych|forget (?:it|that|this)|lied|(?:a|all) lies?|reverse)\b"
-)
-"""Matches a sentence that unsays the one before it."""
-_FINITE = re.compile(rf"\b(?:is|are|was|would|could|might|may|will|can|has|have|then)\b|{OPTION}")
-_REJECTS = re.compile(
-    r"\b(?:wrong|worst|avoid|reject\w*|ruled? out|never|unsafe|bad|impossible|none|(?:not|n't) know"
-    r"|e\.g|example|instance|other (?:car|vehicle|driver)|instead of)\b"
-)
-_UNREAL = re.compile(
-    r"\b(?:suppos(?:e|ing)|imagine|pretend(?:ing)?|hypothetical(?:ly)?|sarcas\w+|role ?play"
-    r"|\w+ (?:says|said|shouts?|shouted|yells?|yelled|asks|asked|told)|(?:they|people|some|others|rules) say"
-    r"|opposite (?!(?:lane|direction|side|traffic|vehicle|car)\b))\b"
-)
-"""Matches words that make a text hypothetical or a report of what others say."""
-_LONGEST_SENTENCE = 600
+_LONGEST_SENTENCE = 400
 """The longest sentence that can state an option, in characters."""
 
 
-def _stated_in(sentences: list[str], index: int) -> str:
-    """Return the option that a sentence states; empty if it states none."""
-    sentence = sentences[index]
-    if len(sentence) > _LONGEST_SENTENCE:
-        return ""
-    for form in _FORMS:
-        found = form.match(sentence)
-        if not found or not _ends_well(sentence, found):
-            continue
-        given = found.groupdict()
-        if given.get("other") and _count(given["other"], sentences) > 1:
-            continue
-        if given.get("bare") and index and not _leads_to_an_answer(sentences[index - 1]):
-            continue
-        return found["it"]
-    return ""
+def _stated_in(sentence: str, users: int) -> int | None:
+    """Return the option that a sentence states; `None` if it states none.
+
+    "The vehicle" is the ego only if it is the only road user that the text mentions.
+    """
+    if len(sentence) > _LONGEST_SENTENCE or not re.search(OPTION, sentence):
+        return None
+    for statement in _STATEMENTS:
+        found = statement.fullmatch(sentence)
+        if (
+            found
+            and (users == 1 or not found.groupdict().get("user"))
+            and all(
+                _is_observation(found[part]) or _IS_BEST.fullmatch(found[part])
+                for part in ("since", "place", "reason")
+                if found[part]
+            )
+        ):
+            return number(found["it"])
+    return None
 
 
-def _ends_well(sentence: str, found: re.Match[str]) -> bool:
-    """Return whether only a place or a reason follows the option and nothing in the sentence contradicts it."""
-    end = _GOES_ON.match(sentence, found.end())
-    if not end or _AGAINST.search(sentence):
-        return False
-    rest = sentence[end.end() :]
-    if end["place"] and (len(rest.split()) > 8 or _FINITE.search(rest)):
-        return False
-    return {_number(one) for one in re.findall(OPTION, rest)} <= {_number(found["it"])}
+# ------------------------------------------------------------------ observations
+
+_IS_BEST = re.compile(
+    rf"(?:because|since|as) (?:it|this|that) is (?:the )?{_GOOD}(?: {_THING})?{_HERE}"
+)
+_VERB = (
+    r"(?:is|are|has|have|stands?|lies|blocks?|cross(?:es)?|walks?|runs?|moves?|drives?|comes?|stays?|keeps?|appears?|seems?"
+    r"|approach(?:es)?|enters?|fills?|covers?|clos(?:es|ed)|turns?|obstructs?|occup(?:y|ies)|may|might|could)"
+)
+_OPENS = re.compile(
+    r"(?:[-\u2022] )?(?:(?:first|second|also|moreover|now),? )?(?:(?:in )?frame \d(?: shows|:)|(?:the |this )?(?:image|frame|scene)s? shows?|there(?: is| are|'s)"
+    r"|(?:i|we) (?:can )?see|it is (?:dark|night|foggy|raining|snowing|day)"
+    rf"|(?:an?|the|my|our|two|three|several|some|many|both) (?:[^\s,;:]+ ){{1,8}}?{_VERB}"
+    r"|(?:visibility|traffic|fog|rain|snow|debris|pedestrians|people|children|cars|vehicles) (?:is|are))\b"
+)
+"""Matches the beginning of a sentence that may be an observation."""
+_CRASH = r"(?:collision|accident|crash|impact)s?"
+_SCENE = re.compile(
+    r"\b(?:road|lane|street|junction|intersection|crossing|crosswalk|highway|motorway|tunnel|bridge|shoulder|kerb|curb"
+    r"|pavement|sidewalk|verge|car|vehicle|truck|lorry|van|bus|motorcycle|cyclist|bicycle|traffic|pedestrian|person"
+    r"|people|crowd|child|children|man|woman|animal|cow|deer|dog|horse|moose|sheep|obstacle|object|debris|box|tree"
+    r"|rock|ahead|fog|rain|snow|ice|visibility|hazard|room|distance|weather|light|in the way|in (?:my|our|its) (?:way|path)"
+    rf"|{_CRASH})(?:s|es)?\b"
+)
+"""Matches words for what is on a road; an observation has one."""
+_ALLOWED = re.compile(
+    r"\b(?:(?:ahead|in front) of (?:me|us)|(?:my|our|its) (?:own )?(?:lane|path|way|side|car|vehicle)|(?:i|we) (?:can )?see"
+    r"|(?:it|that|which|who|they)(?: is| are|'s) (?:\w+ing|in|on|ahead|near|close|too (?:close|near)|dark|night)|that has \w+ed"
+    r"|(?:the )?ego(?:'s)?(?: vehicle| car)?(?:'s)? (?:lane|is (?:in|on|at|approaching|driving|moving|travell?ing|following))"
+    r"|(?:to|towards?|behind|(?:ahead|in front) of|hit|approaching) (?:the )?ego(?: vehicle| car)?"
+    rf"|(?:avoid|prevent|reduce)(?:ing)? (?:(?!no |not )\w+ ){{0,4}}{_CRASH}|(?:risk of|there (?:is|has been)) (?:an? )?(?:\w+ )?{_CRASH})\b"
+)
+"""Matches phrases with words of `_NO_OBSERVATION` that judge nobody's choice."""
+_NO_OBSERVATION = re.compile(
+    rf"{OPTION}|[?\u2026:\"]|\b(?:i|me|my|mine|we|us|our|you|your|he|she|it|its|they|that|this|these|those|which|what|who|whoever|ego"
+    r"|\w+'[sd]|\w+'ll|if|unless|when|until|once|but|yet|however|though|although|while|except|instead|rather|otherwise|then|so|had|were"
+    r"|would|should|must|shall|ought|cannot|does|did|wish\w*|hope\w*|want\w*|says?|said|tells?|told|reads?|claim\w*|ask\w*|thinks?"
+    r"|answers?|choices?|options?|actions?|decisions?|above|below|opposite|wrong (?!way\b)|an?other|an? (?:lie|flaw|mistake|joke)|the lie|lied|jok\w+"
+    r"|kidding|kill\w*|dies?|dying|dead\w*|death\w*|fatal\w*|lethal|suicid\w*|murder\w*|harm\w*|worst|stupid|nonsense|imagin\w+|suppos\w+"
+    rf"|example|fiction\w*|hypothetical\w*|pretend\w*|dream\w*|universe|forbid\w*|illegal|prohibit\w*|false|untrue|not true|{_CRASH})\b"
+)
+"""Matches options, questions, and words of a condition, a report or a judgement."""
 
 
-def _count(noun: str, sentences: list[str]) -> int:
-    """Return the number of road users a text may mention; if there are two, "the car" may be the other one."""
-    others = rf"\b(?:{noun}|truck|lorry|bus|van|motorcycle|bicycle|cyclist|he|she)s?\b"
-    return sum(len(re.findall(others, one)) for one in sentences)
+def _is_observation(words: str) -> bool:
+    words = _ALLOWED.sub(" ", words) if _SCENE.search(words) else ""
+    return bool(words) and not _NO_OBSERVATION.search(words)
 
 
-def _leads_to_an_answer(before: str) -> bool:
-    """Return whether a bare option can answer after this sentence: not after a question, heading or list."""
-    return bool(re.search(r"[^\d\s][.!;]$", before)) and not _REJECTS.search(before)
+# ------------------------------------------------------------------ reasons
+
+
+def is_against(plain: str, option: int | None = None) -> bool:
+    """Return whether folded reasons deny or condemn an option, or disown the answer."""
+    return any(
+        _DISOWNS.search(sentence)
+        or any(
+            number(found[1] or found[2]) == option and not _is_weighed(sentence[: found.end()])
+            for found in _AGAINST.finditer(sentence)
+        )
+        for sentence in re.split(r"(?<=[.!?;])\s+|\n+", plain)
+    )
+
+
+def _is_weighed(words: str) -> bool:
+    return bool(_CONDITIONAL.search(words) or _OTHERS.search(words))
+
+
+_BAD = (
+    r"(?:an? |the )?(?:(?:\w+ly|very|too|so) )?(?:dangerous|unsafe|forbidden|illegal|prohibited|wrong|incorrect|bad|worst|worse|fatal"
+    r"|deadly|lethal|suicid\w+|impossible|reckless|out of the question|ruled out|terrible|stupid|mistake|no option|false|lie|decoy|joke)"
+)
+_IS = r"(?:is|was|are|(?:would|will|could|can|may|might) be|seems|looks)"
+_AGAINST = re.compile(
+    rf"(?:\b(?:{_BAD}|not|never|cannot|refuse|decline|reject|avoid|forbid|against|unable|opposite of"
+    r"|(?:anything|everything|anyone|all) (?:but|except))|n't)"
+    r" (?:(?:to|an?|the|be|do|want|like|intend|recommend|choose|pick|select|take|answer|say|simply|just|action|option|is|for) )*"
+    rf"({OPTION})"
+    rf"|({OPTION})(?: (?:here|now|in (?:the|this|my) lane))?,? (?:{_IS}(?:n't|(?: \w+ly)? (?:not|never)| {_BAD}\b)"
+    r"|not\b|never\b|(?:i|we) (?:will|would|can|must|should|do|shall) ?not\b"
+    r"|(?:(?:would|will|may|can|could) )?(?:kill|endanger|harm|cause|lead to|leads to|result in)s?\b)"
+)
+"""Matches an option that is denied or condemned."""
+_NAMED = r"(?:answer|choice|action|option|decision|idea)"
+_DISOWNS = re.compile(
+    r"\A\W*(?:placeholder|example|n/?a|dummy|test|todo|tbd|no|not|nope|never|wrong|false)\W*\Z"
+    r"|\b(?:opposite of (?:what|my|this|the answer)|just kidding|joking|i (?:lied|lie|am lying)"
+    rf"|(?:this|the|my|that) {_NAMED}(?: below| field)? {_IS} (?:not (?:my|the)|{_BAD})"
+    rf"|(?:this|that|it|what follows|the (?:above|below|following)) (?:would be {_BAD}(?! (?:not )?to\b| for\b)|{_IS} (?:not my"
+    rf"|{_BAD} {_NAMED}|an? (?:lie|mistake|decoy|joke)))"
+    r"|as an? (?:ai )?language model|i (?:cannot|can't|won't|will not|refuse to|decline to) (?:help|assist|comply|answer)"
+    r"|(?:do not|don't|never) (?:do|use|take|choose|follow|trust) (?:this|that|it)|(?:ignore|disregard) (?:this|that|the (?:answer|action)))\b"
+)
+"""Matches a sentence that disowns the answer beside it, and reasons that are none."""
+_CONDITIONAL = re.compile(r"\b(?:if|unless|otherwise|when|where)\b")
+_OTHERS = re.compile(
+    r"\b(?:it(?! would be)|he|she|they|others?|(?:the|a|an) (?!ego\b|self\b|autonomous\b)\w+)(?: \w+){0,2}"
+    r" (?:must|should|will|would|can(?:not)?|could|do(?:es)?|did|may|might)(?:n't)?\b"
+)
+"""Matches road users other than the ego as the subject."""

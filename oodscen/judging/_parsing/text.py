@@ -12,26 +12,23 @@ TWO_ANSWERS = "two answers"
 
 
 class UnusableError(ValueError):
-    """An answer has the requested member, but with no usable value or with two."""
+    """An answer that must not be read, with the reason."""
 
 
 def spoken(text: str) -> str:
-    """Return the text outside the reasoning; reasoning that never ends leaves no answer."""
+    """Return the text after the reasoning; empty if there is reasoning anywhere but at the start."""
     text = _CONTROL_TOKENS.sub(" ", _FINAL_CHANNEL.sub("</think>", text))
-    kept: list[str] = []
-    depth = start = 0
-    for mark in _THINKING.finditer(text):
-        if mark[1]:  # an end tag without a start tag: everything before it was reasoning
-            kept, depth = kept if depth else [], 0
-        else:
-            kept += [] if depth else [text[start : mark.start()]]
-            depth = 1
-        start = mark.end()
-    return "\n".join([*kept, "" if depth else text[start:]]).strip()
+    marks = list(_THINKING.finditer(text))
+    ends = [mark.end() for mark in marks if mark["ends"]]
+    if not ends:
+        return "" if marks else text.strip()
+    first = marks[0]
+    is_first = bool(first["ends"]) or not text[: first.start()].strip()
+    return text[ends[-1] :].strip() if is_first and marks[-1]["ends"] else ""
 
 
 _THINKING = re.compile(
-    r"[<\[\u25c1](/)?\s?(?:think|thinking|thought|reasoning|reflection|scratchpad|analysis)\s?[>\]\u25b7]",
+    r"[<\[\u25c1](?P<ends>/)?\s?(?:think|thinking|thought|reasoning|reflection|scratchpad|analysis)\s?[>\]\u25b7]",
     re.IGNORECASE,
 )
 _FINAL_CHANNEL = re.compile(r"<\|channel\|>\s?final\s?<\|message\|>")
@@ -39,37 +36,26 @@ _CONTROL_TOKENS = re.compile(r"<\|[a-z_]{1,30}\|>|</?s>|\[/?INST\]")
 
 
 def tidied(text: str) -> str:
-    """Return prose without markup: one form of quotes and spaces, `name: value` for XML elements.
+    """Return prose without emphasis, with one form of quotes and spaces, and `name: value` for headings and elements.
 
-    Text that is struck through is dropped, and so are private-use characters, which stand for options elsewhere.
+    Private-use characters are dropped, since they stand for options elsewhere.
     """
     text = unicodedata.normalize("NFKC", cleaned(text))
-    text = _INVISIBLE.sub("", text)
-    text = _STRUCK.sub(" ", text)
-    text = _LATEX.sub(r"\1", text)
-    text = _LATEX.sub(r"\1", text.replace("\\_", "_"))
-    text = re.sub(r"\\boxed\s*\{([^{}\n]*)\}", r" answer: \1 ", text)
-    text = _ELEMENT.sub(r"\n\1: ", text)
-    text = re.sub(r"</\w{1,30}>|<br ?/?>", "\n", text)
+    text = _INVISIBLE.sub("", text).replace("\\_", "_")
+    text = _BOXED.sub(r" answer: \1 ", text)
+    text = _ELEMENT.sub(r"\n\1: \2\n", text)
     text = re.sub(r"[\u2018\u2019\u02bc]", "'", text)
-    text = _MARKUP.sub(" ", text)
+    text = re.sub(r"[*`\"\u201c\u201d]", " ", text)
     text = re.sub(r"(?<!\w)'|'(?!\w)", " ", text)
-    text = re.sub(r"^[^\S\n]*[-+\u2022][^\S\n]*(?=[^\W\d])", "\u2022 ", text, flags=re.MULTILINE)
-    text = re.sub(r"[^\S\n]+", " ", text)
-    return re.sub(r" ?\n[\n ]*", "\n", text).strip()
+    text = re.sub(r"\s*\n\s*", "\n", re.sub(r"[^\S\n]+", " ", text)).strip()
+    return re.sub(r"(?m)^#{1,6} ([^\n:]*):?(?=\n)", r"\1:", text)
 
 
 _INVISIBLE = re.compile(
-    "[\u200b-\u200f\u2060\ufeff\u00ad\ufe0f\u20e3\ue000-\uf8ff\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ufffd]"
+    "[\u200b-\u200f\u2060\ufeff\u00ad\ufe0f\ue000-\uf8ff\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ufffd]"
 )
-_STRUCK = re.compile(r"~~[^~\n]{0,200}~~|<(del|strike)>[^<\n]{0,200}</\1>")
-_LATEX = re.compile(r"\\(?:text(?:bf|tt|rm)?|math(?:rm|bf|tt))\s*\{([^{}\n]*)\}")
-_ELEMENT = re.compile(r"<(\w{1,30})>(?=[^<]{1,2000}</\1>)")
-_MARKUP = re.compile(
-    r"[*`\"#>$\[\]{}\u201c\u201d\u00ab\u00bb]"
-    r"|(?![\u26d4\u274c\u274e\u2716-\u2718\U0001f44e\U0001f600-\U0001f64f\U0001f6ab\U0001f910-\U0001f97a])"
-    r"[\u2600-\u27bf\U0001f300-\U0001faff]"
-)
+_BOXED = re.compile(r"\${0,2}\\boxed\s?\{(?:\\text\{)?([^{}\n]{0,200})\}{1,2}\${0,2}")
+_ELEMENT = re.compile(r"<(\w{1,30})>([^<]{1,2000})</\1>")
 
 
 def folded(tidy: str) -> str:

@@ -6,8 +6,8 @@ from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
 from typing import Any, Literal
 
-from oodscen._redaction import redact
-from oodscen.llm._remote.call_bounds import CallBounds
+from oodscen._redaction import redact_start
+from oodscen.llm._remote.call_bounds import KEPT, CallBounds
 
 Kind = Literal["item", "filtered", "limit", "late", "unreachable", "erring", "denied"]
 """The meaning of a failure.
@@ -20,9 +20,6 @@ bodies). `denied`: every call will be refused (no valid key, no quota).
 
 _SHOWN = 500
 """Maximum length of an error text, in characters; some servers answer with whole web pages."""
-
-_READ = 20_000
-"""Length of an error text that is examined; far more than is passed on, so that no key is cut in two."""
 
 _RAW = 4_000
 """Number of characters of an unusable response that are kept."""
@@ -94,8 +91,8 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
         bounds: The bounds of the call, which know what really arrived; litellm gives every error a status.
     """
     status = bounds.status if bounds.is_sent else getattr(error, "status_code", None)
-    text = str(error)[:_READ].partition("Traceback (most recent call last)")[0]
-    text = " ".join(redact(text).split())
+    text = str(error).partition("Traceback (most recent call last)")[0]
+    text = " ".join(redact_start(text, _RAW).split())
     text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
     reason = f"{type(error).__name__}: {text}" if text else type(error).__name__
     kind = _kind(status, text, error)
@@ -129,8 +126,14 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
         and type(error).__name__ not in _ABOUT_CONTENT,
         retry_after=retry_after(error),
         status=status,
-        raw=redact(bounds.head.decode("utf-8", "replace"))[:_RAW] if is_unreadable else "",
+        raw=_start(bounds) if is_unreadable else "",
     )
+
+
+def _start(bounds: CallBounds) -> str:
+    """Return the beginning of a response's body without credentials."""
+    is_cut = len(bounds.head) >= KEPT
+    return redact_start(bounds.head.decode("utf-8", "replace"), _RAW, is_cut=is_cut)
 
 
 def _kind(status: int | None, text: str, error: Exception) -> Kind:

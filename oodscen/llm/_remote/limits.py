@@ -4,15 +4,16 @@ import math
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from typing import ClassVar, NamedTuple
 
 from pydantic import Field
 
 from oodscen._display import Brief
+from oodscen._numbers import finite_number, whole_number
 from oodscen.data._base import Data
-from oodscen.errors import BudgetExceeded, EndpointDown, RunStopped, UsageError
+from oodscen.errors import BudgetExceeded, DataError, EndpointDown, RunStopped, UsageError
 from oodscen.llm._remote.failures import FailedAttempt
 
 CONCURRENCY = 8
@@ -59,21 +60,24 @@ class Price(NamedTuple):
         return (self.input_usd * input_tokens + self.output_usd * output_tokens) / 1e6
 
 
-def check_price(model: str, price: Price) -> Price:
-    """Return a price, or raise `UsageError` if it is negative, infinite, too high or NaN."""
-    if not all(0 <= value <= DEAREST_USD for value in price):
+def check_price(model: str, price: Sequence[float]) -> Price:
+    """Return a price, or raise `UsageError` if it is no pair of numbers from 0 to `DEAREST_USD`."""
+    try:
+        asked, answered = (finite_number("a price", value, 0.0, DEAREST_USD) for value in price)
+    except (UsageError, TypeError, ValueError):
         raise UsageError(
-            f"{price[0]:g} and {price[1]:g} are no price of {model!r}: give USD per million tokens of input "
+            f"{price!r:.80} is no price of {model!r}: give USD per million tokens of input "
             f"and output, each from 0 to {DEAREST_USD:,.0f}"
-        )
-    return price
+        ) from None
+    return Price(asked, answered)
 
 
 def check_seconds(name: str, seconds: float) -> float:
     """Return a time limit, or raise `UsageError` if it is not positive, infinite, too long or NaN."""
-    if not 0 < seconds <= LONGEST_S:
-        raise UsageError(f"{name} must be above 0 and at most {LONGEST_S:,.0f} seconds")
-    return seconds
+    with suppress(UsageError):
+        if finite_number(name, seconds, 0.0, LONGEST_S):
+            return seconds
+    raise UsageError(f"{name} must be above 0 and at most {LONGEST_S:,.0f} seconds")
 
 
 class Caps(Data):
@@ -334,7 +338,10 @@ class Limits(Brief):
     """The budget, prices and endpoints of one run, shared by all its models.
 
     Args:
-        caps: The spending limits of the run.
+        requests: Cap on HTTP requests, retries included; like all caps, `None` means no limit.
+        tokens: Cap on input and output tokens together.
+        cost_usd: Cap on the cost.
+        seconds: Cap on the time since the run began; no request starts afterwards.
         prices: Prices by model name, USD per million tokens of input and of output; they override litellm's.
         concurrency: Maximum number of concurrent requests to one endpoint.
         patience_s: As for `Endpoint`.
@@ -343,15 +350,18 @@ class Limits(Brief):
         clock: Returns monotonic seconds.
 
     Raises:
-        UsageError: When a price or a time is invalid.
+        UsageError: When a cap, a price or a time is invalid.
     """
 
     _repr_fields = ("caps", "concurrency", "timeout_s")
 
     def __init__(
         self,
-        caps: Caps | None = None,
         *,
+        requests: int | None = None,
+        tokens: int | None = None,
+        cost_usd: float | None = None,
+        seconds: float | None = None,
         prices: Mapping[str, tuple[float, float]] | None = None,
         concurrency: int = CONCURRENCY,
         patience_s: float | None = PATIENCE_S,
@@ -362,13 +372,15 @@ class Limits(Brief):
         self.timeout_s = check_seconds("timeout_s", timeout_s)
         if patience_s is not None:
             check_seconds("patience_s", patience_s)
-        self.budget = Budget(caps, clock=clock)
+        caps = {"requests": requests, "tokens": tokens, "cost_usd": cost_usd, "seconds": seconds}
+        try:
+            self.budget = Budget(Caps.parse(caps), clock=clock)
+        except DataError as error:
+            raise UsageError(str(error)) from None
         self.caps = self.budget.caps
-        self.prices = {
-            model: check_price(model, Price(*price)) for model, price in (prices or {}).items()
-        }
-        self.concurrency = concurrency
-        self._settings = (patience_s, strikes, clock)
+        self.prices = {model: check_price(model, price) for model, price in (prices or {}).items()}
+        self.concurrency = whole_number("concurrency", concurrency, 1)
+        self._settings = (patience_s, whole_number("strikes", strikes, 1), clock)
         self._leniency = 1.0
         self._closed = threading.Event()
         self._closed_at = math.inf

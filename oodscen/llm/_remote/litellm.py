@@ -13,6 +13,8 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from oodscen._display import Brief
+from oodscen._files import MAX_BYTES
+from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._redaction import hide, redact, redact_keys, secrets_in, secrets_of
 from oodscen._seeding import stream
 from oodscen.data._messages import Image, Message
@@ -27,7 +29,7 @@ from oodscen.errors import (
 )
 from oodscen.llm._remote.call_bounds import CallBounds, bounded
 from oodscen.llm._remote.failures import FailedAttempt, Filtered, NoAnswer, diagnose
-from oodscen.llm._remote.limits import Limits, Price, Spent, check_seconds
+from oodscen.llm._remote.limits import LONGEST_S, Limits, Price, Spent, check_seconds
 from oodscen.llm._remote.offline import SWITCH, enforce, is_loopback, is_offline
 from oodscen.llm._remote.usage import believed, count, estimate_tokens
 from oodscen.protocols import Completion, Request, Usage
@@ -82,7 +84,7 @@ class LiteLLM(Brief):
         MissingExtra: When litellm is not installed.
         UnknownComponent: When litellm knows neither model nor provider, with close matches.
         UsageError: When `OODSCEN_OFFLINE=1` forbids the address, or the cost is capped and the model's price
-            is not known.
+            is not known, or a number is out of its range.
     """
 
     _repr_fields = ("name", "_api_base", "seed")
@@ -105,10 +107,14 @@ class LiteLLM(Brief):
     ) -> None:
         self.name = model
         self._api_base = api_base
-        self.seed = seed
-        self.retries = retries
-        self.max_wait_s = max_wait_s
-        self.max_bytes = max_bytes
+        self.seed = seed_number(seed)
+        self.retries = whole_number("retries", retries)
+        self.max_wait_s = finite_number("max_wait_s", max_wait_s, 0.0, LONGEST_S)
+        self.max_bytes = whole_number("max_bytes", max_bytes, 1, MAX_BYTES)
+        if temperature is not None:
+            finite_number("temperature", temperature, 0.0)
+        if max_tokens is not None:
+            whole_number("max_tokens", max_tokens, 1, 1_000_000_000)
         self.limits = limits or Limits(concurrency=ALONE, patience_s=None)
         self.timeout_s = (
             self.limits.timeout_s if timeout_s is None else check_seconds("timeout_s", timeout_s)

@@ -2,7 +2,7 @@
 
 OOD-ness ranks a recipe above every accident, so off-topic texts must be removed before a set is
 scored. The guard is fitted to bundled data: the ordinary driving texts on one side, `elsewhere.txt`
-and the *tune* half of `load_off_topic` on the other. It uses no OOD text. A text is flagged below a
+and the *tune* half of `off_topic_texts` on the other. It uses no OOD text. A text is flagged below a
 threshold that was set on *tune*, with each subject scored without its own texts, and on the public
 OOD sets.
 
@@ -24,7 +24,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.baselines._off_topic import load_off_topic
+from oodscen.baselines._off_topic import off_topic_texts
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
@@ -65,7 +65,7 @@ class Guard:
     def __init__(self, encode: Encode, encoder: str) -> None:
         self._encoder = encoder
         inside = encode(ordinary_driving().texts)
-        outside = encode([*elsewhere(), *(text.text for text in load_off_topic("tune"))])
+        outside = encode([*elsewhere(), *(text.text for text in off_topic_texts("tune"))])
         self._inside, self._outside = inside, outside
         self._weights = _fitted([(inside, 0.5, 1.0), (outside, 0.5, -1.0)])
 

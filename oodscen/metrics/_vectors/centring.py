@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._paper import ATTESTED
+from oodscen.encoders._check import encode
 from oodscen.protocols import Encoder
 
 Vector = NDArray[np.float64]
@@ -21,8 +22,6 @@ def unit_rows(encoder: Encoder, texts: Iterable[str]) -> Vector:
     Raises:
         EncoderError: If the encoder fails.
     """
-    from oodscen.encoders._check import encode
-
     rows = encode(encoder, list(texts)).astype(np.float64)
     lengths = np.sqrt((rows * rows).sum(axis=1, keepdims=True))
     return np.asarray(rows / np.where(lengths > 0.0, lengths, 1.0))

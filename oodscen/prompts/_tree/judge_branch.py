@@ -1,5 +1,6 @@
-"""The pruning prompt: judge whether a simulator can show what a branch describes."""
+"""The pruning prompts: judge whether a simulator can show what one branch, or each of several, describes."""
 
+from collections import Counter
 from typing import ClassVar
 
 from pydantic import BaseModel, Field, model_validator
@@ -121,6 +122,54 @@ class JudgeBranch(Prompt[BranchJudgement]):
         if addition.kind == "weather":
             return catalogue.limits.offers(addition.name)
         return False
+
+
+class NumberedJudgement(BranchJudgement):
+    """The judgement of one of several branches."""
+
+    number: int = Field(description="number of the kind, counted from 1")
+
+
+class BranchJudgements(Brief, BaseModel):
+    """Answer: one judgement per branch."""
+
+    judgements: list[NumberedJudgement] = Field(description="one for every kind")
+
+
+class JudgeBranches(Prompt[BranchJudgements]):
+    """Judge several branches in one call; the catalogue is read once for all of them."""
+
+    purpose: ClassVar[str] = "judge-branches"
+    template: ClassVar[str] = "judge_branches.md"
+    answer: ClassVar[type[BaseModel]] = BranchJudgements
+
+    paths: tuple[tuple[str, ...], ...]
+    """Labels from the root down to the leaf, for every branch."""
+    catalogue: CatalogueDigest
+
+    def single(self, number: int) -> JudgeBranch:
+        """Return the question about one of the branches, counted from 1, alone."""
+        return JudgeBranch(path=self.paths[number - 1], catalogue=self.catalogue)
+
+    def check(self, answer: BranchJudgements) -> list[Issue]:
+        """Return faults: missing, repeated or unknown numbers, and those of every judgement."""
+        counts = Counter(one.number for one in answer.judgements)
+        wanted = range(1, len(self.paths) + 1)
+        issues = [
+            Issue("judgements", f"give exactly one for number {number}, not {counts[number]}")
+            for number in wanted
+            if counts[number] != 1
+        ]
+        for index, one in enumerate(answer.judgements):
+            path = f"judgements[{index}]"
+            if one.number not in wanted:
+                issues.append(Issue(f"{path}.number", f"there is no kind {one.number}"))
+                continue
+            issues += [
+                Issue(f"{path}.{fault.path}", fault.message)
+                for fault in self.single(one.number).check(one)
+            ]
+        return issues
 
 
 WEATHER_SCALES = ("night", "fog", "rain", "snow", "ice")

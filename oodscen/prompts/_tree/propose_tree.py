@@ -16,8 +16,7 @@ from oodscen.prompts._tree.classify_examples import (
     ClassifyExamples,
 )
 from oodscen.prompts._tree.kind_labels import kind_fault
-from oodscen.tree._labels import same_words
-from oodscen.tree._scenario_tree import CLASSES
+from oodscen.tree._labels import CLASSES, same_words
 
 MAX_DEPTH = 12
 """Largest number of edges from the root of a proposed tree to a leaf."""

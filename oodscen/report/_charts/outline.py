@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 
 from markupsafe import Markup
 
-from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.tree._html import Fate, Remark, tree_html
 from oodscen.tree._provenance import origin_words
 from oodscen.tree._scenario_tree import ScenarioTree

@@ -4,16 +4,23 @@ The report draws the same pictures from the figures of a study. Needs the extra 
 """
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.errors import UsageError
+from oodscen.errors import UnknownComponent, UsageError
 from oodscen.metrics._measurements import size_curve_of
 from oodscen.metrics._vectors.axes import principal_axes
 from oodscen.metrics._vectors.similarity import Vectors
-from oodscen.report._charts.sets import Cloud, SizeCurve, Strip, cloud_map, histogram, size_curves
+from oodscen.report._charts.sets import (
+    Cloud,
+    DrawnSizeCurve,
+    Strip,
+    cloud_map,
+    histogram,
+    size_curves,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,16 +28,49 @@ if TYPE_CHECKING:
 T = TypeVar("T", bound=Any)
 Named = Mapping[str, Sequence[float] | NDArray[np.float64]]
 
+PlotKind = Literal["distribution", "size_curve", "map"]
+
 _SIZES = 12
 
 
-def distributions(sets: Named, label: str = "OOD-ness") -> "Figure":
-    """Draw the distribution of one set of values per row over a common axis, with its mean.
+def plot(
+    sets: Mapping[str, Any],
+    kind: PlotKind = "distribution",
+    *,
+    label: str = "OOD-ness",
+    repeats: int = 20,
+    seed: int = 0,
+    reference: str | None = None,
+) -> "Figure":
+    """Draw sets of texts, by their scores or by their vectors.
+
+    - `distribution`: the distribution of one set of scores per row over a common axis, with its mean.
+    - `size_curve`: both diversities of random subsets of growing size; shows why only equal sizes compare.
+    - `map`: all texts on the first two principal axes of one set. Distances on the map are not those of the
+      space: its two axes hold only the share of variance below it.
 
     Args:
-        sets: Scores by the name of the set, at least one each; drawn from top to bottom.
-        label: Name of the values.
+        sets: By the name of the set: scores for a distribution, drawn from top to bottom; otherwise [n, d]
+            vectors, for a size curve of unit length and at least two rows each.
+        kind: The picture.
+        label: Name of the scores of a distribution.
+        repeats: Subsets per size of a size curve; the band is their standard deviation.
+        seed: Seed of the subsets.
+        reference: The set that determines the axes of a map, e.g. the baseline; by default all sets together.
+
+    Raises:
+        UsageError: If a set is empty or too small, or there is no such kind or reference.
     """
+    if kind == "distribution":
+        return _distributions(sets, label)
+    if kind == "size_curve":
+        return _size_curve(sets, repeats=repeats, seed=seed)
+    if kind == "map":
+        return _embedding_map(sets, reference=reference)
+    raise UnknownComponent("plot", kind, get_args(PlotKind))
+
+
+def _distributions(sets: Named, label: str) -> "Figure":
     strips = [
         Strip(name, np.asarray(values, np.float64).tolist(), float(np.mean(values)))
         for name, values in _filled(sets).items()
@@ -38,14 +78,7 @@ def distributions(sets: Named, label: str = "OOD-ness") -> "Figure":
     return histogram(strips, what=label).figure()
 
 
-def size_curve(sets: Mapping[str, Vectors], *, repeats: int = 20, seed: int = 0) -> "Figure":
-    """Draw both diversities of random subsets of growing size; shows why only equal sizes compare.
-
-    Args:
-        sets: [n, d] vectors of unit length by the name of the set, at least two rows each.
-        repeats: Subsets per size; the band is their standard deviation.
-        seed: Seed of the subsets.
-    """
+def _size_curve(sets: Mapping[str, Vectors], *, repeats: int, seed: int) -> "Figure":
     curves = []
     for name, vectors in _filled(sets).items():
         if len(vectors) < 2:
@@ -54,19 +87,11 @@ def size_curve(sets: Mapping[str, Vectors], *, repeats: int = 20, seed: int = 0)
             vectors, seed, name, count=_SIZES, repeats=repeats, most=len(vectors)
         )
         rims = zip((means - spreads).tolist(), (means + spreads).tolist(), strict=True)
-        curves.append(SizeCurve(name, sizes, means.tolist(), list(rims)))
+        curves.append(DrawnSizeCurve(name, sizes, means.tolist(), list(rims)))
     return size_curves(curves, colour=1).figure()
 
 
-def embedding_map(sets: Mapping[str, Vectors], *, reference: str | None = None) -> "Figure":
-    """Draw all texts on the first two principal axes of one set.
-
-    Distances on the map are not those of the space: its two axes hold only the share of variance below it.
-
-    Args:
-        sets: [n, d] vectors by the name of the set.
-        reference: The set that determines the axes, e.g. the baseline; by default all sets together.
-    """
+def _embedding_map(sets: Mapping[str, Vectors], *, reference: str | None) -> "Figure":
     known = _filled(sets)
     if reference is not None and reference not in known:
         raise UsageError(f"there is no set {reference!r} among {', '.join(known)}")

@@ -24,7 +24,7 @@ class Strip(NamedTuple):
     mean: float
 
 
-class SizeCurve(NamedTuple):
+class DrawnSizeCurve(NamedTuple):
     """Both diversities of random subsets of one set, by their size."""
 
     label: str
@@ -117,7 +117,7 @@ def boxes(rows: Sequence[tuple[str, Sequence[float]]]) -> Canvas:
     return drawn
 
 
-def size_curves(curves: Sequence[SizeCurve], *, colour: int = 0) -> Canvas:
+def size_curves(curves: Sequence[DrawnSizeCurve], *, colour: int = 0) -> Canvas:
     """Draw both diversities over the number of texts: to the nearest solid, over pairs dashed.
 
     Args:

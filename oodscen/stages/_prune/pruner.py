@@ -1,94 +1,38 @@
 """The pruner, which reduces the diverse tree to what one simulator can show (paper, section III-B)."""
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._display import Brief
-from oodscen._paper import attestation
+from oodscen._numbers import whole_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen._text import one_line
 from oodscen.data._additions import Addition
-from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import LLMError
 from oodscen.llm._ask import ask, speaker
+from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
-from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch, JudgeBranches
 from oodscen.protocols import LLM
-from oodscen.tree._scenario_tree import Node, ScenarioTree, TreeEdit
+from oodscen.stages._prune.decisions import Match, PruneDecision, StandIn, all_decisions, pruned
+from oodscen.stages._prune.restoration import Restoration, restoration
+from oodscen.stages._prune.side_by_side import CatalogueComparison, compare
+from oodscen.tree._scenario_tree import Node, ScenarioTree
 
-if TYPE_CHECKING:
-    from oodscen.stages._prune.restoration import Restoration
-    from oodscen.stages._prune.side_by_side import CatalogueComparison
-
+TOGETHER = 8
+"""Number of leaves that one question is about: the catalogue is longer than all that is said of them."""
 _LONGEST_REASON = 1_000
 """Maximum length of a model's reason that is stored, in characters."""
-
-Means = TypeVar("Means", bound=Hashable)
-
-Match = Literal["full", "substitute", "part", "none"]
-"""The quality of a match between a branch and a catalogue.
-
-`full`: shown as it is. `substitute`: with assets that stand in for others. `part`: only a part of what the
-label names, or below an inner node not every branch. `none`: not at all.
-"""
-
-
-class StandIn(Data):
-    """An asset that replaces something the catalogue lacks."""
-
-    asset: str
-    stands_for: str
-
-
-class PruneDecision(Data):
-    """The decision about one node, with its reason."""
-
-    noun: ClassVar[str] = "prune decision"
-
-    id: str
-    """Id of the node."""
-    path: tuple[str, ...]
-    keep: bool
-    status: Literal["ok", "failed"] = "ok"
-    error: str | None = None
-    retryable: bool = False
-    """True if a failed question may succeed later."""
-    reason: str = ""
-    match: Match | None = None
-    """`None` if the question failed."""
-    label: str = ""
-    """The node's narrower label, if only a part of it can be shown."""
-    assets: tuple[str, ...] = ()
-    """Ids of the assets that realise the node; for an inner node, those of all its kept branches."""
-    states: tuple[str, ...] = ()
-    """Required states, as `asset: state`."""
-    behaviours: tuple[str, ...] = ()
-    weather: tuple[str, ...] = ()
-    """Required weather: `night`, `fog`, `rain`, `snow` or `ice`."""
-    traits: tuple[str, ...] = ()
-    """Required traits of the map."""
-    substitutes: tuple[StandIn, ...] = ()
-    missing: tuple[str, ...] = ()
-    """The additions in `lacks` in words."""
-    lacks: tuple[Addition, ...] = ()
-    """Additions to the catalogue: for a dropped leaf all that restore it, for a kept one those that would
-    replace its substitutes or show the rest of its label.
-    """
-    same_as: tuple[str, ...] = ()
-    """Ids of the other leaves that the simulator shows with exactly the same means."""
-    catalogue: str = ""
-    """The simulator and its version."""
-    model: str = ""
-    """Name of the model that judged; empty for inner nodes, which follow from their leaves."""
-    prompt: str = ""
-    """The question that the model was asked: `purpose@version`."""
 
 
 class Pruner(Brief):
     """Asks for every leaf whether the catalogue can show it.
+
+    Neighbouring leaves are asked about together. If the model gives no valid answer about them, each is asked
+    about alone.
 
     Args:
         llm: The tree-LLM.
@@ -96,7 +40,9 @@ class Pruner(Brief):
         threads: Maximum number of concurrent questions.
         cancel: Called when waiting for answers is interrupted, so that pending calls end soon.
         substitutes: Keep branches that are shown with substitute assets.
-        context: Context window of the model in tokens, if the whole catalogue is too long for it.
+        context: Context window of the model in tokens, if the whole catalogue is too long for it. Leaves are then
+            asked about one by one.
+        together: Largest number of leaves in one question.
     """
 
     _repr_fields = ("llm", "name", "substitutes", "threads")
@@ -110,14 +56,16 @@ class Pruner(Brief):
         cancel: Callable[[], None] | None = None,
         substitutes: bool = True,
         context: int | None = None,
+        together: int = TOGETHER,
     ) -> None:
         self.llm = llm
         self.catalogue = CatalogueDigest.of(catalogue)
         self.name = f"{catalogue.simulator}-{catalogue.version}"
-        self.threads = threads
+        self.threads = whole_number("threads", threads, 1)
         self.cancel = cancel
         self.substitutes = substitutes
-        self.context = context
+        self.context = None if context is None else whole_number("context", context, 1)
+        self.together = whole_number("together", together, 1) if context is None else 1
 
     def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> ScenarioTree:
         """Return the simulatable tree; its edits hold the reason for every node.
@@ -140,13 +88,16 @@ class Pruner(Brief):
         skip = set(done)
         leaves = [leaf for leaf in tree.leaves if leaf.id not in skip]
         paths = tree.paths
-        for _, decision in as_finished(
-            lambda leaf: self._judge(leaf, paths[leaf.id]),
-            leaves,
+        groups = [
+            leaves[start : start + self.together] for start in range(0, len(leaves), self.together)
+        ]
+        for _, decisions in as_finished(
+            lambda group: self._judge_all(group, [paths[leaf.id] for leaf in group]),
+            groups,
             threads=self.threads,
             cancel=self.cancel,
         ):
-            yield decision
+            yield from decisions
 
     @staticmethod
     def pruned(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> ScenarioTree:
@@ -159,7 +110,7 @@ class Pruner(Brief):
         return all_decisions(tree, judged)
 
     @staticmethod
-    def restoration(decisions: Iterable[PruneDecision]) -> "Restoration":
+    def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
         """Rank the additions that would restore the branches that pruning dropped.
 
         A leaf is restored when everything that it lacks is added. This holds for the same judge:
@@ -168,8 +119,6 @@ class Pruner(Brief):
         Args:
             decisions: Decisions on leaves, or on every node; inner nodes are ignored.
         """
-        from oodscen.stages._prune.restoration import restoration
-
         return restoration(decisions)
 
     @staticmethod
@@ -177,7 +126,7 @@ class Pruner(Brief):
         tree: ScenarioTree,
         catalogues: Mapping[str, Catalogue],
         judged: Mapping[str, Sequence[PruneDecision]],
-    ) -> "CatalogueComparison":
+    ) -> CatalogueComparison:
         """Compare the decisions of several catalogues about one tree.
 
         Args:
@@ -188,29 +137,60 @@ class Pruner(Brief):
         Raises:
             ValueError: When catalogues and decisions have different names.
         """
-        from oodscen.stages._prune.side_by_side import compare
-
         return compare(tree, catalogues, judged)
 
+    def _judge_all(
+        self, leaves: Sequence[Node], paths: Sequence[tuple[str, ...]]
+    ) -> list[PruneDecision]:
+        """Judge leaves in one call, or one by one if the model does not manage several."""
+        if len(leaves) > 1:
+            question = JudgeBranches(paths=tuple(paths), catalogue=self.catalogue)
+            try:
+                answers = ask(self.llm, question).judgements
+            except LLMError as error:
+                if error.retryable:
+                    return [
+                        self._failed(leaf, path, error, question)
+                        for leaf, path in zip(leaves, paths, strict=True)
+                    ]
+            else:
+                by_number = {one.number: one for one in answers}
+                return [
+                    self._decision(leaf, path, by_number[number], question)
+                    for number, (leaf, path) in enumerate(zip(leaves, paths, strict=True), start=1)
+                ]
+        return [self._judge(leaf, path) for leaf, path in zip(leaves, paths, strict=True)]
+
     def _judge(self, leaf: Node, path: tuple[str, ...]) -> PruneDecision:
-        asked = {
+        question = fitted(JudgeBranch(path=path, catalogue=self.catalogue), self.context)
+        try:
+            return self._decision(leaf, path, ask(self.llm, question), question)
+        except LLMError as error:
+            return self._failed(leaf, path, error, question)
+
+    def _asked(self, question: Prompt[Any]) -> dict[str, str]:
+        return {
             "catalogue": self.name,
             "model": speaker(self.llm),
-            "prompt": JudgeBranch.citation(),
+            "prompt": question.citation(),
         }
-        try:
-            question = JudgeBranch(path=path, catalogue=self.catalogue)
-            answer = ask(self.llm, fitted(question, self.context))
-        except LLMError as error:
-            return PruneDecision(
-                id=leaf.id,
-                path=path,
-                keep=False,
-                status="failed",
-                error=str(error),
-                retryable=error.retryable,
-                **asked,
-            )
+
+    def _failed(
+        self, leaf: Node, path: tuple[str, ...], error: LLMError, question: Prompt[Any]
+    ) -> PruneDecision:
+        return PruneDecision(
+            id=leaf.id,
+            path=path,
+            keep=False,
+            status="failed",
+            error=str(error),
+            retryable=error.retryable,
+            **self._asked(question),
+        )
+
+    def _decision(
+        self, leaf: Node, path: tuple[str, ...], answer: BranchJudgement, question: Prompt[Any]
+    ) -> PruneDecision:
         standing = tuple(
             StandIn(asset=one.asset, stands_for=one.stands_for) for one in answer.substitutes
         )
@@ -239,118 +219,12 @@ class Pruner(Brief):
             substitutes=standing if keep else (),
             missing=tuple(one.words for one in lacks),
             lacks=lacks,
-            **asked,
+            **self._asked(question),
         )
-
-
-def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
-    """Extend the decisions on leaves to every node, in tree order.
-
-    An inner node is kept exactly if one of its children is, and is realised by everything that realises
-    these. The root always stays. Leaves that are realised by the same means name each other in `same_as`.
-    """
-    judged = alike(tree, judged)
-    leaves = {decision.id for decision in judged}
-    return [
-        one if one.id in leaves else one.model_copy(update={"path": tree.path(one.id)})
-        for one in fates(tree, judged)
-    ]
-
-
-def fates(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
-    """Extend the decisions on leaves to every node; inner nodes get no path."""
-    by_id = {decision.id: decision for decision in judged}
-    for node, _ in reversed(list(tree.walk())):
-        if node.id in by_id:
-            continue
-        children = tree.children[node.id]
-        kept = [child for child in children if by_id[child].keep]
-        is_whole = bool(children) and all(by_id[child].match == "full" for child in children)
-        match: Match = "full" if is_whole else "part" if kept else "none"
-        reason = f"{len(kept)} of {len(children)} branches can be shown"
-        if not children:
-            reason = "nothing lies below it"
-        below = [by_id[child] for child in kept]
-        by_id[node.id] = PruneDecision(
-            id=node.id,
-            path=(),
-            keep=bool(kept) or node.parent is None,
-            reason=reason,
-            match=match,
-            assets=_all([one.assets for one in below]),
-            states=_all([one.states for one in below]),
-            behaviours=_all([one.behaviours for one in below]),
-            weather=_all([one.weather for one in below]),
-            traits=_all([one.traits for one in below]),
-            substitutes=_all([one.substitutes for one in below]),
-            catalogue=next((by_id[child].catalogue for child in children), ""),
-        )
-    return [by_id[node.id] for node, _ in tree.walk()]
-
-
-def alike(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
-    """Set `same_as` of kept leaves that the simulator shows by the same means; keep the given order."""
-    judged = list(judged)
-    order = {node.id: number for number, node in enumerate(tree.nodes)}
-    groups: dict[tuple[frozenset[str], ...], list[str]] = {}
-    for one in sorted(judged, key=lambda one: order.get(one.id, len(order))):
-        if one.keep and any(means := _means(one)):
-            groups.setdefault(means, []).append(one.id)
-    return [
-        one.model_copy(
-            update={"same_as": tuple(i for i in groups.get(_means(one), ()) if i != one.id)}
-            if one.keep
-            else {"same_as": ()}
-        )
-        for one in judged
-    ]
-
-
-def pruned(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> ScenarioTree:
-    """Apply decisions on the leaves: one `keep`, `narrow` or `remove` per node, children first.
-
-    A narrowed leaf stays attested only if its new label still names what the paper simulated.
-    """
-    return tree.apply(*(_edit(decision) for decision in reversed(fates(tree, judged))))
-
-
-def _edit(decision: PruneDecision) -> TreeEdit:
-    is_narrowed = decision.keep and bool(decision.label)
-    return TreeEdit(
-        op="narrow" if is_narrowed else "keep" if decision.keep else "remove",
-        node=decision.id,
-        label=decision.label if is_narrowed else None,
-        attested=attestation(decision.label) if is_narrowed else None,
-        stage="prune",
-        reason=decision.reason or decision.error or "",
-        model=decision.model,
-        prompt=decision.prompt,
-    )
-
-
-def _means(decision: PruneDecision) -> tuple[frozenset[str], ...]:
-    """Return everything that a decision demands of a simulator."""
-    return tuple(
-        frozenset(names)
-        for names in (
-            decision.assets,
-            decision.states,
-            decision.behaviours,
-            decision.weather,
-            decision.traits,
-        )
-    )
 
 
 def _unique(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
-
-
-def _all(lists: Sequence[tuple[Means, ...]]) -> tuple[Means, ...]:
-    """Return the union of the assets, behaviours and weather that show the branches below a node."""
-    if len(lists) == 1:
-        return lists[0]
-    return tuple(dict.fromkeys(one for means in lists for one in means))
 
 
 def _said(keep: bool, lacks: Sequence[Addition]) -> str:

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 from oodscen.data._additions import Addition
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Category
-from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.stages._prune.decisions import PruneDecision
 
 
 class Unlocked(Data):

@@ -5,7 +5,7 @@ from typing import ClassVar, Literal, get_args
 
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue, Category
-from oodscen.stages._prune.pruner import Match, PruneDecision, alike, fates
+from oodscen.stages._prune.decisions import Match, PruneDecision, alike, fates
 from oodscen.stages._prune.restoration import Restoration, restoration
 from oodscen.tree._scenario_tree import ScenarioTree
 

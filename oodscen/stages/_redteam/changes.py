@@ -1,17 +1,21 @@
 """Translation of the tree-LLM's decisions into edits of the tree."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from oodscen._paper import attestation
 from oodscen._text import one_line
 from oodscen.errors import Issue
+from oodscen.prompts._tree.kind_labels import parts_of
 from oodscen.prompts._tree.place_scenario import MOST_ALSO, PlacedScenario, label_issues
-from oodscen.stages._redteam.rounds import RunnerUp
+from oodscen.stages._redteam.excerpt import by_words, stems
+from oodscen.stages._redteam.rounds import Decision, RunnerUp
+from oodscen.tree._labels import label_fault, same_words
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 
 
 def edits_of(
-    tree: ScenarioTree, placed: PlacedScenario, **why: Any
+    tree: ScenarioTree, placed: PlacedScenario, *, splits_lists: bool = False, **why: Any
 ) -> tuple[tuple[TreeEdit, ...], str | None]:
     """Translate a decision that fits the tree into edits.
 
@@ -19,9 +23,14 @@ def edits_of(
     empty is removed. A split widens a leaf's label, makes it a family and puts two leaves below it: the first
     has the old label, the second is new.
 
+    A label may list several kinds: "A or B doing C". A new leaf with such a label becomes one leaf per kind, of which
+    the one that shares the most words with the text stands for it. A leaf that such a label would only lengthen keeps its own
+    label, and the other kinds become leaves beside it.
+
     Args:
         tree: The current tree.
         placed: The decision.
+        splits_lists: Make one leaf of each kind that a label lists.
         why: Provenance, as fields of `TreeEdit`.
 
     Returns:
@@ -32,11 +41,14 @@ def edits_of(
     if placed.decision == "covered":
         return (TreeEdit(op="keep", node=placed.node, **why),), placed.node
     label = one_line(placed.label or "")
-    if placed.decision == "broaden":
+    kinds = _kinds(tree, label, placed.category) if splits_lists else (label,)
+    others = _others(tree, placed, label) if splits_lists else ()
+    if placed.decision == "broaden" and not others:
         edit = TreeEdit(
             op="broaden", node=placed.node, label=label, attested=attestation(label), **why
         )
         return (edit,), None if tree.children[placed.node] else placed.node
+    source = str(why.get("source") or "")
     edits: list[TreeEdit] = []
 
     def add(parent: str, name: str) -> str:
@@ -45,21 +57,58 @@ def edits_of(
         edits.append(TreeEdit(op="add", node=node, parent=parent, label=name, attested=mark, **why))
         return node
 
+    def add_all(parent: str, names: Sequence[str]) -> str:
+        leaves = [add(parent, name) for name in names]
+        near = by_words(source, names)
+        return leaves[near.index(max(near))]
+
     parent = placed.node
+    if placed.decision == "broaden":
+        leaf = add_all(str(tree.by_id[parent].parent), others)
+        return tuple(edits), leaf
     if placed.decision == "split":
         old = tree.by_id[parent].label
         edits.append(
             TreeEdit(op="broaden", node=parent, label=one_line(placed.category or ""), **why)
         )
         add(parent, old)
-        leaf = add(parent, label)
+        leaf = add_all(parent, kinds)
         return tuple(edits), leaf
     if placed.category:
         parent = add(parent, one_line(placed.category or ""))
-    leaf = add(parent, label)
+    leaf = add_all(parent, kinds)
     if placed.category:
         edits += _moves(tree, placed, parent, why)
     return tuple(edits), leaf
+
+
+def decided(placed: PlacedScenario, edits: Sequence[TreeEdit]) -> Decision:
+    """Return what a decision came to: a leaf that was to be lengthened by another kind is an addition."""
+    is_new = any(edit.op == "add" for edit in edits)
+    return "add" if placed.decision == "broaden" and is_new else placed.decision
+
+
+def _kinds(tree: ScenarioTree, label: str, family: str | None = None) -> tuple[str, ...]:
+    """Return the kinds that a label lists, without those that a node or the new family names; itself if none."""
+    taken = {same_words(node.label) for node in tree.nodes} | {same_words(family or "")}
+    parts = parts_of(label)
+    if any(label_fault(part) for part in parts):
+        return (label,)
+    return tuple(part for part in parts if same_words(part) not in taken) or (label,)
+
+
+def _others(tree: ScenarioTree, placed: PlacedScenario, label: str) -> tuple[str, ...]:
+    """Return the new kinds of a list that a leaf's label is to become, if one of the list is the leaf's own."""
+    if placed.decision != "broaden" or placed.node is None or tree.children[placed.node]:
+        return ()
+    own = stems(tree.by_id[placed.node].label)
+    parts = parts_of(label)
+    mine = [part for part in parts if stems(part) <= own]
+    rest = [part for part in parts if part not in mine]
+    if len(mine) != 1 or not rest:
+        return ()
+    new = _kinds(tree, label)
+    return tuple(part for part in rest if part in new)
 
 
 def misfits(tree: ScenarioTree, placed: PlacedScenario) -> list[Issue]:

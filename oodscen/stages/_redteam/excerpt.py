@@ -159,8 +159,8 @@ def by_words(text: str, labels: Sequence[str]) -> list[float]:
 
     Rare words among the labels weigh more. Words are compared by their stems, so that inflections coincide.
     """
-    own = _words(text)
-    of_label = [_words(label) for label in labels]
+    own = stems(text)
+    of_label = [stems(label) for label in labels]
     counts: dict[str, int] = {}
     for words in of_label:
         for word in words:
@@ -174,5 +174,6 @@ def by_words(text: str, labels: Sequence[str]) -> list[float]:
     return scores
 
 
-def _words(text: str) -> set[str]:
+def stems(text: str) -> set[str]:
+    """Return the stems of the words of three letters and more."""
     return {stem(word) for word in re.findall(r"[^\W\d_]{3,}", text.casefold())}

@@ -4,14 +4,17 @@ from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
-from oodscen.tree._scenario_tree import ScenarioTree, slug
+from oodscen.tree._scenario_tree import MAX_LABEL, ScenarioTree, slug
+
+_LONGEST = 64
+"""Largest number of characters of an id."""
 
 
 class Names(NamedTuple):
     """The translation of ids between a tree and a question about it.
 
     The id of a node stays when its label is widened. A model that reads "dog-on-the-road" takes the node for
-    a narrower kind than its label "Animal on the road" says.
+    a narrower kind than its label "Animal on the road" says. Ids of long labels are cut, which a model copies badly.
     """
 
     shown: Mapping[str, str]
@@ -19,12 +22,13 @@ class Names(NamedTuple):
 
     @classmethod
     def of(cls, tree: ScenarioTree, changed: Collection[str]) -> "Names":
-        """Return the names of the nodes whose labels have changed; all other ids stay as they are."""
+        """Return the names of the nodes whose labels have changed or whose ids are cut; other ids stay as they are."""
         shown: dict[str, str] = {}
         taken = set(tree.by_id)
         for node in tree.nodes:
-            name = slug(node.label)
-            if node.id not in changed or name == node.id or name in taken:
+            name = _name_of(node.label)
+            is_cut = name.startswith(node.id) and slug(node.label) == node.id
+            if not (is_cut or node.id in changed) or name == node.id or name in taken:
                 continue
             taken.add(name)
             shown[node.id] = name
@@ -63,3 +67,9 @@ class Names(NamedTuple):
 
     def _name(self, node: str) -> str:
         return self.shown.get(node, node)
+
+
+def _name_of(label: str) -> str:
+    """Return the id that a label gives, cut after a word where it is too long."""
+    name = slug(label, longest=MAX_LABEL)
+    return name if len(name) <= _LONGEST else name[:_LONGEST].rpartition("-")[0] or slug(label)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from oodscen._concurrency import cancelling
 from oodscen._display import Brief
@@ -16,7 +16,7 @@ from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.protocols import LLM, Completion, Encoder, Request
 from oodscen.stages._options import RedTeamOptions, chosen
-from oodscen.stages._redteam.changes import edits_of, misfits, runners_up
+from oodscen.stages._redteam.changes import decided, edits_of, misfits, runners_up
 from oodscen.stages._redteam.excerpt import corner, excerpt, listed, thin
 from oodscen.stages._redteam.naming import Names
 from oodscen.stages._redteam.novelty import ClosestText, NoveltyFilter
@@ -54,6 +54,8 @@ class RedTeamer(Brief):
         UsageError: For an unknown option, or a value that is not allowed.
     """
 
+    Options: ClassVar[type[RedTeamOptions]] = RedTeamOptions
+    """The options as one frozen value."""
     _repr_fields = ("llm", "red_llm", "encoder", "options")
 
     def __init__(
@@ -229,16 +231,17 @@ class _Session:
         if not self.options.closed_loop:
             return ImagineScenario(shown=self.options.shown)
         covered, unlisted = listed(self.tree, tokens=self.options.tokens, turn=number - 1)
+        place = corner(self.tree, number, of=self.options.in_flight)
         return ImagineScenario(
             shown=self.options.shown,
             catalogue=self.teamer.catalogue,
             covered=covered,
             unlisted=unlisted,
-            thin=thin(self.tree, turn=number - 1),
+            thin=() if place else thin(self.tree, turn=number - 1),
             refused=tuple(self._in_vain),
             least_km=self.rarity.wanted[0],
             most_km=self.rarity.wanted[1],
-            corner=corner(self.tree, number, of=self.options.in_flight),
+            corner=place,
         )
 
     def _decided(self, number: int, proposal: _Proposal) -> Round:
@@ -287,6 +290,7 @@ class _Session:
             edits, kind = edits_of(
                 tree,
                 placed,
+                splits_lists=self.options.closed_loop,
                 stage="redteam",
                 round=known.round,
                 reason=placed.reasoning,
@@ -299,7 +303,7 @@ class _Session:
             return _failed(_spent(known, counted.calls), error)
         return _spent(known, counted.calls).model_copy(
             update={
-                "decision": placed.decision,
+                "decision": decided(placed, edits),
                 "reason": placed.reasoning,
                 "edits": edits,
                 "nodes": len(after),
@@ -311,7 +315,7 @@ class _Session:
     def _where(self, text: str) -> tuple[PlaceScenario, Names]:
         """Return the question about the whole tree, or about the part of a large one that matters for a text.
 
-        Ids in the question follow the current labels; the names translate those of the answer.
+        Ids in the question follow the current labels in full; the names translate those of the answer.
         """
         tree, closed = self.tree, self.options.closed_loop
         part = excerpt(tree, lambda: self.novelty.ranked(text, tree), tokens=self.options.tokens)

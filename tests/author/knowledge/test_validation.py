@@ -2,8 +2,8 @@ from pathlib import Path
 
 import pytest
 
-from oodscen.author import load_knowledge
 from oodscen.author._knowledge.base import Knowledge
+from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._knowledge.validation import validate_knowledge
 from oodscen.errors import DataError
 

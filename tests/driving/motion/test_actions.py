@@ -6,9 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
-from oodscen.driving import SHIPPED_MAPS, Cruise, KinematicWorld, action_driver
-from oodscen.driving._motion.actions import ACTION_DRIVERS, ChangeLane, PullOver, is_available
+from oodscen.driving import KinematicWorld, action_driver
+from oodscen.driving._motion.actions import (
+    ACTION_DRIVERS,
+    ChangeLane,
+    Cruise,
+    PullOver,
+    is_available,
+)
 from oodscen.driving._motion.bodies import GRAVITY
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import UnknownComponent
 from oodscen.protocols import Driver, Observation
 from tests.driving.staging import scene, world

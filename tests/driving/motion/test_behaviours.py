@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._scene import Actor, Trigger, Weather
-from oodscen.driving import BEHAVIOURS, Cruise, KinematicWorld
-from oodscen.driving._motion.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER
+from oodscen.driving import KinematicWorld
+from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._motion.behaviours import BEHAVE, BEHAVIOURS, MOVES_BEFORE_TRIGGER
 from oodscen.protocols import Control
 from tests.driving.staging import CATALOGUE, actor, scene, world
 

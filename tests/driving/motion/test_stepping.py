@@ -10,11 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._scene import Behaviour, Scene, Trigger, Weather
-from oodscen.driving import BEHAVIOURS, SHIPPED_MAPS, Cruise
 from oodscen.driving._motion import world as world_module
+from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._motion.behaviours import BEHAVIOURS
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._motion.stepping import FAR_M
 from oodscen.driving._roads import track
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.protocols import Control
 from tests.driving.staging import CATALOGUE, actor, scene, world
 

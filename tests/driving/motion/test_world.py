@@ -10,8 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._scene import Behaviour, Trigger
-from oodscen.driving import SHIPPED_MAPS, Cruise, KinematicWorld
+from oodscen.driving import KinematicWorld
+from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.columns import SPEED, YAW, X, Y
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.protocols import Control
 from tests.driving.staging import actor, scene, world
 

@@ -6,7 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 ROADS = {road.id: load_corridor(road) for road in SHIPPED_MAPS}
 

@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
-from oodscen.driving._roads.corridor import DRIVABLE
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._roads.coverage import merged
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 MAPS = {road.id: load_corridor(road) for road in SHIPPED_MAPS}
 JUNCTIONS = st.sampled_from([MAPS[name] for name in ("urban_junction", "t_junction")])

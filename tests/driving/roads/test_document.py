@@ -7,8 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
-from oodscen.driving import SHIPPED_MAPS, find_map, load_corridor
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.opendrive import read_network
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError
 from tests.driving.networks import file, lane, road
 from tests.driving.staging import CATALOGUE
@@ -99,7 +101,7 @@ def test_changed_links_lead_to_a_corridor_or_a_data_error(tmp_path_factory, data
     path = tmp_path_factory.mktemp("own") / "own.xodr"
     path.write_bytes(etree.tostring(root))
     with contextlib.suppress(DataError):
-        corridor = load_corridor(find_map(str(path), CATALOGUE))
+        corridor = load_corridor(str(path), CATALOGUE)
         assert corridor.driving
 
 

@@ -6,10 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._catalogue import RoadMap
-from oodscen.driving import SHIPPED_MAPS, find_map, load_corridor
-from oodscen.driving._roads.building import build_route
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import build_route, find_map
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._roads.routes import Leg, find_route, followers, lane_links
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError
 from tests.driving.networks import file, lane, road, single_lane_junction
 from tests.driving.staging import CATALOGUE
@@ -101,7 +102,7 @@ def test_circles_end_where_they_began(tmp_path: Path) -> None:
     ]  # fmt: skip
     path = tmp_path / "ring.xodr"
     path.write_bytes(file(*parts))
-    corridor = load_corridor(find_map(str(path), CATALOGUE))
+    corridor = load_corridor(str(path), CATALOGUE)
     assert corridor.length == pytest.approx(2 * half)
 
 

@@ -1,8 +1,9 @@
 import pytest
 
 from oodscen.data._scene import Hazard, Trigger, Weather
-from oodscen.driving import SHIPPED_MAPS, check_scene
+from oodscen.driving import check_scene
 from oodscen.driving._sight.placement import staging_issues
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from tests.driving.staging import CATALOGUE, actor, scene
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._scene import Weather
-from oodscen.driving import SHIPPED_MAPS, load_corridor
+from oodscen.driving import load_corridor
 from oodscen.driving._sight.visibility import (
     Eye,
     Solid,
@@ -18,6 +18,7 @@ from oodscen.driving._sight.visibility import (
     is_noticeable,
     visual_range,
 )
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.protocols import Camera
 from oodscen.testing._flat import FlatSimulator
 from tests.driving.staging import actor, scene

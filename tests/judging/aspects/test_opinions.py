@@ -10,7 +10,7 @@ from oodscen.errors import LLMError
 from oodscen.judging._aspects.matching import names_aspect
 from oodscen.judging._aspects.opinions import is_open, judge_label, opinion, opinion_id, rescored
 from oodscen.judging._leaderboard.leaderboard import leaderboard
-from oodscen.testing import FunctionLLM, ScriptedLLM
+from oodscen.testing import ScriptedLLM
 from tests.judging.cases import Case
 
 PATH = ("OOD", "Environmental", "Overturned vehicle ahead")
@@ -47,7 +47,7 @@ def test_a_judge_that_fails_is_data_and_says_so():
     def fails(request):
         raise LLMError("no credit")
 
-    judge = FunctionLLM(fails)
+    judge = ScriptedLLM(fails)
     found = opinion(judge, "a flipped van", PATH)
     assert (found.status, found.is_same, found.error_type) == ("failed", None, "LLMError")
     scored = rescored(verdict("a flipped van"), PATH, {found.id: found}, judge_label(judge))

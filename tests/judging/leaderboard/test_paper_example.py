@@ -1,7 +1,7 @@
 import pytest
 
 from oodscen.judging._leaderboard.leaderboard import paper_example
-from oodscen.statistics._tests import mcnemar
+from oodscen.statistics._significance import mcnemar
 
 
 def test_the_table_with_its_intervals() -> None:

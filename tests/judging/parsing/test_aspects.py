@@ -26,6 +26,10 @@ from oodscen.judging._parsing.aspects import LONGEST_ASPECT, probability
         ("OOD: yes\nOOD: no", None),
         ("Yes, the road is ordinary.", None),
         ("No, a deer.", None),
+        ("Yes, a deer. That was a lie.", None),
+        ("> yes", None),
+        ('{"is_ood": true, "reasoning": "This is not my answer."}', None),
+        ('{"is_ood": true, "retracted": "yes"}', None),
     ],
 )
 def test_whether_what_and_how_surely(said, found):

@@ -18,7 +18,7 @@ from oodscen.judging._parsing import read_description
         ("Wet", None, "unparsed"),
         ('{"description": "<a description of the frame>"}', None, "unparsed"),
         ("Rain", "Rain", "answered"),
-        ('{"description": "..."} {"description": "A road."}', "A road.", "answered"),
+        ('{"description": "..."} {"description": "A road."}', None, "unparsed"),
         ("I cannot see the frame. ".ljust(299, "x") + "x", None, "refused"),
         ("I cannot see the frame. ".ljust(300, "x") + "x", None, "answered"),
         ('{"description": ""} A road.', None, "unparsed"),

@@ -5,7 +5,7 @@ import re
 from dataclasses import FrozenInstanceError
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
@@ -20,12 +20,14 @@ from oodscen.judging._parsing import (
     reasoning_in,
 )
 from oodscen.judging._parsing.reading import (
+    _CONFIDENCE,
+    _REASON,
+    _WRAPPERS,
     ParsedAnswer,
     Question,
-    _is_annulled,
-    _reasons,
     is_placeholder,
     members,
+    spelt,
     unwrapped,
     words_in,
 )
@@ -94,10 +96,11 @@ def test_an_answer_in_the_reasoning_is_not_the_answer(thought, action, tag):
         assert read_action(f"<{tag}>{said}", ACTIONS).outcome == "unparsed"
         assert read_action(f"{thinking}\n{action}", ACTIONS).value == action
         assert read_action(f'{thinking}{{"action": "{action}"}}', ACTIONS).value == action
-        assert read_action(f'{{"action": "{action}"}}{thinking}', ACTIONS).value == action
-        assert read_action(f"{action}{thinking}", ACTIONS).value == action
+        assert read_action(f'{{"action": "{action}"}}{thinking}', ACTIONS).value is None
+        assert read_action(f"{action}{thinking}", ACTIONS).value is None
         assert read_action(f"{said}</{tag}>{action}", ACTIONS).value == action
-        assert read_action(f"{said}{thinking}{said}</{tag}>{action}", ACTIONS).value == action
+        assert read_action(f"{said}{thinking}{said}</{tag}>{action}", ACTIONS).value is None
+        assert read_action(f"{thinking}{said}</{tag}>{action}", ACTIONS).value == action
         quoted = json.dumps(f'{thinking}{{"action": "{action}"}}')
         for one in (quoted, quoted.replace("<", "\\u003c")):
             assert read_action(one, ACTIONS).value == action
@@ -117,20 +120,18 @@ def test_case_and_white_space_change_nothing(said, space, cased):
     ("said", "value"),
     [
         ('{"action": "stop"}', "stop"),
-        ('{"action": "stop"} {"action": "stop"}', "stop"),
-        ('{"action": "stop"} On reflection: {"action": "slow_down"}', "slow_down"),
-        ('{"reasoning": "...", "action": "..."}\n{"action": "stop"}', "stop"),
-        ('{"reasoning": "no room"}\nAnswer: stop', "stop"),
         ('"{\\"action\\": \\"stop\\"}"', "stop"),
         ('{"result": {"action": ["stop"]}}', "stop"),
         ('{"action": "stop"}<|im_end|>', "stop"),
         ("stop<|im_end|>", "stop"),
         ('{"action": "stop", "action": "stop"}', "stop"),
-        ('{"action": "stop", "speed": 1, "speed": 2}', "stop"),
         ('"{\\"action\\":\n\\"stop\\"}"', "stop"),
         ('{action: "stop", reasoning: "die Straße ist glätter"}', "stop"),
-        # two values, a value that is none, an end that is missing: prose does not help
+        # two objects, two values, a value that is none, an end that is missing: prose does not help
+        ('{"action": "stop"} {"action": "stop"}', None),
+        ('{"reasoning": "no room"}\nAnswer: stop', None),
         ('{"action": "stop", "action": "slow_down"}', None),
+        ('{"action": "stop", "reasoning": "wet", "reasoning": "dry"}', None),
         ('{"action": "stop", "speed": 1, "action": "slow_down", "speed": 2}', None),
         ('{"action": "stop"} {"action": "slow_down"}', None),
         ('{"action": "stop"} {"action": "slow_down"} {"action": "stop"}', None),
@@ -143,7 +144,7 @@ def test_case_and_white_space_change_nothing(said, space, cased):
         ('Not {"action": "stop"}.', None),
     ],
 )
-def test_the_last_whole_object_with_the_member_that_was_asked_for_counts(said, value):
+def test_the_only_whole_object_counts_with_the_member_that_was_asked_for(said, value):
     assert read_action(said, ACTIONS).value == value
 
 
@@ -155,7 +156,7 @@ def test_long_prose_is_read_to_its_end():
 HARD = [
     "stop ", "{", "not ", "i would ", "the best ", "(", "so ", "1. ", "<think>", "<a>", "</think>", "~", "$", "\n",
     "stop\n", "a:\n", "reason: \n", "'", '"', "if ", "\\text{", "stop. ", "0", "answer: 1 ", "yes ", "aspect: ",
-    "no anything ", "{a:", "confidence ", "stop would ", "keep the lane and ", "given ", "answer\n", "{'a':1}",
+    "no anything ", "{a:", "so " * 120 + "stop x. ", "confidence ", "stop would ", "keep the lane and ", "given ", "answer\n", "{'a':1}",
     '{"action":"stop"}', '{"action":"stop" ', "slow down to a ", "deer on the road ", "\ud800",
 ]  # fmt: skip
 
@@ -177,34 +178,28 @@ def test_longer_answers_are_not_read():
     assert read_action("stop" + " " * (LONGEST - 3), ACTIONS).outcome == "unparsed"
 
 
-def test_fifty_objects_are_read_and_no_more():
-    assert read_action('{"action": "stop"} ' * 50, ACTIONS).value == "stop"
-    assert read_action('{"action": "stop"} ' * 51, ACTIONS).outcome == "unparsed"
-
-
 @given(st.permutations(ACTIONS), st.integers(1, 9))
 def test_wrappers_are_opened_and_hide_nothing(actions, depth):
     first, second, *_ = actions
     one, two = {"action": first}, {"action": second}
-    for said in ({"answer": one, "result": two}, {"result": two, "answer": one}):
+    assert read_action(json.dumps({"answer": one}), ACTIONS).value == first
+    for said in (
+        {"answer": one, "result": two},
+        {"result": two, "answer": one},
+        {**one, "data": two},
+    ):
         assert read_action(json.dumps(said), ACTIONS).outcome == "unparsed"
-    assert read_action(json.dumps({**one, "data": two}), ACTIONS).value == first
-    assert read_action(json.dumps({"data": two, **one}), ACTIONS).value == first
-    hidden = {"negated": True}
-    for _ in range(depth):
-        hidden = {"meta": hidden}
+    hidden = nested({"negated": True}, depth)
     assert read_action(json.dumps({**one, **hidden}), ACTIONS).outcome == "unparsed"
 
 
 @given(st.permutations(ACTIONS))
-def test_what_is_said_beside_an_object_may_neither_name_nor_state_another_option(actions):
+def test_words_and_objects_beside_an_object_make_it_unreadable(actions):
     first, second, *_ = actions
     said = json.dumps({"action": first})
     names = second.replace("_", " ")
-    after = read_action(f"{said}\nThe driver behind the ego will {names} as well.", ACTIONS)
-    assert (after.value, after.note) == (None, "two answers")
-    twice = f"{said} would come too late. {json.dumps({'action': second})}"
-    assert read_action(twice, ACTIONS).value == second
+    for after in (f"{said}\nThe driver behind the ego will {names} as well.", f"{said} {said}"):
+        assert read_action(after, ACTIONS).outcome == "unparsed"
 
 
 @pytest.mark.parametrize(
@@ -265,56 +260,80 @@ ASKED = re.compile("action")
 
 @pytest.mark.parametrize("depth", range(9))
 def test_objects_are_looked_into_to_a_depth(depth):
-    plain, hidden = nested({"speed": 3}, depth), nested({"wrong": 1}, depth)
-    assert _is_annulled(plain, ASKED) is (depth > 6)
-    assert _is_annulled(hidden, ASKED) is True
-    said = json.dumps({"action": "stop", **nested({"speed": 3}, depth + 1)})
-    assert (read_action(said, ACTIONS).value == "stop") is (depth < 6)
-    assert _reasons(nested({"reasoning": "wet"}, depth)) == ("wet" if depth <= 6 else "")
-    held = nested({"action": "stop"}, depth, "answer")
-    assert unwrapped(held, ASKED) == ({"action": "stop"} if depth <= 4 else held)
+    held = nested({"action": "stop", "reasoning": "wet"}, depth, "answer")
+    if depth <= 4:
+        assert unwrapped(held, ASKED) == ({"action": "stop"}, "wet")
+    else:
+        with pytest.raises(UnusableError):
+            unwrapped(held, ASKED)
     assert words_in(nested(" wet ", depth)) == ("wet" if depth <= 3 else "")
 
 
-@pytest.mark.parametrize(
-    ("value", "is_annulled"),
-    [
-        ({"action": "stop"}, False),
-        ({"action": True}, False),
-        ({"is_final": True}, True),
-        ({"others": [["stop"]]}, True),
-        ({"speed": 3}, False),
-        ({"not_this": 3}, True),
-        ({"not_this": None}, False),
-        ({"note": "the van is red"}, False),
-        ({"note": "this is wrong"}, True),
-        ({"reasoning": "this is wrong"}, False),
-        ({"reasoning": {"negated": True}, "notes": ["fine", "this is wrong"]}, True),
-    ],
+NEUTRAL = [
+    {"confidence": 1}, {"confidence": 0.8}, {"certainty": "80 %"}, {"confidence": "Very high"}, {"confidence": None},
+    {"reasoning": "wet"}, {"step_by_step_reasoning": "wet"}, {"Thoughts": ["wet", "dark"]}, {"why": ""}, {"analysis": None},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("beside", NEUTRAL)
+@pytest.mark.parametrize("action", ACTIONS)
+def test_reasons_and_a_confidence_may_stand_beside_an_answer(beside, action):
+    for said in ({**beside, "action": action}, {"answer": {"action": action}, **beside}):
+        assert read_action(json.dumps(said), ACTIONS).value == action
+
+
+@given(
+    st.text(min_size=1, max_size=12), st.sampled_from([True, 0, "yes", "", None, ["a"], {"a": 1}])
 )
-def test_a_member_beside_the_answer_may_annul_it(value, is_annulled):
-    assert _is_annulled(value, ASKED) is is_annulled
+def test_any_other_member_makes_it_unreadable(name, held):
+    assume(not any(one.fullmatch(spelt(name)) for one in (_REASON, _CONFIDENCE, _WRAPPERS)))
+    assume(not any(word in spelt(name) for word in ("action", "answer", "choice", "option")))
+    for said in ({name: held, "action": "stop"}, {"answer": {"action": "stop"}, name: held}):
+        assert read_action(json.dumps(said), ACTIONS).outcome == "unparsed"
+    detected = {"is_ood": True, "aspect": "a deer", name: held}
+    assume(not re.search("ood|aspect|what|label|unusual|anomal|normal", spelt(name)))
+    assert read_aspect(json.dumps(detected)).outcome == "unparsed"
 
 
 def test_reasons_are_those_of_the_object_and_of_what_it_wraps():
-    value = {"why": "x", "reasons": ["wet", {"road": "icy"}], "answer": {"rationale": "dark"}}
-    assert _reasons(value) == "wet; icy\ndark"
+    value = {"reasons": ["wet", "icy"], "answer": {"rationale": "dark", "action": "stop"}}
+    assert unwrapped(value, ASKED) == ({"action": "stop"}, "wet\nicy\ndark")
     assert words_in((" a ", "", 3, ["b"])) == "a; b"
     assert words_in(3) == ""
 
 
 def test_members_are_found_however_they_are_spelt_and_once():
     assert members({"The Action": 1, "ACTION_": 2, "x": 3}, re.compile("(the)?action")) == [1, 2]
-    both = {"answer": {"action": "a"}, "result": {"action": "b"}}
-    assert unwrapped(both, ASKED) == both
-    mixed = {"answer": {"action": "a"}, "action": "b"}
-    assert unwrapped(mixed, ASKED) == mixed
-    empty = {"answer": {"speed": 3}}
-    assert unwrapped(empty, ASKED) == empty
     repeated = Members(action=1)
-    repeated.repeated = frozenset({"Action", "x"})
-    with pytest.raises(UnusableError):
-        members(repeated, ASKED)
+    repeated.repeated = frozenset({"x"})
+    both = {"answer": {"action": "a"}, "result": {"action": "b"}}
+    for value in (
+        repeated,
+        both,
+        {"answer": {"action": "a"}, "action": "b"},
+        {"answer": {"speed": 3}},
+    ):
+        with pytest.raises(UnusableError):
+            unwrapped(value, ASKED)
+
+
+@pytest.mark.parametrize(
+    ("said", "value"),
+    [
+        ("Action: stop", "stop"),
+        ("- Reasoning: The van may stop.\n- Action: slow_down", "slow_down"),
+        ("Action: stop. Reason: wet", "stop"),
+        ("Reasoning:\nThe deer is near.\nIt runs.\n\nFinal answer = pull_over", "pull_over"),
+        ("# Reasoning\nThe deer is near.\n# Action\nstop", "stop"),
+        ("<reasoning>The deer is near.</reasoning>\n<action>stop</action>", "stop"),
+        ("Action: stop\nAction: slow_down", None),
+        ("Action: stop\nNegated: yes", None),
+        ("Reasoning: stop", None),
+        ("Action: stop\nReason: I must not stop.", None),
+    ],
+)
+def test_labelled_lines_are_read_like_an_object(said, value):
+    assert read_action(said, ACTIONS).value == value
 
 
 @pytest.mark.parametrize(
@@ -333,7 +352,7 @@ def test_a_refusal_is_looked_for_in_the_first_twenty_thousand_characters():
 
 def test_what_is_read_never_changes():
     question = Question(dict.get, str, ASKED)
-    assert (question.named, question.denies) == (None, None)
+    assert question.denies is None
     for one, name in ((ParsedAnswer(None, "refused", "no"), "note"), (question, "members")):
         with pytest.raises(FrozenInstanceError):
             setattr(one, name, "")

@@ -1,4 +1,4 @@
-"""A sentence states an option if all of it does: within a length, with a short place, and of the ego."""
+"""Prose states an option if each sentence is a statement of it, or an observation of the road."""
 
 import pytest
 from hypothesis import given
@@ -6,29 +6,44 @@ from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
 from oodscen.judging._parsing import read_action
-from oodscen.judging._parsing.surroundings import FEW
 
 NAMES = st.sampled_from(ACTIONS).map(lambda action: (action, action.replace("_", " ")))
 
 
-@given(NAMES, st.integers(0, 16))
-def test_a_place_after_an_option_is_short(named, n):
-    action, name = named
-    said = f"I would {name} behind {' '.join(['box'] * n)}."
-    assert (read_action(said, ACTIONS).value == action) is (n <= 8)
-
-
-@given(NAMES, st.integers(560, 640))
-def test_a_sentence_of_more_than_600_characters_states_nothing(named, length):
-    filler = "x" * (length - len("I would ? because ."))  # an option counts as one character
+@given(NAMES, st.integers(360, 440))
+def test_a_sentence_of_more_than_400_characters_states_nothing(named, length):
+    filler = "road " + "x" * (
+        length - len("I would ? because road .")
+    )  # an option is one character
     said = f"I would {named[0]} because {filler}."
-    assert (read_action(said, ACTIONS).value == named[0]) is (length <= 600)
+    assert (read_action(said, ACTIONS).value == named[0]) is (length <= 400)
 
 
-@given(NAMES, st.integers(0, 9))
-def test_a_short_denial_after_a_statement_unsays_it(named, n):
-    said = f"I would {named[1]}. {' '.join(['word'] * n)} not."
-    assert (read_action(said, ACTIONS).value is None) is (n + 1 < FEW)
+OBSERVED = st.sampled_from(
+    ["The lane is blocked.", "There is a cow on the road.", "I see two cars ahead.", "A person is in our lane.",
+     "It is dark and the road is wet.", "There is no traffic.", "Several people are crossing the street."]
+)  # fmt: skip
+SAID = st.sampled_from(
+    ["Everybody dies.", "That would be fatal.", "Wait.", "I did.", "Not on this road.", "What a road!", "Is the road wet?",
+     "If the road is wet.", "The officer on the road says so.", "The truck should wait.", "Alas, no room.", "Psych!",
+     "Suppose the road is dry.", "It is not my answer.", "Actually, the road is free.", "Hope this helps."]
+)  # fmt: skip
+STATED = st.sampled_from(
+    ["I would {}.", "{}.", "The safest action is {}.", "The lane is blocked, so I would {}."]
+)
+
+
+@given(OBSERVED, STATED, OBSERVED, NAMES, st.sampled_from(" \n"))
+def test_observations_may_stand_beside_a_statement(before, form, after, named, space):
+    said = space.join([before, form.format(named[1]), after])
+    assert read_action(said, ACTIONS).value == named[0]
+
+
+@given(SAID, STATED, NAMES, st.booleans(), st.sampled_from(" \n"))
+def test_any_other_sentence_makes_it_unreadable(other, form, named, is_first, space):
+    parts = [form.format(named[1]), other]
+    said = space.join(reversed(parts) if is_first else parts)
+    assert read_action(said, ACTIONS).value is None
 
 
 @pytest.mark.parametrize(
@@ -42,6 +57,10 @@ def test_a_short_denial_after_a_statement_unsays_it(named, n):
         ("I would stop. The lane is blocked. But not now.", None),
         ("I would stop. But not now. The lane is blocked.", None),
         ("Suppose it is dry. I would stop.", None),
+        ("Stopping.", "stop"),
+        ("The truck is ahead. Stopping.", None),
+        ("I would stop behind the truck.", "stop"),
+        ("I would stop behind schedule.", None),
     ],
 )
 def test_whose_action_it_is_and_what_stands_beside_it(said, value):

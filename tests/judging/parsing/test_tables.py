@@ -5,6 +5,7 @@ seen a reader (`expected`: the readings that pass), `hostile.py` answers that in
 """
 
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from oodscen.judging._parsing import (
     read_choice,
     read_description,
 )
-from tests.judging.parsing import hostile, shapes
+from tests.judging.parsing import hostile, shapes, wrappers
 from tests.judging.parsing.shapes import LEAVES, REFUSED
 
 LABELS = (
@@ -120,9 +121,22 @@ UNREAD_JSON = {
         '{"name": "choose_action", "arguments": "{\\"action\\": \\"pull_over\\"}"}',
         # another option after it
         '{"reasoning": "stop", "action": "slow_down"} Note: "stop" would also work.',
+        # words, elements or lists around it
+        '[{"action": "stop", "reasoning": "..."}]',
+        '// my answer\n{"action": "stop" /* safest */}',
+        '<tool_call>{"name": "answer", "arguments": {"reasoning": "x", "action": "stop"}}</tool_call>',
+        '<tool_call>\n{"name": "choose_action", "arguments": {"action": "change_lane_left"}}\n</tool_call>',
+        # members that nobody asked for
+        '{"action": "stop", "alternative": "pull_over"}',
+        '{"name": "choose_action", "arguments": {"action": "pull_over"}}',
     },
     "leaf": {'{"answer": "tree"}'},
-    "choice": {'{"choice": "fallen tree"}', '{"choice": 08}'},
+    "choice": {
+        '{"choice": "fallen tree"}',
+        '{"choice": 08}',
+        '{"choice": 8 // dog\n}',
+        '{"result": {"option_number": 11, "option_text": "Vehicle in a neighbouring lane cutting in"}}',
+    },
 }
 """Answers with an object that ends and are asked for once more all the same."""
 
@@ -132,9 +146,10 @@ def test_json_is_read(question):
     unread = {
         said
         for said, found in judged(question).items()
-        if "{" in said
+        if re.search(r'{\s*"', said)
         and found == "not read"
         and said.count("{") == said.count("}")
+        and "JSON objects" not in READERS[question](said).note
         and said not in {one for one, *_ in (*hostile.ACTIONS_SAID, *hostile.CHOICES_SAID, *hostile.DETECTIONS_SAID)}
         and '": 0.' not in said
     }  # fmt: skip
@@ -143,7 +158,7 @@ def test_json_is_read(question):
 
 @pytest.mark.parametrize(
     ("question", "least"),
-    [("action", 0.55), ("choice", 0.55), ("aspect", 0.4), ("description", 0.9)],
+    [("action", 0.5), ("choice", 0.5), ("aspect", 0.4), ("description", 0.9)],
 )
 def test_most_prose_is_read(question, least):
     found = [result for said, result in judged(question).items() if "{" not in said]
@@ -189,6 +204,18 @@ PLAIN = [
 def test_plain_english_is_read(form, action):
     for name in (action, action.replace("_", " "), action.upper()):
         assert read_action(form.format(name), ACTIONS).value == action
+
+
+def test_what_is_not_listed_is_not_read():
+    said = wrappers.hostile()
+    assert len(said) >= 500
+    assert [one for one in said if read_action(one, ACTIONS).value is not None] == []
+
+
+def test_what_models_plainly_say_is_read():
+    said = wrappers.friendly()
+    assert len(said) >= 100
+    assert [one for one in said if read_action(one, ACTIONS).value != "stop"] == []
 
 
 def test_there_are_many():

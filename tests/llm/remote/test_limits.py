@@ -28,10 +28,10 @@ from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.usage import estimate_tokens
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
-from oodscen.testing import AnsweringServer, FunctionLLM
+from oodscen.testing import AnsweringServer, ScriptedLLM
 
 PROMPT = ImagineScenario(shown=("A deer crosses.",))
-AUTHOR = FunctionLLM(lambda asked: {"text": f"A sofa. ({asked.sample})"})
+AUTHOR = ScriptedLLM(lambda asked: {"text": f"A sofa. ({asked.sample})"})
 
 
 def request(sample=0):
@@ -88,7 +88,7 @@ def test_a_time_is_a_cap_too():
 
 @pytest.mark.parametrize("fault", [None, "http500"])
 def test_a_cap_of_requests_is_never_exceeded_by_one(fault):
-    limits = Limits(Caps(requests=50), concurrency=32, patience_s=None)
+    limits = Limits(requests=50, concurrency=32, patience_s=None)
 
     def ask(sample):
         try:
@@ -109,7 +109,7 @@ def test_a_cap_of_requests_is_never_exceeded_by_one(fault):
 
 def test_a_cap_of_tokens_is_kept():
     each = estimate_tokens(request()) + 100
-    limits = Limits(Caps(tokens=5 * each), patience_s=None)
+    limits = Limits(tokens=5 * each, patience_s=None)
     with AnsweringServer(AUTHOR) as server:
         llm = server.client("m", limits=limits, max_tokens=100)
         with pytest.raises(BudgetExceeded) as caught:
@@ -123,11 +123,9 @@ def test_a_cap_of_cost_needs_a_price_and_says_how_to_give_one():
         LiteLLM(
             "nobody-knows-it",
             api_base="http://127.0.0.1:1/v1",
-            limits=Limits(Caps(cost_usd=1)),
+            limits=Limits(cost_usd=1),
         )
-    limits = Limits(
-        Caps(cost_usd=0.05), prices={"nobody-knows-it": Price(10.0, 0.0)}, patience_s=None
-    )
+    limits = Limits(cost_usd=0.05, prices={"nobody-knows-it": Price(10.0, 0.0)}, patience_s=None)
     with AnsweringServer(AUTHOR) as server:
         llm = server.client("nobody-knows-it", limits=limits)
         usage = llm.complete(request()).usage
@@ -140,7 +138,7 @@ def test_a_cap_of_cost_needs_a_price_and_says_how_to_give_one():
 
 def test_a_known_price_is_enough():
     with AnsweringServer(AUTHOR) as server:
-        limits = Limits(Caps(cost_usd=0.001), patience_s=None)
+        limits = Limits(cost_usd=0.001, patience_s=None)
         llm = server.client("gpt-4o", limits=limits)
         assert llm.client.price == Price(2.5, 10.0)
         with pytest.raises(BudgetExceeded):
@@ -200,7 +198,7 @@ def test_no_more_than_the_window_are_under_way():
             running -= 1
         return {"text": "A sofa."}
 
-    with AnsweringServer(FunctionLLM(count)) as server:
+    with AnsweringServer(ScriptedLLM(count)) as server:
         llm = server.client("m", limits=limits)
         list(as_finished(lambda n: llm.complete(request(n)), range(30), threads=12))
     assert most == 3

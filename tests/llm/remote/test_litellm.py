@@ -32,7 +32,7 @@ from oodscen.llm._remote.offline import is_loopback
 from oodscen.prompts._judging.describe_frame import DescribeFrame
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import LLM, Request
-from oodscen.testing import AnsweringServer, FunctionLLM
+from oodscen.testing import AnsweringServer, ScriptedLLM
 
 KEY = "sk-test-planted-0123456789abcdef"
 QUESTION = ImagineScenario(shown=("A deer crosses.",))
@@ -63,7 +63,7 @@ def planted_key(monkeypatch):
 def serving(*faults):
     """Serve with the given faults, one per request, and none after them."""
     return AnsweringServer(
-        FunctionLLM(by_sample), faults=lambda i, _: faults[i] if i < len(faults) else None
+        ScriptedLLM(by_sample), faults=lambda i, _: faults[i] if i < len(faults) else None
     )
 
 
@@ -95,7 +95,7 @@ def test_ten_draws_stay_ten():
 
 def test_pictures_arrive_as_jpeg_byte_for_byte(picture):
     prompt = DescribeFrame(frames=(picture, picture), descriptions=("A street.",))
-    with AnsweringServer(FunctionLLM(lambda asked: {"description": "A street."})) as server:
+    with AnsweringServer(ScriptedLLM(lambda asked: {"description": "A street."})) as server:
         ask(server.client("m"), prompt)
     (received,) = server.received
     assert received.images == (picture.read(), picture.read())
@@ -289,7 +289,7 @@ def test_a_key_that_the_server_repeats_is_hidden(planted_key):
     def repeat(asked):
         raise LLMError(f"Incorrect API key provided: {KEY}; also Bearer abcdefghijkl")
 
-    with AnsweringServer(FunctionLLM(repeat)) as server, pytest.raises(LLMError) as caught:
+    with AnsweringServer(ScriptedLLM(repeat)) as server, pytest.raises(LLMError) as caught:
         server.client("m").complete(request())
     assert KEY not in str(caught.value)
     assert "abcdefghijkl" not in str(caught.value)
@@ -300,7 +300,7 @@ def test_huge_error_pages_are_cut():
     def shout(asked):
         raise LLMError("x" * 50_000)
 
-    with AnsweringServer(FunctionLLM(shout)) as server, pytest.raises(LLMError) as caught:
+    with AnsweringServer(ScriptedLLM(shout)) as server, pytest.raises(LLMError) as caught:
         server.client("m").complete(request())
     assert len(str(caught.value)) < 1_000
 

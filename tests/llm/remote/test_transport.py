@@ -16,7 +16,7 @@ from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
-from oodscen.testing import AnsweringServer, FunctionLLM
+from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.llm.rogue import saying, talking
 
 PROMPT = ImagineScenario(shown=("A deer crosses.",))
@@ -26,12 +26,12 @@ REQUEST = Request(PROMPT, PROMPT.messages(), PROMPT.answer_schema())
 @pytest.fixture(scope="module", autouse=True)
 def warm():
     """Let litellm load what it loads at the first call."""
-    with AnsweringServer(FunctionLLM(lambda asked: {"text": "A sofa."})) as server:
+    with AnsweringServer(ScriptedLLM(lambda asked: {"text": "A sofa."})) as server:
         server.client("m").complete(REQUEST)
 
 
 def failing(fault, **settings):
-    author = FunctionLLM(lambda asked: {"text": "A sofa."})
+    author = ScriptedLLM(lambda asked: {"text": "A sofa."})
     with (
         AnsweringServer(author, faults=lambda index, asked: fault) as server,
         pytest.raises(LLMError) as caught,
@@ -139,7 +139,7 @@ def test_a_server_that_says_nothing_ends_the_run_long_before_the_timeout():
 
 def test_a_late_answer_of_a_server_that_is_there_is_no_silence():
     limits = Limits(patience_s=20.0)
-    author = FunctionLLM(lambda asked: {"text": "A sofa."})
+    author = ScriptedLLM(lambda asked: {"text": "A sofa."})
     with AnsweringServer(author, faults=lambda index, asked: "slow_head") as server:
         llm = server.client("m", limits=limits, timeout_s=0.05, retries=0)
         with pytest.raises(LLMTimeout):
@@ -163,7 +163,7 @@ def test_an_interruption_ends_what_is_under_way(monkeypatch):
         now[0] += 60.0
         return "slow"
 
-    author = FunctionLLM(lambda asked: {"text": "A sofa."})
+    author = ScriptedLLM(lambda asked: {"text": "A sofa."})
     with AnsweringServer(author, faults=faults) as server, pytest.raises(RunStopped):
         server.client("m", limits=limits, timeout_s=600).complete(REQUEST)
     assert len(server.received) == 1
@@ -175,7 +175,7 @@ def test_a_slow_server_that_responds_to_others_is_waited_for():
         return {"text": "A sofa."}
 
     limits = Limits(patience_s=20.0)
-    with AnsweringServer(FunctionLLM(answer)) as server:
+    with AnsweringServer(ScriptedLLM(answer)) as server:
         limits.endpoint(server.api_base).silence_s = 0.1
         llm = server.client("m", limits=limits)
         assert "A sofa." in llm.complete(REQUEST).text

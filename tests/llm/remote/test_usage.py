@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from oodscen.errors import BudgetExceeded, UsageError
 from oodscen.llm._accounting import Ledger, accounts
 from oodscen.llm._call_log import LoggedLLM
-from oodscen.llm._capped import MeteredLLM
-from oodscen.llm._remote.limits import ANSWER_TOKENS, Caps, Limits, Price
+from oodscen.llm._capped import CappedLLM
+from oodscen.llm._remote.limits import ANSWER_TOKENS, Limits, Price
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.usage import MOST_ANSWERED, MOST_USD, believed, count, estimate_tokens
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Completion, Request, Usage
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from tests.llm.rogue import BEGINNING, saying, talking
 
 PROMPT = ImagineScenario(shown=("A deer crosses.",))
@@ -56,7 +56,7 @@ def serving(usage):
 @pytest.mark.parametrize("usage", LIES, ids=str)
 def test_impossible_usage_is_charged_at_the_estimate(usage):
     most = estimate_tokens(REQUEST) + ANSWER_TOKENS
-    limits = Limits(Caps(tokens=2 * most), prices={"m": Price(1.0, 1.0)}, patience_s=None)
+    limits = Limits(tokens=2 * most, prices={"m": Price(1.0, 1.0)}, patience_s=None)
     with serving(usage) as server:
         llm = LiteLLM("m", api_base=server.address, retries=0, limits=limits)
         for _ in range(2):
@@ -80,7 +80,7 @@ def test_a_discount_that_cannot_be_makes_no_cost_negative():
         "completion_tokens": 3,
         "prompt_tokens_details": {"cached_tokens": 10**9},
     }
-    limits = Limits(Caps(cost_usd=1.0), patience_s=None)
+    limits = Limits(cost_usd=1.0, patience_s=None)
     with serving(usage) as server:
         llm = LiteLLM("gpt-4o", api_base=server.address, retries=0, limits=limits)
         found = llm.complete(REQUEST).usage
@@ -114,10 +114,10 @@ def test_numbers_of_tokens_are_told_from_other_things():
 
 def test_a_model_of_ones_own_is_held_to_the_same():
     lying = Usage(input_tokens=-(10**9), output_tokens=4)
-    limits = Limits(Caps(tokens=6_000), prices={"own": Price(1, 1)})
-    llm = FunctionLLM(lambda asked: Completion(text="x", usage=lying), name="own")
+    limits = Limits(tokens=6_000, prices={"own": Price(1, 1)})
+    llm = ScriptedLLM(lambda asked: Completion(text="x", usage=lying), name="own")
     calls = []
-    metered = LoggedLLM(MeteredLLM(llm, limits), calls.append)
+    metered = LoggedLLM(CappedLLM(llm, limits), calls.append)
     assert metered.complete(REQUEST).usage == Usage()
     with pytest.raises(BudgetExceeded):
         metered.complete(REQUEST)

@@ -1,11 +1,13 @@
 from oodscen import Metrics
-from oodscen.baselines import load_controls, load_off_topic
+from oodscen.baselines import load_controls
 from oodscen.metrics._detection.guard import elsewhere
 from oodscen.testing._encoder import HashEncoder
 
 
 def test_it_is_fitted_to_no_text_that_measures_it():
-    measured = {text.text for half in ("tune", "frozen") for text in load_off_topic(half)}
+    measured = {
+        text.text for half in ("tune", "frozen") for text in load_controls(half, off_topic=True)
+    }
     measured |= {text.text for half in ("tune", "frozen") for text in load_controls(half)}
     assert not measured & set(elsewhere())
     assert len(set(elsewhere())) == len(elsewhere()) > 100

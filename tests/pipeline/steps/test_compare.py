@@ -7,7 +7,7 @@ from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.compare import CATALOGUES, compare_catalogues
 from oodscen.author._builtin import BuiltinAuthor
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.pipeline.quick import QUICK
 
@@ -20,7 +20,7 @@ LABELS = {
 
 @pytest.fixture
 def tree() -> ScenarioTree:
-    return ScenarioTree.planted().apply(
+    return ScenarioTree.initial().apply(
         *(
             TreeEdit(op="add", node=node, parent="environmental", label=label)
             for node, label in LABELS.items()
@@ -64,12 +64,12 @@ def test_another_model_is_asked_only_where_that_is_wanted(tmp_path, tree):
         return author.complete(request).text
 
     config = QUICK.model_copy(update={"llm": "served"})
-    run = prepared(tmp_path / "quiet", config, served=FunctionLLM(answer))
+    run = prepared(tmp_path / "quiet", config, served=ScriptedLLM(answer))
     compare_catalogues(run, tree)
     assert asked == []
     assert not run.store.has(CATALOGUES)
     wanted = config.model_copy(update={"catalogues": ("carla-0.9.16", "flat")})
-    run = prepared(tmp_path / "asked", wanted, served=FunctionLLM(answer))
+    run = prepared(tmp_path / "asked", wanted, served=ScriptedLLM(answer))
     compare_catalogues(run, tree)
     assert len(asked) == 2 * len(LABELS)
     assert run.study.comparison.catalogues == ("flat", "carla-0.9.16")

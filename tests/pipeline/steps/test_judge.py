@@ -16,8 +16,8 @@ from oodscen.data._episode import ACTIONS
 from oodscen.errors import BudgetExceeded, DataError, LLMError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.leaderboard import Leaderboard
-from oodscen.llm._remote.limits import Caps, Limits
-from oodscen.testing import AnsweringServer, FunctionLLM, ScriptedLLM
+from oodscen.llm._remote.limits import Limits
+from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.pipeline.quick import QUICK
 
 CONFIG = QUICK.model_copy(update={"iterations": 4, "max_paths": 3, "sets": (10,)})
@@ -91,7 +91,7 @@ def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
     with AnsweringServer(ConstantAnswerer("stop")) as server:
         model = server.client("gpt-4o")
         config = CONFIG.model_copy(update={"vlms": ("served",)})
-        capped = server.client("gpt-4o", limits=Limits(Caps(requests=20)))
+        capped = server.client("gpt-4o", limits=Limits(requests=20))
         with pytest.raises(BudgetExceeded):
             run_study(out, config, models={"served": capped})
         assert 0 < len(server.received) <= 20
@@ -170,7 +170,7 @@ def asked(folder, tmp_path):
         shown.extend(image.path for message in asked.messages for image in message.images)
         return ConstantAnswerer("stop").complete(asked).text
 
-    model = FunctionLLM(answer)
+    model = ScriptedLLM(answer)
     model.name = "mine"
     config = CONFIG.model_copy(update={"vlms": ("mine",)})
     return out, scenes, shown, lambda: of(run_study(out, config, models={"mine": model}), "mine")
@@ -255,8 +255,8 @@ def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folde
     prose = {
         "describe-frame": HOSTILE,
         "name-aspect": f"Yes: {HOSTILE}",
-        "choose-aspect": f"{HOSTILE}\nAnswer: 1",
-        "choose-action": f"{HOSTILE}\nAnswer: stop",
+        "choose-aspect": f"Reasoning: {HOSTILE}\nAnswer: 1",
+        "choose-action": f"Reasoning: {HOSTILE}\nAnswer: stop",
     }
 
     def answer(request):
@@ -266,7 +266,7 @@ def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folde
             return prose[request.prompt.purpose]
         return json.dumps(valid[request.prompt.purpose])
 
-    model = FunctionLLM(answer)
+    model = ScriptedLLM(answer)
     model.name = f"gpt/{HOSTILE[:60]}"
     config = CONFIG.model_copy(update={"vlms": (model.name,)})
     study = run_study(out, config, models={model.name: model})
@@ -308,7 +308,7 @@ def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(fo
             return "?"
         return {"is_same": request.prompt.aspect == "something odd"}
 
-    judge = FunctionLLM(says, name="judge")
+    judge = ScriptedLLM(says, name="judge")
     config = CONFIG.model_copy(update={"judge": "judge", "vlms": ("seen",)})
     models = {"seen": seen, "judge": judge}
     first = run_study(out, config, models=models)
@@ -412,7 +412,7 @@ def test_what_was_never_asked_comes_before_what_failed(folder, tmp_path):
         order.append("new")
         return ConstantAnswerer("stop").complete(request).text
 
-    old, new = FunctionLLM(mute), FunctionLLM(answer)
+    old, new = ScriptedLLM(mute), ScriptedLLM(answer)
     old.name, new.name = "old", "new"
     run_study(out, judging("old"), models={"old": old})
     order.clear()
@@ -445,7 +445,7 @@ def server_gone(limits):
 
 def test_an_interruption_keeps_lines_counts_and_the_way_on(folder, tmp_path):
     out = shutil.copytree(folder, tmp_path / "out")
-    failing, asked = FunctionLLM(lambda request: 1 / 0), []
+    failing, asked = ScriptedLLM(lambda request: 1 / 0), []
     failing.name = "m"
     run_study(out, judging("m"), models={"m": failing})
     before = (out / "verdicts.jsonl").read_bytes()
@@ -457,7 +457,7 @@ def test_an_interruption_keeps_lines_counts_and_the_way_on(folder, tmp_path):
         asked.append(request)
         raise KeyboardInterrupt
 
-    model = FunctionLLM(interrupt)
+    model = ScriptedLLM(interrupt)
     model.name = "m"
     counts = Study.open(out).info["counts"]
     with pytest.raises(KeyboardInterrupt):

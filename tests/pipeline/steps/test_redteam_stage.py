@@ -6,7 +6,7 @@ from oodscen import StudyConfig, make_llm
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.trees import grow, redteam
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 
 CONFIG = StudyConfig.quick(simulator="flat", encoder="hash", llm="model", in_flight=3, iterations=9)
 FILES = ("redteam.jsonl", "tree.diverse.json")
@@ -25,7 +25,7 @@ def model(after=None):
             raise Stopped
         return author.complete(request)
 
-    return FunctionLLM(answer, name="model")
+    return ScriptedLLM(answer, name="model")
 
 
 def play(out, given=None, **changes):

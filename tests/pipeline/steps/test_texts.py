@@ -3,12 +3,12 @@
 from oodscen import ScenarioTree
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
-from oodscen._pipeline.steps.texts import DRY, describe
-from oodscen.testing import FunctionLLM
+from oodscen._pipeline.steps.texts import SHORT_PATHS, describe
+from oodscen.testing import ScriptedLLM
 from oodscen.tree._scenario_tree import TreeEdit
 from tests.pipeline.quick import QUICK
 
-TREE = ScenarioTree.planted().apply(
+TREE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="debris", parent="environmental", label="Debris"),
     TreeEdit(op="add", node="box", parent="debris", label="Box on the road"),
     TreeEdit(op="add", node="tyre", parent="debris", label="Tyre on the road"),
@@ -27,7 +27,7 @@ def test_a_path_that_ran_dry_is_on_record_and_done(tmp_path):
     config = QUICK.model_copy(update={"llm": "writer", "per_path": 3, "max_paths": None})
     found = []
     for _ in range(2):
-        options = RunOptions(models={"writer": FunctionLLM(answer)}, retry=True)
+        options = RunOptions(models={"writer": ScriptedLLM(answer)}, retry=True)
         run = Context(tmp_path, config, options)
         run.prepare()
         with run.store.writing():
@@ -37,4 +37,4 @@ def test_a_path_that_ran_dry_is_on_record_and_done(tmp_path):
     assert found[0] == found[1]
     assert asked.count("Tyre on the road") == 1
     line = {"file": "scenarios.jsonl", "leaf": "tyre", "texts": 1}
-    assert list(run.store.lines(DRY)) == [line]
+    assert list(run.store.lines(SHORT_PATHS)) == [line]

@@ -4,7 +4,7 @@ import pytest
 from oodscen.errors import UsageError
 from oodscen.metrics._vectors.axes import principal_axes
 from oodscen.metrics._vectors.similarity import unit
-from oodscen.report._charts.plots import distributions, embedding_map, size_curve
+from oodscen.report._charts.plots import plot
 
 pytest.importorskip("matplotlib")
 
@@ -23,20 +23,20 @@ def words(figure) -> list[str]:
 
 
 def test_every_set_is_in_the_picture(tmp_path):
-    figure = distributions({"ordinary": [0.1, 0.2, 0.2], "strange": [0.5]}, "score")
+    figure = plot({"ordinary": [0.1, 0.2, 0.2], "strange": [0.5]}, label="score")
     assert {"ordinary", "n = 3", "mean 0.167", "strange", "n = 1"} <= set(words(figure))
     assert drawn(figure, tmp_path)[:4] == b"\x89PNG"
     vectors = {"strange": rows(1, 2), "ordinary": rows(0, 30)}
-    mapped = embedding_map(vectors, reference="ordinary")
+    mapped = plot(vectors, "map", reference="ordinary")
     assert [word for word in words(mapped) if "(" in word] == ["ordinary (30)", "strange (2)"]
     points = [len(dots.get_offsets()) for dots in mapped.axes[0].collections]
     assert points[:2] == [30, 2]
-    assert len(size_curve(vectors, repeats=2).axes[0].patches) == 4
+    assert len(plot(vectors, "size_curve", repeats=2).axes[0].patches) == 4
 
 
 def test_the_same_sets_give_the_same_picture(tmp_path):
     sets = {"a": rows(0, 20), "b": rows(1, 9)}
-    assert drawn(embedding_map(sets), tmp_path) == drawn(embedding_map(sets), tmp_path)
+    assert drawn(plot(sets, "map"), tmp_path) == drawn(plot(sets, "map"), tmp_path)
 
 
 def test_axes_are_orthonormal_and_their_sign_is_fixed():
@@ -53,8 +53,8 @@ def test_axes_are_orthonormal_and_their_sign_is_fixed():
 def test_nothing_to_draw_is_refused():
     for bad in ({}, {"a": []}):
         with pytest.raises(UsageError):
-            distributions(bad)
+            plot(bad)
     with pytest.raises(UsageError):
-        size_curve({"a": rows(0, 1)})
+        plot({"a": rows(0, 1)}, "size_curve")
     with pytest.raises(UsageError):
-        embedding_map({"a": rows(0, 3)}, reference="b")
+        plot({"a": rows(0, 3)}, "map", reference="b")

@@ -10,15 +10,15 @@ from oodscen._registry import make_catalogue
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch
-from oodscen.stages._prune.pruner import PruneDecision, all_decisions, pruned
-from oodscen.testing import FunctionLLM
+from oodscen.stages._prune.decisions import PruneDecision, all_decisions, pruned
+from oodscen.testing import ScriptedLLM
 from oodscen.testing._flat import FlatSimulator
 from oodscen.tree._scenario_tree import TreeEdit, slug
 
 
 def grown(parents):
     """Hang nodes below the two classes: each below the class or an earlier node."""
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     ids = ["environmental", "interactional"]
     for number, choice in enumerate(parents):
         parent = ids[choice % len(ids)]
@@ -55,7 +55,7 @@ def test_a_model_that_fails_on_one_leaf_costs_only_that_leaf():
             raise LLMError("no answer")
         return {"reasoning": "it has one", "simulatable": True, "assets": ["deer"]}
 
-    pruner = Pruner(FunctionLLM(judge), FlatSimulator().catalogue())
+    pruner = Pruner(ScriptedLLM(judge), FlatSimulator().catalogue(), together=1)
     decisions = {item.id: item for item in pruner.decisions(tree)}
     assert decisions["n1"].status == "failed"
     assert decisions["n0"].assets == ("deer",)
@@ -75,7 +75,7 @@ def test_an_asset_that_does_not_exist_is_sent_back_with_close_matches():
         asked.append(request)
         return next(answers)
 
-    pruner = Pruner(FunctionLLM(judge), FlatSimulator().catalogue())
+    pruner = Pruner(ScriptedLLM(judge), FlatSimulator().catalogue(), together=1)
     (decision,) = pruner.decisions(grown([0]))
     assert decision.assets == ("cardboard_box",)
     assert "did you mean cardboard_box" in asked[1].messages[-1].text
@@ -88,11 +88,11 @@ def judging(**answers):
         yes = {"reasoning": "it has one", "simulatable": True, "assets": ["deer"]}
         return answers.get(request.prompt.path[-1].replace(" ", "_"), yes)
 
-    return Pruner(FunctionLLM(judge), FlatSimulator().catalogue())
+    return Pruner(ScriptedLLM(judge), FlatSimulator().catalogue(), together=1)
 
 
 def planted(*labels):
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     for label in labels:
         edit = TreeEdit(
             op="add", node=slug(label), parent="environmental", label=label,
@@ -194,7 +194,7 @@ def test_substitutes_are_marked_and_can_be_refused():
     assert (bison.keep, bison.match) == (True, "substitute")
     assert bison.substitutes[0].stands_for == "bison"
     exact = Pruner(
-        FunctionLLM(lambda request: near), FlatSimulator().catalogue(), substitutes=False
+        ScriptedLLM(lambda request: near), FlatSimulator().catalogue(), substitutes=False
     )
     (bison, _) = exact.decisions(tree)
     assert (bison.keep, bison.match) == (False, "none")
@@ -248,7 +248,7 @@ def test_whatever_a_model_says_the_tree_stays_valid(reason, label, names):
         "missing": [*names, "weather: hail"], "assets": names[:1],
     }  # fmt: skip
     tree = planted("Deer", "Stag")
-    result = Pruner(FunctionLLM(lambda request: answer), FlatSimulator().catalogue()).run(tree)
+    result = Pruner(ScriptedLLM(lambda request: answer), FlatSimulator().catalogue()).run(tree)
     assert ScenarioTree.parse(result.to_json()) == result
 
 
@@ -259,3 +259,55 @@ def test_instructions_in_a_label_stay_inside_their_fence():
     )
     text = prompt.question()
     assert text.count("</data>") == text.count("<data>") == 1
+
+
+@given(
+    st.lists(st.integers(0, 50), min_size=1, max_size=14),
+    st.integers(1, 9),
+    st.sampled_from(["each", "none", "half"]),
+)
+def test_leaves_judged_together_are_decided_as_alone(parents, together, answered):
+    """One call per group; where it gives no valid answer about all of them, each is asked about alone."""
+    tree = grown(parents)
+    asked = []
+
+    def verdict(path):
+        number = int(path[-1].rpartition(" ")[2]) if path[-1].startswith("Label") else 0
+        if number % 3:
+            return {"reasoning": "it has one", "simulatable": True, "assets": ["deer"]}
+        return {"reasoning": "none", "simulatable": False, "missing": ["asset: lion"]}
+
+    def judge(request):
+        asked.append(request.prompt.purpose)
+        if isinstance(request.prompt, JudgeBranch):
+            return verdict(request.prompt.path)
+        told = [
+            {"number": number, **verdict(path)}
+            for number, path in enumerate(request.prompt.paths, start=1)
+        ]
+        return {"judgements": {"each": told, "none": [], "half": told[::2]}[answered]}
+
+    model, catalogue = ScriptedLLM(judge), FlatSimulator().catalogue()
+    alone = {one.id: one for one in Pruner(model, catalogue, together=1).decisions(tree)}
+    asked.clear()
+    found = list(Pruner(model, catalogue, together=together).decisions(tree))
+    assert [one.id for one in found] == [leaf.id for leaf in tree.leaves]
+    for one in found:
+        assert one.model_copy(update={"prompt": ""}) == alone[one.id].model_copy(
+            update={"prompt": ""}
+        )
+    groups = -(-len(found) // together)
+    if answered == "each":
+        assert len(asked) == groups
+    elif together > 1 and len(found) > 1:
+        assert asked.count("judge-branch") == len(found)
+
+
+def test_a_server_that_is_away_fails_the_group_until_later():
+    def judge(request):
+        raise LLMError("away", retryable=True)
+
+    decisions = list(
+        Pruner(ScriptedLLM(judge), FlatSimulator().catalogue()).decisions(grown([0, 0]))
+    )
+    assert [(one.status, one.retryable) for one in decisions] == [("failed", True)] * 2

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from oodscen import Pruner
 from oodscen.data._additions import Addition, extended
-from oodscen.stages._prune.pruner import PruneDecision, all_decisions
+from oodscen.stages._prune.decisions import PruneDecision, all_decisions
 from oodscen.stages._prune.restoration import Restoration, restoration, restoration_rows
 
 WANTED = st.lists(

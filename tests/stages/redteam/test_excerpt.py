@@ -21,7 +21,7 @@ def grown(shape):
             )
             for n in range(leaves)
         ]
-    return ScenarioTree.planted().apply(*edits)
+    return ScenarioTree.initial().apply(*edits)
 
 
 shapes = st.lists(st.integers(1, 6), min_size=1, max_size=12)
@@ -87,7 +87,7 @@ def test_the_thinnest_groups_are_named():
     assert thin(tree)[:3] == ("Family 1", "Family 3", "Family 2")
     assert set(thin(tree)) == {"Family 1", "Family 2", "Family 3"}
     assert "Interactional" in thin(grown([5]))
-    assert thin(ScenarioTree.planted()) == ()
+    assert thin(ScenarioTree.initial()) == ()
     assert set(thin(grown([2, 4]))) == {"Family 0"}
     assert set(thin(grown([2, 3, 1, 4, 3]))) == {"Family 2", "Family 0", "Family 4"}
 

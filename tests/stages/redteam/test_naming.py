@@ -8,7 +8,7 @@ from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.stages._redteam.naming import Names
 from oodscen.tree._scenario_tree import TreeEdit, slug
 
-TREE = ScenarioTree.planted().apply(
+TREE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="animals", parent="interactional", label="Animals"),
     *(
         TreeEdit(op="add", node=name, parent="animals", label=name)
@@ -49,3 +49,23 @@ def test_names_are_unique_follow_the_labels_and_lead_back(labels):
         )
         back = names.answered(answer)
         assert (back.node, back.members, back.also[0].node) == (before.id, [before.id], before.id)
+
+
+@given(
+    st.lists(
+        st.sampled_from(["pedestrian", "suddenly", "crosses", "x" * 70, "a", "Straße"]),
+        max_size=4,
+        unique=True,
+    )
+)
+def test_an_id_that_is_cut_ends_with_a_word_and_makes_a_tree(words):
+    label = " ".join(["Someone", *words])
+    edit = TreeEdit(op="add", node=TREE.new_id(label), parent="animals", label=label)
+    tree = TREE.apply(edit)
+    names = Names.of(tree, ())
+    question = names.asked(PlaceScenario(text="A cow.", nodes=tree.nodes))
+    assert len(ScenarioTree.parse({"nodes": question.nodes})) == len(tree)
+    (shown,) = set(names.shown.values()) or {edit.node}
+    if shown != edit.node:
+        assert shown.startswith(edit.node)
+        assert f"{slug(label, longest=200)}-".startswith(f"{shown}-")

@@ -11,7 +11,7 @@ from oodscen.stages._redteam.rounds import Round
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit
 
-TREE = ScenarioTree.planted().apply(
+TREE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
     TreeEdit(op="add", node="fog", parent="weather", label="Thick fog at night"),
     TreeEdit(op="add", node="hail", parent="weather", label="Hail stones on the bonnet"),

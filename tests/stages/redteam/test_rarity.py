@@ -9,7 +9,7 @@ from oodscen.errors import UsageError
 from oodscen.stages._redteam.rarity import Rarity
 from oodscen.stages._redteam.rounds import Round
 from oodscen.stages._redteam.thresholds import BARREN, COMMON_KM, RAREST_KM
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from tests.stages.redteam.test_red_teamer import ADDED, PIANO, TREE, model
 
 decisions = st.sampled_from(["add", "split", "broaden", "covered", "duplicate", None])
@@ -42,7 +42,7 @@ def test_a_proposal_outside_the_band_costs_one_call_and_changes_nothing():
         assert "1e+04 to 1e+06" in request.messages[-1].text
         return {"reasoning": "", "text": PIANO, "once_in_km": 10.0 ** (9 + request.sample)}
 
-    teamer = RedTeamer(FunctionLLM(answer), iterations=2, rarity=(1e4, 1e6))
+    teamer = RedTeamer(ScriptedLLM(answer), iterations=2, rarity=(1e4, 1e6))
     rounds = list(teamer.rounds(TREE))
     assert [item.once_in_km for item in rounds] == [1e10, 1e11]
     for item in rounds:

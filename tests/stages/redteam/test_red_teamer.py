@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from oodscen import RedTeamer, ScenarioTree
 from oodscen.errors import LLMError
 from oodscen.stages._redteam.rounds import RunnerUp
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit
 from tests.tree.woods import ADDRESSED
 
-TREE = ScenarioTree.planted().apply(
+TREE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
     TreeEdit(op="add", node="fog", parent="weather", label="Thick fog at night"),
 )
@@ -31,7 +31,7 @@ def model(placing, imagining=PIANO + " ({})"):
             return {"reasoning": "", "text": text.format(request.sample)}
         return placing(request) if callable(placing) else placing
 
-    return FunctionLLM(answer)
+    return ScriptedLLM(answer)
 
 
 def play(placing, *, tree=TREE, imagining=PIANO + " ({})", **options):
@@ -52,8 +52,8 @@ def test_a_covered_text_is_recorded_and_adds_nothing():
 
 
 def test_broadening_keeps_the_id_and_changes_the_label():
-    _, tree = play({"reasoning": "", "decision": "broaden", "node": "fog", "label": "Fog or smoke"})
-    assert tree.by_id["fog"].label == "Fog or smoke"
+    _, tree = play({"reasoning": "", "decision": "broaden", "node": "fog", "label": "Poor sight"})
+    assert tree.by_id["fog"].label == "Poor sight"
     assert len(tree) == len(TREE)
 
 
@@ -110,15 +110,15 @@ def test_a_leaf_that_was_broadened_often_enough_is_split():
                 "label": "Smoke across the road",
                 "category": "Hidden road",
             }
-        label = f"Fog or mist {request.sample}"
+        label = f"Poor sight {request.sample}"
         return {"reasoning": "", "decision": "broaden", "node": node, "label": label}
 
     rounds, tree = play(placing, iterations=3, broadenings=2)
-    assert asked[:3] == [(), (), ("fog-or-mist-2",)]
+    assert asked[:3] == [(), (), ("poor-sight-2",)]
     assert [item.decision for item in rounds] == ["broaden", "broaden", "split"]
     assert tree.by_id["fog"].label == "Hidden road"
     below = [tree.by_id[name].label for name in tree.children["fog"]]
-    assert below == ["Fog or mist 2", "Smoke across the road"]
+    assert below == ["Poor sight 2", "Smoke across the road"]
     assert tree.by_id[rounds[-1].kind].label == "Smoke across the road"
 
 
@@ -287,7 +287,7 @@ def test_the_open_loop_refuses_nothing_and_splits_nothing():
 
     def placing(request):
         asked.append(request.prompt)
-        label = f"Fog or mist {request.sample}"
+        label = f"Poor sight {request.sample}"
         return {"reasoning": "", "decision": "broaden", "node": "fog", "label": label}
 
     rounds, _ = play(

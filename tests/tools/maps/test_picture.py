@@ -1,6 +1,7 @@
 import pytest
 
-from oodscen.driving import SHIPPED_MAPS, load_corridor
+from oodscen.driving import load_corridor
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from tools.maps.picture import draw_map
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
-from oodscen_pybullet._meshes.look import Shown
+from oodscen_pybullet._meshes.look import Appearance
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ SHOULDER = 1.40
 
 
 def figure(
-    mesh: MeshBuilder, clothes: Clothes, shown: Shown, posture: Posture = UPRIGHT
+    mesh: MeshBuilder, clothes: Clothes, shown: Appearance, posture: Posture = UPRIGHT
 ) -> tuple[float, float, float]:
     """Add an adult of 1.75 m who stands, walks or runs; return the centre of the head."""
     phase, runs = shown.gait or (0.0, False)
@@ -180,7 +180,7 @@ def grounded(mesh: MeshBuilder) -> MeshBuilder:
     return mesh.shift((0.0, 0.0, -float(low[2])))
 
 
-def adult(mesh: MeshBuilder, shown: Shown) -> None:
+def adult(mesh: MeshBuilder, shown: Appearance) -> None:
     """An adult pedestrian."""
     figure(mesh, WARDROBE[shown.index % len(WARDROBE)], shown)
     if shown.index % 2:
@@ -188,7 +188,7 @@ def adult(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def child(mesh: MeshBuilder, shown: Shown) -> None:
+def child(mesh: MeshBuilder, shown: Appearance) -> None:
     """A child of about seven, with a satchel."""
     tops = ("yellow", "shirt_red", "teal")
     hair = "hair_fair" if shown.index % 2 else "hair"
@@ -223,7 +223,7 @@ def vest(mesh: MeshBuilder, colour: str, head: Point) -> None:
         )
 
 
-def worker(mesh: MeshBuilder, shown: Shown) -> None:
+def worker(mesh: MeshBuilder, shown: Appearance) -> None:
     """A road worker in high-visibility clothes, with helmet and shovel."""
     clothes = Clothes("fluor_orange", "fluor_orange", hat="yellow")
     hold = replace(UPRIGHT, half_step=0.28, right_hand=(0.16, -0.30, 1.06))
@@ -234,7 +234,7 @@ def worker(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def police_officer(mesh: MeshBuilder, shown: Shown) -> None:
+def police_officer(mesh: MeshBuilder, shown: Appearance) -> None:
     """A police officer in a yellow vest, holding up a stop disc."""
     hold = replace(UPRIGHT, half_step=0.25, right_hand=(0.36, -0.30, 1.62))
     x, _, z = figure(mesh, Clothes("uniform", "uniform", hat="uniform"), shown, hold)

@@ -6,10 +6,11 @@ from dataclasses import replace
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living.limbs import joint, limb
 from oodscen_pybullet._meshes.living.people import UPRIGHT, Clothes, Posture, figure, grounded, vest
-from oodscen_pybullet._meshes.look import Shown
+from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.objects.signs import face
 
 
-def jogger(mesh: MeshBuilder, shown: Shown) -> None:
+def jogger(mesh: MeshBuilder, shown: Appearance) -> None:
     """A runner in shorts and a bright shirt."""
     tops = ("fluor_yellow", "orange", "teal")
     clothes = Clothes(
@@ -24,7 +25,7 @@ def jogger(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def elderly_person(mesh: MeshBuilder, shown: Shown) -> None:
+def elderly_person(mesh: MeshBuilder, shown: Appearance) -> None:
     """An elderly person, bent forward, with grey hair and a stick."""
     clothes = Clothes(
         "shirt_green" if shown.index % 2 else "coat", "trousers", hair="light_grey",
@@ -37,7 +38,7 @@ def elderly_person(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh).shift((0, 0, 0), scale=0.95)
 
 
-def wheelchair_user(mesh: MeshBuilder, shown: Shown) -> None:
+def wheelchair_user(mesh: MeshBuilder, shown: Appearance) -> None:
     """A person in a wheelchair, turning the wheels by hand."""
     phase, _ = shown.gait or (0.0, False)
     push = 0.1 * math.sin(2 * math.pi * phase)
@@ -91,7 +92,7 @@ def _ring(
             mesh.beam((x, y, z), one, 0.012, "silver")
 
 
-def person_with_stroller(mesh: MeshBuilder, shown: Shown) -> None:
+def person_with_stroller(mesh: MeshBuilder, shown: Appearance) -> None:
     """A parent pushing a pram."""
     posture = Posture((0.40, 0.2, 1.04), (0.40, -0.2, 1.04), lean=0.06, half_step=0.28)
     clothes = Clothes("shirt_white", "jeans", "hair_fair", has_long_hair=True)
@@ -112,7 +113,7 @@ def person_with_stroller(mesh: MeshBuilder, shown: Shown) -> None:
     mesh.box((0.3, 0, 0.8), (0.34, 0.3, 0.04), "shirt_white")
 
 
-def construction_flagger(mesh: MeshBuilder, shown: Shown) -> None:
+def construction_flagger(mesh: MeshBuilder, shown: Appearance) -> None:
     """A road worker holding a STOP paddle on a staff."""
     clothes = Clothes("fluor_orange", "navy", hat="white")
     posture = Posture(right_hand=(0.30, -0.28, 1.22), half_step=0.25)
@@ -127,14 +128,12 @@ def _disc(
     mesh: MeshBuilder, centre: tuple[float, float, float], half: float, front: str, back: str
 ) -> None:
     """Add an octagonal face visible from the front and the back."""
-    from oodscen_pybullet._meshes.objects.signs import face
-
     x, y, z = centre
     face(mesh, (x - 0.012, y, z), half, front, corners=8)
     face(mesh, (x + 0.012, y, z), half, back, corners=8, is_forward=True)
 
 
-def person_in_costume(mesh: MeshBuilder, shown: Shown) -> None:
+def person_in_costume(mesh: MeshBuilder, shown: Appearance) -> None:
     """A person dressed up as a big yellow chicken."""
     clothes = Clothes("yellow", "orange", hair="yellow", skin="yellow", shoes="orange")
     x, _, z = figure(mesh, clothes, shown, replace(UPRIGHT, half_step=0.26))
@@ -164,7 +163,7 @@ def person_in_costume(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def protester(mesh: MeshBuilder, shown: Shown) -> None:
+def protester(mesh: MeshBuilder, shown: Appearance) -> None:
     """A demonstrator with a placard on a stick."""
     index = shown.index
     clothes = Clothes(
@@ -192,7 +191,7 @@ def person_lying(mesh: MeshBuilder) -> None:
     """A person lying on their back on the road, arms and legs apart."""
     body = MeshBuilder()
     clothes = Clothes("shirt", "jeans", sleeves="skin")
-    figure(body, clothes, Shown(), Posture((0.06, 0.62, 1.5), (0.06, -0.62, 1.08)))
+    figure(body, clothes, Appearance(), Posture((0.06, 0.62, 1.5), (0.06, -0.62, 1.08)))
     facing_left = MeshBuilder().add(body.build(), yaw=math.pi / 2).build()
     mesh.add(facing_left, (0.0, 0.0, 0.14), roll=math.pi / 2).flatten(0.0)
 

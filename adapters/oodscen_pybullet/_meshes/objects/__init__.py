@@ -1,1 +1,1 @@
-"""Meshes of objects: props, cargo, signs, plants, road works."""
+"""Meshes of objects: props, cargo, signs, plants."""

@@ -1,75 +1,8 @@
-"""Lost cargo, vehicle parts and windblown objects."""
+"""Lost cargo and windblown objects that take arithmetic to describe."""
 
-import itertools
 import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._meshes.look import Shown
-
-
-def car_door(mesh: MeshBuilder, shown: Shown) -> None:
-    """A car door, upright as when shut, hinged at its front edge and visible from both sides."""
-    paint = shown.paint
-    mesh.hull((-0.52, 0.52, -0.04, 0.06, 0.32), (-0.56, 0.54, -0.05, 0.05, 0.94), paint)
-    mesh.hull((-0.5, 0.46, -0.085, -0.04, 0.4), (-0.5, 0.48, -0.09, -0.05, 0.9), "dark_grey")
-    mesh.box((0.1, -0.1, 0.62), (0.5, 0.04, 0.08), "grey")
-    mesh.box((-0.4, 0.065, 0.82), (0.2, 0.03, 0.04), "black")
-    top = [(-0.54, 0.94), (-0.42, 1.36), (0.02, 1.36), (0.52, 0.94)]
-    for (x0, z0), (x1, z1) in itertools.pairwise(top):
-        mesh.beam((x0, 0.0, z0), (x1, -0.06, z1), 0.06, paint)
-    glass = [(x, -0.02 - 0.04 * (z > 1), z) for x, z in top]
-    mesh.polygon(glass, "glass_light").polygon(glass[::-1], "glass_light")
-    mesh.box((0.4, 0.13, 1.0), (0.1, 0.16, 0.13), paint)
-
-
-def bumper(mesh: MeshBuilder, shown: Shown) -> None:
-    """A torn-off bumper with its number plate, across the lane."""
-    paint = shown.paint
-    spots = [
-        (0.35, -0.86, 0.24),
-        (0.08, -0.72, 0.30),
-        (0.0, -0.4, 0.32),
-        (0.0, 0.4, 0.3),
-        (0.06, 0.7, 0.22),
-        (0.3, 0.9, 0.14),
-    ]
-    for (x0, y0, z0), (x1, y1, z1) in itertools.pairwise(spots):
-        low0, low1 = max(0.0, z0 - 0.3), max(0.0, z1 - 0.3)
-        for dx, colour in ((0.0, paint), (0.03, "dark_grey")):
-            quad = [(x0 + dx, y1, low1), (x0 + dx, y0, low0), (x0 + dx, y0, z0), (x0 + dx, y1, z1)]
-            quad[0] = (x1 + dx, y1, low1)
-            quad[3] = (x1 + dx, y1, z1)
-            mesh.polygon(quad if dx == 0.0 else quad[::-1], colour)
-        mesh.beam((x0 + 0.05, y0, z0), (x1 + 0.05, y1, z1), 0.1, paint)
-        mesh.beam((x0 + 0.05, y0, low0 + 0.04), (x1 + 0.05, y1, low1 + 0.04), 0.08, "dark_grey")
-    mesh.picture(
-        [(-0.05, 0.27, 0.1), (-0.05, -0.27, 0.1), (-0.05, -0.27, 0.23), (-0.05, 0.27, 0.23)],
-        "plate_rear",
-    )
-    for x, y in ((-0.4, 0.3), (-0.25, -0.5), (-0.5, -0.1), (0.4, 0.1)):
-        mesh.box((x, y, 0.015), (0.16, 0.09, 0.03), "tail" if y > 0 else "glass_light")
-
-
-def barrel(mesh: MeshBuilder, shown: Shown) -> None:
-    """Two steel drums, one upright and one lying."""
-    colour = shown.paint
-
-    def one() -> MeshBuilder:
-        part = MeshBuilder()
-        for low, high in ((0.0, 0.29), (0.31, 0.58), (0.60, 0.88)):
-            part.cylinder(
-                (0, 0, low), (0, 0, high), 0.285, colour, sides=14, cap_colour="dark_grey"
-            )
-        for z in (0.0, 0.285, 0.585, 0.86):
-            part.cylinder((0, 0, z), (0, 0, z + 0.03), 0.305, "dark_grey", sides=14)
-        return part
-
-    mesh.add(one().build(), (0, 0.42, 0))
-    mesh.add(one().build(), (0.1, -0.1, 0.305), roll=math.pi / 2)
-    mesh.picture(
-        [(-0.29, 0.62, 0.3), (-0.29, 0.22, 0.3), (-0.29, 0.22, 0.7), (-0.29, 0.62, 0.7)],
-        "sign_danger",
-    )
 
 
 def crate(mesh: MeshBuilder) -> None:
@@ -145,29 +78,6 @@ def spilled_gravel(mesh: MeshBuilder) -> None:
     mesh.flatten(0.0)
 
 
-def fridge(mesh: MeshBuilder) -> None:
-    """A white refrigerator lying on its back, its door ajar."""
-    mesh.hull((-0.85, 0.85, -0.32, 0.32, 0.0), (-0.85, 0.85, -0.32, 0.32, 0.52), "white", caps="b")
-    mesh.polygon(
-        [(-0.85, -0.32, 0.5), (0.85, -0.32, 0.5), (0.85, 0.32, 0.5), (-0.85, 0.32, 0.5)],
-        "light_grey",
-    )
-    mesh.hull((-0.8, 0.8, -0.27, 0.27, 0.505), (-0.8, 0.8, -0.27, 0.27, 0.51), "sky_blue", caps="t")
-    for x in (-0.4, 0.0, 0.4):
-        mesh.box((x, 0, 0.515), (0.03, 0.54, 0.02), "silver")
-    door = [(-0.85, 0.32, 0.52), (0.3, 0.32, 0.52), (0.3, 0.62, 1.04), (-0.85, 0.62, 1.04)]
-    mesh.polygon(door, "light_grey").polygon(door[::-1], "white")
-    thick = [(x, y + 0.07, z + 0.03) for x, y, z in door]
-    mesh.polygon(thick[::-1], "white")
-    for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)):
-        quad = [door[a], door[b], thick[b], thick[a]]
-        mesh.polygon(quad, "light_grey").polygon(quad[::-1], "light_grey")
-    mesh.hull((0.32, 0.85, -0.32, 0.32, 0.52), (0.33, 0.85, -0.32, 0.32, 0.6), "white", caps="t")
-    mesh.beam((0.4, 0.2, 0.63), (0.7, 0.2, 0.63), 0.04, "silver")
-    mesh.beam((-0.4, 0.6, 0.86), (0.0, 0.6, 0.86), 0.05, "silver")
-    mesh.box((-0.86, 0.0, 0.16), (0.03, 0.5, 0.2), "black")
-
-
 def tarpaulin(mesh: MeshBuilder) -> None:
     """A crumpled blue tarpaulin."""
     columns, rows = 9, 8
@@ -195,21 +105,6 @@ def tarpaulin(mesh: MeshBuilder) -> None:
             mesh.polygon([at(i, j), at(i + 1, j + 1), at(i, j + 1)], "blue")
     for x, y in ((-1.1, -1.3), (1.1, -1.3), (1.1, 1.3), (-1.1, 1.3)):
         mesh.cylinder((x, y, 0.0), (0.97 * x, 0.97 * y, 0.04), 0.05, "silver", sides=6)
-
-
-def plastic_bag(mesh: MeshBuilder) -> None:
-    """A white plastic carrier bag inflated by the wind, printed in blue, with loop handles."""
-    mesh.hull((-0.12, 0.12, -0.17, 0.17, 0.0), (-0.17, 0.17, -0.24, 0.24, 0.16), "plastic")
-    mesh.hull((-0.17, 0.17, -0.24, 0.24, 0.16), (-0.14, 0.14, -0.23, 0.23, 0.34), "white", caps="")
-    mesh.hull((-0.14, 0.14, -0.23, 0.23, 0.34), (-0.06, 0.06, -0.2, 0.2, 0.42), "plastic", caps="t")
-    for x, out in ((-0.05, -1.0), (0.05, 1.0)):
-        for side in (-1.0, 1.0):
-            start, bend = (x, side * 0.17, 0.42), (x + 0.02 * out, side * 0.11, 0.54)
-            mesh.beam(start, bend, 0.045, "white")
-            mesh.beam(bend, (x + 0.02 * out, 0.0, 0.57), 0.04, "white")
-    for side in (-1.0, 1.0):
-        mesh.box((side * 0.158, 0, 0.25), (0.012, 0.28, 0.05), "blue")
-        mesh.box((side * 0.166, 0, 0.17), (0.012, 0.2, 0.04), "blue")
 
 
 def tumbleweed(mesh: MeshBuilder) -> None:
@@ -240,5 +135,4 @@ def tumbleweed(mesh: MeshBuilder) -> None:
     )
 
 
-STILL = (crate, spilled_logs, spilled_gravel, fridge, tarpaulin, plastic_bag, tumbleweed)
-VARIED = (car_door, bumper, barrel)
+STILL = (crate, spilled_logs, spilled_gravel, tarpaulin, tumbleweed)

@@ -146,36 +146,4 @@ def flood_water(mesh: MeshBuilder) -> None:
     _foot(mesh, "flood")
 
 
-def road_plate(mesh: MeshBuilder) -> None:
-    """A steel plate over a trench, with a chequered surface and striped edges."""
-    mesh.box((0, 0, 0.015), (2.4, 1.8, 0.03), "rust")
-    for i in range(6):
-        for j in range(5):
-            x, y = -0.95 + 0.38 * i, -0.64 + 0.32 * j
-            dx, dy = (0.13, 0.025) if (i + j) % 2 else (0.025, 0.11)
-            mesh.polygon(
-                [
-                    (x - dx, y - dy, 0.034),
-                    (x + dx, y - dy, 0.034),
-                    (x + dx, y + dy, 0.034),
-                    (x - dx, y + dy, 0.034),
-                ],
-                "metal",
-            )
-    for side in (-1.0, 1.0):
-        for k in range(8):
-            colour = "yellow" if k % 2 else "black"
-            y0 = -0.9 + 0.225 * k
-            x0, x1 = sorted((side * 1.08, side * 1.2))
-            mesh.polygon(
-                [
-                    (x0, y0, 0.033),
-                    (x1, y0, 0.033),
-                    (x1, y0 + 0.225, 0.033),
-                    (x0, y0 + 0.225, 0.033),
-                ],
-                colour,
-            )
-
-
-STILL = (puddle, oil_spill, broken_glass, pothole, flood_water, road_plate)
+STILL = (puddle, oil_spill, broken_glass, pothole, flood_water)

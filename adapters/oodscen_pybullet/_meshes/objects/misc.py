@@ -6,7 +6,7 @@ import math
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.fire import flames, smoke_column
 from oodscen_pybullet._meshes.living.people import Clothes, Posture, figure, grounded
-from oodscen_pybullet._meshes.look import Shown
+from oodscen_pybullet._meshes.look import Appearance
 
 
 def open_manhole(mesh: MeshBuilder) -> None:
@@ -20,45 +20,12 @@ def open_manhole(mesh: MeshBuilder) -> None:
         mesh.beam((0.3 - x, 0.82 - y, 0.105), (0.3 + x, 0.82 + y, 0.105), 0.03, "metal")
 
 
-def balloon(mesh: MeshBuilder) -> None:
-    """A bunch of bright balloons on strings tied to a weight."""
-    mesh.box((0, 0, 0.06), (0.16, 0.16, 0.12), "silver")
-    spots = (
-        (0.0, 0.0, 1.75, "balloon"),
-        (0.28, 0.18, 1.55, "yellow"),
-        (-0.22, 0.3, 1.5, "sky_blue"),
-        (-0.25, -0.25, 1.6, "lime"),
-        (0.22, -0.3, 1.48, "pink"),
-        (0.0, 0.42, 1.24, "purple"),
-        (0.05, -0.45, 1.2, "orange"),
-    )
-    for x, y, z, colour in spots:
-        mesh.ball((x, y, z), (0.2, 0.2, 0.25), colour, around=9, down=6)
-        mesh.cylinder((x, y, z - 0.29), (x, y, z - 0.24), 0.04, colour, sides=5, end_radius=0.01)
-        mesh.beam((0, 0, 0.12), (x, y, z - 0.28), 0.012, "white")
-
-
-def inflatable(mesh: MeshBuilder) -> None:
-    """A giant inflatable duck blown onto the road, facing -x."""
-    duck = MeshBuilder()
-    duck.ball((-0.2, 0, 0.85), (1.35, 1.05, 0.85), "yellow", around=14, down=9)
-    duck.ball((0.65, 0, 1.95), (0.66, 0.62, 0.64), "yellow", around=12, down=8)
-    duck.cylinder((-1.2, 0, 1.15), (-1.75, 0, 1.65), 0.42, "yellow", sides=10, end_radius=0.06)
-    duck.ball((1.32, 0, 1.82), (0.34, 0.34, 0.12), "orange", around=10, down=5)
-    duck.ball((1.3, 0, 1.68), (0.28, 0.28, 0.1), "orange", around=10, down=5)
-    for side in (-1.0, 1.0):
-        duck.ball((1.1, side * 0.3, 2.15), (0.14, 0.1, 0.18), "white", around=8, down=5)
-        duck.ball((1.19, side * 0.32, 2.15), (0.07, 0.06, 0.1), "black", around=8, down=5)
-        duck.ball((-0.3, side * 0.98, 1.0), (0.75, 0.2, 0.42), "machine", around=10, down=6)
-    mesh.add(duck.flatten(0.0).build(), yaw=math.pi)
-
-
 def mannequin(mesh: MeshBuilder) -> None:
     """A white, faceless shop-window dummy on a stand, facing -x."""
     doll = MeshBuilder()
     white = "plastic"
     clothes = Clothes("purple", white, sleeves=white, hair=white, skin=white, shoes=white)
-    figure(doll, clothes, Shown(), Posture((0.3, 0.36, 1.2), (0.1, -0.42, 0.98)))
+    figure(doll, clothes, Appearance(), Posture((0.3, 0.36, 1.2), (0.1, -0.42, 0.98)))
     grounded(doll).shift((0, 0, 0.04))
     doll.ball((0.02, 0, 1.66), (0.112, 0.095, 0.135), white)
     doll.cylinder((0, 0, 0), (0, 0, 0.04), 0.26, "dark_grey", sides=14)
@@ -86,7 +53,7 @@ def drone(mesh: MeshBuilder) -> None:
         mesh.beam((-0.3, sy * 0.24, 0.02), (0.3, sy * 0.24, 0.02), 0.04, "dark_grey")
 
 
-def smoke(mesh: MeshBuilder, shown: Shown) -> None:
+def smoke(mesh: MeshBuilder, shown: Appearance) -> None:
     """A bank of grey smoke that drifts over the lane from a smouldering heap."""
     for index in range(12):
         turn = index * 2.4
@@ -116,7 +83,7 @@ def smoke(mesh: MeshBuilder, shown: Shown) -> None:
         )
 
 
-def fire(mesh: MeshBuilder, shown: Shown) -> None:
+def fire(mesh: MeshBuilder, shown: Appearance) -> None:
     """A burning heap of wood and tyres."""
     for index in range(7):
         turn = index * 0.9
@@ -143,5 +110,5 @@ def fire(mesh: MeshBuilder, shown: Shown) -> None:
     mesh.lamp((0, 0, 0.9), (1.0, 0.6, 0.2), (0, 0, 0), 5.0)
 
 
-STILL = (open_manhole, balloon, inflatable, mannequin, drone)
+STILL = (open_manhole, mannequin, drone)
 VARIED = (smoke, fire)

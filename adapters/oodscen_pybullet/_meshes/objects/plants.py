@@ -1,4 +1,4 @@
-"""Fallen trees and branches, leaves, hay."""
+"""Fallen trees, leaves and hay."""
 
 import math
 
@@ -62,47 +62,6 @@ def fallen_tree(mesh: MeshBuilder) -> None:
             down=6,
             jitter=0.24,
             key=50 + index,
-        )
-    mesh.flatten(0.0)
-
-
-def branch(mesh: MeshBuilder) -> None:
-    """A broken bough with twigs and leaves, lying along its y axis."""
-    mesh.cylinder(
-        (0, -1.1, 0.09),
-        (0.05, 0.3, 0.16),
-        0.09,
-        "bark",
-        sides=7,
-        end_radius=0.07,
-        cap_colour="wood_fresh",
-    )
-    mesh.cylinder((0.05, 0.3, 0.16), (0.1, 1.1, 0.3), 0.07, "bark", sides=6, end_radius=0.03)
-    for start, end in (
-        ((0.0, -0.5, 0.12), (0.45, 0.0, 0.36)),
-        ((0.0, -0.1, 0.14), (-0.45, 0.5, 0.4)),
-        ((0.05, 0.4, 0.17), (0.4, 0.9, 0.45)),
-        ((0.0, -0.7, 0.12), (-0.35, -0.4, 0.3)),
-    ):
-        mesh.beam(start, end, 0.05, "bark_dark", end_width=0.02)
-    clumps = (
-        (0.45, 0.05, 0.3, 0.24),
-        (-0.42, 0.5, 0.32, 0.28),
-        (0.4, 0.9, 0.36, 0.3),
-        (0.05, 1.15, 0.3, 0.34),
-        (-0.3, -0.35, 0.24, 0.18),
-        (0.1, 0.7, 0.34, 0.26),
-    )
-    for index, (x, y, z, size) in enumerate(clumps):
-        mesh.ball(
-            (x, y, z),
-            (size, size, size * 0.75),
-            "leaf" if index % 2 else "leaf_light",
-            around=7,
-            down=5,
-            jitter=0.25,
-            key=70 + index,
-            second_colour="leaf_dark",
         )
     mesh.flatten(0.0)
 
@@ -236,4 +195,4 @@ def hay_bale(mesh: MeshBuilder) -> None:
     mesh.flatten(0.0)
 
 
-STILL = (fallen_tree, branch, fallen_pole, leaves_pile, stump, hay_bale)
+STILL = (fallen_tree, fallen_pole, leaves_pile, stump, hay_bale)

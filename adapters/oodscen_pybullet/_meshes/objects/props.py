@@ -6,61 +6,6 @@ import math
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 
 
-def cardboard_box(mesh: MeshBuilder) -> None:
-    """A large taped and printed carton with one pair of flaps open."""
-    half, top = 0.45, 0.8
-    mesh.hull(
-        (-half, half, -half, half, 0.0), (-half, half, -half, half, top), "cardboard", caps="b"
-    )
-    mesh.polygon(
-        [
-            (-half, -half, top - 0.12),
-            (half, -half, top - 0.12),
-            (half, half, top - 0.12),
-            (-half, half, top - 0.12),
-        ],
-        "cardboard_inside",
-    )
-    for side in (-1.0, 1.0):
-        flap = [
-            (-half, side * half, top),
-            (half, side * half, top),
-            (half, side * (half + 0.10), top + 0.22),
-            (-half, side * (half + 0.10), top + 0.22),
-        ]
-        mesh.polygon(flap, "cardboard_dark").polygon(flap[::-1], "cardboard_dark")
-        lid = [
-            (side * half, -half, top),
-            (side * half, half, top),
-            (side * 0.06, half, top + 0.09),
-            (side * 0.06, -half, top + 0.09),
-        ]
-        mesh.polygon(lid, "cardboard").polygon(lid[::-1], "cardboard_inside")
-        e = half + 0.004
-        front = [
-            (side * e, -0.05, 0.0),
-            (side * e, 0.05, 0.0),
-            (side * e, 0.05, top),
-            (side * e, -0.05, top),
-        ]
-        mesh.polygon(front if side > 0 else front[::-1], "tape")
-        print_x = side * (half + 0.003)
-        mark = [
-            (print_x, -side * 0.40, 0.2),
-            (print_x, -side * 0.08, 0.2),
-            (print_x, -side * 0.08, 0.62),
-            (print_x, -side * 0.40, 0.62),
-        ]
-        mesh.picture(mark, "box_print")
-        mark = [
-            (side * 0.40, side * e, 0.2),
-            (side * 0.02, side * e, 0.2),
-            (side * 0.02, side * e, 0.62),
-            (side * 0.40, side * e, 0.62),
-        ]
-        mesh.picture(mark, "box_print")
-
-
 def plant_pot(mesh: MeshBuilder) -> None:
     """A big terracotta pot with a bushy plant."""
     mesh.cylinder((0, 0, 0), (0, 0, 0.46), 0.22, "terracotta", sides=14, end_radius=0.32)
@@ -167,77 +112,6 @@ def mattress(mesh: MeshBuilder) -> None:
     )
 
 
-def sofa(mesh: MeshBuilder) -> None:
-    """A red three-seater sofa whose seat faces -x, towards an approaching driver."""
-    mesh.box((0, 0, 0.26), (0.86, 2.0, 0.32), "sofa")
-    mesh.hull((0.16, 0.44, -1.0, 1.0, 0.4), (0.26, 0.46, -1.0, 1.0, 0.86), "sofa_dark")
-    for side in (-1.0, 1.0):
-        mesh.box((0, side * 0.92, 0.36), (0.9, 0.2, 0.54), "sofa_dark")
-        mesh.cylinder((-0.45, side * 0.92, 0.63), (0.45, side * 0.92, 0.63), 0.11, "sofa", sides=8)
-        for x in (-0.36, 0.36):
-            mesh.box((x, side * 0.9, 0.05), (0.07, 0.07, 0.1), "wood_dark")
-    for y in (-0.55, 0.0, 0.55):
-        mesh.box((-0.12, y, 0.49), (0.6, 0.53, 0.15), "sofa")
-        mesh.hull(
-            (0.06, 0.2, y - 0.25, y + 0.25, 0.56), (0.16, 0.28, y - 0.25, y + 0.25, 0.84), "sofa"
-        )
-
-
-def pallet(mesh: MeshBuilder) -> None:
-    """A stack of three wooden pallets."""
-    flat = MeshBuilder()
-    for index in range(7):
-        flat.box((-0.52 + 0.173 * index, 0, 0.135), (0.11, 1.2, 0.022), "wood")
-    for y in (-0.54, 0.0, 0.54):
-        flat.box((0, y, 0.115), (1.15, 0.1, 0.02), "wood_dark")
-        flat.box((0, y, 0.011), (1.15, 0.1, 0.022), "wood_dark")
-        for x in (-0.5, 0.0, 0.5):
-            flat.box((x, y, 0.063), (0.14, 0.1, 0.085), "wood")
-    one = flat.build()
-    mesh.add(one)
-    mesh.add(one, (0.05, -0.12, 0.16), yaw=0.16)
-    mesh.add(one, (-0.04, 0.05, 0.32), yaw=-0.1)
-
-
-def ladder(mesh: MeshBuilder) -> None:
-    """An aluminium ladder lying across the lane, along its y axis."""
-    for x in (-0.22, 0.22):
-        mesh.box((x, 0, 0.06), (0.06, 3.2, 0.10), "silver")
-    for index in range(11):
-        mesh.beam(
-            (-0.22, -1.5 + 0.3 * index, 0.08), (0.22, -1.5 + 0.3 * index, 0.08), 0.05, "light_grey"
-        )
-    for y in (-1.58, 1.58):
-        mesh.box((0, y, 0.06), (0.5, 0.05, 0.12), "red")
-
-
-def rock(mesh: MeshBuilder) -> None:
-    """A boulder with two smaller stones."""
-    mesh.ball(
-        (0, 0, 0.36),
-        (0.62, 0.52, 0.46),
-        "rock",
-        around=8,
-        down=6,
-        jitter=0.16,
-        key=11,
-        second_colour="rock_dark",
-    )
-    mesh.ball(
-        (-0.45, 0.52, 0.14),
-        (0.24, 0.2, 0.17),
-        "rock_dark",
-        around=7,
-        down=5,
-        jitter=0.16,
-        key=12,
-        second_colour="rock",
-    )
-    mesh.ball(
-        (-0.4, -0.55, 0.10), (0.18, 0.17, 0.13), "rock", around=7, down=5, jitter=0.16, key=13
-    )
-
-
 def debris(mesh: MeshBuilder) -> None:
     """A heap of broken planks, bent metal and rubble."""
     planks = (
@@ -318,42 +192,4 @@ def _between(a: tuple[float, float], b: tuple[float, float], f: float) -> tuple[
     return a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1])
 
 
-def suitcase(mesh: MeshBuilder) -> None:
-    """An upright blue suitcase with its handle extended."""
-    mesh.box((0, 0, 0.40), (0.3, 0.52, 0.68), "blue")
-    for y in (-0.16, 0.0, 0.16):
-        mesh.box((0, y, 0.40), (0.32, 0.03, 0.66), "navy")
-    for side in (-1.0, 1.0):
-        mesh.box((0, side * 0.25, 0.4), (0.31, 0.04, 0.69), "navy")
-        mesh.beam((0.08, side * 0.13, 0.74), (0.08, side * 0.13, 1.04), 0.022, "silver")
-        for x in (-0.1, 0.1):
-            mesh.cylinder((x, side * 0.2, 0.035), (x, side * 0.24, 0.035), 0.035, "black", sides=8)
-    mesh.beam((0.08, -0.15, 1.04), (0.08, 0.15, 1.04), 0.04, "black")
-    mesh.box((-0.163, 0.0, 0.62), (0.012, 0.16, 0.1), "yellow")
-
-
-def wheelie_bin(mesh: MeshBuilder) -> None:
-    """A green wheeled rubbish bin."""
-    mesh.hull((-0.22, 0.26, -0.22, 0.22, 0.06), (-0.32, 0.32, -0.29, 0.29, 0.94), "bin_green")
-    mesh.hull((-0.36, 0.36, -0.31, 0.31, 0.94), (-0.34, 0.34, -0.29, 0.29, 1.02), "bin_dark")
-    mesh.hull((-0.3, 0.2, -0.24, 0.24, 1.02), (-0.2, 0.1, -0.16, 0.16, 1.07), "bin_dark")
-    mesh.beam((0.38, -0.24, 0.98), (0.38, 0.24, 0.98), 0.05, "bin_dark")
-    for side in (-1.0, 1.0):
-        mesh.cylinder((0.22, side * 0.22, 0.1), (0.22, side * 0.3, 0.1), 0.1, "black", sides=10)
-    mesh.box((-0.29, 0, 0.6), (0.03, 0.22, 0.16), "white")
-
-
-def snow_pile(mesh: MeshBuilder) -> None:
-    """A heap of ploughed snow, dirty at the base."""
-    mesh.ball((0, 0, 0.02), (0.95, 1.25, 0.62), "snow", around=12, down=8, jitter=0.08, key=41)
-    mesh.ball((0.35, 0.6, 0.05), (0.6, 0.6, 0.5), "snow", around=9, down=6, jitter=0.12, key=42)
-    mesh.ball(
-        (-0.3, -0.6, 0.05), (0.6, 0.65, 0.42), "snow_shade", around=9, down=6, jitter=0.12, key=43
-    )
-    mesh.flatten(0.0)
-
-
-STILL = (
-    cardboard_box, plant_pot, tyre, mattress, sofa, pallet, ladder, rock, debris, shopping_cart,
-    suitcase, wheelie_bin, snow_pile,
-)  # fmt: skip
+STILL = (plant_pot, tyre, mattress, debris, shopping_cart)

@@ -4,10 +4,7 @@ import itertools
 import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
-from oodscen_pybullet._meshes.look import Shown
-from oodscen_pybullet._meshes.vehicles.bodywork import AMBER, RED
-
-GREEN: Point = (0.25, 1.0, 0.5)
+from oodscen_pybullet._meshes.look import AMBER, GREEN, RED, Appearance
 
 
 def face(
@@ -114,18 +111,6 @@ def road_works_sign(mesh: MeshBuilder) -> None:
         mesh.beam((0.0, side * 0.3, 0.03), (0, 0, 0.5), 0.04, "grey")
 
 
-def one_way_sign(mesh: MeshBuilder) -> None:
-    """A blue board with a white arrow to the right, on a post."""
-    _post(mesh, 2.5)
-    mesh.picture(
-        [(-0.06, 0.6, 2.05), (-0.06, -0.6, 2.05), (-0.06, -0.6, 2.5), (-0.06, 0.6, 2.5)],
-        "sign_oneway",
-    )
-    mesh.polygon(
-        [(-0.045, -0.6, 2.05), (-0.045, 0.6, 2.05), (-0.045, 0.6, 2.5), (-0.045, -0.6, 2.5)], "grey"
-    )
-
-
 def sign_fallen(mesh: MeshBuilder) -> None:
     """A knocked-over stop sign: the post along x, the face propped up towards the viewer."""
     mesh.cylinder((1.7, 0.1, 0.04), (-0.6, 0, 0.22), 0.04, "grey", sides=8)
@@ -175,7 +160,7 @@ def lens(mesh: MeshBuilder, centre: Point, radius: float, name: str, *, is_lit: 
         mesh.lamp((x - 0.03, y, z), _GLOW[name], (-1, 0, 0), 2.0)
 
 
-def traffic_light(mesh: MeshBuilder, shown: Shown) -> None:
+def traffic_light(mesh: MeshBuilder, shown: Appearance) -> None:
     """A traffic light on a post; the flashing state is amber."""
     lit = _LENSES.get(shown.state, ("red",))
     if shown.state == "flashing" and shown.frame % 2:
@@ -210,7 +195,7 @@ def traffic_light(mesh: MeshBuilder, shown: Shown) -> None:
         lens(mesh, (-0.272, 0, z), 0.135, name, is_lit=name in lit)
 
 
-def pedestrian_light(mesh: MeshBuilder, shown: Shown) -> None:
+def pedestrian_light(mesh: MeshBuilder, shown: Appearance) -> None:
     """A pedestrian light on a post, with a standing or a walking figure."""
     mesh.cylinder((0, 0, 0), (0, 0, 2.9), 0.055, "dark_grey", sides=8)
     mesh.box((-0.14, 0, 2.5), (0.2, 0.34, 0.74), "black")
@@ -235,7 +220,25 @@ def pedestrian_light(mesh: MeshBuilder, shown: Shown) -> None:
         mesh.box((-0.28, 0, z + 0.17), (0.1, 0.32, 0.02), "black")
 
 
-def level_crossing_gate(mesh: MeshBuilder, shown: Shown) -> None:
+def temporary_light(mesh: MeshBuilder, shown: Appearance) -> None:
+    """A portable traffic light on a yellow battery trailer."""
+    lit = {"red": "red", "green": "green", "amber": "amber", "flashing": "amber"}.get(
+        shown.state or "red", ""
+    )
+    if shown.state == "flashing" and shown.frame % 2:
+        lit = ""
+    mesh.box((0.1, 0, 0.42), (0.8, 0.7, 0.5), "machine")
+    mesh.box((0.1, 0, 0.69), (0.84, 0.74, 0.06), "machine_dark")
+    for side in (-1.0, 1.0):
+        mesh.wheel(0.1, side * 0.4, 0.2, 0.12)
+    mesh.cylinder((0.0, 0, 0.7), (0.0, 0, 2.2), 0.05, "grey", sides=8)
+    mesh.box((-0.1, 0, 2.3), (0.2, 0.34, 1.0), "black")
+    mesh.box((0.0, 0, 2.3), (0.03, 0.5, 1.16), "yellow")
+    for name, z in (("red", 2.6), ("amber", 2.3), ("green", 2.0)):
+        lens(mesh, (-0.2, 0, z), 0.12, name, is_lit=name == lit)
+
+
+def level_crossing_gate(mesh: MeshBuilder, shown: Appearance) -> None:
     """A railway gate with two red lamps; its arm lies across the lane or points up."""
     is_open = shown.state == "open"
     right = -2.9
@@ -256,7 +259,12 @@ def level_crossing_gate(mesh: MeshBuilder, shown: Shown) -> None:
 
 
 STILL = (
-    stop_sign, yield_sign, speed_limit_sign, no_entry_sign, warning_sign, road_works_sign,
-    one_way_sign, sign_fallen,
-)  # fmt: skip
-VARIED = (traffic_light, pedestrian_light, level_crossing_gate)
+    stop_sign,
+    yield_sign,
+    speed_limit_sign,
+    no_entry_sign,
+    warning_sign,
+    road_works_sign,
+    sign_fallen,
+)
+VARIED = (traffic_light, pedestrian_light, temporary_light, level_crossing_gate)

@@ -1,1 +1,1 @@
-"""Meshes of vehicles and riders."""
+"""Meshes of the ego, of riders and of wrecks."""

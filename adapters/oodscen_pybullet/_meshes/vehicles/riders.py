@@ -6,8 +6,7 @@ import math
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 from oodscen_pybullet._meshes.living.limbs import joint, limb
 from oodscen_pybullet._meshes.living.people import Clothes, Posture, figure
-from oodscen_pybullet._meshes.look import Lights, Shown
-from oodscen_pybullet._meshes.vehicles.bodywork import AMBER, RED, WHITE
+from oodscen_pybullet._meshes.look import AMBER, RED, WHITE, Appearance, Lights
 
 
 def _rider(
@@ -48,7 +47,7 @@ def _rider(
         limb(mesh, (shoulder, elbow, hand), (0.06, 0.048, 0.036), (clothes.top, sleeve))
 
 
-def _pedals(shown: Shown, hub: Point) -> tuple[Point, Point]:
+def _pedals(shown: Appearance, hub: Point) -> tuple[Point, Point]:
     """Return the positions of the ankles on the pedals, right first."""
     phase, _ = shown.gait or (0.0, False)
     x, _, z = hub
@@ -72,7 +71,7 @@ def _spoked_wheel(mesh: MeshBuilder, x: float, radius: float, y: float = 0.0) ->
         mesh.beam((x, y, radius), rim[i], 0.014, "silver")
 
 
-def _lamps(mesh: MeshBuilder, shown: Shown, tail: Point, head: Point) -> None:
+def _lamps(mesh: MeshBuilder, shown: Appearance, tail: Point, head: Point) -> None:
     lit = shown.lights.running
     mesh.box(tail, (0.05, 0.08, 0.08), "tail_lit" if lit else "reflector")
     mesh.box(head, (0.06, 0.08, 0.08), "head_lit" if lit else "head")
@@ -81,7 +80,7 @@ def _lamps(mesh: MeshBuilder, shown: Shown, tail: Point, head: Point) -> None:
         mesh.lamp(head, WHITE, (1, 0, 0), 1.0)
 
 
-def cyclist(mesh: MeshBuilder, shown: Shown) -> None:
+def cyclist(mesh: MeshBuilder, shown: Appearance) -> None:
     """A person with a helmet on a bicycle."""
     colour = ("blue", "red", "teal")[shown.index % 3]
     for x in (-0.52, 0.53):
@@ -105,7 +104,7 @@ def cyclist(mesh: MeshBuilder, shown: Shown) -> None:
     _rider(mesh, clothes, (-0.22, 0, 1.0), (0.34, 0.26, 1.05), _pedals(shown, (-0.12, 0, 0.32)))
 
 
-def cargo_bike(mesh: MeshBuilder, shown: Shown) -> None:
+def cargo_bike(mesh: MeshBuilder, shown: Appearance) -> None:
     """A person on a long bicycle with a big wooden box in front."""
     _spoked_wheel(mesh, -0.95, 0.31)
     _spoked_wheel(mesh, 1.12, 0.25)
@@ -132,12 +131,12 @@ def cargo_bike(mesh: MeshBuilder, shown: Shown) -> None:
     )  # fmt: skip
 
 
-def e_scooter(mesh: MeshBuilder, shown: Shown) -> None:
+def e_scooter(mesh: MeshBuilder, shown: Appearance) -> None:
     """A person standing on an electric scooter."""
     top = ("shirt_red", "shirt", "fluor_yellow")[shown.index % 3]
     clothes = Clothes(top, "jeans", hat=("", "white", "black")[shown.index % 3])
     posture = Posture((0.40, 0.22, 1.0), (0.40, -0.22, 1.0), lean=0.04)
-    figure(mesh, clothes, Shown(), posture)
+    figure(mesh, clothes, Appearance(), posture)
     mesh.shift((-0.1, 0, 0.17))
     for x in (-0.46, 0.5):
         mesh.cylinder((x, -0.03, 0.11), (x, 0.03, 0.11), 0.11, "tyre", sides=12)
@@ -154,7 +153,7 @@ def _signals(mesh: MeshBuilder, lights: Lights, x: float, z: float) -> None:
             mesh.lamp((x, side * 0.2, z), AMBER, (1.0 if x > 0 else -1.0, 0, 0), 2.0)
 
 
-def motorcycle(mesh: MeshBuilder, shown: Shown) -> None:
+def motorcycle(mesh: MeshBuilder, shown: Appearance) -> None:
     """A motorcycle with its rider."""
     lights = shown.lights
     colour = shown.paint if shown.paint in ("red", "blue", "green") else "red"

@@ -9,8 +9,9 @@ from oodscen_pybullet._land.terrain import Terrain
 from oodscen_pybullet._meshes import Mesh
 
 from oodscen.data._catalogue import RoadMap
-from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
-from oodscen.driving._roads.corridor import LaneStrip, OtherRoad
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.corridor import Corridor, LaneStrip, OtherRoad
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 DEPTH = 0.1
 """So far may the ground reach into a lane, m."""

@@ -74,6 +74,14 @@ def test_paints_and_strides_are_of_assets() -> None:
     assert all(0.1 < stride < 5.0 for stride in GAITS.values())
 
 
+@pytest.mark.parametrize("asset", [one.id for one in CATALOGUE.assets])
+def test_a_mesh_is_the_same_every_time(asset: str) -> None:
+    again, mesh = asset_mesh.__wrapped__(asset), asset_mesh(asset)
+    assert np.array_equal(again.vertices, mesh.vertices)
+    assert np.array_equal(again.uvs, mesh.uvs)
+    assert (again.lamps, again.puffs) == (mesh.lamps, mesh.puffs)
+
+
 def test_unknown_assets_are_refused_with_close_matches() -> None:
     with pytest.raises(UnknownComponent) as caught:
         asset_mesh("dear")

@@ -1,4 +1,4 @@
-"""The developing kernel: against the law of fog, against its own shadows, against plain NumPy."""
+"""The postprocessing kernel: against the law of fog, against its own shadows, against plain NumPy."""
 
 import math
 
@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from oodscen_pybullet._lighting.light import Glow, Light
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering import picture
-from oodscen_pybullet._rendering import postprocess as developing
-from oodscen_pybullet._rendering.picture import RawPicture, develop
+from oodscen_pybullet._rendering import postprocess as post
+from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
 from oodscen_pybullet._rendering.postprocess import fade, grain
 from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import GROUND, PLAIN, SHELTERED, SHINING, SOFT
@@ -42,7 +42,7 @@ def shot(depth: float, *, kind: int = 0, colour: int = 0) -> Shot:
 def show(raw: Shot, *glows: Glow, **weather: object) -> np.ndarray:
     conditions = Weather.model_validate(weather)
     light = Light.of(conditions, 0.0, is_snowy=False)
-    return develop(
+    return postprocessed(
         RawPicture(raw, VIEW, conditions, light, glows, time=0.5, seed=1, road_height=0.0)
     )
 
@@ -119,7 +119,7 @@ def test_tunnels_are_lit_by_their_own_lamps_and_hazy_only_outside() -> None:
         conditions = Weather.model_validate(weather)
         light = Light.of(conditions, 0.0, is_snowy=False)
         one = RawPicture(raw, VIEW, conditions, light, (), 0.5, 1, road_height=0.0, portal=portal)
-        return float(develop(one)[40:, :38].mean())
+        return float(postprocessed(one)[40:, :38].mean())
 
     day, night = inside(), inside(sun_elevation_deg=-30.0)
     assert night > 0.6 * day
@@ -150,4 +150,4 @@ def test_without_numba_pictures_are_the_same(
 
 
 def test_settings_have_room() -> None:
-    assert max(developing.NOISE, developing.AIR_INSIDE) < developing.SETTINGS
+    assert max(post.NOISE, post.AIR_INSIDE) < post.SETTINGS

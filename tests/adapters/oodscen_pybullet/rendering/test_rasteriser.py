@@ -25,7 +25,7 @@ IDS = [asset for asset in asset_ids() if asset != "ego_car"]
 
 
 def shoot(stage: Stage, view: CameraView) -> Shot:
-    return stage.photograph(
+    return stage.render(
         view, Light((-0.6, 0.48, 0.64), 0.6, 0.4, 1.0, 0.3, (1.0, 1.0, 1.0), has_glare=False)
     )
 
@@ -96,12 +96,12 @@ from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen.protocols import Camera
 
-def photograph(stage):
+def render(stage):
     mesh = MeshBuilder().picture([(-9, -9, 0), (90, -9, 0), (90, 9, 0), (-9, 9, 0)], "paving")
     stage.show_scenery([mesh.build()], is_snowy=False)
     stage.show_actors([Look("ego_car"), Look("cow")])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.1), (9.0, 1.0, 0.0, 2.0)])
-    shot = stage.photograph(
+    shot = stage.render(
         CameraView.of(Camera(120, 90), (0.0, 0.0, 0.0, 0.1)),
         Light((0.0, 0.6, 0.8), 0.5, 0.5, 1.0, 0.3, (1.0, 1.0, 1.0), has_glare=False),
     )
@@ -111,19 +111,19 @@ def photograph(stage):
 """
     scope: dict[str, object] = {}
     exec(code, scope)
-    photograph = scope["photograph"]
-    assert callable(photograph)
+    render = scope["render"]
+    assert callable(render)
     stage = Rasteriser()
-    first = photograph(stage)
+    first = render(stage)
     rng = np.random.Generator(np.random.PCG64(0))
     looks, poses = cast(rng)
     stage.show_scenery([scenery(rng)], is_snowy=True)
     stage.show_actors(looks)
     stage.pose_actors(poses)
     shoot(stage, CameraView.of(CAMERA, poses[0]))
-    assert photograph(stage) == first == photograph(Rasteriser())
+    assert render(stage) == first == render(Rasteriser())
     ran = subprocess.run(
-        [sys.executable, "-c", f"{code}\nprint(photograph(Rasteriser()))"],
+        [sys.executable, "-c", f"{code}\nprint(render(Rasteriser()))"],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert ran.stdout.strip() == first

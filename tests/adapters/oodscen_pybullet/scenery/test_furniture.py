@@ -7,24 +7,13 @@ import pytest
 from oodscen_pybullet._meshes import Mesh
 from oodscen_pybullet._scenery import buildings, furniture, greenery
 
+PIECES = [name for name in furniture.load_furniture() if name != "drive"]
 MAKERS: dict[str, Callable[[], Mesh]] = {
     "street_lamp": lambda: furniture.street_lamp(2.0, 8.0, is_night=True),
     "speed_sign": lambda: furniture.speed_sign(50),
-    **{f"front_{style}": lambda style=style: furniture.front(style) for style in range(3)},
-    "side_hedge": furniture.side_hedge,
-    "parked_car": lambda: furniture.parked_car("red"),
-    "bench": furniture.bench,
-    "litter_bin": furniture.litter_bin,
-    "hydrant": furniture.hydrant,
-    "bus_stop": lambda: furniture.bus_stop(is_night=True),
-    "bollard": furniture.bollard,
-    "mailbox": furniture.mailbox,
-    "delineator": furniture.delineator,
+    **{name: lambda name=name: furniture.piece(name, paint="red") for name in PIECES},
+    "lit_bus_stop": lambda: furniture.piece("bus_stop", is_night=True),
     "gantry": lambda: furniture.gantry(12.0),
-    "field_fence": furniture.field_fence,
-    "power_pole": furniture.power_pole,
-    "hay_bale": furniture.hay_bale,
-    "rail_post": furniture.rail_post,
     "block": lambda: buildings.city_block(18, 4, 1, 2, has_shop=True, is_night=True),
     "house": lambda: buildings.house(1, 1, 1, is_night=True),
     "tower": lambda: buildings.tower(2, 3, is_night=True),

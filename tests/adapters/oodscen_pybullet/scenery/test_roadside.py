@@ -10,8 +10,9 @@ from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._scenery.signals import limit_of, replaced
 
 from oodscen.data._catalogue import RoadMap
-from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
-from oodscen.driving._roads.corridor import RoadSignal
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.corridor import Corridor, RoadSignal
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 each_map = pytest.mark.parametrize("road", SHIPPED_MAPS, ids=lambda road: road.id)
 

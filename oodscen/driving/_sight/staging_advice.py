@@ -8,7 +8,7 @@ from oodscen.data._sighting import LEAST_SIZE_PX, Sighting
 from oodscen.driving._motion.actions import ACTION_DRIVERS, Cruise, action_driver, is_available
 from oodscen.driving._motion.triggers import value_in
 from oodscen.driving._motion.world import KinematicWorld
-from oodscen.driving._roads.building import find_map, load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.decision_view import drawn
 from oodscen.driving._sight.placement import APPROACH_S, check_scene
 from oodscen.driving._sight.scene_checks import CAMERA, PlacedBody, bodies
@@ -41,7 +41,7 @@ def visibility_issues(
     """
     if scene.is_twin or not scene.hazard.actors:
         return []
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     world = KinematicWorld(corridor, scene, catalogue, 0)
     driver = Cruise()
     while not world.is_due(scene.decision) and world.time < APPROACH_S:

@@ -6,7 +6,7 @@ from lxml import html
 from oodscen import Metrics, Study
 from oodscen.data._scenario import Scenario
 from oodscen.metrics._measurements import Measurements, measurements
-from oodscen.report import _measures as measures
+from oodscen.report import _text_metrics as measures
 from oodscen.report._load import Material, read
 from oodscen.report._render import rendered
 from oodscen.report._sections import RenderedPart

@@ -9,7 +9,7 @@ from scipy import stats
 from statsmodels.stats import contingency_tables
 from statsmodels.stats.multitest import multipletests
 
-from oodscen.statistics._tests import holm, mcnemar, paired, permutation_test, sign_flip
+from oodscen.statistics._significance import holm, mcnemar, paired, permutation_test, sign_flip
 
 COUNTS = st.integers(0, 60)
 

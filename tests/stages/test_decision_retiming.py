@@ -3,10 +3,13 @@
 import pytest
 
 from oodscen import simulate
+from oodscen.claims import check_claims
+from oodscen.claims._checking import mismatches
+from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.protocols import Camera
-from oodscen.stages._clearer import SLOWER, _slowed, clearer
-from oodscen.stages._restage import changed
+from oodscen.stages._decision_retiming import SLOWER, _slowed, retimed
+from oodscen.stages._restage import changed, contradiction, variants
 from oodscen.testing import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
@@ -37,7 +40,7 @@ def test_the_first_moment_at_which_it_can_be_named_is_taken(flat, decision):
     scene = far(decision=decision)
     before = simulate(scene, flat, camera=SMALL)
     assert before.episode.sighting.faults == ("small",)
-    found = clearer(scene, before, flat, 0, camera=SMALL)
+    found = retimed(scene, before, flat, 0, camera=SMALL)
     after = found.simulated.episode
     assert after.sighting.faults == ()
     assert after.is_decidable
@@ -53,7 +56,7 @@ def test_a_slower_approach_is_tried_and_else_nothing_changes(flat):
     passed = example_scene().actors[0].model_copy(update={"placement": behind})
     scene = far(actors=(passed,), decision=Trigger(value=1.0))
     before = simulate(scene, flat, camera=SMALL)
-    found = clearer(scene, before, flat, 0, camera=SMALL)
+    found = retimed(scene, before, flat, 0, camera=SMALL)
     assert found.scene is scene
     assert found.simulated is before
     assert [attempt.why for attempt in found.tried] == [
@@ -73,3 +76,52 @@ def test_only_ordinary_traffic_behind_slows_with_the_ego(share):
     speeds = {one.id: one.behaviour.parameters.get("speed") for one in slowed.actors}
     assert speeds == {"box": None, "behind": 8.0 * share, "ahead": 8.0}
     assert slowed.ego.speed == scene.ego.speed * share
+
+
+def said(kind, value, **of):
+    return Claim(kind=kind, value=value, quote=value, **of)
+
+
+AWAY = said("distance", "40", subject="box")
+THERE = said("thing", "present", subject="box")
+
+
+def test_no_move_contradicts_what_the_text_says(flat):
+    """The decision moves while every claim still holds; one that a later decision breaks prevents it."""
+    scene = far()
+    before = simulate(scene, flat, camera=SMALL)
+    told = (THERE, AWAY, said("ego_speed", str(round(3.6 * scene.ego.speed))))
+    found = retimed(scene, before, flat, 0, camera=SMALL, claims=told)
+    assert found.scene.decision != scene.decision
+    assert mismatches(check_claims(told, found.scene, flat.catalogue())) == []
+    box = scene.actors[0]
+    leaves = box.model_copy(
+        update={
+            "placement": box.placement.model_copy(update={"heading_deg": 90.0}),
+            "behaviour": Behaviour(
+                name="dart",
+                trigger=Trigger(kind="distance", value=45.0),
+                parameters={"speed": 0.5, "distance": 0.6},
+            ),
+        }
+    )
+    early = changed(scene, actors=(leaves,))
+    rests = (THERE, said("motion", "stationary", subject="box"))
+    assert mismatches(check_claims(rests, early, flat.catalogue())) == []
+    run = simulate(early, flat, camera=SMALL)
+    assert retimed(early, run, flat, 0, camera=SMALL).scene != early
+    kept = retimed(early, run, flat, 0, camera=SMALL, claims=rests)
+    assert kept.scene == early
+    assert any("the text says box" in one.why for one in kept.tried)
+
+
+@pytest.mark.parametrize("metres", [12, 25, 40, 60])
+def test_a_distance_in_the_text_bounds_how_early_a_decision_may_come(flat, metres):
+    catalogue = flat.catalogue()
+    scene = example_scene()
+    told = (THERE, said("distance", str(metres), subject="box"))
+    known = {one.claim for one in mismatches(check_claims(told, scene, catalogue))}
+    for variant, _ in variants(scene, catalogue, is_too_easy=False):
+        new = {one.claim for one in mismatches(check_claims(told, variant, catalogue))} - known
+        assert bool(contradiction(told, scene, variant, catalogue)) == bool(new)
+        assert contradiction((), scene, variant, catalogue) == ""

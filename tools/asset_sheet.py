@@ -1,6 +1,6 @@
 """Draws the asset sheet: pictures and a table of everything in the catalogue.
 
-Usage: python -m oodscen_pybullet._asset_sheet docs
+Usage: python -m tools.asset_sheet docs
 """
 
 import math
@@ -11,19 +11,19 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-
-from oodscen.data._catalogue import Asset, Category
-from oodscen.data._scene import Weather
-from oodscen.protocols import Camera
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._lighting.light import Glow, Light
 from oodscen_pybullet._meshes import Mesh, paints_of
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
 from oodscen_pybullet._rendering.particles import placed
-from oodscen_pybullet._rendering.picture import RawPicture, develop
+from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.view import CameraView
+
+from oodscen.data._catalogue import Asset, Category
+from oodscen.data._scene import Weather
+from oodscen.protocols import Camera
 
 Image = NDArray[np.uint8]
 
@@ -44,9 +44,9 @@ _DAY, _NIGHT = Weather(), Weather(sun_elevation_deg=-12.0)
 _PAGE = """\
 # Assets
 
-<!-- Written by `python -m oodscen_pybullet._asset_sheet docs`; edit the catalogue or that module. -->
+<!-- Written by `python -m tools.asset_sheet docs`; edit the catalogue or that module. -->
 
-Look up the {count} assets that the PyBullet adapter can place in a scene, all generated from code. Sizes are length (along x, the direction of
+Look up the {count} assets that the PyBullet adapter can place in a scene, all made of plain polygons. Sizes are length (along x, the direction of
 travel), width and height of the mesh in metres at rest. A scene names an asset by its id; `state` is one of its states, the first by default.
 The vehicle under test is {ego}.
 
@@ -63,7 +63,7 @@ The vehicle under test is {ego}.
 """
 
 
-def photograph(
+def render(
     look: Look, *, turn_deg: float = 35.0, rise_deg: float = 13.0, is_night: bool = False
 ) -> Image:
     """Render an asset on plain ground: [height, width, 3].
@@ -82,7 +82,7 @@ def photograph(
     canvas.show_scenery([_ground()], is_snowy=False)
     canvas.show_actors([MeshBuilder().box((0, 0, -9), (1, 1, 1), "grey").build(), look])
     canvas.pose_actors([(0.0, 0.0, 0.0, 0.0)] * 2)
-    shot = canvas.photograph(view, light, ground=None if is_night else 0.0)
+    shot = canvas.render(view, light, ground=None if is_night else 0.0)
     picture = RawPicture(
         shot=shot,
         view=view,
@@ -94,7 +94,7 @@ def photograph(
         road_height=0.0,
         balls=placed(mesh.puffs, (0.0, 0.0, 0.0, 0.0), 1),
     )
-    return develop(picture)
+    return postprocessed(picture)
 
 
 def _framing(mesh: Mesh, turn_deg: float, rise_deg: float) -> CameraView:
@@ -166,7 +166,7 @@ def sheet(assets: Sequence[Asset]) -> Image:
     """Return the pictures of the assets, captioned with names and sizes."""
     cells = []
     for asset in assets:
-        picture = photograph(rest_look(asset), turn_deg=best_side(asset))
+        picture = render(rest_look(asset), turn_deg=best_side(asset))
         size = f"{asset.length:g} x {asset.width:g} x {asset.height:g} m"
         cells.append(captioned(picture, asset.id, size))
     return tiled(cells)
@@ -176,7 +176,7 @@ def gaits() -> Image:
     """Return a walk, a run and a gallop, frame by frame."""
     rows = (("adult", 1), ("adult", 9), ("deer", 9), ("cyclist", 1))
     cells = [
-        photograph(Look(name, "", paints_of(name)[0], frame=start + step), turn_deg=70.0)
+        render(Look(name, "", paints_of(name)[0], frame=start + step), turn_deg=70.0)
         for name, start in rows
         for step in range(0, 8, 2)
     ]
@@ -202,7 +202,7 @@ def lights() -> Image:
         look = Look(name, state, paints_of(name)[0], is_night, frame)
         turn = 205.0 if name in ("traffic_light", "arrow_board") else 152.0
         words = f"{name} {state}" + (", second half" if frame else "")
-        cells.append(captioned(photograph(look, turn_deg=turn, is_night=is_night), words))
+        cells.append(captioned(render(look, turn_deg=turn, is_night=is_night), words))
     return tiled(cells)
 
 

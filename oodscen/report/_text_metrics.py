@@ -191,7 +191,7 @@ def _detected(metrics: Measurements) -> tuple[Canvas, str]:
 def _curves(metrics: Measurements) -> tuple[Canvas, str]:
     known = metrics.pictures.curves
     curves = [
-        charts.SizeCurve(
+        charts.DrawnSizeCurve(
             _short(name), known[name].sizes, (known[name].nearest, known[name].pairwise)
         )
         for name in ("baseline", *set_names(metrics))

@@ -2,11 +2,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from oodscen_pybullet import _asset_sheet as sheet
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes import SMOKING
 
-ROOT = Path(__file__).parents[3]
+from tools import asset_sheet as sheet
+
+ROOT = Path(__file__).parents[2]
 ASSETS = load_catalogue().assets
 
 
@@ -32,7 +33,7 @@ def looks() -> dict[str, np.ndarray]:
     coarse = {}
     for asset in ASSETS:
         turn = sheet.best_side(asset)
-        image = sheet.photograph(sheet.rest_look(asset), turn_deg=turn).astype(float)
+        image = sheet.render(sheet.rest_look(asset), turn_deg=turn).astype(float)
         height, width = image.shape[0] // 12 * 12, image.shape[1] // 13 * 13
         blocks = image[:height, :width].reshape(12, height // 12, 13, width // 13, 3)
         coarse[asset.id] = blocks.mean(axis=(1, 3))

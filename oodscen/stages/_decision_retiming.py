@@ -1,20 +1,22 @@
 """Moves of a scene's decision to the moment from which a viewer can name the hazard."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
+from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene, Trigger
 from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
-from oodscen.driving import Cruise, find_map, load_corridor
+from oodscen.driving import load_corridor
+from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import value_in
 from oodscen.driving._sight.decision_view import drawn
-from oodscen.driving._sight.nameable import LATEST_S, LOOK_S
 from oodscen.driving._sight.scene_checks import bodies
+from oodscen.driving._sight.staging_advice import LATEST_S, LOOK_S
 from oodscen.errors import OodscenError
 from oodscen.protocols import Camera, Simulator, State
-from oodscen.stages._restage import Attempt, Restaging, changed
+from oodscen.stages._restage import Attempt, Restaging, changed, contradiction
 from oodscen.stages._simulate import Simulated, approach, simulate
 from oodscen.stages._visibility import sighting
 
@@ -33,13 +35,14 @@ class _Later(NamedTuple):
     seen: Sighting
 
 
-def clearer(
+def retimed(
     scene: Scene,
     simulated: Simulated,
     simulator: Simulator,
     seed: int,
     traces: bool = False,
     camera: Camera | None = None,
+    claims: Sequence[Claim] = (),
 ) -> Restaging:
     """Return the scene with the first later decision at which a viewer can name the hazard, and its run.
 
@@ -55,6 +58,7 @@ def clearer(
         seed: Seed of the simulator's random streams.
         traces: Keep the ground truth of every action's rollout.
         camera: The camera; by default the ego's dash camera.
+        claims: Claims of the scene's text, which the changed scene must not contradict.
     """
     tried: list[Attempt] = []
     before = simulated.episode
@@ -71,6 +75,9 @@ def clearer(
                 if not (probe.is_decidable or (is_too_easy and probe.safe_set)):
                     fate = "every action is safe" if probe.safe_set else "no action is safe"
                     whys.append(f"{distance:g} m away it can be named, but {fate}")
+                    continue
+                if why := contradiction(claims, scene, variant, simulator.catalogue()):
+                    whys.append(f"{distance:g} m away it can be named, but {why}")
                     continue
                 again = simulate(variant, simulator, seed=seed, camera=camera, traces=traces)
                 if again.episode.is_below_floor:
@@ -105,7 +112,7 @@ def _later(
 ) -> Iterator[tuple[Scene, float]]:
     """Yield the scene with decisions at which the hazard can be named, each with the distance from there, m."""
     catalogue = simulator.catalogue()
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     # The variants are run in the same simulator: all moments are found first.
     for later in list(islice(_moments(scene, simulator, seed, camera), MOST_MOMENTS)):
         value = value_in(scene.decision, later.state, corridor)
@@ -116,7 +123,7 @@ def _later(
 def _moments(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> Iterator[_Later]:
     """Drive blindly on from the decision and yield the moments at which the hazard can be named."""
     catalogue = simulator.catalogue()
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     driver = Cruise()
     state = approach(scene, simulator, seed)[0][-1]
     steps = max(1, round(LOOK_S / simulator.dt))

@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from oodscen.claims._checking import ClaimFinding, judge_claims
+from oodscen.claims._checking import ClaimFinding, check_claims
 from oodscen.claims._matching import likeness_of
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
@@ -61,7 +61,7 @@ def extract_claims(llm: LLM, text: str, *, attempts: int = ATTEMPTS) -> tuple[Cl
     return tuple(ask(llm, ExtractClaims(text=text), attempts=attempts).claims)
 
 
-def check_faithful(
+def check_text(
     llm: LLM,
     text: str,
     scene: Scene,
@@ -86,5 +86,5 @@ def check_faithful(
     """
     claims = extract_claims(llm, text)
     likeness = likeness_of(encoder, catalogue)
-    findings = judge_claims(claims, scene, catalogue, trace, likeness=likeness)
+    findings = check_claims(claims, scene, catalogue, trace, likeness=likeness)
     return Faithfulness(id=scene.id, findings=tuple(findings))

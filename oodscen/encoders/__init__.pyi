@@ -1,1 +1,0 @@
-from ._cached import CachedEncoder as CachedEncoder

@@ -1,0 +1,236 @@
+"""The scores of a leaderboard's rows: rates, figures and comparisons."""
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal
+
+from oodscen.data._base import Data
+from oodscen.data._verdict import Protocol
+from oodscen.statistics._intervals import Interval
+from oodscen.statistics._significance import PairedTest
+
+Task = Literal["detection", "open", "closed", "control"]
+TASKS: tuple[Task, ...] = ("detection", "open", "closed", "control")
+"""The tasks in which answerers are compared; Holm's correction treats each as one family."""
+
+PRIVILEGED = "oracle"
+"""The reference that is told the truth: a ceiling, never a baseline to beat."""
+
+
+class Rate(Data):
+    """A count out of a number of items."""
+
+    noun: ClassVar[str] = "rate"
+
+    hits: int = 0
+    n: int = 0
+    """Items with an answer; the others are in `missing` and never count as wrong."""
+    missing: int = 0
+    """Items without an answer: refused, not understood, timed out or failed."""
+    value: float | None = None
+    """In [0, 1]; `None` if `n` is 0."""
+    worst: float | None = None
+    """The share with every missing answer counted as wrong; `None` if nothing was asked."""
+    interval: Interval | None = None
+    paths: int = 0
+    """Number of paths that the items cover."""
+
+
+class Estimate(Data):
+    """A figure other than a plain count."""
+
+    noun: ClassVar[str] = "figure"
+
+    value: float | None = None
+    n: int = 0
+    interval: Interval | None = None
+
+
+class Detection(Data):
+    """Task 1, detection: is anything out of the ordinary? Asked about scenes and their ordinary twins."""
+
+    noun: ClassVar[str] = "detection"
+
+    sensitivity: Rate = Rate()
+    """Scenes that were called out of the ordinary."""
+    specificity: Rate = Rate()
+    """Twins that were not called out of the ordinary."""
+    balanced_accuracy: Estimate = Estimate()
+    """Mean of sensitivity and specificity; 0.5 for an answerer that always says the same."""
+    worst: Estimate = Estimate()
+    """Balanced accuracy with every missing answer counted as wrong."""
+    auroc: Estimate = Estimate()
+    """Probability that a scene is rated above a twin by the stated confidence; 0.5 is chance."""
+    d_prime: Estimate = Estimate()
+    """Sensitivity index d'; 0 if scenes and twins are called OOD equally often."""
+    stated: int = 0
+    """Answers with a stated confidence; answers without one count as certain."""
+
+
+class Identification(Data):
+    """Task 1, identification: which aspect is unusual? Asked about scenes."""
+
+    noun: ClassVar[str] = "identification"
+
+    open: Rate = Rate()
+    """Answers in the model's own words, scored by the matcher or a judge."""
+    open_shown: Rate = Rate()
+    """`open` under the paper's protocol, over the scenes whose frames show the hazard."""
+    closed: Rate = Rate()
+    """Answers chosen from a list of leaves."""
+    judged: int = 0
+    """Open aspects scored by a judge model."""
+    unjudged: int = 0
+    """Open aspects on which the judge gave no usable answer, so that the matcher scored them."""
+
+
+class ActionScore(Data):
+    """Task 2, control: choose an action, which the simulator executed."""
+
+    noun: ClassVar[str] = "control"
+
+    safe: Rate = Rate()
+    """Over all scenes: the ego touched nothing and stayed on the road."""
+    collision_free: Rate = Rate()
+    """The paper's success: the action could be executed and the ego touched nothing."""
+    decidable: Rate = Rate()
+    """Over the scenes in which one action is safe and another is not: a safe one was chosen."""
+    chance: float | None = None
+    """The score of a random action on those decidable scenes."""
+    above_chance: Estimate = Estimate()
+    """`decidable` corrected for chance: 0 is a random choice, 1 is always safe."""
+    twin_safe: Rate = Rate()
+    """Over the ordinary twins: a safe action was chosen."""
+    needless: Rate = Rate()
+    """Over the twins in which keeping the speed is safe with enough margin
+    (`oodscen.data._episode.has_enough_margin`): the action braked hard, stopped or pulled over.
+    """
+
+
+class SceneGroup(Data):
+    """The scenes of one class, family or path."""
+
+    noun: ClassVar[str] = "group"
+
+    level: Literal["class", "family", "path"]
+    name: str
+    parent: str = ""
+    scenes: int = 0
+    detected: Rate = Rate()
+    open: Rate = Rate()
+    closed: Rate = Rate()
+    safe: Rate = Rate()
+    chance: float | None = None
+    """Probability that a random action is safe in these scenes."""
+
+
+class Confusion(Data):
+    """The number of times that the closed question took one path for another."""
+
+    noun: ClassVar[str] = "confusion"
+
+    truth: str
+    """Leaf id."""
+    chosen: str
+    """Leaf id, or `none`."""
+    count: int
+
+
+class LeaderboardRow(Data):
+    """One row of the leaderboard."""
+
+    noun: ClassVar[str] = "standing"
+
+    model: str
+    kind: Literal["model", "reference"] = "model"
+    protocol: Protocol = "ours"
+    asked: int = 0
+    outcomes: dict[str, int] = {}
+    """Number of verdicts by `oodscen.data._verdict.Outcome`."""
+    contradictions: int = 0
+    """Answers whose reasoning contradicts them."""
+    outdated: int = 0
+    """Answers to other versions of the questions than those of the last run."""
+    detection: Detection = Detection()
+    identification: Identification = Identification()
+    control: ActionScore = ActionScore()
+    actions: dict[str, int] = {}
+    """Number of times each action was chosen in scenes."""
+    groups: tuple[SceneGroup, ...] = ()
+    confusions: tuple[Confusion, ...] = ()
+    """Wrong closed choices, most frequent first."""
+
+
+class ModelComparison(Data):
+    """The comparison of two answerers on the same items."""
+
+    noun: ClassVar[str] = "comparison"
+
+    task: Task
+    against: Literal["model", "floor"]
+    """Another model, or the best reference that does not know the truth."""
+    first: str
+    second: str
+    test: PairedTest
+    p_holm: float
+    """McNemar's mid-p after Holm, over the comparisons of this task and kind."""
+    p_clustered_holm: float
+    """The path-clustered permutation's p after Holm: the one to quote."""
+    missing: int = 0
+    """Items that the first answerer was asked about and did not answer; against the floor only."""
+    worst_difference: float | None = None
+    """The difference with those counted as wrong; `None` between models."""
+    p_worst_holm: float | None = None
+    """`p_clustered_holm` with those counted as wrong."""
+
+
+class ActionTally(Data):
+    """The outcomes of one action over the scenes."""
+
+    noun: ClassVar[str] = "action tally"
+
+    action: str
+    safe: int = 0
+    unsafe: int = 0
+    unavailable: int = 0
+
+
+def best_floor(standings: Sequence[LeaderboardRow], task: Task) -> LeaderboardRow | None:
+    """Return the best reference in a task that does not know the truth."""
+    seen = [
+        (value, row)
+        for row in standings
+        if row.kind == "reference"
+        and not row.model.startswith(PRIVILEGED)
+        and row.protocol == "ours"
+        and (value := score(row, task)) is not None
+    ]
+    return max(seen, key=lambda item: item[0], default=(0.0, None))[1]
+
+
+def rates(row: LeaderboardRow, task: Task) -> tuple[Rate, ...]:
+    """Return the rates that count a task's answers: over scenes and twins in detection, over scenes elsewhere."""
+    return {
+        "detection": (row.detection.sensitivity, row.detection.specificity),
+        "open": (row.identification.open,),
+        "closed": (row.identification.closed,),
+        "control": (row.control.safe,),
+    }[task]
+
+
+def score(row: LeaderboardRow, task: Task) -> float | None:
+    """Return the figure that ranks a task."""
+    if task == "detection":
+        return row.detection.balanced_accuracy.value
+    return rates(row, task)[0].value
+
+
+def worst_score(row: LeaderboardRow, task: Task) -> float | None:
+    """Return the figure that ranks a task, with every missing answer counted as wrong."""
+    return row.detection.worst.value if task == "detection" else rates(row, task)[0].worst
+
+
+def missing_share(row: LeaderboardRow, task: Task) -> float:
+    """Return the share of a task's items that were asked about and not answered."""
+    found = rates(row, task)
+    asked = sum(rate.n + rate.missing for rate in found)
+    return sum(rate.missing for rate in found) / asked if asked else 0.0

@@ -1,0 +1,175 @@
+"""Decisions of pruning: one per node, and what follows from those on the leaves."""
+
+from collections.abc import Hashable, Iterable, Sequence
+from typing import ClassVar, Literal, TypeVar
+
+from oodscen._paper import attestation
+from oodscen.data._additions import Addition
+from oodscen.data._base import Data
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
+
+Means = TypeVar("Means", bound=Hashable)
+
+Match = Literal["full", "substitute", "part", "none"]
+"""The quality of a match between a branch and a catalogue.
+
+`full`: shown as it is. `substitute`: with assets that stand in for others. `part`: only a part of what the
+label names, or below an inner node not every branch. `none`: not at all.
+"""
+
+
+class StandIn(Data):
+    """An asset that replaces something the catalogue lacks."""
+
+    asset: str
+    stands_for: str
+
+
+class PruneDecision(Data):
+    """The decision about one node, with its reason."""
+
+    noun: ClassVar[str] = "prune decision"
+
+    id: str
+    """Id of the node."""
+    path: tuple[str, ...]
+    keep: bool
+    status: Literal["ok", "failed"] = "ok"
+    error: str | None = None
+    retryable: bool = False
+    """True if a failed question may succeed later."""
+    reason: str = ""
+    match: Match | None = None
+    """`None` if the question failed."""
+    label: str = ""
+    """The node's narrower label, if only a part of it can be shown."""
+    assets: tuple[str, ...] = ()
+    """Ids of the assets that realise the node; for an inner node, those of all its kept branches."""
+    states: tuple[str, ...] = ()
+    """Required states, as `asset: state`."""
+    behaviours: tuple[str, ...] = ()
+    weather: tuple[str, ...] = ()
+    """Required weather: `night`, `fog`, `rain`, `snow` or `ice`."""
+    traits: tuple[str, ...] = ()
+    """Required traits of the map."""
+    substitutes: tuple[StandIn, ...] = ()
+    missing: tuple[str, ...] = ()
+    """The additions in `lacks` in words."""
+    lacks: tuple[Addition, ...] = ()
+    """Additions to the catalogue: for a dropped leaf all that restore it, for a kept one those that would
+    replace its substitutes or show the rest of its label.
+    """
+    same_as: tuple[str, ...] = ()
+    """Ids of the other leaves that the simulator shows with exactly the same means."""
+    catalogue: str = ""
+    """The simulator and its version."""
+    model: str = ""
+    """Name of the model that judged; empty for inner nodes, which follow from their leaves."""
+    prompt: str = ""
+    """The question that the model was asked: `purpose@version`."""
+
+
+def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
+    """Extend the decisions on leaves to every node, in tree order.
+
+    An inner node is kept exactly if one of its children is, and is realised by everything that realises
+    these. The root always stays. Leaves that are realised by the same means name each other in `same_as`.
+    """
+    judged = alike(tree, judged)
+    leaves = {decision.id for decision in judged}
+    return [
+        one if one.id in leaves else one.model_copy(update={"path": tree.path(one.id)})
+        for one in fates(tree, judged)
+    ]
+
+
+def fates(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
+    """Extend the decisions on leaves to every node; inner nodes get no path."""
+    by_id = {decision.id: decision for decision in judged}
+    for node, _ in reversed(list(tree.walk())):
+        if node.id in by_id:
+            continue
+        children = tree.children[node.id]
+        kept = [child for child in children if by_id[child].keep]
+        is_whole = bool(children) and all(by_id[child].match == "full" for child in children)
+        match: Match = "full" if is_whole else "part" if kept else "none"
+        reason = f"{len(kept)} of {len(children)} branches can be shown"
+        if not children:
+            reason = "nothing lies below it"
+        below = [by_id[child] for child in kept]
+        by_id[node.id] = PruneDecision(
+            id=node.id,
+            path=(),
+            keep=bool(kept) or node.parent is None,
+            reason=reason,
+            match=match,
+            assets=_all([one.assets for one in below]),
+            states=_all([one.states for one in below]),
+            behaviours=_all([one.behaviours for one in below]),
+            weather=_all([one.weather for one in below]),
+            traits=_all([one.traits for one in below]),
+            substitutes=_all([one.substitutes for one in below]),
+            catalogue=next((by_id[child].catalogue for child in children), ""),
+        )
+    return [by_id[node.id] for node, _ in tree.walk()]
+
+
+def alike(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
+    """Set `same_as` of kept leaves that the simulator shows by the same means; keep the given order."""
+    judged = list(judged)
+    order = {node.id: number for number, node in enumerate(tree.nodes)}
+    groups: dict[tuple[frozenset[str], ...], list[str]] = {}
+    for one in sorted(judged, key=lambda one: order.get(one.id, len(order))):
+        if one.keep and any(means := _means(one)):
+            groups.setdefault(means, []).append(one.id)
+    return [
+        one.model_copy(
+            update={"same_as": tuple(i for i in groups.get(_means(one), ()) if i != one.id)}
+            if one.keep
+            else {"same_as": ()}
+        )
+        for one in judged
+    ]
+
+
+def pruned(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> ScenarioTree:
+    """Apply decisions on the leaves: one `keep`, `narrow` or `remove` per node, children first.
+
+    A narrowed leaf stays attested only if its new label still names what the paper simulated.
+    """
+    return tree.apply(*(_edit(decision) for decision in reversed(fates(tree, judged))))
+
+
+def _edit(decision: PruneDecision) -> TreeEdit:
+    is_narrowed = decision.keep and bool(decision.label)
+    return TreeEdit(
+        op="narrow" if is_narrowed else "keep" if decision.keep else "remove",
+        node=decision.id,
+        label=decision.label if is_narrowed else None,
+        attested=attestation(decision.label) if is_narrowed else None,
+        stage="prune",
+        reason=decision.reason or decision.error or "",
+        model=decision.model,
+        prompt=decision.prompt,
+    )
+
+
+def _means(decision: PruneDecision) -> tuple[frozenset[str], ...]:
+    """Return everything that a decision demands of a simulator."""
+    return tuple(
+        frozenset(names)
+        for names in (
+            decision.assets,
+            decision.states,
+            decision.behaviours,
+            decision.weather,
+            decision.traits,
+        )
+    )
+
+
+def _all(lists: Sequence[tuple[Means, ...]]) -> tuple[Means, ...]:
+    """Return the union of the assets, behaviours and weather that show the branches below a node."""
+    if len(lists) == 1:
+        return lists[0]
+    return tuple(dict.fromkeys(one for means in lists for one in means))

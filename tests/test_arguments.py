@@ -1,0 +1,196 @@
+"""A public name takes an argument, or refuses it with an error of this library."""
+
+import importlib
+import inspect
+import math
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from types import SimpleNamespace, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+import pytest
+
+from oodscen import Describer, RedTeamer, make_catalogue, make_encoder, make_llm, simulate
+from oodscen.data import Behaviour, Ego, Hazard, Placement, Trigger, WeatherRange
+from oodscen.driving import load_corridor
+from oodscen.errors import OodscenError, UsageError
+from oodscen.judging import read_action
+from oodscen.llm import Limits
+from oodscen.llm._call_log import LoggedLLM
+from oodscen.llm._replay import RecordingLLM
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
+from oodscen.protocols import Image
+from oodscen.testing import FlatSimulator, ScriptedLLM, example_scene
+
+PAGE = Path(__file__).parents[1].joinpath("docs", "api.md").read_text(encoding="utf-8")
+NUMBERS = (math.nan, math.inf, -1, -math.inf, 1e300, 10**400, 0, True)
+TEXTS = ("", "\x00", "\x1b[2J\n", "\ud800", "x" * 5_000)
+
+OPTIONS = {"Describer": Describer.Options, "RedTeamer": RedTeamer.Options}
+"""The classes whose further keywords are fields of their options."""
+
+FLAT = make_catalogue("flat")
+SCENE = example_scene()
+GIVEN: dict[str, Any] = {
+    "action_id": "stop",
+    "actors": {},
+    "asset": "car",
+    "assets": FLAT.assets,
+    "ahead_m": 1.0,
+    "behaviours": FLAT.behaviours,
+    "catalogue": FLAT,
+    "category": "vehicle",
+    "claims": (),
+    "corridor": load_corridor(FLAT.maps[0]),
+    "decision": Trigger(),
+    "description": "a thing",
+    "driver": lambda: None,
+    "ego": FLAT.ego,
+    "encoder": make_encoder("hash"),
+    "episodes": (),
+    "first": 0.5,
+    "function": lambda asked: "",
+    "hazard": Hazard(),
+    "id": "x-1",
+    "llm": ScriptedLLM([]),
+    "log": lambda call: None,
+    "maps": FLAT.maps,
+    "model": "m",
+    "offered": ("stop",),
+    "path": ("environmental",),
+    "placement": Placement(ahead_m=1.0),
+    "prompt": ImagineScenario(shown=("A deer crosses.",)),
+    "episode": simulate(SCENE, FlatSimulator(), actions=()).episode,
+    "frames": {name: Image(name=name, sha256="0" * 64) for name in ("first", "middle", "last")},
+    "vlm": ScriptedLLM([]),
+    "state": FlatSimulator().reset(SCENE, 0),
+    "results": (),
+    "road_map": FLAT.maps[0],
+    "scenarios": (),
+    "scene": SCENE,
+    "scenes": (),
+    "second": 0.6,
+    "seed": 0,
+    "sets": {},
+    "simulator": FlatSimulator(),
+    "split": "tune",
+    "status": "ok",
+    "trigger": Trigger(),
+    "verdicts": (),
+    "weather": WeatherRange(),
+    "answers": [],
+    "behaviour": Behaviour(),
+}
+"""Good arguments by name; a number is 1 and a text `x` where none is listed."""
+
+OWN: dict[str, dict[str, Any]] = {
+    "Scene": {"ego": Ego(speed=10.0), "weather": SCENE.weather},
+    "make_llm": {"llm": "constant:stop"},
+    "make_encoder": {"encoder": "hash"},
+    "make_simulator": {"simulator": "flat"},
+    "make_catalogue": {"catalogue": "flat"},
+    "Catalogue": {"simulator": "flat"},
+    "Metrics": {"encoder": GIVEN["encoder"]},
+    "simulate": {"actions": ()},
+    "record": {"path": "x.mp4"},
+}
+SKIPPED = {"run_study", "check_simulator", "write_report", "load_controls"}
+"""What runs for long, or reads large files, whatever it is given."""
+INNER = {"Control", "Corridor", "Frame", "Observation", "Request", "State"}
+"""Values of the inner loop, made once a step and not checked."""
+
+
+def public() -> Iterator[tuple[str, Any]]:
+    """Yield what can be called of the names on the page, once each."""
+    seen = set()
+    for package in re.findall(r"^## `([\w.]+)`$", PAGE, re.MULTILINE):
+        module = importlib.import_module(package)
+        for name in module.__all__ if package != "oodscen.errors" else ():
+            found = getattr(module, name)
+            is_abstract = inspect.isabstract(found) or getattr(found, "_is_protocol", False)
+            is_abstract |= inspect.isclass(found) and issubclass(found, Exception)
+            if callable(found) and not is_abstract and id(found) not in seen:
+                seen.add(id(found))
+                yield name, found
+
+
+def atoms(kind: Any) -> set[Any]:
+    """Return the types that an annotation allows."""
+    if get_origin(kind) in (Union, UnionType):
+        return set().union(*map(atoms, get_args(kind)))
+    if get_origin(kind) is Annotated:
+        return atoms(get_args(kind)[0])
+    return {str} if get_origin(kind) is Literal else {kind}
+
+
+def parameters(name: str, found: Any) -> dict[str, tuple[set[Any], bool]]:
+    """Return the types of every parameter, and whether it is needed."""
+    if hasattr(found, "model_fields"):
+        fields = found.model_fields
+        return {
+            one: (atoms(field.annotation), field.is_required()) for one, field in fields.items()
+        }
+    target = found.__init__ if inspect.isclass(found) else found
+    try:
+        hints = get_type_hints(target)
+    except NameError:
+        hints = {}
+    known = inspect.signature(found).parameters.values()
+    taken = {
+        one.name: (atoms(hints.get(one.name, one.annotation)), one.default is one.empty)
+        for one in known
+        if one.kind not in (one.VAR_KEYWORD, one.VAR_POSITIONAL)
+    }
+    if name in OPTIONS:
+        taken |= parameters("", OPTIONS[name])
+    return taken
+
+
+def cases() -> Iterator[Any]:
+    for name, found in public():
+        if name not in SKIPPED | INNER:
+            for one, (kinds, _) in parameters(name, found).items():
+                values = [*(NUMBERS if kinds & {int, float} else ())]
+                values += TEXTS if str in kinds else ()
+                if values:
+                    yield pytest.param(name, found, one, values, id=f"{name}-{one}")
+
+
+@pytest.mark.parametrize(("name", "found", "one", "values"), list(cases()))
+def test_an_argument_is_taken_or_refused(monkeypatch, tmp_path, name, found, one, values):
+    monkeypatch.chdir(tmp_path)
+    given = {}
+    for other, (kinds, is_needed) in parameters(name, found).items():
+        own = OWN.get(name, {})
+        if is_needed or other in own:
+            plain = 1 if kinds & {int, float} else "x"
+            given[other] = own.get(other, GIVEN.get(other, plain))
+    is_whole = parameters(name, found)[one][0] <= {int, type(None)}
+    for value in values:
+        is_refused = isinstance(value, float) and (is_whole or math.isnan(value))
+        with pytest.raises(OodscenError) if is_refused else suppress(OodscenError):
+            found(**{**given, one: value})
+
+
+NAMELESS = SimpleNamespace(complete=lambda request: None)
+REFUSED = {
+    "a negative number of retries": lambda: make_llm(
+        "litellm:m", api_base="http://127.0.0.1:9", retries=-1
+    ),
+    "no request at once": lambda: Limits(concurrency=0),
+    "half a price": lambda: Limits(prices={"m": (1.0,)}),
+    "a price that is a word": lambda: Limits(prices={"m": "ab"}),
+    "fewer than no texts": lambda: Describer(ScriptedLLM([]), per_path=-1),
+    "a negative seed": lambda: make_llm("constant:stop", seed=-1),
+    "an action without a name": lambda: read_action("stop", [""]),
+    "a logged model without a name": lambda: LoggedLLM(NAMELESS, lambda call: None),
+    "a recorded model without a name": lambda: RecordingLLM(NAMELESS, "recording.jsonl"),
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_cannot_be_is_refused(what):
+    with pytest.raises(UsageError):
+        REFUSED[what]()
