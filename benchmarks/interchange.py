@@ -31,23 +31,19 @@ from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._motion.triggers import is_due
 from oodscen.driving._roads.building import find_map
-from oodscen.interchange import (
-    PlayedPoses,
-    read_openscenario,
-    to_openscenario,
-    twin_of,
-    verdict,
-)
-from oodscen.interchange._entities import entities
+from oodscen.interchange import read_openscenario, to_openscenario, verdict
 from oodscen.interchange._recording import (
     Recording,
     UnrenderedSimulator,
+    ordinary_twin,
     reactions,
     replayed,
 )
-from oodscen.interchange._storyboard import Storyboard, followers, write_course
-from oodscen.interchange._trajectories import phases, reference_poses
-from oodscen.interchange._verdict import PlayedVerdict
+from oodscen.interchange._verdicts.judging import PlayedVerdict
+from oodscen.interchange._verdicts.poses import PlayedPoses
+from oodscen.interchange._writing.entities import entities
+from oodscen.interchange._writing.storyboard import Storyboard, followers, write_course
+from oodscen.interchange._writing.trajectories import phases, reference_poses
 from oodscen.protocols import Driver, Observation, Simulator, State
 from oodscen.stages._simulate import simulate
 
@@ -143,7 +139,7 @@ def round_trips(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None
 def with_twins(scenes: list[Scene], catalogue: Catalogue) -> Iterator[Scene]:
     for scene in scenes:
         yield scene
-        yield twin_of(scene, catalogue)
+        yield ordinary_twin(scene, catalogue)
 
 
 def export(scenes: list[Scene], catalogue: Catalogue, folder: Path, checks: bool) -> None:

@@ -19,7 +19,7 @@ from oodscen.data._twins import is_twin, scene_of
 from oodscen.errors import OodscenError, UsageError
 
 if TYPE_CHECKING:
-    from oodscen.interchange._verdict import PlayedVerdict
+    from oodscen.interchange._verdicts.judging import PlayedVerdict
     from oodscen.study._study import Study
 
 _PLACE = PathName(exists=True, path_type=Path)
@@ -151,7 +151,7 @@ def import_(
             failed += 1
             continue
         click.echo(found.scene.to_json())
-        for issue in found.left_out:
+        for issue in found.omissions:
             say(f"{path}: {issue}", err=True)
     sys.exit(bool(failed))
 
@@ -179,7 +179,6 @@ def verdict(
     Each file has the name of its scene or twin: SCENE.csv or SCENE.osi. The exit code is 1 if a file could not be
     judged; a collision is not a failure.
     """
-    from oodscen.interchange import read_poses
     from oodscen.interchange import verdict as judge
 
     scenes, catalogue, _ = _scenes(place, simulator)
@@ -189,8 +188,7 @@ def verdict(
     for path in files:
         try:
             scene = _scene_named(path.stem, by_id, catalogue, seed)
-            poses = read_poses(path)
-            found.append(judge(scene, poses, catalogue, driver=driver or "played", seed=seed))
+            found.append(judge(scene, path, catalogue, driver=driver or "played", seed=seed))
         except OodscenError as error:
             say(f"{path}: {error}", err=True)
             failed += 1
@@ -259,7 +257,7 @@ class _Known:
         return [Claim.parse(one) for one in self._claims.get(scene_of(scene.id), [])]
 
     def __call__(self, scene: Scene) -> dict[str, str]:
-        from oodscen.interchange._properties import facts
+        from oodscen.interchange._writing.properties import facts
 
         text, run = self.scenarios.get(scene.scenario_id), self.episodes.get(scene.id)
         return facts(scene, text, self.claims(scene), run)
@@ -278,20 +276,20 @@ def _scenes(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, _Known
 
 
 def _with_twin(scene: Scene, catalogue: Catalogue, seed: int) -> Iterator[Scene]:
-    from oodscen.interchange import twin_of
+    from oodscen.interchange._recording import ordinary_twin
 
     yield scene
     if not scene.is_twin:
-        yield twin_of(scene, catalogue, seed=seed)
+        yield ordinary_twin(scene, catalogue, seed=seed)
 
 
 def _scene_named(name: str, by_id: dict[str, Scene], catalogue: Catalogue, seed: int) -> Scene:
-    from oodscen.interchange import twin_of
+    from oodscen.interchange._recording import ordinary_twin
 
     if name in by_id:
         return by_id[name]
     if is_twin(name) and scene_of(name) in by_id:
-        return twin_of(by_id[scene_of(name)], catalogue, seed=seed)
+        return ordinary_twin(by_id[scene_of(name)], catalogue, seed=seed)
     raise UsageError(f"there is no scene {name!r}")
 
 

@@ -21,7 +21,7 @@ from oodscen.errors import Issue
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Catalogue
-    from oodscen.interchange._writing import ScenarioFile
+    from oodscen.interchange._writing.scenario import ScenarioFile
 
 Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
 

@@ -1,11 +1,7 @@
-from ._logical import write_logical as write_logical
-from ._osi_writing import osi_trace as osi_trace
-from ._poses import PlayedPoses as PlayedPoses
-from ._poses import read_poses as read_poses
-from ._ranges import ranges as ranges
 from ._ranges import vary as vary
-from ._reading import read_openscenario as read_openscenario
-from ._recording import twin_of as twin_of
+from ._reading.scenario import read_openscenario as read_openscenario
 from ._tags import openlabel as openlabel
-from ._verdict import verdict as verdict
-from ._writing import to_openscenario as to_openscenario
+from ._traces.osi_writing import osi_trace as osi_trace
+from ._verdicts.judging import verdict as verdict
+from ._writing.logical import write_logical as write_logical
+from ._writing.scenario import to_openscenario as to_openscenario

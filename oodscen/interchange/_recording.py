@@ -230,7 +230,7 @@ def _calm(scene: Scene) -> Scene:
     return scene.model_copy(update={"actors": actors})
 
 
-def twin_of(scene: Scene, catalogue: Catalogue, *, seed: int = 0) -> Scene:
+def ordinary_twin(scene: Scene, catalogue: Catalogue, *, seed: int = 0) -> Scene:
     """Return a scene's ordinary twin, judged at the time of the scene's own decision."""
     states, _, _ = approach(scene, UnrenderedSimulator(catalogue), seed)
     return scene.twin(round(states[-1].time, 6))

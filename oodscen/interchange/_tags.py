@@ -11,7 +11,7 @@ from oodscen.data._scene import Actor, Scene, Weather
 from oodscen.driving import load_corridor
 from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.interchange._entities import classified
+from oodscen.interchange._writing.entities import classified
 
 ONTOLOGY = "https://openlabel.asam.net/V1-0-0/ontologies/openlabel_ontology_scenario_tags.ttl"
 

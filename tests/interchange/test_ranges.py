@@ -1,8 +1,8 @@
 from lxml import etree
 
 from oodscen.driving import check_scene
-from oodscen.interchange import ranges, read_openscenario, vary, write_logical
-from oodscen.interchange._ranges import changed
+from oodscen.interchange import read_openscenario, vary, write_logical
+from oodscen.interchange._ranges import changed, ranges
 from tests.interchange.staging import SCENES, catalogue
 
 SCENE = next(

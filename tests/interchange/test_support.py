@@ -1,7 +1,7 @@
 import re
 from pathlib import Path
 
-from oodscen.interchange._deeds import _KNOWN
+from oodscen.interchange._reading.actions import _KNOWN
 from oodscen.interchange._support import ELEMENTS, behaviour_table, element_table
 
 PAGE = (Path(__file__).parents[2] / "docs" / "interchange.md").read_text("utf-8")

@@ -273,7 +273,7 @@ class KinematicWorld(Brief):
         self.step_count = snapshot.step
         self._state[:] = np.frombuffer(snapshot.state).reshape(self._state.shape)
 
-    def put(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
+    def set_poses(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
         """Move all bodies to measured poses.
 
         Args:

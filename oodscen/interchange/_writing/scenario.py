@@ -14,9 +14,10 @@ from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
 from oodscen.driving._roads.building import find_map
 from oodscen.errors import SceneError, UnknownComponent, UsageError
-from oodscen.interchange._elements import Element, child
-from oodscen.interchange._entities import Entity, entities, write_entity
-from oodscen.interchange._properties import (
+from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
+from oodscen.interchange._writing.elements import Element, child
+from oodscen.interchange._writing.entities import Entity, entities, write_entity
+from oodscen.interchange._writing.properties import (
     DIGEST,
     SCENE,
     ascii_json,
@@ -25,10 +26,9 @@ from oodscen.interchange._properties import (
     facts,
     write_properties,
 )
-from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
-from oodscen.interchange._roads import RoadFile, road_file
-from oodscen.interchange._scenario_runner import empty_document, write_for_scenario_runner
-from oodscen.interchange._storyboard import (
+from oodscen.interchange._writing.roads import RoadFile, road_file
+from oodscen.interchange._writing.scenario_runner import empty_document, write_for_scenario_runner
+from oodscen.interchange._writing.storyboard import (
     approximate,
     strip_ego,
     write_reactive,

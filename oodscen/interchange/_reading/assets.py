@@ -6,9 +6,9 @@ from typing import Literal
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Weather
-from oodscen.interchange._entities import classified
-from oodscen.interchange._environment import OKTAS
-from oodscen.interchange._tree import Node
+from oodscen.interchange._reading.tree import Node
+from oodscen.interchange._writing.entities import classified
+from oodscen.interchange._writing.environment import OKTAS
 
 _CLEAR_M = 10_000.0
 _CLOUDS = {"free": 0.0, "skyOff": 0.0, "cloudy": 0.5, "overcast": 1.0, "rainy": 1.0}
@@ -27,7 +27,7 @@ _ALIKE_M = 2.0
 """Difference of length and width together up to which sizes agree, m."""
 
 
-def cast(entity: Node, catalogue: Catalogue) -> Asset | None:
+def nearest_asset(entity: Node, catalogue: Catalogue) -> Asset | None:
     """Return the asset nearest to a scenario object; `None` after recording that there is none."""
     body = next(
         (one for one in entity.children() if one.name in ("Vehicle", "Pedestrian", "MiscObject")),

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.interchange._elements import Element, child, within
-from oodscen.interchange._entities import Entity
 from oodscen.interchange._recording import Recording
+from oodscen.interchange._writing.elements import Element, child, within
+from oodscen.interchange._writing.entities import Entity
 
 Floats = NDArray[np.float64]
 PlacesVertex = Callable[[Element, Floats], None]

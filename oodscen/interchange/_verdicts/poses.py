@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from oodscen._display import Brief
 from oodscen._files import read_regular
 from oodscen.errors import DataError, Issue
-from oodscen.interchange._osi import read_osi_trace
+from oodscen.interchange._traces.osi_reading import read_osi_trace
 
 Floats = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import twin_id
-from oodscen.interchange._elements import Element, child
+from oodscen.interchange._writing.elements import Element, child
 
 PREFIX = "oodscen."
 SCENE, DIGEST = f"{PREFIX}scene", f"{PREFIX}sha256"

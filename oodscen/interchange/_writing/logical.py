@@ -9,9 +9,9 @@ from oodscen._files import replace
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene
-from oodscen.interchange._elements import Element, child, written
 from oodscen.interchange._ranges import ParameterRange, ranges
-from oodscen.interchange._writing import DATE, ScenarioFile, to_openscenario
+from oodscen.interchange._writing.elements import Element, child, written
+from oodscen.interchange._writing.scenario import DATE, ScenarioFile, to_openscenario
 
 _STEPS = 4
 """Number of steps across a range in a deterministic distribution."""

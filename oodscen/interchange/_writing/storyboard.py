@@ -9,18 +9,18 @@ from numpy.typing import NDArray
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.interchange._elements import Element, child, within
-from oodscen.interchange._entities import Entity
-from oodscen.interchange._environment import write_environment
-from oodscen.interchange._init import write_speed, write_start
 from oodscen.interchange._recording import Reactions, Recording
-from oodscen.interchange._trajectories import (
+from oodscen.interchange._writing.elements import Element, child, within
+from oodscen.interchange._writing.entities import Entity
+from oodscen.interchange._writing.environment import write_environment
+from oodscen.interchange._writing.trajectories import (
     own_position,
     phases,
     reference_poses,
+    world_position,
     write_trajectory,
 )
-from oodscen.interchange._triggers import EgoConditions, after_event, at_time
+from oodscen.interchange._writing.triggers import EgoConditions, after_event, at_time
 
 Floats = NDArray[np.float64]
 
@@ -60,6 +60,22 @@ def event(maneuver: Element, name: str) -> tuple[Element, Element]:
     """Append an event, and return it and its action."""
     one = child(maneuver, "Event", name=name, priority="override", maximumExecutionCount=1)
     return one, child(one, "Action", name=f"action_{name}")
+
+
+def write_start(actions: Element, name: str, pose: NDArray[np.float64], speed: float) -> None:
+    """Append an entity's pose and, unless it stands, its speed at the start."""
+    private = child(actions, "Private", entityRef=name)
+    teleport = within(private, "PrivateAction", "TeleportAction")
+    world_position(child(teleport, "Position"), pose)
+    if abs(speed) > 1e-9:
+        write_speed(child(private, "PrivateAction"), speed)
+
+
+def write_speed(action: Element, speed: float) -> None:
+    """Append an immediate change of speed."""
+    holder = within(action, "LongitudinalAction", "SpeedAction")
+    child(holder, "SpeedActionDynamics", dynamicsShape="step", dynamicsDimension="time", value=0.0)
+    child(child(holder, "SpeedActionTarget"), "AbsoluteTargetSpeed", value=float(speed))
 
 
 # ------------------------------------------------------------------ replay

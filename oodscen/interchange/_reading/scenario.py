@@ -15,11 +15,11 @@ from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import DataError, Issue
-from oodscen.interchange._casting import cast, weather
-from oodscen.interchange._deeds import Actions, behaviour
-from oodscen.interchange._places import MappedRoads, Pose, Positions, Roads, StraightRoad
-from oodscen.interchange._properties import DIGEST, SCENE, content_digest
-from oodscen.interchange._tree import NOUN, Node, ScenarioTree
+from oodscen.interchange._reading.actions import ActionReader, behaviour
+from oodscen.interchange._reading.assets import nearest_asset, weather
+from oodscen.interchange._reading.positions import MappedRoads, Pose, Positions, Roads, StraightRoad
+from oodscen.interchange._reading.tree import NOUN, Node, ScenarioTree
+from oodscen.interchange._writing.properties import DIGEST, SCENE, content_digest
 
 _EGO_NAMES = ("ego", "hero", "ego_vehicle", "egovehicle")
 _MIRRORED = "CARLA:"
@@ -34,7 +34,7 @@ class ImportedScene(Brief):
     """A scene that was read from a file of another tool, with what it lacks."""
 
     scene: Scene
-    left_out: tuple[Issue, ...] = ()
+    omissions: tuple[Issue, ...] = ()
     """The parts of the file that are not in the scene, with line and element, and the faults of the scene."""
 
 
@@ -65,7 +65,7 @@ def read_openscenario(
     if (own := _own_scene(tree)) is not None:
         return ImportedScene(own)
     scene = _Assembly(tree, catalogue, road, hazards).scene()
-    found = [*tree.left_out, *staging_issues(scene, catalogue)]
+    found = [*tree.omissions, *staging_issues(scene, catalogue)]
     return ImportedScene(scene, tuple(found))
 
 
@@ -112,7 +112,7 @@ class _Assembly:
         header = self.root.first("FileHeader")
         is_mirrored = header is not None and header.get("description").startswith(_MIRRORED)
         self.positions = Positions(roads, is_mirrored=is_mirrored)
-        self.actions = Actions(self.root, self.positions, self.ego)
+        self.actions = ActionReader(self.root, self.positions, self.ego)
         self._place_entities()
         self.actions.read()
         start = self._centre(self.ego)
@@ -191,13 +191,13 @@ class _Assembly:
             if (holder := _teleport(private)) is not None
         }
         for _ in range(len(waiting)):
-            before = len(self.tree.left_out)
+            before = len(self.tree.omissions)
             for name, holder in list(waiting.items()):
                 if (pose := self.positions.read(holder)) is not None:
                     self.positions.known[name] = pose
                     del waiting[name]
-            if waiting and len(self.tree.left_out) > before:
-                del self.tree.left_out[before:]
+            if waiting and len(self.tree.omissions) > before:
+                del self.tree.omissions[before:]
 
     def _centre(self, name: str) -> Pose | None:
         """Return the pose of an entity's centre, which is ahead of a vehicle's reference point."""
@@ -253,7 +253,7 @@ class _Assembly:
     # ------------------------------------------------------------------ actors
 
     def _actor(self, name: str, entity: Node) -> Actor | None:
-        asset = cast(entity, self.catalogue)
+        asset = nearest_asset(entity, self.catalogue)
         pose = self._centre(name)
         if asset is None or pose is None:
             entity.leave_out("has no start that can be read")
@@ -264,8 +264,8 @@ class _Assembly:
             return None
         is_against = abs(placed.heading_deg) > 135.0
         speed = self.actions.speeds.get(name, 0.0)
-        deeds = self.actions.deeds.get(name, [])
-        does, heading = behaviour(asset, deeds, speed, is_against, self.catalogue)
+        actions = self.actions.actions.get(name, [])
+        does, heading = behaviour(asset, actions, speed, is_against, self.catalogue)
         if heading is not None and does.name in ("cross_road", "run_red"):
             placed = self._placement(pose._replace(heading=heading))
         if does.name == "wrong_way":

@@ -9,7 +9,7 @@ from lxml import etree
 from oodscen._files import read_regular
 from oodscen.driving._roads.document import MAX_BYTES, Document, name_of
 from oodscen.errors import DataError, Issue
-from oodscen.interchange._expressions import substituted
+from oodscen.interchange._reading.expressions import substituted
 
 Scope = Mapping[str, str]
 
@@ -34,7 +34,7 @@ class ScenarioTree:
         self.path = Path(path)
         data = read_regular(path, NOUN, limit=MAX_BYTES)
         element = Document(str(path), "OpenSCENARIO").parse(data).element
-        self.left_out: list[Issue] = []
+        self.omissions: list[Issue] = []
         self._catalogues: dict[str, etree._Element] | None = None
         self._followed = 0
         self.root = Node(self, element, {})
@@ -143,8 +143,8 @@ class Node:
     def leave_out(self, why: str) -> None:
         """Record that a scene cannot hold this element."""
         issue = Issue(self.where, why)
-        if issue not in self.tree.left_out:
-            self.tree.left_out.append(issue)
+        if issue not in self.tree.omissions:
+            self.tree.omissions.append(issue)
 
     def get(self, name: str, default: str = "") -> str:
         """Return an attribute with its parameters replaced.

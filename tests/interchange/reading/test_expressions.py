@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.interchange._expressions import substituted
+from oodscen.interchange._reading.expressions import substituted
 
 NUMBERS = st.floats(-1e6, 1e6)
 

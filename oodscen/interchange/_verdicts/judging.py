@@ -1,6 +1,7 @@
 """Verdicts on runs that another player drove, as the simulation itself would judge them."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import DataError, Issue
-from oodscen.interchange._poses import PlayedPoses
+from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
 from oodscen.protocols import State
 from oodscen.stages._drive import drive_result
 from oodscen.stages._simulate import judged
@@ -47,7 +48,7 @@ class PlayedVerdict(Data):
 
 def verdict(
     scene: Scene,
-    played: PlayedPoses,
+    played: PlayedPoses | str | Path,
     catalogue: Catalogue,
     *,
     driver: str = "played",
@@ -57,14 +58,17 @@ def verdict(
 
     Args:
         scene: The scene or twin that was played.
-        played: The poses of `ego` and of every actor, by the ids of the scene.
+        played: The poses of `ego` and of every actor, by the ids of the scene, or the file that holds them: CSV with
+            the columns `time,name,x,y,h`, esmini's CSV log, or a trace of OSI ground truth.
         catalogue: The catalogue with which the scene was exported, for sizes and the road.
         driver: Name of what drove the ego.
         seed: Seed of the export.
 
     Raises:
-        DataError: If a body is missing.
+        DataError: If the file is malformed, with the line of every fault, or a body is missing.
     """
+    if not isinstance(played, PlayedPoses):
+        played = read_poses(played)
     corridor = load_corridor(find_map(scene.map, catalogue))
     states = states_of(scene, played, catalogue, corridor, seed)
     first, fired = _decision(scene, states, corridor)
@@ -108,7 +112,7 @@ def states_of(
     speeds = _speeds(played.time, poses, corridor)
     states = []
     for step, time in enumerate(played.time.tolist()):
-        world.put(poses[step], speeds[step])
+        world.set_poses(poses[step], speeds[step])
         seen = world.publish()
         states.append(
             State(

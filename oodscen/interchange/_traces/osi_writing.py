@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
-from oodscen.interchange._entities import Entity, entities
 from oodscen.interchange._recording import Recording, UnrenderedSimulator, replayed
+from oodscen.interchange._writing.entities import Entity, entities
 
 _VERSION = (3, 7, 0)
 _TYPES = {"MiscObject": 1, "Vehicle": 2, "Pedestrian": 3}

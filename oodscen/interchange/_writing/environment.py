@@ -3,7 +3,7 @@
 import math
 
 from oodscen.data._scene import Weather
-from oodscen.interchange._elements import Element, child, within
+from oodscen.interchange._writing.elements import Element, child, within
 
 OKTAS = (
     "zeroOktas",

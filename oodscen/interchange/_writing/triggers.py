@@ -6,10 +6,10 @@ import numpy as np
 
 from oodscen.data._scene import Trigger
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.interchange._elements import Element, Value, child, within
-from oodscen.interchange._entities import Entity
 from oodscen.interchange._recording import Recording
-from oodscen.interchange._trajectories import world_position
+from oodscen.interchange._writing.elements import Element, Value, child, within
+from oodscen.interchange._writing.entities import Entity
+from oodscen.interchange._writing.trajectories import world_position
 
 _ALONG: dict[str, Value] = {
     "freespace": False,

@@ -4,7 +4,7 @@ from typing import Literal, NamedTuple
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene
-from oodscen.interchange._elements import Element, Value, child
+from oodscen.interchange._writing.elements import Element, Value, child
 
 Kind = Literal["Vehicle", "Pedestrian", "MiscObject"]
 

@@ -3,8 +3,9 @@ import pytest
 
 from oodscen.data._episode import ACTIONS
 from oodscen.errors import DataError
-from oodscen.interchange import PlayedPoses, osi_trace, read_poses, to_openscenario, verdict
+from oodscen.interchange import osi_trace, to_openscenario, verdict
 from oodscen.interchange._recording import UnrenderedSimulator, replayed
+from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
 from oodscen.stages._simulate import simulate
 from tests.interchange.playing import centres
 from tests.interchange.staging import SCENES, catalogue

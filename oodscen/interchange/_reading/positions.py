@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 from oodscen.driving._roads.geometry import piecewise
 from oodscen.driving._roads.network import Network, Road
 from oodscen.driving._roads.routes import road_point
-from oodscen.interchange._tree import Node
+from oodscen.interchange._reading.tree import Node
 
 LANE_M = 3.5
 """Width of a lane of an imagined road, m."""

@@ -6,8 +6,8 @@ from oodscen.driving._motion.behaviours import BEHAVIOURS
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange import to_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
-from oodscen.interchange._scenario_runner import PLAYED, unplayable
 from oodscen.interchange._support import ELEMENTS
+from oodscen.interchange._writing.scenario_runner import PLAYED, unplayable
 from tests.interchange.playing import centres, turned
 from tests.interchange.staging import SCENES, catalogue, doing
 

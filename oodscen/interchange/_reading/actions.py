@@ -6,8 +6,8 @@ from typing import Literal, NamedTuple
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Behaviour, Trigger
-from oodscen.interchange._places import Pose, Positions
-from oodscen.interchange._tree import Node
+from oodscen.interchange._reading.positions import Pose, Positions
+from oodscen.interchange._reading.tree import Node
 
 Kind = Literal["lane_change", "brake", "course", "start"]
 
@@ -28,7 +28,7 @@ _KNOWN = {
 }
 
 
-class Deed(NamedTuple):
+class Action(NamedTuple):
     """One thing that an entity does, when, and how."""
 
     kind: Kind
@@ -39,7 +39,7 @@ class Deed(NamedTuple):
     """Direction in which a course leads, rad."""
 
 
-class Actions:
+class ActionReader:
     """Reads what every entity does."""
 
     def __init__(self, root: Node, positions: Positions, ego: str) -> None:
@@ -47,7 +47,7 @@ class Actions:
         self.positions = positions
         self.ego = ego
         self.speeds: dict[str, float] = {}
-        self.deeds: dict[str, list[Deed]] = {}
+        self.actions: dict[str, list[Action]] = {}
 
     def read(self) -> None:
         """Read the speeds of the start, then the events of all stories."""
@@ -81,8 +81,8 @@ class Actions:
             else:
                 self._course(name, node, trigger)
 
-    def _add(self, name: str, deed: Deed) -> None:
-        self.deeds.setdefault(name, []).append(deed)
+    def _add(self, name: str, action: Action) -> None:
+        self.actions.setdefault(name, []).append(action)
 
     def _speed(self, name: str, node: Node, trigger: Trigger) -> None:
         before, target = self.speeds.get(name, 0.0), self._target(node)
@@ -92,9 +92,9 @@ class Actions:
             self.speeds[name] = abs(target)
         elif target < _STANDS and before >= _STANDS:
             values = {"deceleration": _deceleration(node, before)}
-            self._add(name, Deed("brake", node, trigger, values))
+            self._add(name, Action("brake", node, trigger, values))
         elif before < _STANDS <= target:
-            self._add(name, Deed("start", node, trigger, {"speed": target}))
+            self._add(name, Action("start", node, trigger, {"speed": target}))
         else:
             node.leave_out(f"no behaviour changes the speed from {before:.1f} to {target:.1f} m/s")
 
@@ -135,7 +135,7 @@ class Actions:
             return
         speed = self.speeds.get(name, 0.0)
         values = {"lanes": float(lanes), "duration": _duration(node, speed)}
-        self._add(name, Deed("lane_change", node, trigger, values))
+        self._add(name, Action("lane_change", node, trigger, values))
 
     def _course(self, name: str, node: Node, trigger: Trigger) -> None:
         """Add a straight way from the first to the last point of a course."""
@@ -167,7 +167,7 @@ class Actions:
             values["speed"] = way / seconds
         if any(_aside(one, start, heading) > _STRAIGHT_M for _, one in pairs):
             node.leave_out("the course is read as a straight way from its first point to its last")
-        self._add(name, Deed("course", node, trigger, values, heading))
+        self._add(name, Action("course", node, trigger, values, heading))
 
     def _points(self, node: Node) -> Iterator[tuple[Node, Pose | None]]:
         for kind in ("Vertex", "Waypoint", "ControlPoint"):
@@ -240,27 +240,27 @@ class Actions:
 
 
 def behaviour(
-    asset: Asset, deeds: list[Deed], speed: float, is_against: bool, catalogue: Catalogue
+    asset: Asset, actions: list[Action], speed: float, is_against: bool, catalogue: Catalogue
 ) -> tuple[Behaviour, float | None]:
     """Return an actor's one behaviour, and the direction of its course if it has one.
 
-    The rarest kind of deed counts; the others are recorded as left out.
+    The rarest kind of action counts; the others are recorded as left out.
     """
     is_driver = asset.category in ("vehicle", "cyclist")
     order = {"lane_change": 0, "brake": 1, "course": 2, "start": 3}
-    ranked = sorted(deeds, key=lambda deed: (order[deed.kind], "speed" not in deed.values))
+    ranked = sorted(actions, key=lambda action: (order[action.kind], "speed" not in action.values))
     if not is_driver:
         ranked = [one for one in ranked if one.kind in ("course", "start")]
-    for one in deeds:
+    for one in actions:
         if not ranked or one is not ranked[0]:
             one.node.leave_out("an actor does one thing")
     name, values, trigger, heading = _plain(asset, speed, is_against), {"speed": speed}, None, None
     if ranked:
-        deed = ranked[0]
-        trigger, heading = deed.trigger, deed.heading
-        name, values = (_driving if is_driver else _walking)(deed, speed)
+        action = ranked[0]
+        trigger, heading = action.trigger, action.heading
+        name, values = (_driving if is_driver else _walking)(action, speed)
         if asset.category not in catalogue.behaviour(name).categories:
-            deed.node.leave_out(f"a {asset.category} cannot {name}")
+            action.node.leave_out(f"a {asset.category} cannot {name}")
             name, values, trigger, heading = "stand", {}, None, None
     limits = catalogue.behaviour(name).parameters
     kept = {
@@ -279,22 +279,22 @@ def _plain(asset: Asset, speed: float, is_against: bool) -> str:
     return "walk_along" if asset.category in ("pedestrian", "animal") else "stand"
 
 
-def _driving(deed: Deed, speed: float) -> tuple[str, dict[str, float]]:
-    values = {"speed": speed, **deed.values}
-    if deed.kind == "lane_change":
+def _driving(action: Action, speed: float) -> tuple[str, dict[str, float]]:
+    values = {"speed": speed, **action.values}
+    if action.kind == "lane_change":
         return "cut_in", values
-    if deed.kind == "brake":
+    if action.kind == "brake":
         return ("hard_brake" if values["deceleration"] >= _HARD else "stall"), values
-    if deed.kind == "start":
+    if action.kind == "start":
         return "pull_out", values
     if values["speed"] < _STANDS:
         values["speed"] = 8.0
     return "run_red", values
 
 
-def _walking(deed: Deed, speed: float) -> tuple[str, dict[str, float]]:
-    pace = deed.values.get("speed", speed)
-    far = deed.values.get("distance", _DISTANCE_M)
+def _walking(action: Action, speed: float) -> tuple[str, dict[str, float]]:
+    pace = action.values.get("speed", speed)
+    far = action.values.get("distance", _DISTANCE_M)
     return "cross_road", {"speed": pace if pace >= _STANDS else _WALK, "distance": far}
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from oodscen._text import whole
 from oodscen.errors import DataError, OodscenError
 from oodscen.interchange import read_openscenario, to_openscenario
-from oodscen.interchange._recording import twin_of
+from oodscen.interchange._recording import ordinary_twin
 from tests.interchange.staging import SCENES, catalogue
 
 FOREIGN = """<OpenSCENARIO>
@@ -99,7 +99,7 @@ def test_an_export_gives_back_its_scene(mode, tmp_path):
         )
         assert found.scene == scene
         assert found.scene.to_json() == scene.to_json()
-        assert not found.left_out
+        assert not found.omissions
 
 
 @given(st.text(max_size=40))
@@ -112,7 +112,7 @@ def test_any_words_of_a_scene_come_back(words):
 
 
 def test_a_twin_gives_back_its_scene(tmp_path):
-    twin = twin_of(SCENES[0], catalogue())
+    twin = ordinary_twin(SCENES[0], catalogue())
     path = to_openscenario(twin, catalogue(), action="stop").save(tmp_path)
     assert read_openscenario(path, catalogue()).scene == twin
 
@@ -128,7 +128,7 @@ def test_a_changed_export_is_read_by_its_elements(tmp_path):
     assert [one.asset for one in found.scene.actors] == [one.asset for one in scene.actors]
     for mine, its in zip(scene.actors, found.scene.actors, strict=True):
         assert its.placement.ahead_m == pytest.approx(mine.placement.ahead_m, abs=2.5)
-    assert any("changed" in issue.message for issue in found.left_out)
+    assert any("changed" in issue.message for issue in found.omissions)
 
 
 def test_a_file_of_others_is_read_as_far_as_the_vocabulary_goes(foreign):
@@ -185,7 +185,7 @@ def test_what_is_left_out_has_its_line_and_element(foreign):
     found = foreign(ACTION=odd)
     assert any(
         one.path.startswith("line ") and one.path.endswith("LaneOffsetAction")
-        for one in found.left_out
+        for one in found.omissions
     )
 
 

@@ -13,11 +13,10 @@ from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene, Weather
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import Issue, SceneError
-from oodscen.interchange._elements import Element, Value, child, within
-from oodscen.interchange._entities import Entity, classified
-from oodscen.interchange._init import write_speed
 from oodscen.interchange._recording import Reactions
-from oodscen.interchange._storyboard import event, followers
+from oodscen.interchange._writing.elements import Element, Value, child, within
+from oodscen.interchange._writing.entities import Entity, classified
+from oodscen.interchange._writing.storyboard import event, followers, write_speed
 
 BLUEPRINTS = "carla-0.9.16"
 """The catalogue whose ids are CARLA's blueprints."""
