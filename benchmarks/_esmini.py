@@ -52,15 +52,22 @@ class Played(NamedTuple):
     error: str = ""
 
 
-def played(path: Path, dt: float, steps: int) -> Played:
-    """Play a file in a process of its own: esmini keeps state from one scenario to the next."""
+def played(path: Path, dt: float, steps: int, speeds: NDArray[np.float64] | None = None) -> Played:
+    """Play a file in a process of its own: esmini keeps state from one scenario to the next.
+
+    Args:
+        path: The file.
+        dt: Seconds per step.
+        steps: Number of steps.
+        speeds: Speed of the ego at the start of every step, m/s. Without it esmini takes the mean speed of the last step.
+    """
     ours, its = os.pipe()
     child = os.fork()
     if child == 0:
         os.close(ours)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         try:
-            told = pickle.dumps(_played(path, dt, steps))
+            told = pickle.dumps(_played(path, dt, steps, speeds))
         except Exception as error:
             told = pickle.dumps(Played(error=repr(error)))
         with os.fdopen(its, "wb") as out:
@@ -74,9 +81,10 @@ def played(path: Path, dt: float, steps: int) -> Played:
     return found
 
 
-def _played(path: Path, dt: float, steps: int) -> Played:
+def _played(path: Path, dt: float, steps: int, speeds: NDArray[np.float64] | None) -> Played:
     library: Any = ctypes.CDLL(LIBRARY)
     library.SE_StepDT.argtypes = [ctypes.c_double]
+    library.SE_ReportObjectSpeed.argtypes = [ctypes.c_int, ctypes.c_double]
     library.SE_GetSimulationTime.restype = ctypes.c_double
     library.SE_GetObjectName.restype = ctypes.c_char_p
     log = path.with_suffix(".log")
@@ -89,7 +97,9 @@ def _played(path: Path, dt: float, steps: int) -> Played:
     ids = [library.SE_GetId(index) for index in range(library.SE_GetNumberOfObjects())]
     names = tuple(library.SE_GetObjectName(one).decode() for one in ids)
     rows, times = [_states(library, ids)], [library.SE_GetSimulationTime()]
-    for _ in range(steps):
+    for step in range(steps):
+        if speeds is not None:
+            library.SE_ReportObjectSpeed(ids[names.index("ego")], float(speeds[step]))
         if library.SE_StepDT(dt) != 0 or library.SE_GetQuitFlag():
             break
         rows.append(_states(library, ids))

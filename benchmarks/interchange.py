@@ -242,7 +242,7 @@ def reactive(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
             truth = Recording.of(states, corridor, next(due, None))
             path = written.save(folder)
             path.write_bytes(with_ego(written.xosc, scene, catalogue, truth))
-            found = played(path, truth.dt, contact)
+            found = played(path, truth.dt, contact, truth.speeds[:, 0])
             path.unlink()
             if found.error:
                 misses.append(f"{scene.id}, {label}: {found.error}")

@@ -1,19 +1,23 @@
 """Commands that exchange scenes with other tools: export, import, verdict, vary."""
 
 import json
+import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import starmap
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from oodscen._cli.options import json_option, seed_option, simulator_option
 from oodscen._cli.output import read_lines, say, tracked, write
 from oodscen._cli.paths import READABLE, PathName
+from oodscen._processes import Processes
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
-from oodscen.data._episode import ACTIONS
+from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import is_twin, scene_of
 from oodscen.errors import OodscenError, UsageError
@@ -24,6 +28,9 @@ if TYPE_CHECKING:
 
 _PLACE = PathName(exists=True, path_type=Path)
 _FOLDER = PathName(file_okay=False, path_type=Path)
+_Written = tuple[int, list[str]]
+_PART = 24
+"""Number of scenes that a process writes in one go."""
 
 
 @click.command()
@@ -65,15 +72,19 @@ _FOLDER = PathName(file_okay=False, path_type=Path)
 )
 @click.option("--logical", is_flag=True, help="Write the ranges of the scenes' parameters as well.")
 @click.option("--limit", type=click.IntRange(min=1), help="Write at most this many scenes.")
+@click.option(
+    "--workers",
+    type=click.IntRange(1, 256),
+    help="Processes.  [default: number of CPUs, one for few scenes]",
+)
 @simulator_option
 @seed_option
 def export(
     place: Path,
     out: Path,
-    twins: bool,
     limit: int | None,
+    workers: int | None,
     simulator: str,
-    seed: int,
     **options: Any,
 ) -> None:
     """Write scenes and their twins into a folder.
@@ -85,17 +96,47 @@ def export(
     scenes, catalogue, known = _scenes(place, simulator)
     scenes = scenes[:limit]
     out.mkdir(parents=True, exist_ok=True)
-    written = failed = 0
-    for scene in tracked(scenes, "export", len(scenes)):
+    written, faults = 0, list[str]()
+    parts = [scenes[first : first + _PART] for first in range(0, len(scenes), _PART)]
+    jobs = [(part, catalogue, known.of(part), out, options) for part in parts]
+    for some, errors in tracked(_results(jobs, workers), "export", len(jobs)):
+        written += some
+        faults += errors
+    for fault in faults:
+        say(fault, err=True)
+    say(f"{written} files in {out}, {len(faults)} of {len(scenes)} scenes failed", err=True)
+    sys.exit(bool(faults))
+
+
+def _results(jobs: Sequence[tuple[Any, ...]], workers: int | None) -> Iterator[_Written]:
+    """Yield what the jobs of `write_scenes` return, in processes if there are several."""
+    count = min(workers or os.cpu_count() or 1, len(jobs))
+    if count < 2:
+        yield from starmap(write_scenes, jobs)
+        return
+    with Processes(count) as pool:
+        for future in [pool.submit(write_scenes, *job) for job in jobs]:
+            yield future.result()
+
+
+def write_scenes(
+    scenes: Sequence[Scene],
+    catalogue: Catalogue,
+    known: "_Known",
+    out: Path,
+    options: dict[str, Any],
+) -> _Written:
+    """Write some scenes, and return the number of files and the faults of scenes that cannot be written."""
+    written, faults = 0, list[str]()
+    for scene in scenes:
         try:
-            for item in _with_twin(scene, catalogue, seed) if twins else (scene,):
-                _write(item, catalogue, known, out, seed, options)
+            twins = options["twins"]
+            for item in _with_twin(scene, catalogue, options["seed"]) if twins else (scene,):
+                _write(item, catalogue, known, out, options)
                 written += 1
         except OodscenError as error:
-            say(f"{scene.id}: {error}", err=True)
-            failed += 1
-    say(f"{written} files in {out}, {failed} of {len(scenes)} scenes failed", err=True)
-    sys.exit(bool(failed))
+            faults.append(f"{scene.id}: {error}")
+    return written, faults
 
 
 def _write(
@@ -103,13 +144,13 @@ def _write(
     catalogue: Catalogue,
     known: "_Known",
     out: Path,
-    seed: int,
     options: dict[str, Any],
 ) -> None:
     """Write one scene in the chosen format."""
     from oodscen._files import replace
     from oodscen.interchange import openlabel, osi_trace, to_openscenario, write_logical
 
+    seed = options["seed"]
     if options["form"] == "openlabel":
         write(out / f"{scene.id}.json", json.dumps(openlabel(scene, catalogue), indent=2))
     elif options["form"] == "osi":
@@ -242,19 +283,37 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
 # ------------------------------------------------------------------ the scenes of a place
 
 
-class _Known:
+class _Known(NamedTuple):
     """A study's knowledge of its scenes, as properties."""
 
-    def __init__(self, study: "Study | None") -> None:
-        self.scenarios = {one.id: one for one in study.scenarios} if study else {}
-        self.episodes = {one.scene_id: one for one in study.episodes} if study else {}
-        is_told = study is not None and "claims.jsonl" in study.own()
-        rows = study.store.lines("claims.jsonl") if study and is_told else ()
-        self._claims = {row["id"]: row["claims"] for row in rows}
+    scenarios: Mapping[str, Scenario] = {}
+    episodes: Mapping[str, Episode] = {}
+    stated: Mapping[str, list[Any]] = {}
+    """The claims of texts as data, by the id of their scene."""
+
+    @classmethod
+    def from_study(cls, study: "Study") -> "_Known":
+        """Read what a study knows."""
+        rows = study.store.lines("claims.jsonl") if "claims.jsonl" in study.own() else ()
+        return cls(
+            {one.id: one for one in study.scenarios},
+            {one.scene_id: one for one in study.episodes},
+            {row["id"]: row["claims"] for row in rows},
+        )
+
+    def of(self, scenes: Sequence[Scene]) -> "_Known":
+        """Return what is known of some scenes and their twins."""
+        ids = {one.id for one in scenes}
+        texts = {one.scenario_id for one in scenes}
+        return _Known(
+            {name: one for name, one in self.scenarios.items() if name in texts},
+            {name: one for name, one in self.episodes.items() if {name, scene_of(name)} & ids},
+            {name: one for name, one in self.stated.items() if name in ids},
+        )
 
     def claims(self, scene: Scene) -> list[Claim]:
         """Return the claims of a scene's text."""
-        return [Claim.parse(one) for one in self._claims.get(scene_of(scene.id), [])]
+        return [Claim.parse(one) for one in self.stated.get(scene_of(scene.id), [])]
 
     def __call__(self, scene: Scene) -> dict[str, str]:
         from oodscen.interchange._writing.properties import facts
@@ -271,8 +330,8 @@ def _scenes(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, _Known
     if place.is_dir():
         study = Study.open(place)
         catalogue = make_simulator(study.config.simulator).catalogue()
-        return study.scenes, catalogue, _Known(study)
-    return read_lines(Scene, place), make_simulator(simulator).catalogue(), _Known(None)
+        return study.scenes, catalogue, _Known.from_study(study)
+    return read_lines(Scene, place), make_simulator(simulator).catalogue(), _Known()
 
 
 def _with_twin(scene: Scene, catalogue: Catalogue, seed: int) -> Iterator[Scene]:

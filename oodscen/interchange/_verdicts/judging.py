@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 
 _ALIGNED = 0.8
 """Cosine to the road's direction from which an actor drives along the road."""
-_ROUNDING = 5e-5
+_ROUNDING = 4e-6
 """Amount by which a trigger's value may be missed, since poses in files are rounded, m or s."""
 
 
@@ -109,7 +109,8 @@ def states_of(
         step, row = np.argwhere(np.isnan(poses).any(axis=2))[0]
         issue = Issue(world.ids[row], f"has no pose at {played.time[step]:g} s")
         raise DataError("run of a player", [issue], source=scene.id)
-    speeds = _speeds(played.time, poses, corridor)
+    towed = [row for row, one in enumerate(scene.actors, start=1) if one.behaviour.name == "towed"]
+    speeds = _speeds(played.time, poses, corridor, towed)
     states = []
     for step, time in enumerate(played.time.tolist()):
         world.set_poses(poses[step], speeds[step])
@@ -129,11 +130,12 @@ def states_of(
     return states
 
 
-def _speeds(time: Floats, poses: Floats, corridor: Corridor) -> Floats:
+def _speeds(time: Floats, poses: Floats, corridor: Corridor, towed: Sequence[int]) -> Floats:
     """Return the speeds along the headings at the end of every step, from the last two steps.
 
     The speed of an actor that drives along the road is the one that covers its way along the road: its heading
-    need not be the direction in which it sways.
+    need not be the direction in which it sways. The speed of a towed body is its mean over the last step, as in the
+    simulation.
     """
     steps = np.diff(poses, axis=0) / np.diff(time)[:, None, None]
     heading = poses[:, :, 3]
@@ -147,11 +149,12 @@ def _speeds(time: Floats, poses: Floats, corridor: Corridor) -> Floats:
     aligned = np.cos(heading) * cos + np.sin(heading) * sin
     along = np.diff(s, axis=0) / np.diff(time)[:, None] * (1.0 - bend * t)[1:]
     drives = np.abs(aligned[:-1]) > _ALIGNED
-    drives[:, 0] = False
+    drives[:, [0, *towed]] = False
     mean[drives] = along[drives] / aligned[:-1][drives]
     speeds = np.empty(heading.shape)
     speeds[1:] = mean
     speeds[2:] += 0.5 * (mean[1:] - mean[:-1])
+    speeds[2:, towed] = mean[1:, towed]
     speeds[0] = mean[0] if len(mean) < 2 else mean[0] - 0.5 * (mean[1] - mean[0])
     return speeds
 

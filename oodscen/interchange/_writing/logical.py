@@ -10,12 +10,14 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene
 from oodscen.interchange._ranges import ParameterRange, ranges
-from oodscen.interchange._writing.elements import Element, child, written
+from oodscen.interchange._writing.elements import Element, child
 from oodscen.interchange._writing.scenario import DATE, ScenarioFile, to_openscenario
 
 _STEPS = 4
 """Number of steps across a range in a deterministic distribution."""
 _RUNS = 100
+_TIED = 2e-4
+"""Amount by which a condition may differ from its trigger where a tie was undone, m or s."""
 
 
 def write_logical(
@@ -89,7 +91,7 @@ def _places(root: Element, one: ParameterRange) -> list[tuple[Element, str]]:
         for condition in root.iter("Condition")
         if condition.get("name", "").replace("-", "_") == one.name
         for measured in condition.iter("DistanceCondition", "TimeToCollisionCondition")
-        if measured.get("value") == written(one.value)
+        if abs(float(measured.get("value", "nan")) - one.value) <= _TIED
     ]
 
 

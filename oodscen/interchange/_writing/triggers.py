@@ -18,6 +18,11 @@ _ALONG: dict[str, Value] = {
 }
 _STANDS_M = 0.05
 """Way along the road up to which an actor counts as standing there, as one that crosses does, m."""
+_TIE = 1e-4
+"""Least difference of a condition's value from what a nominal run measures at the steps about it, m or s.
+
+An exact tie is decided by rounding, which differs between players.
+"""
 _EARLY_S = 0.001
 """Time before its step from which a time condition holds, against rounding in players, s."""
 
@@ -81,10 +86,32 @@ class EgoConditions:
         condition = child(holder, "EntityCondition")
         along = self.nominal.places[: step + 1, row, 0]
         stands = bool(np.abs(along - along[0]).max() <= _STANDS_M)
+        value = self._untied(trigger, row, step)
         if trigger.kind == "distance":
-            self._distance(condition, trigger.value, row, stands)
+            self._distance(condition, value, row, stands)
         else:
-            self._time_to_collision(condition, trigger.value, row, stands)
+            self._time_to_collision(condition, value, row, stands)
+
+    def _untied(self, trigger: Trigger, row: int, step: int) -> float:
+        """Return a trigger's value, off the values that the nominal run has at its step and the one before."""
+        after = self._measured(trigger, row, step) + _TIE
+        before = self._measured(trigger, row, max(step - 1, 0)) - _TIE
+        return min(max(trigger.value, after), before) if after < before else trigger.value
+
+    def _measured(self, trigger: Trigger, row: int, step: int) -> float:
+        """Return the distance, or the time to collision, to an actor at a step of the nominal run."""
+        ahead = float(self.nominal.places[step, row, 0] - self.nominal.places[step, 0, 0])
+        if trigger.kind == "distance":
+            return abs(ahead)
+        ego, its = (
+            float(self.nominal.speeds[step, body])
+            * self.corridor.alignment(
+                float(self.nominal.places[step, body, 0]), float(self.nominal.poses[step, body, 3])
+            )
+            for body in (0, row)
+        )
+        closing = math.copysign(ego - its, (ego - its) * ahead)
+        return abs(ahead) / closing if closing > 0.0 else math.inf
 
     def _distance(self, condition: Element, value: float, row: int, stands: bool) -> None:
         if stands:
