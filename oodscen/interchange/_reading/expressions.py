@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 _NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 _MOST = 200
 """Maximum characters of an expression."""
+_DEEPEST = 50
+"""Maximum depth to which parameters depend on each other."""
 _OPERATORS: dict[type[ast.AST], Callable[[float, float], float]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -33,32 +35,49 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
 _CONSTANTS = {"pi": math.pi, "e": math.e}
 
 
-def substituted(text: str, scope: Mapping[str, str], taken: tuple[str, ...] = ()) -> str:
+def substituted(text: str, scope: Mapping[str, str]) -> str:
     """Return an attribute's text with parameters and expressions replaced by their values.
 
     Args:
         text: The attribute as written.
         scope: Parameters by name, as written.
-        taken: Parameters whose values are being worked out.
 
     Raises:
         ValueError: If a parameter is unknown, depends on itself, or an expression cannot be computed.
     """
-    if "$" not in text:
-        return text
-    if text.startswith("${") and text.endswith("}"):
-        inner = _NAME.sub(lambda found: _parameter(found[1], scope, taken), text[2:-1])
-        return _computed(inner)
-    found = _NAME.fullmatch(text.strip())
-    return _parameter(found[1], scope, taken) if found else text
+    return _Substitution(scope).value(text)
 
 
-def _parameter(name: str, scope: Mapping[str, str], taken: tuple[str, ...]) -> str:
-    if name in taken:
-        raise ValueError(f"parameter {name!r} depends on itself")
-    if name not in scope:
-        raise ValueError(f"there is no parameter {name[:60]!r}")
-    return substituted(scope[name], scope, (*taken, name))
+class _Substitution:
+    """Works out the value of one attribute; each parameter is worked out once, however often it is named."""
+
+    def __init__(self, scope: Mapping[str, str]) -> None:
+        self.scope = scope
+        self.known: dict[str, str] = {}
+        self.taken: list[str] = []
+        """Parameters whose values are being worked out."""
+
+    def value(self, text: str) -> str:
+        """Return a text with its parameters replaced."""
+        if "$" not in text:
+            return text
+        if text.startswith("${") and text.endswith("}"):
+            return _computed(_NAME.sub(lambda found: self._parameter(found[1]), text[2:-1]))
+        found = _NAME.fullmatch(text.strip())
+        return self._parameter(found[1]) if found else text
+
+    def _parameter(self, name: str) -> str:
+        if name in self.taken:
+            raise ValueError(f"parameter {name[:60]!r} depends on itself")
+        if name not in self.scope:
+            raise ValueError(f"there is no parameter {name[:60]!r}")
+        if len(self.taken) >= _DEEPEST:
+            raise ValueError(f"parameters depend on each other more than {_DEEPEST} deep")
+        if name not in self.known:
+            self.taken.append(name)
+            self.known[name] = self.value(self.scope[name])
+            self.taken.pop()
+        return self.known[name]
 
 
 def _computed(text: str) -> str:
