@@ -55,6 +55,19 @@ def test_a_study_is_exported_and_its_files_are_read(study, tmp_path):
         assert json.loads(back.stdout) == scene.model_dump(mode="json")
 
 
+def test_processes_write_the_same_files(tmp_path, monkeypatch):
+    monkeypatch.setattr("oodscen._cli.interchange._PART", 1)
+    scenes, written = tmp_path / "scenes.jsonl", []
+    scenes.write_text("".join(f"{one.to_json()}\n" for one in SCENES[:2]))
+    for workers in (1, 2):
+        out = tmp_path / str(workers)
+        words = ("--simulator", "pybullet", "--no-twins", "--workers", workers)
+        assert run("export", scenes, "-o", out, *words).exit_code == 0
+        written.append({path.name: path.read_bytes() for path in out.iterdir()})
+    assert written[0] == written[1]
+    assert set(written[0]) >= {f"{one.id}.xosc" for one in SCENES[:2]}
+
+
 def test_tags_are_exported(study, tmp_path):
     assert run("export", study, "-o", tmp_path / "tags", "--to", "openlabel").exit_code == 0
     for scene in Study.open(study).scenes:
