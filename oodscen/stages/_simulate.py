@@ -361,7 +361,7 @@ class _Rollouts:
             self.scene, self.simulator, action_driver(action), observation, self.collisions_only
         )
         trace = Trace.measured([first, *states], self.course)
-        return _judged(states, trace, self.collisions_only), trace, same
+        return judged(states, trace, self.collisions_only), trace, same
 
     def _rewind(self) -> tuple[State, bool]:
         if self.restore is not None and self.snapshot is not None:
@@ -389,7 +389,7 @@ def _executed(
     return states
 
 
-def _judged(states: Sequence[State], trace: Trace, collisions_only: bool = False) -> ActionOutcome:
+def judged(states: Sequence[State], trace: Trace, collisions_only: bool = False) -> ActionOutcome:
     """Return the outcome of an action, with margins from the first step on."""
     last = states[-1]
     margin = min(float(state.gaps[1:].min(initial=np.inf)) for state in states)
