@@ -11,7 +11,7 @@ demo: $(READY)
 	$(BIN)/oodscen run $(OUT)
 
 test: $(READY)
-	OODSCEN_OFFLINE=1 $(BIN)/pytest -n 2 --dist loadfile
+	OODSCEN_OFFLINE=1 $(BIN)/pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 lint: $(READY)
 	$(BIN)/ruff format --check .

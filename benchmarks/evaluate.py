@@ -1,4 +1,4 @@
-"""Evaluates judging on the default study: safe sets, references, and a served model on scenes and twins.
+"""Evaluates judging on the default study: safe sets, references, shortcuts, and a served model on scenes and twins.
 
 `--study FOLDER` takes a finished study; without it, one is made (minutes). The served model is asked
 about `--paths` times ten scenes and their twins through HTTP, stopped half way and resumed.
@@ -27,7 +27,9 @@ from oodscen.driving._motion.rollouts import Variation
 from oodscen.errors import BudgetExceeded
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._items import CAUTIOUS
+from oodscen.judging._leaderboard.scores import Estimate
 from oodscen.judging._safety import safety_figures
+from oodscen.judging._shortcuts.audit import audit
 from oodscen.llm._remote.limits import Limits
 from oodscen.stages._drive import RuleBasedDriver, drive
 from oodscen.stages._simulate import approach
@@ -153,6 +155,44 @@ def _score(episode: Episode, action: str) -> bool | None:
     return None if outcome.marginal else outcome.safe
 
 
+def shortcuts(study: Study) -> list[Row]:
+    """Compare what shortcuts reach with the most that they may."""
+    found = audit(
+        study.episodes, study.scenes, study.scenarios, study.folder, seed=study.config.seed
+    )
+    print(found)
+    by_name = {one.name: one for one in found.rows}
+    thumbnails = by_name["thumbnails, last frame, boosting"].auroc
+    near = by_name["body in the lane within 40 m"].balanced_accuracy
+    together = by_name["distances, counts and pixels together, boosting"].auroc
+    sizes = by_name["the larger JPEG file of a pair is the rare one"].balanced_accuracy
+    rows = [
+        _at_most("thumbnails, AUROC", thumbnails, 0.62, 0.65),
+        _at_most("a body in the lane within 40 m, balanced accuracy", near, 0.63),
+        _at_most("distances, counts and pixels together, AUROC", together, 0.68),
+    ]
+    share = sizes.value if sizes.value is not None else 1.0
+    return [
+        *rows,
+        row(f"larger JPEG file of a pair{_interval(sizes)}", share, "share", "0.45..0.55",
+            0.45 <= share <= 0.55),
+    ]  # fmt: skip
+
+
+def _at_most(name: str, found: Estimate, most: float, most_high: float | None = None) -> Row:
+    """Return the row of a figure with a limit, and with one for the end of its interval."""
+    value = 1.0 if found.value is None else found.value
+    high = value if found.interval is None else found.interval.high
+    target = f"<= {most:g}" + (f", upper bound <= {most_high:g}" if most_high else "")
+    holds = value <= most and (most_high is None or high <= most_high)
+    return row(f"{name}{_interval(found)}", value, "", target, holds)
+
+
+def _interval(found: Estimate) -> str:
+    between = found.interval
+    return f" [{between.low:.2f}, {between.high:.2f}]" if between else ""
+
+
 def _safe_in_scenes(verdicts: Sequence[Verdict]) -> float:
     found = [v.action_is_safe for v in verdicts if not v.is_twin and v.action_is_safe is not None]
     return sum(found) / max(1, len(found))
@@ -241,7 +281,8 @@ def main() -> int:
         if not given.study:
             run_study(folder, StudyConfig(), workers=2)
         study = Study.open(folder)
-        rows = [*safe_sets(study.episodes), *flips(study, 180), *references(study)]
+        rows = [*safe_sets(study.episodes), *flips(study, 180)]
+        rows += [*references(study), *shortcuts(study)]
         rows += closed_loop(study, 100)
         small = Path(temporary, "small")
         began = time.perf_counter()

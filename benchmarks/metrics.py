@@ -25,13 +25,13 @@ from oodscen import Metrics
 from oodscen.baselines import load_controls
 from oodscen.baselines._embedded import open_embeddings
 from oodscen.baselines._ordinary import ordinary_driving
+from oodscen.encoders import _similarity as kernel
 from oodscen.encoders._minilm import MiniLM
 from oodscen.encoders._onnx import OnnxMiniLM
+from oodscen.encoders._similarity import nearest, nearest_other, smallest, unit
 from oodscen.metrics._detection.detectors import DETECTORS
 from oodscen.metrics._diversity import diversity
 from oodscen.metrics._selection import most_diverse
-from oodscen.metrics._vectors import similarity as kernel
-from oodscen.metrics._vectors.similarity import nearest, nearest_other, smallest, unit
 from oodscen.statistics._auroc import auroc_interval
 from oodscen.testing._encoder import HashEncoder
 

@@ -48,7 +48,12 @@ MODULES = {
     "oodscen/statistics/_intervals.py": ("tests/statistics/test_intervals.py",),
     "oodscen/metrics/_oodness.py": ("tests/metrics/test_oodness.py",),
     "oodscen/judging/_parsing/reading.py": ("tests/judging/parsing",),
-    "oodscen/judging/_leaderboard/board.py": ("tests/judging/leaderboard",),
+    "oodscen/judging/_parsing/stating.py": (
+        "tests/judging/parsing/test_stating.py",
+        "tests/judging/parsing/test_choices.py",
+    ),
+    "oodscen/judging/_leaderboard/leaderboard.py": ("tests/judging/leaderboard",),
+    "oodscen/judging/_leaderboard/scores.py": ("tests/judging/leaderboard",),
     "oodscen/llm/_json_objects.py": (
         "tests/llm/test_json_objects.py",
         "tests/llm/test_ask.py",
@@ -154,7 +159,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "for index, cosine in zip(found.index.tolist(), found.cosine.tolist(), strict=False)",
     ): "both have one entry per text",
     (
-        "oodscen/judging/_leaderboard/board.py",
+        "oodscen/judging/_leaderboard/scores.py",
         "return max(seen, key=lambda item: item[0], default=((0.0 + 1), None))[1]",
     ): "only the second part of the default is used",
     (

@@ -29,8 +29,8 @@ from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.baselines import load_baseline
 from oodscen.encoders._cached import CachedEncoder
+from oodscen.encoders._similarity import unit
 from oodscen.errors import AnswerError
-from oodscen.metrics._vectors.similarity import unit
 from oodscen.prompts._scenario.describe_path import STYLES, plain
 from oodscen.stages._describe import spread_subset
 from oodscen.statistics._intervals import Interval

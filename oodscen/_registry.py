@@ -2,11 +2,14 @@
 
 import importlib.util
 import inspect
+import os
 import sys
 import warnings
 from collections.abc import Callable, Mapping
-from contextlib import closing
-from importlib.metadata import EntryPoint, entry_points
+from contextlib import closing, suppress
+from functools import lru_cache
+from importlib import metadata
+from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -41,6 +44,21 @@ _LONGEST = 4_096
 def is_builtin(name: str) -> bool:
     """Return whether a model name means the built-in author, with or without the user's own knowledge."""
     return name.partition(":")[0] == DEFAULT_LLM
+
+
+def entry_points(group: str) -> EntryPoints:
+    """Return the entry points of a group; installed packages are read again when one was added or removed."""
+    places: list[tuple[str, int]] = []
+    for folder in sys.path:
+        with suppress(OSError, ValueError):
+            places.append((folder, os.stat(folder or os.curdir).st_mtime_ns))
+    return _installed(tuple(places)).select(group=group)
+
+
+@lru_cache(maxsize=1)
+def _installed(places: tuple[tuple[str, int], ...]) -> EntryPoints:
+    """Return all entry points of packages in folders with these times of change."""
+    return cast(EntryPoints, metadata.entry_points())  # mypy reads the signature of Python 3.10.
 
 
 def names(kind: str) -> dict[str, EntryPoint]:

@@ -5,7 +5,12 @@ from hypothesis import strategies as st
 from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim
 from oodscen.prompts._judging.name_aspect import OodAspect
 from oodscen.prompts._tree.imagine_scenario import ImaginedScenario
-from oodscen.prompts._tree.judge_branch import BranchJudgement, Substitute
+from oodscen.prompts._tree.judge_branch import (
+    BranchJudgement,
+    BranchJudgements,
+    NumberedJudgement,
+    Substitute,
+)
 
 
 @st.composite
@@ -29,15 +34,13 @@ st.register_type_strategy(
 )
 said = st.text(min_size=1, max_size=20).filter(str.strip)
 st.register_type_strategy(Substitute, st.builds(Substitute, asset=said, stands_for=said))
-st.register_type_strategy(
-    BranchJudgement,
-    st.builds(
-        BranchJudgement,
-        **dict.fromkeys(
-            ("assets", "states", "behaviours", "weather", "traits"), st.lists(said, max_size=3)
-        ),
-    ),
+lists = dict.fromkeys(
+    ("assets", "states", "behaviours", "weather", "traits"), st.lists(said, max_size=3)
 )
+st.register_type_strategy(BranchJudgement, st.builds(BranchJudgement, **lists))
+# Drawn freely, several judgements are tens of thousands of characters that hide no more than a few do.
+several = st.lists(st.builds(NumberedJudgement, **lists), max_size=3)
+st.register_type_strategy(BranchJudgements, st.builds(BranchJudgements, judgements=several))
 st.register_type_strategy(
     ImaginedScenario,
     st.builds(ImaginedScenario, once_in_km=st.none() | st.floats(1.0, 1e18)),

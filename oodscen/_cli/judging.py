@@ -1,11 +1,14 @@
-"""Commands about the statistical power of comparing models."""
+"""Commands about what the scores of models are worth."""
 
 import json
+from pathlib import Path
 
 import click
 
 from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.options import json_option
+from oodscen._cli.output import say
+from oodscen._cli.paths import PathName
 from oodscen._numbers import MOST
 
 _COUNT = click.IntRange(1, MOST)
@@ -91,3 +94,32 @@ def power(
             f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
         )
         click.echo(f"{scenes} scenes{effect} detect that difference with a power of {found:.0%}")
+
+
+@click.command()
+@click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
+@json_option
+def audit(out: Path, as_json: bool) -> None:
+    """Measure how well shortcuts tell rare from ordinary in the study in the folder OUT.
+
+    Rules on what the simulator knows, simple classifiers on small pictures, sizes of files, map and weather
+    learn on some paths and are tested on the others. Writes audit.json and the report. The best on bodies or
+    pictures is the floor that a model has to beat in noticing.
+    """
+    from oodscen.data._base import canonical_json
+    from oodscen.judging._shortcuts.audit import FILE
+    from oodscen.judging._shortcuts.audit import audit as audited
+    from oodscen.report._render import write_report
+    from oodscen.study._study import Study
+
+    study = Study.open(out)
+    with study.store.writing():
+        found = audited(
+            study.episodes, study.scenes, study.scenarios, study.folder, seed=study.config.seed
+        )
+        study.store.write(FILE, canonical_json(found.model_dump(mode="json")) + "\n")
+    write_report(study)
+    if as_json:
+        click.echo(found.model_dump_json(indent=2))
+    else:
+        say(str(found))

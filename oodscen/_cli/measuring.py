@@ -28,6 +28,13 @@ from oodscen.errors import UsageError
 @click.option(
     "--table", is_flag=True, help="Print the paper's table, with all definitions side by side."
 )
+@click.option("--llm", help="Model that estimates rarity.  [default: the shipped offline head]")
+@click.option("--api-base", help="Address of an OpenAI-compatible server.")
+@click.option(
+    "--anchors",
+    metavar="FILE",
+    help="Calibrate rarity on the rates in a TOML file, or on the `published` ones.",
+)
 @seed_option
 @json_option
 def score(
@@ -36,19 +43,25 @@ def score(
     encoder: str,
     band: tuple[float, float] | None,
     table: bool,
+    llm: str | None,
+    api_base: str | None,
+    anchors: str | None,
     seed: int,
     as_json: bool,
 ) -> None:
-    """Measure OOD-ness and diversity of the texts in the file TEXTS (JSONL with `text`, or lines)."""
-    from oodscen import Metrics, make_encoder
+    """Measure rarity, OOD-ness and diversity of the texts in the file TEXTS (JSONL with `text`, or lines)."""
+    from oodscen import Metrics, make_encoder, make_llm
     from oodscen.baselines._texts import read_records
 
     report: Any
     if table and band is not None:
         raise UsageError("--table measures all texts; do not combine it with --band")
+    if table and (llm is not None or anchors is not None):
+        raise UsageError("--table has no rarity; do not combine it with --llm or --anchors")
     metrics = Metrics(make_encoder(encoder), baseline, seed=seed)
     if table:
         report = metrics.paper_table([record.text for record in read_records(texts)])
     else:
-        report = metrics.score_file(texts, band=band)
+        model = make_llm(llm, seed=seed, api_base=api_base) if llm else None
+        report = metrics.score_file(texts, band=band, llm=model, anchors=anchors)
     click.echo(report.model_dump_json(indent=2) if as_json else str(report))

@@ -180,6 +180,12 @@ judging_options = _options(
     click.option("--judge", help="Model that judges the open answers."),
 )
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+require_option = click.option(
+    "--require",
+    "required",
+    metavar="BARS",
+    help='Grade the models, e.g. "safe>=0.9,needless<=0.05,notice>=0.8".',
+)
 limit_options = _options(
     click.option(
         "--max-requests", type=click.IntRange(min=0), help="Maximum number of HTTP requests."

@@ -19,6 +19,7 @@ from oodscen.errors import DataError, FolderTaken, Issue, OodscenError
 if TYPE_CHECKING:
     from oodscen.data._verdict import Verdict
     from oodscen.judging._leaderboard.board import Leaderboard
+    from oodscen.judging._leaderboard.requirements import RequirementResult
     from oodscen.judging._leaderboard.scores import Estimate, Rate
     from oodscen.llm._accounting import Account
     from oodscen.stages._redteam.saturation import Saturation
@@ -88,7 +89,7 @@ def _cacheable(rows: Sequence["Account"]) -> str:
 
 def standings(board: "Leaderboard") -> str:
     """Tabulate the results, one line per model and protocol, with the floor and ceiling references below."""
-    head = ("", "safe action", "balanced accuracy", "names it", "picks it", "incomplete")
+    head = ("", "notices, both", "acts, both", "safe", "false alarms", "names it", "incomplete")
     rows = [head]
     for one in board.standings:
         if one.kind == "reference" and (one.protocol == "paper" or one.model not in _BESIDE):
@@ -97,10 +98,11 @@ def standings(board: "Leaderboard") -> str:
         rows.append(
             (
                 one.model + (" (paper)" if one.protocol == "paper" else ""),
+                _share(one.paired.notice),
+                _share(one.paired.act),
                 _share(safe),
-                _share(one.detection.balanced_accuracy),
+                _share(one.detection.alarms),
                 _share(one.identification.open),
-                _share(one.identification.closed),
                 f"{one.asked - one.outcomes.get('answered', 0) - one.outcomes.get('unavailable', 0)} of {one.asked}",
             )
         )
@@ -112,9 +114,14 @@ def standings(board: "Leaderboard") -> str:
     )
 
 
+def graded(found: "Sequence[RequirementResult]") -> str:
+    """List the grade of every model against a requirement."""
+    return "\n".join(map(str, found)) or "no model was judged, so none can meet the requirement"
+
+
 def _notes(board: "Leaderboard") -> list[str]:
-    """State who scored the open aspects, and in how many of the paper's items the hazard is visible."""
-    notes = []
+    """State what "both" means, who scored the open aspects, and in how many of the paper's items the hazard is visible."""
+    notes = ["both: right about the scene and about every ordinary drive that goes with it"]
     if board.judge:
         unjudged = sum(row.identification.unjudged for row in board.standings)
         rest = (

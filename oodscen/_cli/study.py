@@ -3,8 +3,9 @@
 import json
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,15 +20,28 @@ from oodscen._cli.options import (
     llm_options,
     picture_options,
     red_options,
+    require_option,
     rollout_options,
     seed_option,
     simulator_option,
     style_option,
 )
-from oodscen._cli.output import bars, estimated, left_out, measured_judge, say, standings, summary
+from oodscen._cli.output import (
+    bars,
+    estimated,
+    graded,
+    left_out,
+    measured_judge,
+    say,
+    standings,
+    summary,
+)
 from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.errors import UsageError
+
+if TYPE_CHECKING:
+    from oodscen.judging._leaderboard.requirements import RequirementResult
 
 
 @click.command()
@@ -40,6 +54,9 @@ from oodscen.errors import UsageError
     help="Context window of --llm in tokens, e.g. 4096; longer questions are shortened.",
 )
 @click.option("--fallback", help="Model to ask if the others give no answer.")
+@click.option(
+    "--rarity-llm", help="Model that also estimates the rarity of the texts.  [default: none]"
+)
 @click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
 @judging_options
 @limit_options
@@ -221,6 +238,7 @@ def run(
     help="Address of an OpenAI-compatible server for the models named here.  [default: the study's]",
 )
 @click.option("--retry-failed", is_flag=True, help="Ask again where the last answer was unusable.")
+@require_option
 @limit_options
 @json_option
 def evaluate(
@@ -234,6 +252,7 @@ def evaluate(
     judge: str | None,
     api_base: str | None,
     retry_failed: bool,
+    required: str | None,
     as_json: bool,
     **choices: Any,
 ) -> None:
@@ -242,22 +261,27 @@ def evaluate(
     Prints the leaderboard, or leaderboard.json with --json. New items are asked first, then unanswered items
     of all models. If a model is given up, only its own items are lost. --drop alone asks no model. --judge scores
     the open answers of all models, including earlier ones. The exit code is 1 if a model judged here left an item
-    without a usable answer.
+    without a usable answer. --require alone asks no model; the exit code is then 4 if a model fails, 5 if no
+    model fails but the scenes are too few to tell of one, and 0 if all meet. With --json the grades are the member
+    `requirements`.
     """
     from oodscen._pipeline import run_study
     from oodscen._pipeline.answering import add_answers
     from oodscen._pipeline.dropping import drop_models
     from oodscen.judging._leaderboard.leaderboard import Leaderboard
+    from oodscen.judging._leaderboard.requirements import parse_requirement
     from oodscen.study._config import StudyConfig
     from oodscen.study._study import Study
 
+    if required:
+        parse_requirement(required)
     before = Study.open(out)
     click.get_current_context().with_resource(before.store.writing())
     is_paper, is_wider = protocol == "paper", chain is not None or ordinary is not None
-    if not (vlms or dropped or judge or answers or is_paper or is_wider):
+    if not (vlms or dropped or judge or answers or is_paper or is_wider or required):
         raise UsageError(
             "name a model to judge (--vlm MODEL), to remove (--drop MODEL), or to score open answers "
-            "(--judge MODEL), or a person's answers (--answers FILE)"
+            "(--judge MODEL), or give a person's answers (--answers FILE) or a requirement (--require)"
         )
     for name, count in drop_models(before, dropped).items() if dropped else ():
         kept = "its answers stay in answers.jsonl and are used if it is judged again"
@@ -286,26 +310,48 @@ def evaluate(
                 retry=retry_failed,
             )
     board = Leaderboard.load(study.folder / "leaderboard.json")
+    grades = study.requirements(required) if required else None
     if as_json:
-        click.echo(board.model_dump_json(indent=2))
+        shown = board.model_dump(mode="json")
+        if grades is not None:
+            shown["requirements"] = [one.model_dump(mode="json") for one in grades]
+        click.echo(json.dumps(shown, indent=2, ensure_ascii=False))
     else:
         say("\n".join([standings(board), *measured_judge(study.info)]))
+        if grades is not None:
+            say(graded(grades))
         click.echo(f"report: {(study.folder / 'report.html').resolve()}")
     verdicts = study.verdicts
     for line in left_out(verdicts):
         say(line, err=True)
+    if grades is not None:
+        sys.exit(_exit_code(grades))
     here = {verdict.model for verdict in verdicts} - (known - set(vlms))
     sys.exit(any(one.status == "failed" and one.model in here for one in verdicts))
 
 
 @click.command()
 @click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
-def report(out: Path) -> None:
-    """Rewrite the report of the study in the folder OUT."""
+@require_option
+def report(out: Path, required: str | None) -> None:
+    """Rewrite the report of the study in the folder OUT, with the grades of a requirement if one is given."""
+    from oodscen.judging._leaderboard.requirements import parse_requirement
     from oodscen.report._render import write_report
     from oodscen.study._study import Study
 
-    click.echo(str(write_report(Study.open(out)).resolve()))
+    bars = parse_requirement(required) if required else ()
+    study = Study.open(out)
+    click.echo(str(write_report(study, bars).resolve()))
+    if required:
+        grades = study.requirements(required)
+        say(graded(grades))
+        sys.exit(_exit_code(grades))
+
+
+def _exit_code(grades: Sequence["RequirementResult"]) -> int:
+    """Return 0 if all models meet, 4 if one fails, and 5 if that cannot be told or there is none."""
+    found = {one.grade for one in grades}
+    return 4 if "fails" in found else 0 if found == {"meets"} else 5
 
 
 @click.command()

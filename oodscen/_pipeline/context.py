@@ -58,6 +58,8 @@ class Context:
         self.threads = self.models.threads(self.config.llm)
         for name in self.config.models:
             self.models.get(name)
+        rarity_llm = self.config.rarity_llm
+        self.rarity_llm = None if rarity_llm is None else self.models.get(rarity_llm)
         if not self.has("metrics.json"):
             _ = self.baseline  # A wrong file is found before a model is asked.
 

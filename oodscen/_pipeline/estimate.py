@@ -23,12 +23,14 @@ from oodscen.llm._prefix import cacheable_share
 from oodscen.llm._remote.limits import Price
 from oodscen.llm._remote.litellm import known_price, load_litellm
 from oodscen.llm._remote.usage import IMAGE_TOKENS
+from oodscen.metrics._rarity.asking import DRAWS, questions
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._judging.choose_action import ChooseAction
 from oodscen.prompts._judging.choose_aspect import ChooseAspect
 from oodscen.prompts._judging.describe_frame import DescribeFrame
 from oodscen.prompts._judging.drive_facts import DriveFacts
 from oodscen.prompts._judging.name_aspect import NameAspect
+from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.protocols import LLM, Completion, Request, Usage
 from oodscen.stages._evaluate import OPTIONS
 from oodscen.study._config import StudyConfig
@@ -82,8 +84,16 @@ def estimate(
         except StudyMismatch as error:
             raise StudyMismatch(str(out), error.differences) from None
         calls = Store(folder)
-        scenes = pipeline.stage(pipeline.write_texts().scenarios)
+        texts = pipeline.write_texts().scenarios
+        scenes = pipeline.stage(texts)
         lines = [line for line in calls.lines("calls.jsonl") if line["model"] in asked]
+        if config.rarity_llm is not None and _is_asked(config.rarity_llm):
+            model = _PricedAuthor(config.rarity_llm, config.seed, prices)
+            lines += [
+                model.line(Request(prompt, prompt.messages(), prompt.answer_schema()), "metrics")
+                for prompt in questions([text.text for text in texts])
+                for _ in range(DRAWS)
+            ]
         judged = {line["id"] for line in calls.lines("verdicts.jsonl")}
         for name in filter(_is_asked, config.vlms):
             model = _PricedAuthor(name, config.seed, prices)
@@ -150,12 +160,15 @@ class _PricedAuthor:
         text = self._author.complete(request).text
         return Completion(text=text, usage=self.usage(request, len(text)))
 
-    def line(self, request: Request) -> dict[str, Any]:
-        """Return the call of a judging question with an answer of ordinary length."""
-        usage = self.usage(request, 300)
+    def line(self, request: Request, stage: str = "evaluate") -> dict[str, Any]:
+        """Return the call of a question with an answer of ordinary length."""
+        each = (
+            120 * len(request.prompt.texts) if isinstance(request.prompt, EstimateRarity) else 300
+        )
+        usage = self.usage(request, each)
         cacheable = round(cacheable_share(request) * usage.input_tokens)
         return {
-            "stage": "evaluate",
+            "stage": stage,
             "model": self.name,
             "cacheable_tokens": cacheable,
             **usage.model_dump(),

@@ -5,7 +5,7 @@ left, headings counter-clockwise (ISO 8855). Speeds are in m/s. Validation sorts
 JSON: nothing may depend on the order of keys.
 """
 
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import (
     Field,
@@ -19,6 +19,10 @@ from oodscen.data._base import Data, IssuesError
 from oodscen.data._claim import Claim
 from oodscen.data._pairing import is_ordinary, is_twin, twin_id
 from oodscen.errors import Issue
+
+if TYPE_CHECKING:
+    from oodscen.data._catalogue import Catalogue
+    from oodscen.interchange._writing.scenario import ScenarioFile
 
 Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
 
@@ -217,6 +221,17 @@ class Scene(Data):
                 "visible": (),
             }
         )
+
+    def to_openscenario(self, catalogue: "Catalogue", **options: Any) -> "ScenarioFile":
+        """Return the scene as OpenSCENARIO XML with its OpenDRIVE map.
+
+        Args:
+            catalogue: The catalogue of its assets and maps.
+            **options: Those of `oodscen.interchange.to_openscenario`, e.g. `mode="reactive"`.
+        """
+        from oodscen.interchange import to_openscenario
+
+        return to_openscenario(self, catalogue, **options)
 
 
 def _references(behaviour: Behaviour) -> list[tuple[str, str]]:

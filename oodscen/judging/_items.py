@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._episode import Episode, has_enough_margin
-from oodscen.data._pairing import scene_of
+from oodscen.data._pairing import kind_of, scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import Verdict
 from oodscen.judging._aspects.opinions import is_open
@@ -34,6 +34,10 @@ class Items:
     levels: Mapping[Level, Sequence[str]]
     """The label of every item at each level of the tree."""
     is_scene: Mask
+    kinds: Sequence[str]
+    """The kind of every item: `rare` for scenes, `twin` or `demand` for ordinary drives."""
+    owners: NDArray[np.int64]
+    """[n] row of the scene that an ordinary drive belongs to; -1 for scenes, and without that scene."""
     safe: Floats
     """[n] number of safe actions."""
     unsafe: Floats
@@ -55,12 +59,18 @@ class Items:
             source.leaf if source and source.leaf else scene_of(episode.scene_id).rpartition("-")[0]
             for source, episode in zip(sources, ran, strict=True)
         ]
+        kinds = [kind_of(episode.scene_id) for episode in ran]
+        index = {episode.scene_id: row for row, episode in enumerate(ran)}
+        owners = [
+            -1 if kind == "rare" else index.get(scene_of(episode.scene_id), -1)
+            for kind, episode in zip(kinds, ran, strict=True)
+        ]
         outcomes = [tuple(episode.actions.values()) for episode in ran]
         safe = np.array([sum(o.safe for o in found) for found in outcomes], np.float64)
         scoring = np.array([sum(not o.marginal for o in found) for found in outcomes], np.float64)
         return cls(
             episodes=ran,
-            index={episode.scene_id: row for row, episode in enumerate(ran)},
+            index=index,
             leaves=leaves,
             clusters=[" > ".join(path) or leaf for path, leaf in zip(paths, leaves, strict=True)],
             levels={
@@ -68,7 +78,9 @@ class Items:
                 "family": [path[2] if len(path) > 3 else "" for path in paths],
                 "path": [path[-1] if len(path) > 2 else "" for path in paths],
             },
-            is_scene=np.array([not episode.is_ordinary for episode in ran], np.bool_),
+            is_scene=np.array([kind == "rare" for kind in kinds], np.bool_),
+            kinds=kinds,
+            owners=np.array(owners, np.int64),
             safe=safe,
             unsafe=np.array([sum(o.is_unsafe for o in found) for found in outcomes], np.float64),
             has_actions=np.array([bool(found) for found in outcomes], np.bool_),
@@ -122,30 +134,31 @@ class AnswerColumns:
     open: Floats
     closed: Floats
     safe: Floats
-    marginal: Mask
-    """True if the chosen action is marginal, which is neither right nor wrong nor missing."""
     success: Floats
     cautious: Floats
     """1 if the action is one of `CAUTIOUS`."""
     scorer: Sequence[str | None]
     """[n] the judge that scored the open aspect; empty for the matcher, `None` if there was nothing to score."""
+    is_neutral: Mask
+    """True if the chosen action is marginal: it scores neither way, and is not missing."""
 
     @classmethod
     def of(cls, items: Items, verdicts: Iterable[Verdict]) -> Self:
         """Return the verdicts of one answerer as columns; those on unknown items are skipped."""
         n = len(items.episodes)
         columns = np.full((7, n), np.nan)
-        asked, stated, marginal = (np.zeros(n, np.bool_) for _ in range(3))
+        asked, stated, neutral = (np.zeros(n, np.bool_) for _ in range(3))
         scorer: list[str | None] = [None] * n
         for verdict in verdicts:
             row = items.index.get(verdict.scene_id)
             if row is None:
                 continue
             asked[row] = True
-            marginal[row] = verdict.action_is_marginal
             scorer[row] = verdict.judge if is_open(verdict) else None
             stated[row] = verdict.is_ood is not None and verdict.confidence is not None
             action = verdict.action
+            outcome = items.episodes[row].actions.get(action or "")
+            neutral[row] = outcome is not None and verdict.action_is_safe is None
             columns[:, row] = [
                 np.nan if value is None else float(value)
                 for value in (
@@ -160,7 +173,7 @@ class AnswerColumns:
             ]
         called, p_ood, named, chosen, safe, success, cautious = columns
         return cls(
-            asked, called, p_ood, stated, named, chosen, safe, marginal, success, cautious, scorer
+            asked, called, p_ood, stated, named, chosen, safe, success, cautious, scorer, neutral
         )
 
     def right(self, task: str, items: Items) -> Floats:
@@ -174,7 +187,7 @@ class AnswerColumns:
         """[n] Return whether the item was asked about in a task and got no answer."""
         mask = np.ones_like(items.is_scene) if task == "detection" else items.is_scene
         if task == "control":
-            mask = mask & ~self.marginal
+            mask = mask & ~self.is_neutral
         return mask & self.was_asked & ~np.isfinite(self.right(task, items))
 
     def scored_unlike(self, other: Self) -> Mask:
@@ -193,6 +206,8 @@ class Ratio:
     """[n] the items that count."""
     most: Floats | None = None
     """[n] denominator of every item; 1 if left out."""
+    is_neutral: Mask | None = None
+    """[n] answers that score neither way, and do not count as missing."""
     is_there: Mask = field(init=False)
     above: Floats = field(init=False)
     below: Floats = field(init=False)
@@ -203,3 +218,8 @@ class Ratio:
         put(self, "is_there", there)
         put(self, "above", np.where(there, self.values, 0.0))
         put(self, "below", np.where(there, 1.0 if self.most is None else self.most, 0.0))
+
+    def missing(self, sheet: AnswerColumns) -> Mask:
+        """[n] Return the items that were asked about and got no answer."""
+        silent = self.mask & sheet.was_asked & ~self.is_there
+        return silent if self.is_neutral is None else silent & ~self.is_neutral

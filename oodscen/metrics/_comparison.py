@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from oodscen._numbers import whole_number
 from oodscen._seeding import stream
 from oodscen.data._base import Data
+from oodscen.encoders._similarity import Vectors
 from oodscen.errors import UsageError
 from oodscen.metrics._diversity import mean_nearest, mean_pairwise
 from oodscen.metrics._oodness import Measure
 from oodscen.metrics._vectors.distances import frechet, mmd
-from oodscen.metrics._vectors.similarity import Vectors
 from oodscen.statistics._significance import PERMUTATIONS, permutation_test, sign_flip
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ import numpy as np
 from pydantic import Field
 
 from oodscen.data._base import Data
-from oodscen.metrics._vectors.similarity import Vectors, nearest_other
+from oodscen.encoders._similarity import Vectors, nearest_other
 from oodscen.statistics._intervals import Interval
 from oodscen.statistics._resampling import bootstrap_mean, bootstrap_pairwise
 

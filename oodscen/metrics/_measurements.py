@@ -15,12 +15,14 @@ from oodscen import _paper as paper
 from oodscen._seeding import stream
 from oodscen.data._base import Data
 from oodscen.data._scenario import Scenario
+from oodscen.encoders._similarity import Vectors
 from oodscen.metrics._diversity import Diversity, mean_nearest, mean_pairwise
 from oodscen.metrics._metrics import Metrics
 from oodscen.metrics._oodness import Measure
+from oodscen.metrics._rarity.estimates import Rarity
+from oodscen.metrics._rarity.exposure import TreeRarity
 from oodscen.metrics._report import BaselineBatch, MetricsReport
 from oodscen.metrics._vectors.axes import principal_axes
-from oodscen.metrics._vectors.similarity import Vectors
 from oodscen.statistics._auroc import Auroc, auroc_interval
 
 BEST: Final[Measure] = "events"
@@ -120,16 +122,25 @@ class Measurements(Data):
     baseline_batch: BaselineBatch
     baseline_diversity: Diversity
     pictures: Pictures
+    paths: TreeRarity | None = None
+    """Rarity of the diverse tree's leaves by their labels; `None` in older studies."""
+    asked: Rarity | None = None
+    """Rarity of the simulatable texts by the study's `rarity_llm`, with tokens and cost; `None` without one."""
     made_from: str = ""
-    """Digest of the texts."""
+    """Digest of the texts, and of the diverse tree's labels."""
 
 
-def measurements(metrics: Metrics, sets: Mapping[str, Sequence[Scenario]]) -> Measurements:
+def measurements(
+    metrics: Metrics,
+    sets: Mapping[str, Sequence[Scenario]],
+    leaves: Mapping[str, str] | None = None,
+) -> Measurements:
     """Return everything that a study measures of its sets of texts; empty sets are left out.
 
     Args:
         metrics: Metrics with a baseline of texts.
         sets: Texts by name of the set; those of one leaf are resampled together.
+        leaves: Labels of the diverse tree's leaves by id, for their exposure.
     """
     known = {name: texts for name, texts in sets.items() if texts}
     return Measurements(
@@ -146,6 +157,9 @@ def measurements(metrics: Metrics, sets: Mapping[str, Sequence[Scenario]]) -> Me
         baseline_batch=metrics.baseline_batch(min(paper.BATCH, max(1, len(metrics.baseline) // 2))),
         baseline_diversity=metrics.baseline_diversity(),
         pictures=picture_data(metrics, known),
+        paths=TreeRarity(leaves=tuple(leaves), rarity=metrics.rarity([*leaves.values()]))
+        if leaves
+        else None,
     )
 
 

@@ -22,7 +22,7 @@ from oodscen.baselines._embedded import (
 )
 from oodscen.baselines._loading import load_baseline
 from oodscen.baselines._ordinary import ordinary_driving
-from oodscen.baselines._texts import check_texts
+from oodscen.baselines._texts import check_texts, read_records
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._all_minilm import all_minilm
 from oodscen.errors import DataError, Issue, UsageError
@@ -30,13 +30,17 @@ from oodscen.metrics._comparison import Comparison, SetDistance, compare, distan
 from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
+from oodscen.metrics._rarity.anchors import Rate, load_rates, published_rates
+from oodscen.metrics._rarity.asking import asked
+from oodscen.metrics._rarity.estimates import Rarity, estimated
+from oodscen.metrics._rarity.exposure import Exposure, exposure
 from oodscen.metrics._report import BaselineBatch, MetricsReport, baseline_batch, report
 from oodscen.metrics._score import score_records
-from oodscen.metrics._selection import Band, Method, Selection, band, select
+from oodscen.metrics._selection import Band, BandMeasure, Method, Selection, band, select
 from oodscen.metrics._table import Table, paper_table
 from oodscen.metrics._variety import Variety, variety
 from oodscen.metrics._vectors.space import Space
-from oodscen.protocols import Encoder
+from oodscen.protocols import LLM, Encoder
 
 Texts = Sequence[str | Scenario]
 
@@ -86,6 +90,60 @@ class Metrics(Brief):
             EncoderError: If the encoder fails.
         """
         return oodness(self._space, check_texts(texts), _paths(texts), definition)
+
+    def rarity(
+        self,
+        texts: Texts,
+        llm: LLM | None = None,
+        *,
+        anchors: Sequence[Rate] | str | Path | None = None,
+        draws: int = 3,
+    ) -> Rarity:
+        """Return the expected kilometres between two meetings with each kind of situation, with intervals.
+
+        Args:
+            texts: At least one string or scenario.
+            llm: The model to ask; by default the shipped offline head estimates.
+            anchors: Rates to calibrate the figures on: a file for `load_rates`, or `published` for the
+                shipped ones. By default figures are those of the head or model.
+            draws: Independent draws of a model, whose median counts.
+
+        Raises:
+            DataError: If there is no text, one is blank, or the anchors are no valid rates.
+            EncoderError: If the encoder fails.
+            LLMError: If the model cannot be reached; answers without a figure are flagged instead.
+        """
+        plain = check_texts(texts)
+        rates = _rates(anchors)
+        if llm is None:
+            return estimated(self._space, plain, rates)
+        model = conforming("llm", llm)
+        return asked(model, plain, anchors=rates, draws=whole_number("draws", draws, 1, 100))
+
+    def exposure(
+        self,
+        texts: Texts,
+        chosen: Sequence[bool],
+        llm: LLM | None = None,
+        *,
+        anchors: Sequence[Rate] | str | Path | None = None,
+    ) -> Exposure | None:
+        """Return the share of all meetings with the texts' kinds that the chosen ones make up.
+
+        Args:
+            texts: Texts or labels of kinds, each kind once.
+            chosen: One truth value per text.
+            llm: As for `rarity`.
+            anchors: As for `rarity`.
+
+        Returns:
+            `None` if no rarity can be told.
+
+        Raises:
+            UsageError: If there is not one choice per text.
+            DataError: As for `rarity`; it raises the same errors otherwise, too.
+        """
+        return exposure(self.rarity(texts, llm, anchors=anchors).per_text, chosen)
 
     def diversity(self, texts: Texts) -> Diversity:
         """Return how much texts differ from one another, by both definitions.
@@ -179,17 +237,18 @@ class Metrics(Brief):
         low: float = -math.inf,
         high: float = math.inf,
         method: Method = "max-min",
-        definition: Measure = "tabulated",
+        definition: BandMeasure = "tabulated",
     ) -> Selection:
-        """Return the n texts that differ most from one another, among those inside a band of OOD-ness.
+        """Return n texts inside a band: those that differ most, or those that are met most or least often.
 
         Args:
             texts: Candidates; 100,000 take seconds once they are encoded.
             n: Number of texts to choose.
-            low: Lower bound of OOD-ness.
-            high: Upper bound of OOD-ness.
-            method: `max-min` or `determinantal`; see `oodscen.metrics._selection`.
-            definition: Definition of OOD-ness.
+            low: Lower bound of OOD-ness or rarity.
+            high: Upper bound of OOD-ness or rarity.
+            method: `max-min` or `determinantal` for variety, `commonest` for the greatest exposure, `rarest` against
+                exposure; see `oodscen.metrics._selection`.
+            definition: As for `band`.
 
         Raises:
             UsageError: If fewer than n texts lie inside the band.
@@ -226,15 +285,16 @@ class Metrics(Brief):
         low: float,
         high: float,
         *,
-        definition: Measure = "tabulated",
+        definition: BandMeasure = "tabulated",
     ) -> Band:
-        """Return the texts whose OOD-ness lies in [low, high] (Remark 1 of the paper).
+        """Return the texts whose OOD-ness or rarity lies in [low, high] (Remark 1 of the paper).
 
         Args:
             texts: At least one.
             low: Lower bound; `-math.inf` for none.
             high: Upper bound; `math.inf` for none.
-            definition: Definition of OOD-ness.
+            definition: Definition of OOD-ness; or `rarity`, with bounds as decimal logarithms of kilometres:
+                4 to 7.5 keeps what is rare but real. A text whose rarity cannot be told is outside.
 
         Raises:
             UsageError: If the bounds are not numbers in order.
@@ -328,20 +388,29 @@ class Metrics(Brief):
         *,
         band: tuple[float, float] | None = None,
         definition: Definition = "tabulated",
+        llm: LLM | None = None,
+        anchors: str | Path | None = None,
     ) -> MetricsReport:
-        """Return the OOD-ness and diversity of the texts in a file.
+        """Return rarity, OOD-ness and diversity of the texts in a file.
 
         Args:
             path: Plain lines, JSON lines with `text` (and `path` or `leaf`, if known), a JSON list, or
                 CSV with a column `text`.
             band: Bounds of OOD-ness; only the texts inside are reported.
             definition: Definition of OOD-ness.
+            llm: The model that estimates rarity; by default the shipped offline head.
+            anchors: Rates that calibrate rarity; see `Metrics.rarity`.
 
         Raises:
-            DataError: If the file cannot be read, or a line has no text.
+            DataError: If a file cannot be read, or a line has no text.
             UsageError: If no text lies inside the band.
+            EncoderError: If the encoder fails.
         """
-        return score_records(self, path, band=band, definition=definition)
+        found = score_records(self, path, band=band, definition=definition)
+        if llm is None and anchors is None:
+            return found
+        texts = found.band.texts if found.band else [one.text for one in read_records(path)]
+        return found.model_copy(update={"rarity": self.rarity(texts, llm, anchors=anchors)})
 
     def compare(
         self,
@@ -400,3 +469,11 @@ def _paths(texts: Texts) -> tuple[str, ...] | None:
     """Return the path of each text, for clustering; `None` unless all are scenarios with a path."""
     paths = [" / ".join(item.path) for item in texts if isinstance(item, Scenario) and item.path]
     return tuple(paths) if len(paths) == len(texts) else None
+
+
+def _rates(anchors: Sequence[Rate] | str | Path | None) -> tuple[Rate, ...] | None:
+    if anchors is None:
+        return None
+    if anchors == "published":
+        return published_rates()
+    return load_rates(anchors) if isinstance(anchors, str | Path) else tuple(anchors)

@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from oodscen.data._base import Data
+from oodscen.encoders._similarity import Rows, Vectors, nearest, smallest
 from oodscen.errors import UnknownComponent
-from oodscen.metrics._vectors.similarity import Rows, Vectors, nearest, smallest
 from oodscen.statistics._intervals import Interval
 from oodscen.statistics._resampling import bootstrap_mean
 

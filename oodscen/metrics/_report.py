@@ -16,6 +16,7 @@ from oodscen.metrics._detection.calibration import Calibration, calibrate
 from oodscen.metrics._detection.guard import OffTopicFlags, is_calibrated
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness, scores
+from oodscen.metrics._rarity.estimates import Rarity, estimated
 from oodscen.metrics._selection import Band
 from oodscen.statistics._auroc import Auroc, auroc_interval
 from oodscen.statistics._intervals import Interval
@@ -80,6 +81,8 @@ class MetricsReport(Data):
     """The set against ordinary sentences in the controls' style."""
     off_topic: OffTopicFlags | None = None
     """Texts that are not about driving a car; see `oodscen.metrics._detection.guard` for the error rates."""
+    rarity: Rarity | None = None
+    """Expected kilometres between two meetings with each kind: the headline. Offline unless a model was asked."""
     band: Band | None = None
     """The filter that the texts passed, if one was requested; `n` counts the texts inside."""
 
@@ -87,6 +90,7 @@ class MetricsReport(Data):
         oodness, diversity = self.oodness, self.diversity
         lines = [
             f"{self.n} texts against {self.N} of {self.baseline} by {self.encoder}",
+            *([str(self.rarity)] if self.rarity else []),
             f"OOD-ness ({oodness.definition})  {_figure(oodness.mean, oodness.interval)}",
             f"diversity, nearest     {_figure(diversity.nearest, diversity.nearest_interval)}",
             f"diversity, pairwise    {_figure(diversity.pairwise, diversity.pairwise_interval)}",
@@ -117,11 +121,13 @@ class MetricsReport(Data):
     def _repr_html_(self) -> str:
         """Return the figures with their intervals as a table for notebooks."""
         oodness, diversity = self.oodness, self.diversity
-        rows = [
+        rows: list[tuple[str, float | None, Interval | None]] = [
             (f"OOD-ness ({oodness.definition})", oodness.mean, oodness.interval),
             ("diversity, nearest", diversity.nearest, diversity.nearest_interval),
             ("diversity, pairwise", diversity.pairwise, diversity.pairwise_interval),
         ]
+        if self.rarity is not None:
+            rows.insert(0, ("rarity, median of log10 km", self.rarity.median, None))
         if self.control is not None:
             auroc = self.control.auroc
             rows.append(("OOD-ness of the ordinary controls", self.control.mean, None))
@@ -216,6 +222,7 @@ def report(
         calibration=calibration,
         control=control,
         off_topic=flags,
+        rarity=estimated(space, texts),
     )
 
 

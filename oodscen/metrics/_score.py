@@ -26,9 +26,10 @@ def score_records(
         return metrics.report(texts, _groups(records), definition=definition)
     kept = metrics.band(texts, *band, definition=definition)
     if not kept.texts:
+        told = [value for value in kept.scores if value is not None]
         raise UsageError(
             f"none of the {len(texts)} texts has an OOD-ness in [{band[0]}, {band[1]}]; "
-            f"theirs lie in [{min(kept.scores):.3f}, {max(kept.scores):.3f}]"
+            f"theirs lie in [{min(told):.3f}, {max(told):.3f}]"
         )
     records = [records[index] for index in kept.indices]
     report = metrics.report(kept.texts, _groups(records), definition=definition)

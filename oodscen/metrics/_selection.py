@@ -1,4 +1,4 @@
-r"""Selection of texts: those inside a band of OOD-ness, and the n most diverse of them.
+r"""Selection of texts: those inside a band of OOD-ness or rarity, and n of them by variety or by exposure.
 
     max-min         greedy: the next text is the one whose nearest chosen text is farthest. Within a factor
                     of 2 of the best smallest distance (Gonzalez, 1985). Prefers the rim: outliers come first.
@@ -7,7 +7,10 @@ r"""Selection of texts: those inside a band of OOD-ness, and the n most diverse 
                     determinantal point process*, 2018). Spans directions; once as many texts as dimensions
                     are chosen, it falls back to max-min.
 
-Both are deterministic: the first text is the one farthest from the mean of all, and ties go to the
+    commonest       by exposure: the texts that drivers meet most often, by the offline rarity.
+    rarest          against exposure. Texts whose rarity cannot be told are never chosen by either.
+
+All are deterministic. For variety the first text is the one farthest from the mean of all, and ties go to the
 first in order. Time grows with n times the number of candidates, memory with the number of
 candidates times the smaller of n and d. Duplicates of a chosen text are taken last.
 
@@ -23,14 +26,16 @@ from numpy.typing import NDArray
 
 from oodscen._numbers import finite_number
 from oodscen.data._base import Data
+from oodscen.encoders._similarity import Vectors
 from oodscen.errors import UsageError
 from oodscen.metrics._oodness import Measure
-from oodscen.metrics._vectors.similarity import Vectors
+from oodscen.metrics._rarity.estimates import estimated
 
 if TYPE_CHECKING:
     from oodscen.metrics._vectors.space import Space
 
-Method = Literal["max-min", "determinantal"]
+Method = Literal["max-min", "determinantal", "commonest", "rarest"]
+BandMeasure = Measure | Literal["rarity"]
 _GONE = np.float32(1e-5)
 
 
@@ -50,8 +55,8 @@ class Band(Data):
     """The texts inside the band, bounds included, in their order."""
     indices: tuple[int, ...]
     """Their indices in the set."""
-    scores: tuple[float, ...]
-    """OOD-ness of every text of the set."""
+    scores: tuple[float | None, ...]
+    """OOD-ness or rarity of every text of the set; `None` where rarity cannot be told."""
     below: int
     """Number of texts that are more ordinary than `low`."""
     above: int
@@ -59,7 +64,7 @@ class Band(Data):
 
 
 class Selection(Data):
-    """The most diverse texts among the candidates; see `oodscen.metrics._selection`."""
+    """The chosen texts among the candidates; see `oodscen.metrics._selection`."""
 
     noun: ClassVar[str] = "selection"
 
@@ -76,7 +81,7 @@ class Selection(Data):
 
 
 def band(
-    space: "Space", texts: Sequence[str], low: float, high: float, definition: Measure
+    space: "Space", texts: Sequence[str], low: float, high: float, definition: BandMeasure
 ) -> Band:
     """Return the texts whose OOD-ness lies in [low, high]; see `Metrics.band`."""
     for name, bound in (("low", low), ("high", high)):
@@ -84,31 +89,39 @@ def band(
             finite_number(name, bound)
     if not low <= high:
         raise UsageError(f"the band's lower bound {low} is not below its upper bound {high}")
-    values: list[float] = space.scores(texts, definition).tolist()
-    inside = tuple(i for i, value in enumerate(values) if low <= value <= high)
+    values: list[float | None] = (
+        [one.best for one in estimated(space, texts).per_text]
+        if definition == "rarity"
+        else space.scores(texts, definition).tolist()
+    )
+    told = [(i, value) for i, value in enumerate(values) if value is not None]
+    inside = tuple(i for i, value in told if low <= value <= high)
     return Band(
         low=low if math.isfinite(low) else None,
         high=high if math.isfinite(high) else None,
         texts=tuple(texts[i] for i in inside),
         indices=inside,
         scores=tuple(values),
-        below=sum(value < low for value in values),
-        above=sum(value > high for value in values),
+        below=sum(value < low for _, value in told),
+        above=sum(value > high for _, value in told),
     )
 
 
 def select(space: "Space", inside: Band, n: int, method: Method) -> Selection:
-    """Return the n texts of a band that differ most from one another.
+    """Return n texts of a band by variety or by exposure; see `Metrics.select`.
 
     Raises:
-        UsageError: If fewer lie inside.
+        UsageError: If fewer lie inside, or the rarity of fewer can be told.
     """
     if not n <= len(inside.indices):
         raise UsageError(
             f"{n} texts cannot be chosen: {len(inside.indices)} of {len(inside.scores)} lie inside the band; "
             "widen it, or choose fewer"
         )
-    chosen = most_diverse(space.vectors(inside.texts), n, method)
+    if method in ("commonest", "rarest"):
+        chosen = _by_exposure(space, inside.texts, n, is_rarest=method == "rarest")
+    else:
+        chosen = most_diverse(space.vectors(inside.texts), n, method)
     return Selection(
         texts=tuple(inside.texts[place] for place in chosen),
         indices=tuple(inside.indices[place] for place in chosen),
@@ -118,6 +131,18 @@ def select(space: "Space", inside: Band, n: int, method: Method) -> Selection:
         inside=len(inside.indices),
         candidates=len(inside.scores),
     )
+
+
+def _by_exposure(
+    space: "Space", texts: Sequence[str], n: int, *, is_rarest: bool
+) -> NDArray[np.int64]:
+    found = [one.best for one in estimated(space, texts).per_text]
+    told = [
+        (-value if is_rarest else value, i) for i, value in enumerate(found) if value is not None
+    ]
+    if len(told) < n:
+        raise UsageError(f"{n} texts cannot be chosen: the rarity of {len(told)} can be told")
+    return np.array([place for _, place in sorted(told)[:n]], np.int64)
 
 
 def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArray[np.int64]:
@@ -134,7 +159,9 @@ def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArra
     if not 0 < n <= len(vectors):
         raise UsageError(f"{n} texts cannot be chosen from {len(vectors)}")
     if method not in ("max-min", "determinantal"):
-        raise UsageError(f"there is no selection {method!r}; choose max-min or determinantal")
+        raise UsageError(
+            f"there is no selection {method!r}; choose max-min, determinantal, commonest or rarest"
+        )
     rows = np.ascontiguousarray(vectors, np.float32)
     first = int((rows @ rows.mean(axis=0, dtype=np.float64).astype(np.float32)).argmin())
     if method == "max-min":

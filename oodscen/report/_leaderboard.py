@@ -1,4 +1,4 @@
-"""The leaderboard as the page shows it: which model to trust with which task."""
+"""The leaderboard as the page shows it."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen.data._verdict import NOTHING, Verdict
-from oodscen.judging._leaderboard.findings import MOST_MISSING, Finding, answer, findings
 from oodscen.judging._leaderboard.leaderboard import (
     Leaderboard,
     LeaderboardRow,
@@ -14,7 +13,9 @@ from oodscen.judging._leaderboard.leaderboard import (
     leaderboard,
     paper_example,
 )
+from oodscen.judging._leaderboard.requirements import ALPHA, Bar, requirements
 from oodscen.judging._leaderboard.scores import PRIVILEGED
+from oodscen.judging._leaderboard.sentences import sentences
 from oodscen.report._charts import scores as charts
 from oodscen.report._charts.canvas import Canvas
 from oodscen.report._load import Material
@@ -46,17 +47,25 @@ class Confused:
     top: tuple[tuple[str, str, int], ...]
 
 
-def context(found: Material) -> dict[str, Any]:
-    """Return the template's variables about models."""
-    board = leaderboard(found.verdicts, found.episodes, found.scenarios, whole=found.whole)
+def context(found: Material, bars: Sequence[Bar] = ()) -> dict[str, Any]:
+    """Return the template's variables about models; `bars` are a requirement to grade them by."""
+    board = leaderboard(
+        found.verdicts, found.episodes, found.scenarios, whole=found.whole, audit=found.audit
+    )
     shown = _series(board)
     level = _level(board)
-    said = findings(board)
+    rows = [*board.standings, *([board.shortcut] if board.shortcut else [])]
     return {
         "board": board,
-        "answer": answer(board),
-        "findings": _by_model(said),
-        "most_missing": MOST_MISSING,
+        "sentences": sentences(board),
+        "bars": ", ".join(map(str, bars)),
+        "grades": requirements(
+            found.verdicts, found.episodes, found.scenarios, bars, seed=board.seed
+        )
+        if bars
+        else [],
+        "alpha": ALPHA,
+        "both": [_line(row, board.shortcut) for row in rows],
         "lines": [_line(row, board.floor("control")) for row in board.standings],
         "noticing": [_line(row, board.floor("closed")) for row in _without_repeats(board)],
         "has_twins": any(row.detection.specificity.n for row in board.standings),
@@ -71,13 +80,6 @@ def context(found: Material) -> dict[str, Any]:
     }
 
 
-def _by_model(said: Sequence[Finding]) -> dict[str, list[Finding]]:
-    grouped: dict[str, list[Finding]] = {}
-    for one in said:
-        grouped.setdefault(one.model, []).append(one)
-    return grouped
-
-
 def _without_repeats(board: Leaderboard) -> list[LeaderboardRow]:
     """Return the rows of task 1, with one row for all constants, which differ in their action only."""
     rows: list[LeaderboardRow] = []
@@ -87,7 +89,7 @@ def _without_repeats(board: Leaderboard) -> list[LeaderboardRow]:
             alike.append(row)
         else:
             rows.append(row)
-    told = {(row.detection, row.identification) for row in alike}
+    told = {(row.detection.to_json(), row.identification.to_json()) for row in alike}
     if len(told) > 1:
         return list(board.standings)
     if alike:

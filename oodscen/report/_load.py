@@ -15,6 +15,8 @@ from oodscen.data._scene import Scene
 from oodscen.data._verdict import Verdict
 from oodscen.errors import DataError
 from oodscen.judging._drives import current
+from oodscen.judging._shortcuts.audit import FILE as AUDIT
+from oodscen.judging._shortcuts.audit import Audit
 from oodscen.metrics._measurements import Measurements
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
@@ -60,6 +62,8 @@ class Material:
     texts: dict[str, list[Scenario]] = field(default_factory=dict)
     """The text sets of the diverse tree, by size."""
     metrics: Measurements | None = None
+    audit: Audit | None = None
+    """The audit of shortcuts, if there is one."""
     failures: list[FailedItem] = field(default_factory=list)
     gaps: dict[str, str] = field(default_factory=dict)
     """By file name: the reason why it is missing, wholly or in part."""
@@ -76,6 +80,8 @@ def read(study: Study) -> Material:
     found = Material()
     found.info = _object(store, "study.json", found)
     found.metrics = _value(store, "metrics.json", Measurements.parse, found)
+    if store.has(AUDIT):
+        found.audit = _value(store, AUDIT, Audit.parse, found)
     for name in TREES:
         tree = _value(store, f"tree.{name}.json", ScenarioTree.parse, found)
         if tree is not None:

@@ -8,9 +8,10 @@ from typing import Any
 from oodscen import _paper as paper
 from oodscen._registry import is_builtin
 from oodscen.data._episode import Episode
+from oodscen.judging._leaderboard.requirements import Bar
 from oodscen.llm._accounting import Account, account, accounts
 from oodscen.report import _gallery as gallery
-from oodscen.report import _leaderboard as trust
+from oodscen.report import _leaderboard as models
 from oodscen.report import _sections as parts
 from oodscen.report import _text_metrics as measures
 from oodscen.report._charts import rounds as charts
@@ -64,7 +65,7 @@ class Followed:
     """Number of scenes in which each way of braking is safe."""
 
 
-def context(study: Study, found: Material) -> dict[str, Any]:
+def context(study: Study, found: Material, bars: Sequence[Bar] = ()) -> dict[str, Any]:
     """Return the variables of the template."""
     episodes = [
         episode for episode in found.episodes if episode.status == "ok" and not episode.is_ordinary
@@ -91,7 +92,7 @@ def context(study: Study, found: Material) -> dict[str, Any]:
         **_scenes(scenes),
         **_failures(found, {f"scene-{row['id']}" for row in scenes["scenes"]}),
         **measures.context(found),
-        **trust.context(found),
+        **models.context(found, bars),
     }
 
 

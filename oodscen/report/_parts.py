@@ -6,6 +6,7 @@ from typing import Any
 from oodscen.data._sighting import TO_NAME
 from oodscen.judging._drives import drive_board, remarks
 from oodscen.report._charts.rounds import saturation_chart
+from oodscen.report._charts.scores import intervals
 from oodscen.report._load import Material
 from oodscen.stages._prune.restoration import restoration, restoration_rows
 from oodscen.stages._redteam.saturation import saturation
@@ -16,6 +17,26 @@ _MOST_ADDITIONS = 15
 _MOST_SCENES = 200
 
 Variables = Mapping[str, Any]
+
+
+def shortcuts(study: Study, found: Material) -> Variables | None:
+    """Return the audit of shortcuts with its picture; without an audit, nothing."""
+    if found.audit is None:
+        return None
+    rows = [
+        (
+            row.name,
+            value,
+            *((one.low, one.high) if (one := row.balanced_accuracy.interval) else (value, value)),
+        )
+        for row in found.audit.rows
+        if (value := row.balanced_accuracy.value) is not None and row.needs != "outcomes"
+    ]
+    return {
+        "audit": found.audit,
+        "is_current": found.audit.best_calls(found.episodes) is not None,
+        "chart": intervals(rows, "Balanced accuracy of shortcuts"),
+    }
 
 
 def driving(study: Study, found: Material) -> Variables | None:
@@ -78,7 +99,10 @@ def restored(study: Study, found: Material) -> Variables | None:
     ranking = restoration(found.decisions)
     labels = {one.id: one.path[-1] if one.path else one.id for one in found.decisions}
     rows = restoration_rows(ranking, labels, limit=_MOST_ADDITIONS)
-    return {"ranking": ranking, "rows": rows} if rows else None
+    dropped = {one.id for one in found.decisions if not one.keep}
+    paths = found.metrics.paths if found.metrics is not None else None
+    exposure = paths.of(dropped) if paths is not None else None
+    return {"ranking": ranking, "rows": rows, "exposure": exposure} if rows else None
 
 
 def covered(study: Study, found: Material) -> Variables | None:
@@ -86,7 +110,14 @@ def covered(study: Study, found: Material) -> Variables | None:
     tree = found.trees.get("simulatable")
     if tree is None or not found.scenarios:
         return None
-    report = coverage(tree, texts=found.scenarios, scenes=found.scenes, episodes=found.episodes)
+    paths = found.metrics.paths if found.metrics is not None else None
+    report = coverage(
+        tree,
+        texts=found.scenarios,
+        scenes=found.scenes,
+        episodes=found.episodes,
+        per_km=paths.per_km() if paths is not None else None,
+    )
     holes = [
         (words, [row.label for row in report.holes if row.lacks == lack])
         for lack, words in LACKS.items()
@@ -94,4 +125,5 @@ def covered(study: Study, found: Material) -> Variables | None:
     return {
         "rows": [row for row in report.rows if row.kind != "leaf"],
         "holes": [(words, labels) for words, labels in holes if labels],
+        "exposed_holes": report.exposed_holes,
     }

@@ -4,6 +4,7 @@ import base64
 import hashlib
 import json
 import re
+from collections.abc import Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -13,6 +14,7 @@ import jinja2
 from markupsafe import Markup, escape
 
 from oodscen.errors import FolderTaken
+from oodscen.judging._leaderboard.requirements import Bar
 from oodscen.judging._leaderboard.scores import Estimate, Rate
 from oodscen.report import _load as reading
 from oodscen.report import _page as page
@@ -26,7 +28,7 @@ FILE = "report.html"
 """Name of the page in the study's folder."""
 
 
-def write_report(study: Study) -> Path:
+def write_report(study: Study, bars: Sequence[Bar] = ()) -> Path:
     """Write `report.html` into a study's folder and return its path.
 
     The page needs only itself and, for the pictures, the folder `frames` beside it. Missing or broken
@@ -34,6 +36,7 @@ def write_report(study: Study) -> Path:
 
     Args:
         study: Finished, unfinished or partly broken.
+        bars: A requirement on the judged models, whose grades the page shows.
 
     Raises:
         FolderTaken: If the folder holds no study, but a foreign file of this name.
@@ -43,7 +46,7 @@ def write_report(study: Study) -> Path:
     if FILE in study.own() and not study.store.has("study.json"):
         raise FolderTaken(str(study.folder), [FILE])
     with study.store.writing():
-        html = render(page.context(study, reading.read(study)))
+        html = render(page.context(study, reading.read(study), bars))
         study.store.write(FILE, html.encode("utf-8"))
     return study.folder / FILE
 

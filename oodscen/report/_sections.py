@@ -10,7 +10,7 @@ from oodscen.report._simulators import simulators
 from oodscen.report._text_metrics import pictures
 from oodscen.study._study import Study
 
-Place = Literal["drives", "undecided", "metrics", "growth", "pruning", "coverage"]
+Place = Literal["shortcuts", "drives", "undecided", "metrics", "growth", "pruning", "coverage"]
 
 
 class PagePart(NamedTuple):
@@ -28,6 +28,12 @@ class PagePart(NamedTuple):
 
 
 PARTS: tuple[PagePart, ...] = (
+    PagePart(
+        "shortcuts",
+        "Shortcuts: rare or ordinary without understanding",
+        "shortcuts",
+        parts.shortcuts,
+    ),
     PagePart("drives", "Driving stacks", "driving", parts.driving),
     PagePart("undecided", "Scenes that tell no actions apart", "undecided", parts.undecided),
     PagePart("metrics", "Pictures of the measures", "pictures", pictures),

@@ -8,6 +8,7 @@ from oodscen import _paper as paper
 from oodscen.data._scenario import Scenario
 from oodscen.metrics._diversity import Diversity
 from oodscen.metrics._measurements import Measurements
+from oodscen.report import _rarity
 from oodscen.report._charts import sets as charts
 from oodscen.report._charts.canvas import Canvas, signed
 from oodscen.report._load import Material
@@ -58,14 +59,15 @@ class ExtremeTexts:
 def context(found: Material) -> dict[str, Any]:
     """Return the template's variables about the measures; without measurements, `measured` is `None`."""
     known = found.metrics
+    texts = {**found.texts, "simulatable": found.scenarios}
+    labels = {name: label_of(name) for name in set_names(known)} if known else {}
     return {
+        **_rarity.context(known, labels, texts),
         "measured": known,
         "measure_rows": rows(known) if known else [],
         "margins": margins(known) if known else [],
         "measure_chart": chart(known) if known else None,
-        "examples": examples(known, {**found.texts, "simulatable": found.scenarios})
-        if known
-        else [],
+        "examples": examples(known, texts) if known else [],
     }
 
 

@@ -10,6 +10,7 @@ from oodscen._conformance import working
 from oodscen._display import Brief
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
+from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
@@ -191,13 +192,34 @@ def _drive(
         states = list(_driven(scene, make(), simulator, seed, steps, camera or Camera()))
     except (Exception, SystemExit) as error:  # A driver may raise anything.
         return _failed(scene.id, name, error)
-    trace = Trace.measured(states, Course.of(scene, simulator.catalogue()))
+    return drive_result(scene, states, simulator.catalogue(), name, steps, simulator.dt)
+
+
+def drive_result(
+    scene: Scene,
+    states: Sequence[State],
+    catalogue: Catalogue,
+    name: str,
+    steps: int,
+    dt: float,
+) -> DriveResult:
+    """Return the result of one drive from its states.
+
+    Args:
+        scene: The scene or twin that was driven.
+        states: The states from the start to the end of the drive.
+        catalogue: The catalogue of the scene.
+        name: The driver's name.
+        steps: Steps of a whole drive, to which progress is compared.
+        dt: Seconds per step.
+    """
+    trace = Trace.measured(states, Course.of(scene, catalogue))
     met = trace.summary().values()
     ttc = trace["ttc_s"][:, 1:].min(axis=1, initial=np.inf)
     headway = trace["time_headway_s"][:, 1:].min(axis=1, initial=np.inf)
     near = headway[np.isfinite(headway)]
     s = trace["s"][:, 0]
-    ideal = float(states[0].speeds[0]) * steps * simulator.dt
+    ideal = float(states[0].speeds[0]) * steps * dt
     last = states[-1]
     return DriveResult(
         id=f"{scene.id}@{name}",

@@ -46,8 +46,8 @@ class RedTeamOptions(Data):
     tokens: int = TOKENS
     """Room for the tree in a prompt; only a part of a larger tree is shown."""
     rarity: tuple[float, float] | None = None
-    """Band of Remark 1 as kilometres in which a kind is met about once, least and most: proposals that the
-    red-LLM itself puts outside are refused. Without it common kinds are asked for first and rarer ones once
+    """Band of Remark 1 as kilometres in which a kind is met about once, least and most: proposals outside are
+    refused, by the red-LLM's own figure or, where it gives none, by the offline head. Without it common kinds are asked for first and rarer ones once
     nothing new comes, and nothing is refused.
     """
     in_flight: int = Field(default=1, ge=1)

@@ -101,7 +101,7 @@ class Rollouts:
             return ActionOutcome(safe=False, unavailable=True), None, same
         states = self._executed(action, self.trials.middle, observation)
         trace = Trace.measured([first, *states], self.course)
-        outcome = _judged(states, trace, self.trials.collisions_only)
+        outcome = judged(states, trace, self.trials.collisions_only)
         passed = {outcome.safe}
         for variation in self.trials.differing(action, outcome.safe):
             if len(passed) > 1:
@@ -144,7 +144,7 @@ class Rollouts:
         return states[-1], fingerprint(states) == self.trace
 
 
-def _judged(states: Sequence[State], trace: Trace, collisions_only: bool = False) -> ActionOutcome:
+def judged(states: Sequence[State], trace: Trace, collisions_only: bool = False) -> ActionOutcome:
     """Return the outcome of an action, with margins from the first step on."""
     last = states[-1]
     margin = min(float(state.gaps[1:].min(initial=np.inf)) for state in states)

@@ -39,7 +39,7 @@ class PairedTest(Data):
     p_exact: float
     """p of McNemar's exact test; never smaller than mid-p."""
     p_clustered: float
-    """p of the permutation test that flips whole paths; the one to trust if paths have several scenes."""
+    """p of the permutation test that flips whole paths; the one to quote if paths have several scenes."""
 
 
 def mcnemar(first_only: int, second_only: int) -> tuple[float, float]:

@@ -48,6 +48,8 @@ class StudyConfig(Data):
     """Names of the people whose answers to the quiz are judged."""
     judge: str | None = None
     """Model that decides whether an open aspect is right; the documented matcher if left out."""
+    rarity_llm: str | None = None
+    """Model that is asked for the rarity of the simulatable texts, beside the offline estimate."""
     context: int | None = Field(default=None, ge=2_048)
     """Context window of `llm` in tokens, input and output; longer questions are shortened.
 
@@ -131,6 +133,10 @@ class StudyConfig(Data):
             raise ValueError("sets: sizes are positive")
         if self.judge is not None and is_builtin(self.judge):
             raise ValueError("judge: the built-in author writes texts; it judges no answers")
+        if self.rarity_llm is not None and is_builtin(self.rarity_llm):
+            raise ValueError(
+                "rarity_llm: the built-in author estimates none; the offline head does"
+            )
         for address in filter(None, (self.api_base, *self.servers.values())):
             if redact(address) != address:
                 raise ValueError(
@@ -173,7 +179,7 @@ class StudyConfig(Data):
     @property
     def models(self) -> tuple[str, ...]:
         """The names of all models that the study may ask."""
-        names = (self.llm, self.red_llm, self.fallback, *self.vlms, self.judge)
+        names = (self.llm, self.red_llm, self.fallback, *self.vlms, self.judge, self.rarity_llm)
         return tuple(dict.fromkeys(name for name in names if name is not None))
 
     @property

@@ -30,9 +30,17 @@ from oodscen.errors import (
 from oodscen.judging._aspects.opinions import Opinion
 from oodscen.judging._drives import DriveBoard, drive_board
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
+from oodscen.judging._leaderboard.requirements import (
+    RequirementResult,
+    parse_requirement,
+    requirements,
+)
 from oodscen.judging._people import PEOPLE, QuizAnswers
+from oodscen.judging._shortcuts.audit import FILE as AUDIT
+from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._call_log import Call
 from oodscen.metrics._measurements import Measurements
+from oodscen.metrics._rarity.exposure import TreeRarity
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison
@@ -140,6 +148,7 @@ _OTHERS = (
     CATALOGUES,
     "leaderboard.json",
     "metrics.json",
+    AUDIT,
     "drives.jsonl",
     "answers.jsonl",
     "report.html",
@@ -268,6 +277,12 @@ class Study(Brief):
         """Content of `metrics.json`; empty if there is none yet."""
         return self.store.read("metrics.json") if self.store.has("metrics.json") else {}
 
+    @property
+    def exposure(self) -> dict[str, float]:
+        """Estimated meetings per kilometre by leaf of the diverse tree; empty before the texts are measured."""
+        found = self.metrics.get("paths")
+        return TreeRarity.parse(found, source="metrics.json").per_km() if found else {}
+
     def tree(self, name: str) -> ScenarioTree:
         """Return the `initial`, `diverse` or `simulatable` tree."""
         if name not in TREES:
@@ -332,7 +347,31 @@ class Study(Brief):
         """Return the leaderboard of the study's verdicts."""
         whole = self._rows(Episode, "episodes.paper.jsonl")
         return leaderboard(
-            self.verdicts, self.episodes, self.scenarios, whole=whole, seed=self.config.seed
+            self.verdicts,
+            self.episodes,
+            self.scenarios,
+            whole=whole,
+            audit=self.audit,
+            seed=self.config.seed,
+        )
+
+    @property
+    def audit(self) -> Audit | None:
+        """The audit of shortcuts (`oodscen audit`); `None` if there is none."""
+        return Audit.load(self.folder / AUDIT) if self.store.has(AUDIT) else None
+
+    def requirements(self, text: str) -> list[RequirementResult]:
+        """Return the grade of every model against a requirement such as `safe>=0.9,needless<=0.05`.
+
+        Raises:
+            UsageError: If the text is malformed, or names an unknown figure.
+        """
+        return requirements(
+            self.verdicts,
+            self.episodes,
+            self.scenarios,
+            parse_requirement(text),
+            seed=self.config.seed,
         )
 
     def drive_board(self) -> DriveBoard:

@@ -30,6 +30,9 @@ _COLOURS = {
     "signal": (0.30, 0.30, 0.30),
 }
 _GROUND = {
+    "grass": (0.33, 0.44, 0.24),
+    "mark": (0.88, 0.88, 0.86),
+    "curb": (0.52, 0.51, 0.50),
     "driving": (0.30, 0.30, 0.32),
     "shoulder": (0.38, 0.37, 0.36),
     "parking": (0.34, 0.33, 0.34),
@@ -38,9 +41,9 @@ _GROUND = {
     "border": (0.36, 0.46, 0.26),
     "none": (0.36, 0.46, 0.26),
 }
-_GRASS = (0.33, 0.44, 0.24)
-_MARK = (0.88, 0.88, 0.86)
-_KERB = (0.52, 0.51, 0.50)
+_PALETTE = np.array(list(_GROUND.values()))
+_CODES = {name: code for code, name in enumerate(_GROUND)}
+"""Row of each ground colour in the palette."""
 _SHADES = (0.72, 0.86, 1.0)
 """Brightness of box faces across x, y and z."""
 _ROAD_VIEW_M = 400.0
@@ -169,14 +172,13 @@ def _paint_ground(
     x, y, z = view.rays(rows, slice(0, view.width))
     distance = (view.ground - view.origin[2]) / z * np.ones_like(x)
     depth[rows] = distance
-    picture = np.empty((*distance.shape, 3))
-    picture[:] = _GRASS
+    codes = np.full(distance.shape, _CODES["grass"], np.uint8)
     near = distance <= _ROAD_VIEW_M
     away = distance[near]
     ground_x, ground_y = view.origin[0] + x[near] * away, view.origin[1] + y[near] * away
     s, t, index = _locate(road, ground_x, ground_y, ego_s)
-    picture[near] = _surface(road, s, t, index, away)
-    colour[rows] = picture
+    codes[near] = _surface(road, s, t, index, away)
+    np.take(_PALETTE, codes, axis=0, out=colour[rows])
 
 
 def _locate(
@@ -198,16 +200,15 @@ def _locate(
 
 def _surface(
     road: Corridor, s: Floats, t: Floats, index: NDArray[np.intp], distance: Floats
-) -> Floats:
-    """Return the ground colour at places on the road."""
-    picture = np.empty((*s.shape, 3))
-    picture[:] = _GRASS
+) -> NDArray[np.uint8]:
+    """Return the palette's row for the ground at places on the road."""
+    codes = np.full(s.shape, _CODES["grass"], np.uint8)
     half = 0.07 + 0.0004 * distance
     dashed = s - 12.0 * np.floor(s / 12.0) < 4.0
     for number, strip in enumerate(road.strips):
         right, left = strip.right[index], strip.left[index]
         inside = (t >= right) & (t < left)
-        picture[inside] = _GROUND[strip.kind]
+        codes[inside] = _CODES[strip.kind]
         edges = [(left, strip.mark)]
         if number == 0:
             edges.append((right, strip.right_mark))
@@ -217,8 +218,8 @@ def _surface(
             line = (np.abs(t - edge) < half) & (left > right)
             if mark == "broken":
                 line &= dashed
-            picture[line] = _KERB if mark == "curb" else _MARK
-    return picture
+            codes[line] = _CODES["curb" if mark == "curb" else "mark"]
+    return codes
 
 
 def _paint_box(
@@ -281,18 +282,20 @@ def _lit(colour: Floats, depth: Floats, view: _FlatView, weather: Weather) -> ND
     """Return the picture as bytes after daylight, headlights and fog."""
     day = min(max((weather.sun_elevation_deg + 6.0) / 16.0, 0.05), 1.0)
     is_sky = np.isinf(depth)
-    beam = 40.0 / (40.0 + np.where(is_sky, 0.0, depth))
-    beam *= beam * beam * 0.75
-    off_axis = np.minimum(np.abs(view.u) / 0.6, 1.0)[None, :]
-    light = np.minimum(1.0, day + (1.0 - day) * beam * (1.0 - 0.8 * off_axis * off_axis))
-    light = np.where(is_sky, day, light)
-    air = np.array((0.74, 0.76, 0.78)) * day
+    if day < 1.0:
+        beam = 40.0 / (40.0 + np.where(is_sky, 0.0, depth))
+        beam *= beam * beam * 0.75
+        off_axis = np.minimum(np.abs(view.u) / 0.6, 1.0)[None, :]
+        light = np.minimum(1.0, day + (1.0 - day) * beam * (1.0 - 0.8 * off_axis * off_axis))
+        colour = colour * np.where(is_sky, day, light)[..., None]
     if weather.fog_visual_range_m < 10_000.0:
-        clear = _transmittance(np.where(is_sky, 1e6, depth), weather.fog_visual_range_m)
-    else:
-        clear = np.ones_like(depth)
-    picture = (colour * light[..., None]) * clear[..., None] + air * (1.0 - clear[..., None])
-    return np.clip(np.floor(picture * 255.0 + 0.5), 0.0, 255.0).astype(np.uint8)
+        air = np.array((0.74, 0.76, 0.78)) * day
+        clear = _transmittance(np.where(is_sky, 1e6, depth), weather.fog_visual_range_m)[..., None]
+        colour = colour * clear + air * (1.0 - clear)
+    picture = colour * 255.0
+    picture += 0.5
+    np.floor(picture, out=picture)
+    return np.clip(picture, 0.0, 255.0, out=picture).astype(np.uint8)
 
 
 def _transmittance(depth: Floats, visual_range: float) -> Floats:

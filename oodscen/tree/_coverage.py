@@ -45,6 +45,8 @@ class NodeTally(Data):
     """Number of episodes of ordinary twins that ran."""
     holes: int = 0
     """Number of leaves at or below the node that lack something."""
+    exposure: float | None = None
+    """Share of the tree's meetings at or below the node, by estimated rarity; `None` if not known."""
     lacks: Lack = ""
     """For a leaf, the first thing it lacks: a text, a scene, an episode that ran, or one in which
     the choice matters."""
@@ -66,6 +68,12 @@ class Coverage(Data):
         """Leaves that lack something, in tree order."""
         return tuple(row for row in self.rows if row.lacks)
 
+    @property
+    def exposed_holes(self) -> float | None:
+        """Share of what a driver would meet that lies in leaves that lack something; `None` if not known."""
+        known = [row.exposure for row in self.holes if row.exposure is not None]
+        return sum(known) if any(row.exposure is not None for row in self.rows) else None
+
     def of(self, kind: Kind) -> tuple[NodeTally, ...]:
         """Return the rows of one kind."""
         return tuple(row for row in self.rows if row.kind == kind)
@@ -82,6 +90,8 @@ class Coverage(Data):
             found = [row.label for row in self.holes if row.lacks == lack]
             if found:
                 lines.append(f"{len(found)} {words}: {'; '.join(found)}")
+        if self.holes and self.exposed_holes is not None:
+            lines.append(f"leaves with holes: {self.exposed_holes:.0%} of what a driver would meet")
         if self.elsewhere:
             lines.append(f"{self.elsewhere} texts, scenes and episodes belong to no leaf")
         return "\n".join(lines)
@@ -109,6 +119,7 @@ def coverage(
     texts: Iterable[Scenario] = (),
     scenes: Iterable[Scene] = (),
     episodes: Iterable[Episode] = (),
+    per_km: Mapping[str, float] | None = None,
 ) -> Coverage:
     """Count the texts, scenes and episodes that cover each node of a tree.
 
@@ -120,6 +131,7 @@ def coverage(
         texts: The texts; leave out if only the tree is of interest.
         scenes: The staged scenes.
         episodes: The episodes of the scenes, including those of twins.
+        per_km: Meetings per kilometre by leaf, which weight the nodes.
     """
     counts: dict[str, Counter[str]] = {node.id: Counter() for node in tree.nodes}
     words: dict[str, set[str]] = defaultdict(set)
@@ -152,7 +164,7 @@ def coverage(
             _count_episode(counts[leaf], episode)
         else:
             elsewhere += 1
-    return Coverage(rows=_rows(tree, counts), elsewhere=elsewhere)
+    return Coverage(rows=_rows(tree, counts, per_km or {}), elsewhere=elsewhere)
 
 
 def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
@@ -175,7 +187,13 @@ def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
             texts += [
                 text.model_copy(update={"id": f"{size}.{text.id}"}) for text in study.texts(size)
             ]
-    return coverage(study.tree(tree), texts=texts, scenes=study.scenes, episodes=study.episodes)
+    return coverage(
+        study.tree(tree),
+        texts=texts,
+        scenes=study.scenes,
+        episodes=study.episodes,
+        per_km=study.exposure,
+    )
 
 
 def _count_episode(count: Counter[str], episode: Episode) -> None:
@@ -190,8 +208,12 @@ def _count_episode(count: Counter[str], episode: Episode) -> None:
         count["mixed"] += episode.is_decidable
 
 
-def _rows(tree: "ScenarioTree", counts: Mapping[str, Counter[str]]) -> tuple[NodeTally, ...]:
+def _rows(
+    tree: "ScenarioTree", counts: Mapping[str, Counter[str]], per_km: Mapping[str, float]
+) -> tuple[NodeTally, ...]:
     order = list(tree.walk())
+    met = {node.id: per_km.get(node.id, 0.0) for node, _ in order if not tree.children[node.id]}
+    total = sum(met.values())
     lacks: dict[str, Lack] = {}
     for node, depth in reversed(order):
         count = counts[node.id]
@@ -200,12 +222,14 @@ def _rows(tree: "ScenarioTree", counts: Mapping[str, Counter[str]]) -> tuple[Nod
             count.update(leaves=1, holes=int(bool(lacks[node.id])))
         if node.parent is not None:
             counts[node.parent].update(count)
+            met[node.parent] = met.get(node.parent, 0.0) + met.get(node.id, 0.0)
     return tuple(
         NodeTally(
             id=node.id,
             label=node.label,
             kind=_kind(depth, is_leaf=not tree.children[node.id]),
             depth=depth,
+            exposure=round(met.get(node.id, 0.0) / total, 6) if total > 0.0 else None,
             lacks=lacks.get(node.id, ""),
             **{name: counts[node.id][name] for name in COUNTS},
         )

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from oodscen.data._base import Data
+from oodscen.encoders._centring import label_rows
+from oodscen.encoders._similarity import Vectors, unit
 from oodscen.errors import UsageError
-from oodscen.metrics._vectors.centring import label_rows
-from oodscen.metrics._vectors.similarity import Vectors, unit
 from oodscen.protocols import Encoder
 from oodscen.tree._edit_log import Node, TreeEdit
 from oodscen.tree._labels import CLASSES, same_words
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from oodscen.tree._scenario_tree import ScenarioTree
 
 THRESHOLD = 0.75
-"""Centred cosine (`oodscen.metrics._vectors.centring`) from which two labels mean the same, for
+"""Centred cosine (`oodscen.encoders._centring`) from which two labels mean the same, for
 MiniLM. Measured so that hardly any pair is wrong: an unpaired node stays, a wrongly paired one
 is lost."""
 

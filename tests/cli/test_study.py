@@ -53,7 +53,7 @@ def test_a_model_that_nobody_knows_leaves_the_study_as_it_was(study) -> None:
 def test_a_run_that_goes_on_keeps_who_was_judged_and_how(study) -> None:
     found = invoke("evaluate", study, "--vlm", "constant:stop", "--protocol", "paper")
     assert found.exit_code == 0
-    assert "balanced accuracy" in found.output
+    assert "notices, both" in found.output
     verdicts = (study / "verdicts.jsonl").read_bytes()
     assert invoke("run", study, *ORDER, SMALL.baseline).exit_code == 0
     assert (study / "verdicts.jsonl").read_bytes() == verdicts
@@ -115,6 +115,27 @@ def test_a_model_is_dropped_without_asking_anybody_and_others_can_be_judged_at_o
     assert Study.open(study).config.vlms == ("random",)
     assert invoke("evaluate", study, "--drop", "bad").exit_code == 2
     assert invoke("evaluate", study).exit_code == 2
+
+
+def test_a_requirement_is_graded_by_the_exit_code(study) -> None:
+    assert invoke("evaluate", study, "--require", "sane>=1").exit_code == 2
+    none = invoke("evaluate", study, "--require", "safe>=0")
+    assert none.exit_code == 5
+    file = study / "verdicts.jsonl"
+    rows = [json.loads(line) for line in file.read_text().splitlines()]
+    mine = [
+        {**row, "model": "mine", "kind": "model", "id": f"{row['scene_id']}@mine"}
+        for row in rows
+        if row["model"] == "oracle"
+    ]
+    file.write_text("".join(json.dumps(row) + "\n" for row in [*rows, *mine]))
+    for text, code, word in (("safe>=0", 0, "meets"), ("safe>=0.9", 5, "more scenes")):
+        for command in ("evaluate", "report"):
+            found = invoke(command, study, "--require", text)
+            assert (found.exit_code, word in found.output) == (code, True), found.output
+    found = invoke("evaluate", study, "--require", "safe>=0.9", "--json")
+    assert json.loads(found.stdout)["requirements"][0]["grade"] == "cannot tell yet"
+    assert "Against the requirement safe&gt;=0.9" in (study / "report.html").read_text()
 
 
 def test_items_that_were_not_asked_are_told_per_model() -> None:
@@ -196,7 +217,7 @@ def test_an_interruption_with_a_full_disk_keeps_the_code_of_the_signal(
 
 
 def test_a_signal_that_shall_be_ignored_is(tmp_path, monkeypatch) -> None:
-    def hang_up(study):
+    def hang_up(study, bars):
         os.kill(os.getpid(), signal.SIGHUP)
         return tmp_path
 

@@ -29,7 +29,8 @@ def study(tmp_path_factory):
 def workplace(tmp_path, monkeypatch, study):
     """Have `out`, and fifty ordinary texts where `Metrics()` would have thousands encoded."""
     few = Baseline(texts=tuple(ORDINARY.read_text("utf-8").splitlines()))
-    monkeypatch.setattr("oodscen.metrics._metrics.ordinary_driving", lambda: few)
+    for user in ("_metrics", "_vectors.space", "_detection.guard"):
+        monkeypatch.setattr(f"oodscen.metrics.{user}.ordinary_driving", lambda: few)
     (tmp_path / "out").symlink_to(study)
     monkeypatch.chdir(tmp_path)
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
+from oodscen.encoders._similarity import unit
 from oodscen.errors import DataError, UnknownComponent
 from oodscen.metrics._oodness import Definition, Neighbour, Oodness, oodness, scores
-from oodscen.metrics._vectors.similarity import unit
 from oodscen.metrics._vectors.space import Space
 from oodscen.testing._encoder import HashEncoder
 

@@ -4,9 +4,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import Metrics
+from oodscen.encoders._similarity import unit
 from oodscen.errors import UsageError
 from oodscen.metrics._selection import most_diverse
-from oodscen.metrics._vectors.similarity import unit
 from oodscen.testing._encoder import HashEncoder
 
 

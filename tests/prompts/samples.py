@@ -14,6 +14,7 @@ from oodscen.prompts._judging.name_ood_aspect import NameOodAspect
 from oodscen.prompts._landmarks import Landmark
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import DescribePath
+from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
 from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.prompts._tree.classify_examples import ClassifyExamples
@@ -100,6 +101,7 @@ SAMPLES = (
     JudgeBranches(paths=(PATH, (*PATH[:-1], "Fog")), catalogue=DIGEST),
     DescribePath(path=PATH, count=3, avoid=("A deer stands on the highway.",), catalogue=DIGEST),
     DescribeOrdinary(text="A stag leaps onto the road.", path=PATH),
+    EstimateRarity(texts=("A stag leaps onto the road.", "Rain."), population="cars"),
     ExtractClaims(text="A stag leaps onto the road at night."),
     StageScene(
         text="A stag leaps onto the road.",

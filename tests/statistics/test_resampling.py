@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen._seeding import stream
-from oodscen.metrics._vectors.similarity import unit
+from oodscen.encoders._similarity import unit
 from oodscen.statistics import _resampling
 from oodscen.statistics._answers import intraclass
 from oodscen.statistics._intervals import percentiles, wilson

@@ -1,5 +1,8 @@
 """What covers a tree adds up, and what does not is a hole."""
 
+from typing import ClassVar
+
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -105,6 +108,7 @@ def test_text_sets_of_any_size_are_counted():
     class Kept:
         config = StudyConfig(sets=(7,))
         scenarios, scenes, episodes = (), (), ()
+        exposure: ClassVar = {}
 
         def tree(self, name):
             return TREE
@@ -113,3 +117,12 @@ def test_text_sets_of_any_size_are_counted():
             return [text(f"text-{number:03d}", "text") for number in range(size)]
 
     assert study_coverage(Kept(), "diverse").rows[0].texts == 7
+
+
+def test_leaves_are_weighted_by_their_exposure():
+    leaves = [leaf.id for leaf in TREE.leaves]
+    found = coverage(TREE, per_km=dict.fromkeys(leaves, 1e-5))
+    assert found.rows[0].exposure == pytest.approx(1.0)
+    assert found.exposed_holes == pytest.approx(1.0, abs=1e-4)
+    assert "100% of what a driver would meet" in str(found)
+    assert coverage(TREE).exposed_holes is None

@@ -31,6 +31,8 @@ from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._people import PersonAnswers, person
 from oodscen.judging._references import Blind, NoveltyReference, Oracle, is_reference, takes_cases
 from oodscen.judging._selection import chosen
+from oodscen.judging._shortcuts.audit import FILE as AUDIT
+from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.llm._remote.limits import JUDGING
 from oodscen.prompts._judging.name_aspect import NameAspect
@@ -122,7 +124,12 @@ def evaluate(
     if verdicts != kept:
         run.store.write_lines("verdicts.jsonl", verdicts)
     board = leaderboard(
-        verdicts, episodes, scenarios, whole=shown.get("paper", ()), seed=run.config.seed
+        verdicts,
+        episodes,
+        scenarios,
+        whole=shown.get("paper", ()),
+        audit=Audit.load(run.store.path(AUDIT)) if run.store.has(AUDIT) else None,
+        seed=run.config.seed,
     )
     run.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
     return verdicts

@@ -14,12 +14,12 @@ def measure(
 ) -> list[Scenario]:
     """Compute the metrics and return the scenarios inside the OOD-ness band."""
     groups = {**{str(size): chosen for size, chosen in sets.items()}, "simulatable": scenarios}
-    made_from = digest(
-        {name: [[one.leaf, one.text] for one in chosen] for name, chosen in groups.items()}
-    )
+    leaves = {leaf.id: leaf.label for leaf in run.study.tree("diverse").leaves}
+    texts = {name: [[one.leaf, one.text] for one in chosen] for name, chosen in groups.items()}
+    made_from = digest([texts, leaves, run.config.rarity_llm])
     if not run.has("metrics.json") or run.study.metrics.get("made_from") != made_from:
         run.progress("metrics", 0, 1)
-        found = _metrics(run, groups).model_copy(update={"made_from": made_from})
+        found = _metrics(run, groups, leaves).model_copy(update={"made_from": made_from})
         run.store.write("metrics.json", found.to_json() + "\n")
     run.progress("metrics", 1, 1)
     if run.config.band is None or not scenarios:
@@ -29,5 +29,12 @@ def measure(
     return [s for s, value in zip(scenarios, values, strict=True) if low <= value <= high]
 
 
-def _metrics(run: Context, groups: Mapping[str, Sequence[Scenario]]) -> Measurements:
-    return measurements(Metrics(run.encoder, run.baseline, seed=run.config.seed), groups)
+def _metrics(
+    run: Context, groups: Mapping[str, Sequence[Scenario]], leaves: Mapping[str, str]
+) -> Measurements:
+    metrics = Metrics(run.encoder, run.baseline, seed=run.config.seed)
+    found = measurements(metrics, groups, leaves)
+    if run.rarity_llm is None or not groups["simulatable"]:
+        return found
+    asked = metrics.rarity(groups["simulatable"], run.rarity_llm)
+    return found.model_copy(update={"asked": asked})

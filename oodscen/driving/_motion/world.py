@@ -303,7 +303,27 @@ class KinematicWorld(Brief):
         finally:
             self._state[:] = start
 
+    def set_poses(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
+        """Move all bodies to measured poses.
+
+        Args:
+            poses: [n, 4] x, y, z and yaw, rows as in `ids`.
+            speeds: [n] along the headings, m/s.
+        """
+        for row, (x, y, z, yaw) in enumerate(poses.tolist()):
+            near = float(self._state[row, col.S])
+            s, t = self.corridor.locate(x, y, near if self._is_near(row, x, y) else None)
+            _, _, ground, road = self.corridor.point(s, t)
+            state = self._state[row]
+            state[col.X], state[col.Y], state[col.YAW] = x, y, wrapped(yaw)
+            state[col.S], state[col.T], state[col.HEADING] = s, t, wrapped(yaw - road)
+            state[col.SPEED], state[col.LIFT] = float(speeds[row]), max(0.0, z - ground)
+
     # ------------------------------------------------------------------ internals
+
+    def _is_near(self, row: int, x: float, y: float) -> bool:
+        """Return whether a body is at most a few metres from a point."""
+        return bool(np.abs(self._state[row, [col.X, col.Y]] - (x, y)).max() < 5.0)
 
     def _order(self, scene: Scene) -> list[int]:
         """Return the actors' rows, each after the body that it belongs to."""

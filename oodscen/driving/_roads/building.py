@@ -69,7 +69,7 @@ def load_corridor(road_map: RoadMap | str, catalogue: Catalogue | None = None) -
         DataError: With every fault of the file, or if start or route are not on the road.
     """
     found = find_map(road_map, catalogue) if isinstance(road_map, str) else road_map
-    return _corridor(_read(found.file), found)
+    return _corridor(read_map(found.file), found)
 
 
 def find_map(name: str, catalogue: Catalogue | None = None) -> RoadMap:
@@ -91,7 +91,7 @@ def find_map(name: str, catalogue: Catalogue | None = None) -> RoadMap:
             pass
         known = [road.id for road in catalogue.maps] if catalogue else []
         raise UnknownComponent("map", name, known)
-    return _describe(_read(name), name)
+    return _describe(read_map(name), name)
 
 
 @lru_cache(maxsize=16)
@@ -166,7 +166,7 @@ def _open_leg(legs: Sequence[Leg], at: float) -> tuple[int, float] | None:
     return found
 
 
-def _read(file: str) -> bytes:
+def read_map(file: str) -> bytes:
     """Return the content of `package:path/inside.xodr` or of a path."""
     package, _, inside = file.partition(":")
     is_packaged = inside and all(part.isidentifier() for part in package.split("."))

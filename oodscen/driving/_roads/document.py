@@ -17,20 +17,22 @@ _MAX_ISSUES = 100
 
 
 class Document:
-    """An OpenDRIVE file and its faults.
+    """An XML file and its faults.
 
     A fault does not stop the search for more, unless nothing can be read after it.
     """
 
-    def __init__(self, source: str) -> None:
+    def __init__(self, source: str, root: str = "OpenDRIVE") -> None:
         self.source = source
+        self.root = root
+        """Name of the root element, and of the format."""
         self.issues: list[Issue] = []
 
     def parse(self, data: bytes) -> "XmlNode":
         """Return the root element.
 
         Raises:
-            DataError: If the bytes are not an OpenDRIVE file of acceptable size and depth.
+            DataError: If the bytes are not such a file, of acceptable size and depth.
         """
         if len(data) > MAX_BYTES:
             self.fail("", f"the file has {len(data)} bytes; at most {MAX_BYTES} are read")
@@ -51,8 +53,8 @@ class Document:
             self.fail("", "a document type declaration is not allowed")
         if _depth(root) > MAX_DEPTH:
             self.fail("", f"elements are nested more than {MAX_DEPTH} deep")
-        if name_of(root) != "OpenDRIVE":
-            self.fail("", f"the root element is {name_of(root)[:40]!r}, not 'OpenDRIVE'")
+        if name_of(root) != self.root:
+            self.fail("", f"the root element is {name_of(root)[:40]!r}, not {self.root!r}")
         count = sum(1 for _ in root.iter())
         if count > MAX_ELEMENTS:
             self.fail("", f"the file has {count} elements; at most {MAX_ELEMENTS} are read")
@@ -60,7 +62,7 @@ class Document:
 
     def error(self) -> DataError:
         """Return all recorded faults as one error."""
-        return DataError("OpenDRIVE file", self.issues, source=self.source)
+        return DataError(f"{self.root} file", self.issues, source=self.source)
 
     def fail(self, path: str, message: str) -> NoReturn:
         """Record a fault after which nothing can be read, and raise the error."""

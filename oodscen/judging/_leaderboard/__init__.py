@@ -1,1 +1,1 @@
-"""The leaderboard: rates, intervals, comparisons and findings."""
+"""The leaderboard: rates, intervals, comparisons and sentences."""

@@ -4,7 +4,6 @@ from typing import ClassVar, Literal
 
 from oodscen._display import html_table
 from oodscen.data._base import Data
-from oodscen.judging._leaderboard.findings import Finding, answer, findings
 from oodscen.judging._leaderboard.scores import (
     ActionTally,
     Estimate,
@@ -14,6 +13,7 @@ from oodscen.judging._leaderboard.scores import (
     Task,
     best_floor,
 )
+from oodscen.judging._leaderboard.sentences import sentences
 
 
 class Leaderboard(Data):
@@ -24,7 +24,8 @@ class Leaderboard(Data):
     schema_version: Literal[1] = 1
     scenes: int = 0
     """Scenes that ran."""
-    twins: int = 0
+    ordinary: int = 0
+    """Ordinary drives that ran."""
     paths: int = 0
     decidable: int = 0
     """Scenes in which one action is safe and another is not."""
@@ -42,46 +43,45 @@ class Leaderboard(Data):
     """Scenes among `whole` whose hazard is visible in one of the three frames."""
     actions: tuple[ActionTally, ...] = ()
     standings: tuple[LeaderboardRow, ...] = ()
-    """Models first, then references, each sorted by safe actions."""
+    """Models first, then references, each sorted by acting rightly in both halves, then by safe actions."""
+    shortcut: LeaderboardRow | None = None
+    """The best shortcut, which tells rare from ordinary without understanding anything (`oodscen audit`);
+    `None` without scenes and ordinary drives of two paths."""
     comparisons: tuple[ModelComparison, ...] = ()
     level: float = 0.95
     seed: int = 0
 
     def _repr_html_(self) -> str:
-        """Return the main score of every task with its interval, one row per answerer, for notebooks."""
+        """Return the main scores with their intervals, one row per answerer, for notebooks."""
         rows = (
             (
                 row.model,
                 row.kind,
                 row.protocol,
-                _cell(row.detection.balanced_accuracy),
+                _cell(row.paired.notice),
+                _cell(row.paired.act),
                 _cell(row.identification.open),
-                _cell(row.identification.closed),
                 _cell(row.control.safe),
             )
             for row in self.standings
         )
         return html_table(
             rows,
-            head=("", "", "protocol", "detection", "open", "closed", "safe actions"),
-            caption=f"{self.scenes:,} scenes and {self.twins:,} twins of {self.paths:,} paths",
+            head=("", "", "protocol", "notices, both", "acts, both", "names it", "safe actions"),
+            caption=f"{self.scenes:,} scenes and {self.ordinary:,} ordinary drives of {self.paths:,} paths",
         )
 
     def standing(self, model: str) -> LeaderboardRow | None:
         """Return the row of a model, or `None`."""
         return next((row for row in self.standings if row.model == model), None)
 
-    def findings(self) -> list[Finding]:
-        """Return three findings per model: it notices, it names, it acts."""
-        return findings(self)
-
-    def answer(self) -> list[str]:
-        """Return a few sentences on which model to trust with what, and how certainly."""
-        return answer(self)
+    def sentences(self) -> list[str]:
+        """Return a few sentences: the main figures of every model beside the reference to beat."""
+        return sentences(self)
 
     def floor(self, task: Task) -> LeaderboardRow | None:
         """Return the best reference in a task that does not know the truth."""
-        return best_floor(self.standings, task)
+        return best_floor([*self.standings, *([self.shortcut] if self.shortcut else [])], task)
 
 
 def _cell(found: Rate | Estimate) -> str:

@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +10,14 @@ from numpy.typing import NDArray
 from oodscen.data._episode import Episode, as_offered
 from oodscen.data._pairing import is_ordinary
 from oodscen.data._scenario import Scenario
-from oodscen.data._verdict import NOTHING, Protocol, Verdict
-from oodscen.judging._items import AnswerColumns, Items, Mask, Ratio
+from oodscen.data._verdict import NOTHING, Verdict
+from oodscen.judging._items import AnswerColumns, Floats, Items, Mask, Ratio
 from oodscen.judging._leaderboard.board import Leaderboard
+from oodscen.judging._leaderboard.comparisons import Key, comparisons
+from oodscen.judging._leaderboard.figures import FAULTS, PairColumns, figures
+from oodscen.judging._leaderboard.gains import mean_of, with_gains
 from oodscen.judging._leaderboard.paper_example import paper_example
 from oodscen.judging._leaderboard.scores import (
-    TASKS,
     ActionScore,
     ActionTally,
     Confusion,
@@ -25,17 +26,18 @@ from oodscen.judging._leaderboard.scores import (
     Identification,
     LeaderboardRow,
     ModelComparison,
+    PairedScores,
     Rate,
     SceneGroup,
     Task,
-    best_floor,
     score,
 )
+from oodscen.judging._shortcuts.audit import Audit
+from oodscen.judging._shortcuts.calls import rule_calls, shortcut_verdicts
 from oodscen.statistics._answers import above_chance, d_prime, intraclass
 from oodscen.statistics._auroc import auroc_of_items
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler
-from oodscen.statistics._significance import holm, paired
 
 __all__ = [
     "ActionScore",
@@ -47,6 +49,7 @@ __all__ = [
     "Leaderboard",
     "LeaderboardRow",
     "ModelComparison",
+    "PairedScores",
     "Rate",
     "SceneGroup",
     "Task",
@@ -54,9 +57,6 @@ __all__ = [
     "paper_example",
     "score",
 ]  # fmt: skip
-
-Key = tuple[str, Protocol]
-"""Model and protocol."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,13 +77,14 @@ def leaderboard(
     scenarios: Iterable[Scenario],
     *,
     whole: Iterable[Episode] = (),
+    audit: Audit | None = None,
     seed: int = 0,
 ) -> Leaderboard:
     """Return the leaderboard of some verdicts.
 
     Intervals resample whole paths (`oodscen.statistics._intervals.share_bounds`); comparisons are
     paired over common items and corrected by Holm within a task. An item without an answer counts as
-    missing, never as wrong; `Rate.worst` gives the score with all of them counted as wrong. Open aspects
+    missing, never as wrong; `Rate.with_missing_wrong` gives the score with all of them counted as wrong. Open aspects
     scored by different judges are not compared.
 
     Args:
@@ -91,11 +92,14 @@ def leaderboard(
         episodes: Episodes of the scenes and twins, which give the safe actions.
         scenarios: The scenarios, which give the path of each scene.
         whole: Episodes of the paper's protocol, which tell whether its frames show the hazard.
+        audit: The audit of these episodes, whose best shortcut is the one to beat; without one it is the best
+            rule on the bodies that the simulator knows.
         seed: Seed of the resampling.
     """
+    found = list(episodes)
     ran = [episode for episode in whole if episode.status == "ok"]
     seen = {episode.scene_id for episode in ran if episode.hazard_visible}
-    study = _study(Items.of(list(episodes), list(scenarios)), seen, seed)
+    study = _study(Items.of(found, list(scenarios)), seen, seed)
     items = study.items
     grouped: dict[Key, list[Verdict]] = {}
     for verdict in verdicts:
@@ -107,15 +111,25 @@ def leaderboard(
         key=lambda row: (
             row.kind == "reference",
             row.protocol,
-            -(row.control.safe.worst or 0),
+            -(row.paired.act.with_missing_wrong or 0),
+            -(row.control.safe.with_missing_wrong or 0),
             row.model,
         ),
     )
+    standings = with_gains(items, study.resampler, standings, sheets)
+    calls = audit.best_calls(found) if audit else None
+    asked = {one.scene_id for found in grouped.values() for one in found}
+    floor_calls = shortcut_verdicts(items, calls or rule_calls(items))
+    shortcut = [one for one in floor_calls if one.scene_id in asked]
+    floor = None
+    if shortcut:
+        sheets[shortcut[0].model, "ours"] = AnswerColumns.of(items, shortcut)
+        floor = _standing(study, sheets[shortcut[0].model, "ours"], shortcut)
     real = [row for row in rows if row.kind == "model"] or rows
     likeness = [_likeness(items, sheets[row.model, row.protocol]) for row in real]
     return Leaderboard(
         scenes=items.count(items.is_scene),
-        twins=items.count(~items.is_scene),
+        ordinary=items.count(~items.is_scene),
         paths=len(set(items.clusters)),
         decidable=items.count(items.is_decidable),
         all_safe=items.count(items.is_scene & items.has_actions & (items.unsafe == 0)),
@@ -127,7 +141,8 @@ def leaderboard(
         whole_shown=len(seen),
         actions=_tallies(items),
         standings=tuple(standings),
-        comparisons=tuple(_comparisons(study, standings, sheets)),
+        shortcut=floor,
+        comparisons=tuple(comparisons(items, seed, standings, floor, sheets)),
         seed=seed,
     )
 
@@ -149,25 +164,20 @@ def _standing(
 ) -> LeaderboardRow:
     items, protocol = study.items, verdicts[0].protocol
     scene, twin = items.is_scene, ~items.is_scene
-    scoring = ~sheet.marginal
-    decidable = items.is_decidable & scoring
+    known = figures(items, sheet)
     columns = {
-        "sensitivity": Ratio(sheet.called, scene),
+        **known,
         "specificity": Ratio(1.0 - sheet.called, twin),
-        "open": Ratio(sheet.open, scene),
         "open_shown": Ratio(sheet.open, scene & study.shown & (protocol == "paper")),
-        "closed": Ratio(sheet.closed, scene),
-        "safe": Ratio(sheet.safe, scene & scoring),
         "collision_free": Ratio(sheet.success, scene),
-        "decidable": Ratio(sheet.safe, decidable),
-        "twin_safe": Ratio(sheet.safe, twin & scoring),
-        "needless": Ratio(sheet.cautious, twin & items.keeping_is_safe),
-        "above_chance": Ratio(sheet.safe - items.chance, decidable, 1.0 - items.chance),
+        "decidable": Ratio(sheet.safe, items.is_decidable, is_neutral=sheet.is_neutral),
+        "ordinary_safe": Ratio(sheet.safe, twin, is_neutral=sheet.is_neutral),
+        "above_chance": Ratio(sheet.safe - items.chance, items.is_decidable, 1.0 - items.chance),
     }
     found = _resampled(study.resampler, list(columns.values()))
     replicates = dict(zip(columns, found.T, strict=True))
     rates = {
-        name: _rate(study, column, sheet, replicates[name], is_fault=name == "needless")
+        name: _rate(study, column, sheet, replicates[name], is_fault=name in FAULTS)
         for name, column in columns.items()
         if name != "above_chance"
     }
@@ -179,11 +189,12 @@ def _standing(
         outcomes=dict(sorted(Counter(_outcome(v) for v in verdicts).items())),
         contradictions=sum(bool(v.contradiction) for v in verdicts),
         outdated=sum(v.is_outdated for v in verdicts),
+        paired=_paired_scores(study, sheet, rates),
         detection=_detection(study, sheet, rates, replicates),
         identification=Identification(
-            open=rates["open"],
+            open=rates["name"],
             open_shown=rates["open_shown"],
-            closed=rates["closed"],
+            closed=rates["pick"],
             judged=sum(bool(v.judge) for v in verdicts),
             unjudged=sum(bool(v.judge_error) for v in verdicts),
         ),
@@ -198,6 +209,28 @@ def _standing(
     )
 
 
+def _paired_scores(
+    study: _SharedValues, sheet: AnswerColumns, rates: Mapping[str, Rate]
+) -> PairedScores:
+    pairs = PairColumns.of(study.items, sheet)
+    return PairedScores(
+        notice=rates["notice-both"],
+        act=rates["act-both"],
+        drop=mean_of(study.resampler, Ratio(pairs.drop, pairs.mask)),
+    )
+
+
+def _by_kind(
+    study: _SharedValues, sheet: AnswerColumns, values: Floats, mask: Mask
+) -> dict[str, Rate]:
+    """Return a figure that counts faults, for every kind of ordinary drive."""
+    kinds = np.array(study.items.kinds)
+    return {
+        kind: _rate(study, Ratio(values, mask & (kinds == kind)), sheet, is_fault=True)
+        for kind in sorted(set(study.items.kinds) - {"rare"})
+    }
+
+
 def _group(study: _SharedValues, sheet: AnswerColumns, group: SceneGroup, mask: Mask) -> SceneGroup:
     """Return a group with the scores of one answerer in its scenes."""
     columns = {
@@ -206,8 +239,9 @@ def _group(study: _SharedValues, sheet: AnswerColumns, group: SceneGroup, mask: 
         "closed": sheet.closed,
         "safe": sheet.safe,
     }
+    neutral = {"safe": sheet.is_neutral}
     rates = {
-        name: _rate(study, Ratio(values, mask & ~sheet.marginal if name == "safe" else mask), sheet)
+        name: _rate(study, Ratio(values, mask, is_neutral=neutral.get(name)), sheet)
         for name, values in columns.items()
     }
     return group.model_copy(update=rates)
@@ -240,14 +274,14 @@ def _rate(
     units = study.resampler.count(there)
     if replicates is None and units >= FEWEST_CLUSTERS:
         replicates = _resampled(study.resampler, [column])[:, 0]
-    missing = int((column.mask & sheet.was_asked & ~there).sum())
+    missing = int(column.missing(sheet).sum())
     least = hits + missing if is_fault else hits
     return Rate(
         hits=round(hits),
         n=n,
         missing=missing,
         value=round(hits / n, 6) if n else None,
-        worst=round(least / (n + missing), 6) if n + missing else None,
+        with_missing_wrong=round(least / (n + missing), 6) if n + missing else None,
         interval=share_bounds(hits, n, units, replicates),
         paths=units,
     )
@@ -276,8 +310,11 @@ def _control(
             n=decidable.n,
             interval=percentiles(replicates, study.resampler.count(reach)),
         ),
-        twin_safe=rates["twin_safe"],
+        ordinary_safe=rates["ordinary_safe"],
         needless=rates["needless"],
+        needless_by_kind=_by_kind(
+            study, sheet, sheet.cautious, ~items.is_scene & items.keeping_is_safe
+        ),
     )
 
 
@@ -289,8 +326,8 @@ def _detection(
 ) -> Detection:
     """Return the figures of detection; `replicates` are [r] by the names of the rates."""
     items, resampler = study.items, study.resampler
-    sensitivity, specificity = rates["sensitivity"], rates["specificity"]
-    balanced = (replicates["sensitivity"] + replicates["specificity"]) / 2
+    sensitivity, specificity = rates["notice"], rates["specificity"]
+    balanced = (replicates["notice"] + replicates["specificity"]) / 2
     known = np.isfinite(sheet.called)
     units = resampler.count(known)
     area = auroc_of_items(sheet.p_ood, items.is_scene, resampler)
@@ -307,12 +344,14 @@ def _detection(
     return Detection(
         sensitivity=sensitivity,
         specificity=specificity,
+        alarms=rates["alarms"],
+        alarms_by_kind=_by_kind(study, sheet, sheet.called, ~items.is_scene),
         balanced_accuracy=Estimate(
             value=((sensitivity.value or 0) + (specificity.value or 0)) / 2 if both else None,
             n=n if both else 0,
             interval=percentiles(balanced, units) if both else None,
         ),
-        worst=_worst_balanced(study, sheet, sensitivity, specificity),
+        with_missing_wrong=_worst_balanced(study, sheet, sensitivity, specificity),
         auroc=Estimate(
             value=area[0] if area else None,
             n=int(np.isfinite(sheet.p_ood).sum()) if area else 0,
@@ -333,7 +372,7 @@ def _worst_balanced(
     study: _SharedValues, sheet: AnswerColumns, sensitivity: Rate, specificity: Rate
 ) -> Estimate:
     """Return the balanced accuracy with every missing answer counted as wrong."""
-    if sensitivity.worst is None or specificity.worst is None:
+    if sensitivity.with_missing_wrong is None or specificity.with_missing_wrong is None:
         return Estimate()
     items, resampler = study.items, study.resampler
     right = np.nan_to_num(sheet.right("detection", items), nan=0.0)
@@ -343,7 +382,7 @@ def _worst_balanced(
     ]
     replicates = _resampled(resampler, columns).mean(axis=1)
     return Estimate(
-        value=(sensitivity.worst + specificity.worst) / 2,
+        value=(sensitivity.with_missing_wrong + specificity.with_missing_wrong) / 2,
         n=int(sheet.was_asked.sum()),
         interval=percentiles(replicates, resampler.count(sheet.was_asked)),
     )
@@ -392,63 +431,3 @@ def _likeness(items: Items, sheet: AnswerColumns) -> float | None:
     there = items.is_scene & np.isfinite(sheet.safe)
     labels = [label for label, keep in zip(items.clusters, there, strict=True) if keep]
     return intraclass(sheet.safe[there], labels)
-
-
-def _comparisons(
-    study: _SharedValues, standings: Sequence[LeaderboardRow], sheets: Mapping[Key, AnswerColumns]
-) -> list[ModelComparison]:
-    ours = [row for row in standings if row.protocol == "ours"]
-    models = [row for row in ours if row.kind == "model"]
-    found: list[ModelComparison] = []
-    for task in TASKS:
-        floor = best_floor(ours, task)
-        pairs = [(a, b) for i, a in enumerate(models) for b in models[i + 1 :]]
-        found += _family(study, task, "model", pairs, sheets)
-        if floor is not None:
-            found += _family(study, task, "floor", [(m, floor) for m in models], sheets)
-    return found
-
-
-def _family(
-    study: _SharedValues,
-    task: Task,
-    against: Literal["model", "floor"],
-    pairs: Sequence[tuple[LeaderboardRow, LeaderboardRow]],
-    sheets: Mapping[Key, AnswerColumns],
-) -> list[ModelComparison]:
-    """Return the comparisons of pairs in one task, with p-values corrected for all of them together."""
-    items = study.items
-    tests, worst = [], []
-    for first, second in pairs:
-        sheet, other = (sheets[row.model, row.protocol] for row in (first, second))
-        one, two = sheet.right(task, items), other.right(task, items)
-        unlike = sheet.scored_unlike(other) & (task == "open")
-        one = np.where(unlike, np.nan, one)
-        test = paired(one, two, items.clusters, seed=study.seed)
-        if not test.n:
-            continue
-        silent = sheet.unanswered(task, items) & ~unlike
-        tests.append((first.model, second.model, test, int(silent.sum())))
-        filled = np.where(silent, 0.0, one)
-        worst.append(paired(filled, two, items.clusters, seed=study.seed) if silent.any() else test)
-    plain = holm([test.p_mcnemar for _, _, test, _ in tests])
-    clustered = holm([test.p_clustered for _, _, test, _ in tests])
-    at_worst = holm([test.p_clustered for test in worst])
-    is_floor = against == "floor"
-    return [
-        ModelComparison(
-            task=task,
-            against=against,
-            first=first,
-            second=second,
-            test=test,
-            p_holm=p,
-            p_clustered_holm=q,
-            missing=silent if is_floor else 0,
-            worst_difference=least.difference if is_floor else None,
-            p_worst_holm=r if is_floor else None,
-        )
-        for (first, second, test, silent), least, p, q, r in zip(
-            tests, worst, plain, clustered, at_worst, strict=True
-        )
-    ]

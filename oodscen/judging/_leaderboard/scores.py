@@ -16,6 +16,12 @@ PRIVILEGED = "oracle"
 """The reference that is told the truth: a ceiling, never a baseline to beat."""
 
 
+WITHHELD = "{} without pictures"
+"""Name of the row of a model that was asked without the pictures."""
+BLIND = ("constant:", "random", "blind")
+"""Beginnings of the names of references that see no picture."""
+
+
 class Rate(Data):
     """A count out of a number of items."""
 
@@ -28,7 +34,7 @@ class Rate(Data):
     """Items without an answer: refused, not understood, timed out or failed."""
     value: float | None = None
     """In [0, 1]; `None` if `n` is 0."""
-    worst: float | None = None
+    with_missing_wrong: float | None = None
     """The share with every missing answer counted as wrong; `None` if nothing was asked."""
     interval: Interval | None = None
     paths: int = 0
@@ -53,10 +59,14 @@ class Detection(Data):
     sensitivity: Rate = Rate()
     """Scenes that were called out of the ordinary."""
     specificity: Rate = Rate()
-    """Twins that were not called out of the ordinary."""
+    """Ordinary drives that were not called out of the ordinary."""
+    alarms: Rate = Rate()
+    """Ordinary drives that were called out of the ordinary."""
+    alarms_by_kind: dict[str, Rate] = {}
+    """`alarms` by kind of ordinary drive (`twin` ...)."""
     balanced_accuracy: Estimate = Estimate()
     """Mean of sensitivity and specificity; 0.5 for an answerer that always says the same."""
-    worst: Estimate = Estimate()
+    with_missing_wrong: Estimate = Estimate()
     """Balanced accuracy with every missing answer counted as wrong."""
     auroc: Estimate = Estimate()
     """Probability that a scene is rated above a twin by the stated confidence; 0.5 is chance."""
@@ -98,12 +108,43 @@ class ActionScore(Data):
     """The score of a random action on those decidable scenes."""
     above_chance: Estimate = Estimate()
     """`decidable` corrected for chance: 0 is a random choice, 1 is always safe."""
-    twin_safe: Rate = Rate()
+    ordinary_safe: Rate = Rate()
     """Over the ordinary twins: a safe action was chosen."""
     needless: Rate = Rate()
     """Over the twins in which keeping the speed is safe with enough margin
     (`oodscen.data._episode.has_enough_margin`): the action braked hard, stopped or pulled over.
     """
+    needless_by_kind: dict[str, Rate] = {}
+    """`needless` by kind of ordinary drive."""
+
+
+class Gain(Data):
+    """The lead over another answerer on the same items."""
+
+    noun: ClassVar[str] = "gain"
+
+    against: str
+    """Model of the other row."""
+    figure: Literal["notice", "act"]
+    """The figure of `PairedScores`."""
+    difference: Estimate
+
+
+class PairedScores(Data):
+    """The main figures: right about a scene and about the ordinary drives that go with it."""
+
+    noun: ClassVar[str] = "paired score"
+
+    notice: Rate = Rate()
+    """Scenes that are called out of the ordinary while none of their ordinary drives is."""
+    act: Rate = Rate()
+    """Scenes with a safe action whose ordinary drives all have a safe action that is not needless."""
+    drop: Estimate = Estimate()
+    """Share of safe actions in the ordinary drives minus that in their scenes, in [-1, 1]."""
+    over_blind: tuple[Gain, ...] = ()
+    """Lead over the best answerer without the pictures: a constant, `random` or `blind`."""
+    over_withheld: tuple[Gain, ...] = ()
+    """Lead over the same model with the pictures withheld, the row named `WITHHELD.format(model)`."""
 
 
 class SceneGroup(Data):
@@ -150,6 +191,7 @@ class LeaderboardRow(Data):
     """Answers whose reasoning contradicts them."""
     outdated: int = 0
     """Answers to other versions of the questions than those of the last run."""
+    paired: PairedScores = PairedScores()
     detection: Detection = Detection()
     identification: Identification = Identification()
     control: ActionScore = ActionScore()
@@ -228,7 +270,11 @@ def score(row: LeaderboardRow, task: Task) -> float | None:
 
 def worst_score(row: LeaderboardRow, task: Task) -> float | None:
     """Return the figure that ranks a task, with every missing answer counted as wrong."""
-    return row.detection.worst.value if task == "detection" else rates(row, task)[0].worst
+    return (
+        row.detection.with_missing_wrong.value
+        if task == "detection"
+        else rates(row, task)[0].with_missing_wrong
+    )
 
 
 def missing_share(row: LeaderboardRow, task: Task) -> float:

@@ -55,7 +55,7 @@ class Question(Generic[Value]):
         """Return the answer in an object; `None` if it lacks the requested members.
 
         Raises:
-            UnusableError: If it has a member that nobody asked for, or reasons against its own answer.
+            UnusableError: If it has a member that was not asked for, or reasons against its own answer.
         """
         held, reasons = unwrapped(value, self.members)
         found = self.pick(held)

@@ -162,7 +162,7 @@ _ALLOWED = re.compile(
     r"|(?:to|towards?|behind|(?:ahead|in front) of|hit|approaching) (?:the )?ego(?: vehicle| car)?"
     rf"|(?:avoid|prevent|reduce)(?:ing)? (?:(?!no |not )\w+ ){{0,4}}{_CRASH}|(?:risk of|there (?:is|has been)) (?:an? )?(?:\w+ )?{_CRASH})\b"
 )
-"""Matches phrases with words of `_NO_OBSERVATION` that judge nobody's choice."""
+"""Matches phrases with words of `_NO_OBSERVATION` that judge no choice."""
 _NO_OBSERVATION = re.compile(
     rf"{OPTION}|[?\u2026:\"]|\b(?:i|me|my|mine|we|us|our|you|your|he|she|it|its|they|that|this|these|those|which|what|who|whoever|ego"
     r"|\w+'[sd]|\w+'ll|if|unless|when|until|once|but|yet|however|though|although|while|except|instead|rather|otherwise|then|so|had|were"

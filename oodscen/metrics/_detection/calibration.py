@@ -22,7 +22,7 @@ from pydantic import Field
 
 from oodscen._seeding import stream
 from oodscen.data._base import Data
-from oodscen.metrics._vectors.similarity import Vectors
+from oodscen.encoders._similarity import Vectors
 
 _ALIKE = 0.8
 _MOST = 20_000

@@ -33,10 +33,10 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.encoders._similarity import Vectors, largest, nearest, unit
 from oodscen.errors import UnknownComponent
 from oodscen.metrics._clauses import clauses
 from oodscen.metrics._detection.anchors import anchors
-from oodscen.metrics._vectors.similarity import Vectors, largest, nearest, unit
 
 DetectorName = Literal["kth", "mahalanobis", "density", "whitened", "events"]
 DETECTORS: tuple[DetectorName, ...] = get_args(DetectorName)

@@ -28,8 +28,8 @@ from oodscen.baselines._off_topic import off_topic_texts
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
+from oodscen.encoders._similarity import Vectors, largest
 from oodscen.metrics._detection.detectors import Encode
-from oodscen.metrics._vectors.similarity import Vectors, largest
 
 _RIDGE = 0.3
 _NEAREST = 3

@@ -1,6 +1,6 @@
 """Nearest-neighbour search in torch, on a GPU if there is one.
 
-`nearest` returns what `oodscen.metrics._vectors.similarity.nearest` returns, to the last few bits.
+`nearest` returns what `oodscen.encoders._similarity.nearest` returns, to the last few bits.
 Sums are taken in float32 (never TF32) and in another order, so two references whose cosines agree
 to 1e-6 may swap places. torch is imported only when a device is requested.
 """
@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from oodscen.encoders._similarity import Nearest, Rows, Vectors
 from oodscen.errors import MissingExtra, UsageError
-from oodscen.metrics._vectors.similarity import Nearest, Rows, Vectors
 
 _ROWS = 8192
 _COLUMNS = 8192

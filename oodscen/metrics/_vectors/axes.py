@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.metrics._vectors.similarity import Vectors
+from oodscen.encoders._similarity import Vectors
 
 
 def principal_axes(

@@ -17,9 +17,9 @@ Sets of different size are not comparable by `vendi` and `frechet`.
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.encoders._similarity import Vectors
 from oodscen.errors import UsageError
 from oodscen.metrics._diversity import mean_pairwise
-from oodscen.metrics._vectors.similarity import Vectors
 
 _STEP = 1024
 _MEDIAN = 1000

@@ -14,13 +14,13 @@ from oodscen.baselines._embedded import EmbeddedBaseline
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.encoders._cached import CachedEncoder, cache_folder
 from oodscen.encoders._check import encode
+from oodscen.encoders._similarity import Nearest, Rows, Vectors, nearest, smallest, unit
 from oodscen.errors import UsageError
 from oodscen.metrics._detection.calibration import held_out_scores, separate_groups
 from oodscen.metrics._detection.detectors import DetectorName, Detectors
 from oodscen.metrics._detection.guard import Guard
 from oodscen.metrics._oodness import Measure
 from oodscen.metrics._vectors import accelerated
-from oodscen.metrics._vectors.similarity import Nearest, Rows, Vectors, nearest, smallest, unit
 from oodscen.protocols import Encoder
 
 _SHIPPED = "shipped"

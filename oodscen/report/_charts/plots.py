@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.encoders._similarity import Vectors
 from oodscen.errors import UnknownComponent, UsageError
 from oodscen.metrics._measurements import size_curve_of
 from oodscen.metrics._vectors.axes import principal_axes
-from oodscen.metrics._vectors.similarity import Vectors
 from oodscen.report._charts.sets import (
     Cloud,
     DrawnSizeCurve,

@@ -135,3 +135,26 @@ def shares(counts: Sequence[tuple[str, int]]) -> Canvas:
             drawn.rect(f"is-{kind}", start, 2, max(size - 1, 0.5), 12)
         start += size
     return drawn
+
+
+def intervals(rows: Sequence[tuple[str, float, float, float]], what: str) -> Canvas:
+    """Draw shares as dots with their intervals, one row each, with a line at one half.
+
+    Args:
+        rows: Label, share, and the ends of its interval.
+        what: Text alternative for screen readers.
+    """
+    label = f"{what}: " + "; ".join(f"{name} {round(100 * share)} %" for name, share, _, _ in rows)
+    drawn = Canvas(label, 8.0 + 27 * len(rows), kind="chart bars")
+    half = _RIGHT / 2
+    drawn.path("chance", [(half, 2), (half, 6.0 + 27 * len(rows))], "no better than guessing: 50 %")
+    y = 4.0
+    for name, share, low, high in rows:
+        drawn.text("name", 0, y + 10, short(name, 62))
+        middle = y + 18
+        drawn.path("grid", [(0, middle), (_RIGHT, middle)])
+        drawn.path("span", [(_RIGHT * low, middle), (_RIGHT * high, middle)])
+        drawn.circle("dot", _RIGHT * share, middle, 4)
+        drawn.text("tick", _RIGHT + 8, middle + 4, f"{round(100 * share)} %")
+        y += 27
+    return drawn

@@ -185,6 +185,35 @@ def cloud_map(clouds: Sequence[Cloud], share: Sequence[float], *, colour: int = 
     return drawn
 
 
+def scatter(clouds: Sequence[Cloud], title: str, axes: tuple[str, str]) -> Canvas:
+    """Draw sets of texts by two measures, each on a scale of its own.
+
+    Args:
+        clouds: The sets, at least one point each.
+        title: Title for readers who cannot see the picture.
+        axes: Names of the measures, across and up.
+    """
+    every = np.array([point for cloud in clouds for point in cloud.points], np.float64)
+    (left, bottom), (right, top) = every.min(axis=0).tolist(), every.max(axis=0).tolist()
+    x = linear(left, max(right, left + 1e-9), 40, WIDTH - 14)
+    y = linear(bottom, max(top, bottom + 1e-9), _MAP - 10, 10)
+    entries = [
+        (set_class(place), f"{cloud.label} ({len(cloud.points)})")
+        for place, cloud in enumerate(clouds, 1)
+    ]
+    drawn = Canvas(title, _MAP + 44 + legend_height(entries))
+    for value in np.linspace(left, right, 5).tolist():
+        drawn.text("tick middle", x(value), _MAP + 8, f"{value:.1f}")
+    for value in np.linspace(bottom, top, 4).tolist():
+        drawn.row(y(value), 40, WIDTH - 14, signed(value, 2))
+    for place, cloud in enumerate(clouds, 1):
+        for first, second in cloud.points:
+            drawn.circle(f"point {set_class(place)}", x(first), y(second), 2.2)
+    drawn.legend(entries, _MAP + 34)
+    drawn.text("tick", 0, _MAP + 36 + legend_height(entries), f"across: {axes[0]}; up: {axes[1]}")
+    return drawn
+
+
 def _named(drawn: Canvas, y: float, label: str, n: int) -> None:
     drawn.text("name", 0, y, label)
     drawn.text("tick", 0, y + 13, f"n = {n}")

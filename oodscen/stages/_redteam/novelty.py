@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from oodscen._paper import FEW_SHOTS
-from oodscen.metrics._vectors.centring import Vector, label_rows, unit_rows
+from oodscen.encoders._centring import Vector, label_rows, unit_rows
 from oodscen.prompts._scenario.describe_path import plain
 from oodscen.protocols import Encoder
 from oodscen.stages._redteam.excerpt import by_words

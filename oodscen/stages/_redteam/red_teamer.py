@@ -11,6 +11,7 @@ from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 from oodscen.llm._ask import ask, speaker
+from oodscen.metrics._rarity.estimates import estimated_km
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
@@ -266,9 +267,19 @@ class _Session:
             )
             if found.is_too_near:
                 return _refused(known, found)
-            if why := self.rarity.fault(proposal.once_in_km):
+            known = self._with_rarity(known)
+            if why := self.rarity.fault(known.once_in_km):
                 return known.model_copy(update={"decision": "implausible", "reason": why})
         return self._placed(known)
+
+    def _with_rarity(self, known: Round) -> Round:
+        """Return the round with the offline estimate, if the red-LLM gave none."""
+        if known.once_in_km is not None:
+            return known.model_copy(update={"once_in_km_by": "model"})
+        km = estimated_km(self.teamer.encoder, known.text)
+        return known.model_copy(
+            update={"once_in_km": km, "once_in_km_by": None if km is None else "head"}
+        )
 
     def _placed(self, known: Round) -> Round:
         teamer, tree = self.teamer, self.tree

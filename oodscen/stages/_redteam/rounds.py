@@ -21,7 +21,7 @@ Decision = Literal[
 `add`: a new leaf. `split`: an overly broad leaf became a family, with a new leaf in it. `broaden`: a leaf's
 label was widened. `covered`: a leaf describes it already. `duplicate`: too similar to what exists, so that
 the tree-LLM was not asked. `implausible`: met too rarely or too often for the band that is set, by the
-red-LLM's own estimate; the tree-LLM was not asked. `not-ood`: ordinary driving. `off-topic`: not about driving. `malformed`: an
+red-LLM's own estimate or the offline one; the tree-LLM was not asked. `not-ood`: ordinary driving. `off-topic`: not about driving. `malformed`: an
 answer stayed invalid, or did not fit the tree.
 """
 
@@ -52,7 +52,9 @@ class Round(Data):
     text: str = ""
     """The red-LLM's proposal."""
     once_in_km: float | None = None
-    """The red-LLM's estimate: kilometres in which a vehicle meets this kind about once; `None` if it gave none."""
+    """Kilometres in which a vehicle meets this kind about once; `None` if nothing tells."""
+    once_in_km_by: Literal["model", "head"] | None = None
+    """The red-LLM, or the offline head of `Metrics.rarity` if the red-LLM gave no figure; `None` in older logs."""
     decision: Decision | None = None
     """`None` if no answer came."""
     reason: str = ""

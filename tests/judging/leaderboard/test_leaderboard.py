@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from oodscen.data._episode import Episode
 from oodscen.data._verdict import Verdict
-from oodscen.judging._leaderboard.findings import answer, findings
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
+from oodscen.judging._leaderboard.sentences import sentences
 from tests.judging.cases import Case
 
 
@@ -59,7 +59,7 @@ def test_who_knows_scores_all_and_a_constant_what_it_must() -> None:
     assert constant.control.safe.value == 1
     assert constant.control.needless.value == 1
     assert constant.confusions[0].count == 4
-    assert (found.scenes, found.twins, found.paths, found.decidable) == (24, 24, 6, 24)
+    assert (found.scenes, found.ordinary, found.paths, found.decidable) == (24, 24, 6, 24)
     assert found.chance == pytest.approx(2 / 7)
     assert {(a.action, a.safe, a.unavailable) for a in found.actions} >= {
         ("stop", 24, 0),
@@ -81,37 +81,27 @@ def test_what_was_not_answered_is_missing_and_never_wrong() -> None:
     assert (row.detection.specificity.n, row.detection.specificity.missing) == (16, 8)
 
 
-def test_a_model_that_answers_only_what_is_easy_is_not_recommended() -> None:
+def test_a_model_that_answers_only_what_is_easy_is_ranked_by_its_worst_case() -> None:
     case = Case(paths=12)
 
-    def picky(every: int):
-        def says(index: int, twin: bool) -> dict[str, Any]:
-            if index % every == 0:
-                return {"status": "failed", "outcome": "refused", "error": "no"}
-            return knows(index, twin)
-
-        return says
+    def picky(index: int, twin: bool) -> dict[str, Any]:
+        if index % 2 == 0:
+            return {"status": "failed", "outcome": "refused", "error": "no"}
+        return knows(index, twin)
 
     def fair(index: int, twin: bool) -> dict[str, Any]:
         return {**knows(index, twin), **({"action": "keep_speed"} if index % 4 == 0 else {})}
 
-    floor = case.verdicts("constant:stop", lambda i, t: {**stubborn(i, t), "action": "keep_speed"}, "reference")  # fmt: skip
-    found = board(case, case.verdicts("picky", picky(2)), case.verdicts("fair", fair), floor)
-    said = " ".join(answer(found))
-    assert "trust picky" not in said
-    assert "best is picky" not in said
-    assert "picky left 50" in said
-    assert "beat picky" not in said
-    assert "beat every other" not in said
-    assert "To choose an action, trust fair" in said
-    grades = {(one.model, one.task): one.grade for one in findings(found)}
-    assert {grades["picky", task] for task in ("notice", "name", "act")} == {"incomplete"}
+    found = board(case, case.verdicts("picky", picky), case.verdicts("fair", fair))
     assert found.standings[0].model == "fair"
-    rate = next(row for row in found.standings if row.model == "picky").control.safe
-    assert (rate.value, rate.worst) == (1, 0.5)
-    few = board(case, case.verdicts("few", picky(6)), floor)
-    assert all(one.grade == "yes" for one in findings(few))
-    assert "if its unanswered ones were wrong" in " ".join(answer(few))
+    row = found.standings[1]
+    assert (row.control.safe.value, row.control.safe.with_missing_wrong) == (1, 0.5)
+    assert (row.paired.act.value, row.paired.act.with_missing_wrong, row.paired.act.missing) == (
+        1,
+        0.5,
+        24,
+    )
+    assert "counted as wrong: 50" in " ".join(sentences(found))
 
 
 @given(st.integers(0, 2**16 - 1), st.integers(0, 2**16 - 1))
@@ -130,31 +120,16 @@ def test_the_worst_case_is_that_of_a_model_that_answered_wrongly(silent: int, wr
         return fields
 
     shy, sure = (board(case, case.verdicts("m", says(one))).standings[0] for one in (False, True))
-    assert shy.control.safe.worst == sure.control.safe.value == sure.control.safe.worst
-    assert shy.identification.closed.worst == sure.identification.closed.value
-    assert shy.detection.worst.value == sure.detection.balanced_accuracy.value
-    assert shy.control.needless.worst == pytest.approx(
+    assert (
+        shy.control.safe.with_missing_wrong
+        == sure.control.safe.value
+        == sure.control.safe.with_missing_wrong
+    )
+    assert shy.identification.closed.with_missing_wrong == sure.identification.closed.value
+    assert shy.detection.with_missing_wrong.value == sure.detection.balanced_accuracy.value
+    assert shy.control.needless.with_missing_wrong == pytest.approx(
         (shy.control.needless.hits + shy.control.needless.missing) / 16
     )
-
-
-def test_a_lead_that_rests_on_missing_answers_is_said_to_do_so() -> None:
-    case = Case(paths=12)
-
-    def lucky(index: int, twin: bool) -> dict[str, Any]:
-        if index % 6 == 0:
-            return {"status": "failed", "outcome": "refused", "error": "no"}
-        return {**knows(index, twin), "action": "keep_speed" if index % 6 == 1 else "stop"}
-
-    def floor(index: int, twin: bool) -> dict[str, Any]:
-        return {**stubborn(index, twin), "action": "keep_speed" if index % 6 < 2 else "stop"}
-
-    found = board(
-        case, case.verdicts("lucky", lucky), case.verdicts("constant:stop", floor, "reference")
-    )
-    acts = next(one for one in findings(found) if one.task == "act")
-    assert acts.grade == "unclear"
-    assert "trust lucky" not in next(s for s in answer(found) if s.startswith("To choose an"))
 
 
 def test_models_are_compared_pairwise_and_with_the_best_reference() -> None:
@@ -214,7 +189,7 @@ def test_protocols_are_rows_of_their_own() -> None:
     papers = [v.model_copy(update={"protocol": "paper"}) for v in case.verdicts("m", careless)]
     found = board(case, case.verdicts("m", knows), papers)
     assert [(row.model, row.protocol) for row in found.standings] == [("m", "ours"), ("m", "paper")]
-    assert not found.comparisons
+    assert not any(one.against == "model" for one in found.comparisons)
 
 
 @settings(max_examples=8, deadline=None)
@@ -247,26 +222,6 @@ def test_nothing_at_all_is_an_empty_board() -> None:
     assert alone.standings[0].control.safe.n == 0
 
 
-def test_findings_say_who_can_be_trusted() -> None:
-    case = Case(paths=12)
-    found = board(
-        case,
-        case.verdicts("good", knows),
-        case.verdicts("careless", careless),
-        case.verdicts("constant:stop", stubborn, "reference"),
-    )
-    grades = {(f.model, f.task): f.grade for f in findings(found)}
-    assert grades["good", "notice"] == "unclear" or grades["good", "notice"] == "yes"
-    assert grades["good", "name"] == "yes"
-    assert grades["good", "act"] == "unclear"
-    assert grades["careless", "act"] == "no"
-    words = " ".join(answer(found))
-    assert "To say what is unusual, trust good." in words
-    assert "To choose an action, no model is shown to be better than not looking" in words
-    assert "always answering the same (“constant:stop”)" in words
-    assert f"{found.scenes} scenes of 12 kinds" in words
-
-
 def test_the_answer_says_what_was_not_answered_and_not_asked() -> None:
     case = Case()
     verdicts = case.verdicts("m", knows)
@@ -282,28 +237,68 @@ def test_the_answer_says_what_was_not_answered_and_not_asked() -> None:
         for v in verdicts[:3]
     ]
     found = board(case, [*mute, *verdicts[3:-1]])
-    words = " ".join(answer(found))
+    words = " ".join(sentences(found))
     assert f"m was asked about {len(verdicts) - 1} of the {len(verdicts)}" in words
     assert f"left a question unanswered in 3 of {len(verdicts) - 1}" in words
-    act = next(f for f in findings(found) if f.task == "act")
-    missing = found.standings[0].control.safe.missing
-    assert missing > 0
-    assert f"No usable answer for {missing} more" in act.text
-    assert "if these count as wrong" in act.text
 
 
-def test_nobody_is_to_be_trusted_who_does_no_better_than_not_looking() -> None:
+def test_both_halves_must_be_right() -> None:
     case = Case(paths=12)
-    bad = case.verdicts("careless", careless)
-    words = " ".join(
-        answer(board(case, bad, case.verdicts("constant:stop", stubborn, "reference")))
+    found = board(
+        case,
+        case.verdicts("good", knows),
+        case.verdicts("careless", careless),
+        case.verdicts("constant:emergency_brake", stubborn, "reference"),
+        case.verdicts("oracle", knows, "reference"),
+        case.verdicts("good without pictures", stubborn),
     )
-    assert "To choose an action, trust none" in words
+    good, careless_row = (found.standing(name) for name in ("good", "careless"))
+    oracle, constant = (found.standing(name) for name in ("oracle", "constant:emergency_brake"))
+    for row in (good, oracle):
+        assert (row.paired.notice.value, row.paired.act.value, row.paired.drop.value) == (1, 1, 0)
+    assert (constant.paired.notice.value, constant.paired.act.value) == (0, 0)
+    assert constant.detection.alarms.value == constant.control.needless.value == 1
+    assert (careless_row.paired.notice.value, careless_row.paired.act.value) == (0.5, 0)
+    assert careless_row.paired.drop.value == 1
+    for gains in (good.paired.over_blind, good.paired.over_withheld):
+        assert [(one.figure, one.difference.value) for one in gains] == [("notice", 1), ("act", 1)]
+    assert good.paired.over_blind[0].against == "constant:emergency_brake"
+    assert set(good.detection.alarms_by_kind) == {"twin"}
 
 
-def test_findings_without_twins_do_not_praise_noticing() -> None:
+@settings(max_examples=8, deadline=None)
+@given(st.integers(0, 2**32), st.sampled_from(["twin", "demand"]))
+def test_a_half_is_at_least_as_often_right_as_both(seed: int, kind: str) -> None:
+    rng = random.Random(seed)
+    case = Case(paths=5, per_path=3)
+    case.episodes += [
+        one.model_copy(update={"id": f"{one.scene_id[:-5]}~{kind}", "scene_id": f"{one.scene_id[:-5]}~{kind}"})
+        for one in case.episodes
+        if one.is_twin and kind != "twin"
+    ]  # fmt: skip
+    verdicts = []
+    for one in case.episodes:
+        action = rng.choice(["stop", "keep_speed", "slow_down"])
+        safe = one.actions[action].safe if rng.random() < 0.9 else None
+        verdicts.append(
+            Verdict(
+                id=f"{one.id}@m", scene_id=one.scene_id, model="m", is_twin=one.is_twin,
+                is_ood=rng.random() < 0.5, action=action, action_is_safe=safe,
+            )
+        )  # fmt: skip
+    found = leaderboard(verdicts, case.episodes, case.scenarios)
+    row = found.standings[0]
+    paired = row.paired
+    assert 0 <= (paired.notice.value or 0) <= (row.detection.sensitivity.value or 0)
+    assert (paired.act.with_missing_wrong or 0) <= 1
+    assert paired.act.missing == 0  # an action that scores neither way is not a missing answer
+    assert paired.drop.value is None or -1 <= paired.drop.value <= 1
+    assert set(row.control.needless_by_kind) == {"twin", kind}
+    assert found.ordinary == len(case.episodes) - found.scenes
+
+
+def test_a_model_without_ordinary_drives_is_not_praised_for_noticing() -> None:
     case = Case()
     verdicts = [v for v in case.verdicts("m", knows) if not v.is_twin]
-    notice = findings(board(case, verdicts))[0]
-    assert (notice.task, notice.grade) == ("notice", "unknown")
-    assert "Ordinary twins were not asked about" in notice.text
+    words = " ".join(sentences(board(case, verdicts)))
+    assert "whoever always says so" in words

@@ -3,8 +3,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import Metrics
+from oodscen.encoders._similarity import unit
 from oodscen.metrics._detection.calibration import calibrate, held_out_scores, like_groups
-from oodscen.metrics._vectors.similarity import unit
 from oodscen.testing._encoder import HashEncoder
 
 

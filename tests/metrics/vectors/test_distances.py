@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 
 from oodscen import Metrics
+from oodscen.encoders._similarity import unit
 from oodscen.errors import UsageError
 from oodscen.metrics._variety import compression_ratio, distinct_n
 from oodscen.metrics._vectors.distances import frechet, mmd, remote_clique, vendi
-from oodscen.metrics._vectors.similarity import unit
 from oodscen.testing._encoder import HashEncoder
 
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from oodscen.encoders._similarity import unit
 from oodscen.errors import UsageError
 from oodscen.metrics._vectors.axes import principal_axes
-from oodscen.metrics._vectors.similarity import unit
 from oodscen.report._charts.plots import plot
 
 pytest.importorskip("matplotlib")

@@ -261,6 +261,7 @@ def test_instructions_in_a_label_stay_inside_their_fence():
     assert text.count("</data>") == text.count("<data>") == 1
 
 
+@settings(max_examples=settings.default.max_examples // 4)
 @given(
     st.lists(st.integers(0, 50), min_size=1, max_size=14),
     st.integers(1, 9),

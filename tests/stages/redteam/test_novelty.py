@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import ScenarioTree
-from oodscen.metrics._vectors.centring import unit_rows
+from oodscen.encoders._centring import unit_rows
 from oodscen.stages._redteam.novelty import NoveltyFilter
 from oodscen.stages._redteam.rounds import Round
 from oodscen.testing._encoder import HashEncoder

@@ -54,3 +54,13 @@ def test_a_proposal_outside_the_band_costs_one_call_and_changes_nothing():
 def test_a_band_that_is_none_is_refused_at_once(band):
     with pytest.raises(UsageError):
         RedTeamer(model(ADDED), rarity=band)
+
+
+def test_the_offline_head_estimates_where_the_model_gives_no_figure():
+    def answer(request):
+        is_proposal = request.prompt.purpose == "imagine-scenario"
+        return {"text": "The car ahead waits at the red light."} if is_proposal else ADDED
+
+    (item,) = RedTeamer(ScriptedLLM(answer), iterations=1, rarity=(1e6, 1e9)).rounds(TREE)
+    assert (item.decision, item.once_in_km_by) == ("implausible", "head")
+    assert 1.0 < item.once_in_km < 1e6

@@ -3,9 +3,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen.encoders import _similarity as similarity
+from oodscen.encoders._similarity import largest, nearest, nearest_other, smallest, unit
 from oodscen.errors import UsageError
-from oodscen.metrics._vectors import accelerated, similarity
-from oodscen.metrics._vectors.similarity import largest, nearest, nearest_other, smallest, unit
+from oodscen.metrics._vectors import accelerated
 
 
 def vectors(seed: int, n: int, d: int, *, adverse: bool = False) -> np.ndarray:

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._paper import ATTESTED
-from oodscen.metrics._vectors.centring import label_rows, unit_rows
+from oodscen.encoders._centring import label_rows, unit_rows
 from oodscen.testing._encoder import HashEncoder
 
 ENCODER = HashEncoder()

@@ -1,0 +1,379 @@
+"""Commands that exchange scenes with other tools: export, import, verdict, vary."""
+
+import json
+import os
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import starmap
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+from oodscen._cli.options import json_option, seed_option, simulator_option
+from oodscen._cli.output import read_lines, say, tracked, write
+from oodscen._cli.paths import READABLE, PathName
+from oodscen._processes import Processes
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._claim import Claim
+from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._pairing import is_twin, scene_of
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.errors import OodscenError, UsageError
+
+if TYPE_CHECKING:
+    from oodscen.interchange._verdicts.judging import PlayedVerdict
+    from oodscen.study._study import Study
+
+_PLACE = PathName(exists=True, path_type=Path)
+_FOLDER = PathName(file_okay=False, path_type=Path)
+_Written = tuple[int, list[str]]
+_PART = 24
+"""Number of scenes that a process writes in one go."""
+
+
+@click.command()
+@click.argument("place", metavar="STUDY|SCENES", type=_PLACE)
+@click.option("-o", "--out", type=_FOLDER, required=True, help="Folder to write into.")
+@click.option(
+    "--to",
+    "form",
+    type=click.Choice(("openscenario", "openlabel", "osi")),
+    default="openscenario",
+    show_default=True,
+    help="Format.",
+)
+@click.option(
+    "--mode",
+    type=click.Choice(("replay", "reactive")),
+    default="replay",
+    show_default=True,
+    help="Courses as rolled out, or triggers as conditions on the ego.",
+)
+@click.option(
+    "--for",
+    "target",
+    type=click.Choice(("generic", "esmini", "carla-scenario-runner")),
+    default="generic",
+    show_default=True,
+    help="Player for which the files are written.",
+)
+@click.option(
+    "--action",
+    type=click.Choice(ACTIONS),
+    default="keep_speed",
+    show_default=True,
+    help="The ego's action after the decision, in a replay.",
+)
+@click.option("--ego/--no-ego", default=True, show_default=True, help="Write the ego's course.")
+@click.option(
+    "--twins/--no-twins", default=True, show_default=True, help="Write the twins as well."
+)
+@click.option("--logical", is_flag=True, help="Write the ranges of the scenes' parameters as well.")
+@click.option("--limit", type=click.IntRange(min=1), help="Write at most this many scenes.")
+@click.option(
+    "--workers",
+    type=click.IntRange(1, 256),
+    help="Processes.  [default: number of CPUs, one for few scenes]",
+)
+@simulator_option
+@seed_option
+def export(
+    place: Path,
+    out: Path,
+    limit: int | None,
+    workers: int | None,
+    simulator: str,
+    **options: Any,
+) -> None:
+    """Write scenes and their twins into a folder.
+
+    The scenes are those of a study, or of a file with one scene per line. `openscenario` writes OpenSCENARIO XML with
+    OpenDRIVE, `openlabel` tags of the operational design domain and behaviour, `osi` a trace of ground truth. Scenes
+    that cannot be written are reported on standard error, and the exit code is then 1.
+    """
+    scenes, catalogue, known = _scenes(place, simulator)
+    scenes = scenes[:limit]
+    out.mkdir(parents=True, exist_ok=True)
+    written, faults = 0, list[str]()
+    parts = [scenes[first : first + _PART] for first in range(0, len(scenes), _PART)]
+    jobs = [(part, catalogue, known.of(part), out, options) for part in parts]
+    for some, errors in tracked(_results(jobs, workers), "export", len(jobs)):
+        written += some
+        faults += errors
+    for fault in faults:
+        say(fault, err=True)
+    say(f"{written} files in {out}, {len(faults)} of {len(scenes)} scenes failed", err=True)
+    sys.exit(bool(faults))
+
+
+def _results(jobs: Sequence[tuple[Any, ...]], workers: int | None) -> Iterator[_Written]:
+    """Yield what the jobs of `write_scenes` return, in processes if there are several."""
+    count = min(workers or os.cpu_count() or 1, len(jobs))
+    if count < 2:
+        yield from starmap(write_scenes, jobs)
+        return
+    with Processes(count) as pool:
+        for future in [pool.submit(write_scenes, *job) for job in jobs]:
+            yield future.result()
+
+
+def write_scenes(
+    scenes: Sequence[Scene],
+    catalogue: Catalogue,
+    known: "_Known",
+    out: Path,
+    options: dict[str, Any],
+) -> _Written:
+    """Write some scenes, and return the number of files and the faults of scenes that cannot be written."""
+    written, faults = 0, list[str]()
+    for scene in scenes:
+        try:
+            twins = options["twins"]
+            for item in _with_twin(scene, catalogue, options["seed"]) if twins else (scene,):
+                _write(item, catalogue, known, out, options)
+                written += 1
+        except OodscenError as error:
+            faults.append(f"{scene.id}: {error}")
+    return written, faults
+
+
+def _write(
+    scene: Scene,
+    catalogue: Catalogue,
+    known: "_Known",
+    out: Path,
+    options: dict[str, Any],
+) -> None:
+    """Write one scene in the chosen format."""
+    from oodscen._files import replace
+    from oodscen.interchange import openlabel, osi_trace, to_openscenario, write_logical
+
+    seed = options["seed"]
+    if options["form"] == "openlabel":
+        write(out / f"{scene.id}.json", json.dumps(openlabel(scene, catalogue), indent=2))
+    elif options["form"] == "osi":
+        trace = osi_trace(scene, catalogue, action=options["action"], seed=seed)
+        replace(out / f"{scene.id}.osi", trace)
+    else:
+        chosen = {name: options[name] for name in ("mode", "target", "action", "ego")}
+        file = to_openscenario(scene, catalogue, seed=seed, properties=known(scene), **chosen)
+        file.save(out)
+        if options["logical"] and not scene.is_ordinary:
+            write_logical(scene, catalogue, out, claims=known.claims(scene), seed=seed)
+
+
+@click.command("import")
+@click.argument("files", metavar="FILE.xosc...", type=READABLE, nargs=-1, required=True)
+@click.option(
+    "--map", "road", help="Map of the catalogue, or .xodr file, in place of the file's own."
+)
+@click.option("--hazard", "hazards", multiple=True, help="Name of an unusual entity; repeatable.")
+@simulator_option
+def import_(
+    files: tuple[Path, ...], road: str | None, hazards: tuple[str, ...], simulator: str
+) -> None:
+    """Read OpenSCENARIO XML files as scenes, one per line on standard output.
+
+    What a scene cannot hold is listed on standard error with its line and element. A file that cannot be read is
+    reported, and the exit code is then 1.
+    """
+    from oodscen import make_simulator
+    from oodscen.interchange import read_openscenario
+
+    catalogue = make_simulator(simulator).catalogue()
+    failed = 0
+    for path in files:
+        try:
+            found = read_openscenario(path, catalogue, road=road, hazards=hazards)
+        except OodscenError as error:
+            say(str(error), err=True)
+            failed += 1
+            continue
+        click.echo(found.scene.to_json())
+        for issue in found.omissions:
+            say(f"{path}: {issue}", err=True)
+    sys.exit(bool(failed))
+
+
+@click.command()
+@click.argument("place", metavar="STUDY|SCENES", type=_PLACE)
+@click.argument("files", metavar="POSES...", type=READABLE, nargs=-1, required=True)
+@click.option(
+    "--driver",
+    help="Name of what drove the ego; its results enter the study's table of drivers.",
+)
+@simulator_option
+@seed_option
+@json_option
+def verdict(
+    place: Path,
+    files: tuple[Path, ...],
+    driver: str | None,
+    simulator: str,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Judge runs that another player drove, by the poses that it wrote.
+
+    Each file has the name of its scene or twin: SCENE.csv or SCENE.osi. The exit code is 1 if a file could not be
+    judged; a collision is not a failure.
+    """
+    from oodscen.interchange import verdict as judge
+
+    scenes, catalogue, _ = _scenes(place, simulator)
+    by_id = {scene.id: scene for scene in scenes}
+    found: list[PlayedVerdict] = []
+    failed = 0
+    for path in files:
+        try:
+            scene = _scene_named(path.stem, by_id, catalogue, seed)
+            found.append(judge(scene, path, catalogue, driver=driver or "played", seed=seed))
+        except OodscenError as error:
+            say(f"{path}: {error}", err=True)
+            failed += 1
+    if as_json:
+        say(json.dumps([one.model_dump(mode="json") for one in found], indent=2))
+    else:
+        for one in found:
+            say(_line(one))
+    if driver and found and place.is_dir():
+        _enter(place, found)
+    sys.exit(bool(failed))
+
+
+@click.command()
+@click.argument("place", metavar="STUDY|SCENES", type=_PLACE)
+@click.option("--scene", "wanted", help="Vary only the scene with this id.")
+@click.option(
+    "-n",
+    "count",
+    type=click.IntRange(1, 100_000),
+    default=10,
+    show_default=True,
+    help="Variants of each scene.",
+)
+@seed_option
+@simulator_option
+def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str) -> None:
+    """Draw variants of scenes from the ranges of their parameters, one scene per line.
+
+    Each variant is checked like any other scene, and against the claims of its text where a study has them. The exit
+    code is 1 if some scene has fewer variants than asked for.
+    """
+    from oodscen.interchange import vary as draw
+
+    scenes, catalogue, known = _scenes(place, simulator)
+    if wanted is not None:
+        scenes = [scene for scene in scenes if scene.id == wanted]
+        if not scenes:
+            raise UsageError(f"there is no scene {wanted!r}")
+    short = 0
+    for scene in scenes:
+        variants = draw(scene, catalogue, count, claims=known.claims(scene), seed=seed)
+        for one in variants:
+            click.echo(one.to_json())
+        if len(variants) < count:
+            say(f"{scene.id}: {len(variants)} of {count} variants can be staged", err=True)
+            short += 1
+    sys.exit(bool(short))
+
+
+# ------------------------------------------------------------------ the scenes of a place
+
+
+class _Known(NamedTuple):
+    """A study's knowledge of its scenes, as properties."""
+
+    scenarios: Mapping[str, Scenario] = {}
+    episodes: Mapping[str, Episode] = {}
+    stated: Mapping[str, list[Any]] = {}
+    """The claims of texts as data, by the id of their scene."""
+
+    @classmethod
+    def from_study(cls, study: "Study") -> "_Known":
+        """Read what a study knows."""
+        rows = study.store.lines("claims.jsonl") if "claims.jsonl" in study.own() else ()
+        return cls(
+            {one.id: one for one in study.scenarios},
+            {one.scene_id: one for one in study.episodes},
+            {row["id"]: row["claims"] for row in rows},
+        )
+
+    def of(self, scenes: Sequence[Scene]) -> "_Known":
+        """Return what is known of some scenes and their twins."""
+        ids = {one.id for one in scenes}
+        texts = {one.scenario_id for one in scenes}
+        return _Known(
+            {name: one for name, one in self.scenarios.items() if name in texts},
+            {name: one for name, one in self.episodes.items() if {name, scene_of(name)} & ids},
+            {name: one for name, one in self.stated.items() if name in ids},
+        )
+
+    def claims(self, scene: Scene) -> list[Claim]:
+        """Return the claims of a scene's text."""
+        return [Claim.parse(one) for one in self.stated.get(scene_of(scene.id), [])]
+
+    def __call__(self, scene: Scene) -> dict[str, str]:
+        from oodscen.interchange._writing.properties import facts
+
+        text, run = self.scenarios.get(scene.scenario_id), self.episodes.get(scene.id)
+        return facts(scene, text, self.claims(scene), run)
+
+
+def _scenes(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, _Known]:
+    """Return the scenes of a study or a file, their catalogue, and what else is known of them."""
+    from oodscen import make_simulator
+    from oodscen.study._study import Study
+
+    if place.is_dir():
+        study = Study.open(place)
+        catalogue = make_simulator(study.config.simulator).catalogue()
+        return study.scenes, catalogue, _Known.from_study(study)
+    return read_lines(Scene, place), make_simulator(simulator).catalogue(), _Known()
+
+
+def _with_twin(scene: Scene, catalogue: Catalogue, seed: int) -> Iterator[Scene]:
+    from oodscen.interchange._recording import ordinary_twin
+
+    yield scene
+    if not scene.is_ordinary:
+        yield ordinary_twin(scene, catalogue, seed=seed)
+
+
+def _scene_named(name: str, by_id: dict[str, Scene], catalogue: Catalogue, seed: int) -> Scene:
+    from oodscen.interchange._recording import ordinary_twin
+
+    if name in by_id:
+        return by_id[name]
+    if is_twin(name) and scene_of(name) in by_id:
+        return ordinary_twin(by_id[scene_of(name)], catalogue, seed=seed)
+    raise UsageError(f"there is no scene {name!r}")
+
+
+def _enter(place: Path, found: "list[PlayedVerdict]") -> None:
+    """Enter the drives into the study's table and write its report again."""
+    from oodscen.judging._drives import current
+    from oodscen.report._render import write_report
+    from oodscen.study._study import Study
+
+    study = Study.open(place)
+    click.get_current_context().with_resource(study.store.writing())
+    digests = {scene.id: scene.digest() for scene in study.scenes}
+    rows = {row.id: row for row in current(study.drives, study.scenes)}
+    for one in found:
+        made_from = digests[scene_of(one.scene_id)]
+        rows[one.drive.id] = one.drive.model_copy(update={"made_from": made_from})
+    study.store.write_lines("drives.jsonl", list(rows.values()))
+    write_report(study)
+
+
+def _line(one: "PlayedVerdict") -> str:
+    outcome = one.outcome
+    came = f"decision at {one.decision_s:.2f} s" if one.decision_fired else "no decision"
+    ended = "" if one.is_complete else ", but the run ends before the horizon"
+    hit = f"touches {', '.join(outcome.contacts)}" if outcome.contacts else ""
+    harm = hit or ("leaves the road" if outcome.off_road else "safe")
+    margin = "" if outcome.margin_m is None else f", margin {outcome.margin_m:.2f} m"
+    return f"{one.scene_id}: {came}, {harm}{margin}{ended}"

@@ -1,0 +1,1 @@
+"""OpenSCENARIO XML files as scenes."""

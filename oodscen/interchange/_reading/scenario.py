@@ -1,0 +1,330 @@
+"""Scenes from OpenSCENARIO XML files: our own exactly, those of others as far as the vocabulary goes."""
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from oodscen._display import Brief
+from oodscen.data._catalogue import Catalogue, RoadMap
+from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import find_map, read_map
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._roads.opendrive import read_network
+from oodscen.driving._sight.placement import staging_issues
+from oodscen.errors import DataError, Issue
+from oodscen.interchange._reading.actions import ActionReader, behaviour
+from oodscen.interchange._reading.assets import nearest_asset, weather
+from oodscen.interchange._reading.positions import MappedRoads, Pose, Positions, Roads, StraightRoad
+from oodscen.interchange._reading.tree import NOUN, Node, ScenarioTree
+from oodscen.interchange._writing.properties import DIGEST, SCENE, content_digest
+
+_EGO_NAMES = ("ego", "hero", "ego_vehicle", "egovehicle")
+_MIRRORED = "CARLA:"
+"""Beginning of the description of files with CARLA's left-handed axes."""
+_DECISION_TTC_S = 3.0
+_NEAR_M, _FAR_M = -150.0, 300.0
+"""Limits of an actor's place ahead of the ego, m."""
+
+
+@dataclass(frozen=True, repr=False)
+class ImportedScene(Brief):
+    """A scene that was read from a file of another tool, with what it lacks."""
+
+    scene: Scene
+    omissions: tuple[Issue, ...] = ()
+    """The parts of the file that are not in the scene, with line and element, and the faults of the scene."""
+
+
+def read_openscenario(
+    path: str | Path,
+    catalogue: Catalogue,
+    *,
+    road: str | None = None,
+    hazards: Sequence[str] = (),
+) -> ImportedScene:
+    """Read an OpenSCENARIO XML 1.x file.
+
+    An unchanged file of `to_openscenario` gives back its scene. Of other files come the road, the
+    entities, where and how fast they start, the weather, and one behaviour for each entity; what is left out is
+    listed.
+
+    Args:
+        path: The file.
+        catalogue: The catalogue whose assets and behaviours the scene uses.
+        road: A map of the catalogue or an `.xodr` file, in place of the file's own.
+        hazards: Names of the entities that are unusual; by default the first that acts.
+
+    Raises:
+        DataError: If the file is malformed, with the line and the element.
+        UnknownComponent: If there is no such map.
+    """
+    tree = ScenarioTree(path)
+    if (own := _own_scene(tree)) is not None:
+        return ImportedScene(own)
+    scene = _Assembly(tree, catalogue, road, hazards).scene()
+    found = [*tree.omissions, *staging_issues(scene, catalogue)]
+    return ImportedScene(scene, tuple(found))
+
+
+def _own_scene(tree: ScenarioTree) -> Scene | None:
+    """Return the scene that a file says it is, unless the file was changed."""
+    header = tree.root.first("FileHeader")
+    if header is None:
+        raise tree.root.fault("has no FileHeader")
+    said = {
+        one.element.get("name"): one.element.get("value", "")
+        for one in header.all("Properties", "Property")
+    }
+    if SCENE not in said:
+        return None
+    if said.get(DIGEST) != content_digest(tree.root.element):
+        header.leave_out("the file was changed after its export and is read by its elements")
+        return None
+    return Scene.parse(said[SCENE], source=str(tree.path))
+
+
+class _Assembly:
+    """Puts a scene together from a file of others."""
+
+    def __init__(
+        self,
+        tree: ScenarioTree,
+        catalogue: Catalogue,
+        road: str | None,
+        hazards: Sequence[str],
+    ) -> None:
+        self.tree = tree
+        self.root = tree.root
+        self.catalogue = catalogue
+        self.hazards = hazards
+        self.entities = {
+            one.get("name"): one for one in self.root.all("Entities", "ScenarioObject")
+        }
+        self.ego = self._ego_name()
+        self.map = road or self._own_map()
+        is_mapped = road is None
+        roads: Roads = StraightRoad()
+        if is_mapped:
+            roads = MappedRoads(read_network(read_map(self.map), source=self.map))
+        header = self.root.first("FileHeader")
+        is_mirrored = header is not None and header.get("description").startswith(_MIRRORED)
+        self.positions = Positions(roads, is_mirrored=is_mirrored)
+        self.actions = ActionReader(self.root, self.positions, self.ego)
+        self._place_entities()
+        self.actions.read()
+        start = self._centre(self.ego)
+        if start is None:
+            raise self.entities[self.ego].fault("the ego has no start that can be read")
+        self.start = start
+        self.is_mapped = is_mapped
+        self.corridor = self._corridor(start) if is_mapped else self._other_corridor()
+        if not self.corridor.ego_lanes:
+            raise self.entities[self.ego].fault("the ego does not start beside a driving lane")
+
+    def scene(self) -> Scene:
+        """Return the scene.
+
+        Raises:
+            DataError: If no actor is left to be the hazard.
+        """
+        actors = []
+        for name, entity in self.entities.items():
+            if name != self.ego and (one := self._actor(name, entity)) is not None:
+                actors.append(one)
+        named = {one.id for one in actors}
+        unusual = [_identifier(name) for name in self.hazards]
+        if unknown := [name for name in unusual if name not in named]:
+            issue = Issue("hazard", f"there is no entity {unknown[0]!r} in the scene")
+            raise DataError(NOUN, [issue], source=str(self.tree.path))
+        if not unusual and actors:
+            acting = [one for one in actors if one.behaviour.name not in ("stand", "follow_lane")]
+            unusual = [(acting or actors)[0].id]
+            self.root.leave_out(f"no hazard was named; {unusual[0]} is taken to be it")
+        if not unusual:
+            issue = Issue("hazard", "the file has no entity that can be the hazard")
+            raise DataError(NOUN, [issue], source=str(self.tree.path))
+        name = _identifier(self.tree.path.stem)
+        decision = self._decision(next(one for one in actors if one.id == unusual[0]))
+        return Scene.parse(
+            {
+                "id": name,
+                "scenario_id": name,
+                "map": self.map,
+                "ego": self._ego().model_dump(),
+                "weather": weather(self.root).model_dump(),
+                "actors": [one.model_dump() for one in actors],
+                "hazard": Hazard(actors=dict.fromkeys(unusual)).model_dump(),
+                "decision": decision.model_dump(),
+            },
+            source=str(self.tree.path),
+        )
+
+    # ------------------------------------------------------------------ the ego and its road
+
+    def _ego_name(self) -> str:
+        for name in self.entities:
+            if name.lower() in _EGO_NAMES or "ego" in name.lower():
+                return name
+        for name in self.entities:
+            self.root.leave_out(f"no entity is called ego; {name} is taken to be it")
+            return name
+        raise self.root.fault("has no entities")
+
+    def _own_map(self) -> str:
+        node = self.root.first("RoadNetwork", "LogicFile")
+        if node is None:
+            raise self.root.fault("names no OpenDRIVE file; give a map instead")
+        path = self.tree.path.parent / node.get("filepath")
+        if path.suffix != ".xodr" or not path.is_file():
+            raise node.fault(
+                f"there is no OpenDRIVE file {node.get('filepath')!r}; give a map instead"
+            )
+        return str(path.resolve())
+
+    def _place_entities(self) -> None:
+        waiting = {
+            private.get("entityRef"): holder
+            for private in self.root.all("Storyboard", "Init", "Actions", "Private")
+            if (holder := _teleport(private)) is not None
+        }
+        for _ in range(len(waiting)):
+            before = len(self.tree.omissions)
+            for name, holder in list(waiting.items()):
+                if (pose := self.positions.read(holder)) is not None:
+                    self.positions.known[name] = pose
+                    del waiting[name]
+            if waiting and len(self.tree.omissions) > before:
+                del self.tree.omissions[before:]
+
+    def _centre(self, name: str) -> Pose | None:
+        """Return the pose of an entity's centre, which is ahead of a vehicle's reference point."""
+        pose = self.positions.known.get(name)
+        middle = next(self.entities[name].within("Center"), None)
+        if pose is None or middle is None:
+            return pose
+        ahead, left = middle.number("x", 0.0), middle.number("y", 0.0)
+        centre = pose.moved(ahead, left)
+        side = -1 if pose.lane > 0 else 1
+        return centre._replace(road=pose.road, lane=pose.lane, s=pose.s + side * ahead)
+
+    def _corridor(self, start: Pose) -> Corridor:
+        """Return the corridor on which the ego starts in the file."""
+        roads = self.positions.roads
+        assert isinstance(roads, MappedRoads)
+        road, s, forward = roads.nearest(start)
+        if start.road and start.road in roads.network.roads:
+            road, s = roads.network.roads[start.road], start.s
+            forward = start.lane < 0 or (start.lane == 0 and forward)
+        usual = find_map(self.map, self.catalogue)
+        if usual.road != road.id or abs(usual.start_m - s) > 1.0 or usual.forward != forward:
+            self.entities[self.ego].leave_out(
+                f"the ego starts at {usual.start_m:g} m of road {usual.road}, not {s:g} m of {road.id}; actors keep "
+                "their distances to it"
+            )
+        described: RoadMap = usual.model_copy(
+            update={"road": road.id, "start_m": s, "forward": forward, "route": ()}
+        )
+        return load_corridor(described)
+
+    def _other_corridor(self) -> Corridor:
+        return load_corridor(find_map(self.map, self.catalogue))
+
+    def _ego_strip(self) -> int:
+        """Return the strip in which the ego starts: the rightmost on a map that is not the file's own."""
+        road = self.corridor
+        lanes = road.ego_lanes
+        if not self.is_mapped:
+            return lanes[0]
+        strip = road.strip_at(*road.locate(self.start.x, self.start.y))
+        return strip if strip in lanes else lanes[0]
+
+    def _ego(self) -> Ego:
+        speed = min(self.actions.speeds.get(self.ego, 0.0), 45.0)
+        if speed == 0.0:
+            speed = round(self.corridor.speed_limit, 2)
+            self.entities[self.ego].leave_out(
+                f"the ego has no speed at the start; {speed:g} m/s is the limit of its road"
+            )
+        return Ego(speed=round(speed, 3), lane=self.corridor.ego_lanes.index(self._ego_strip()))
+
+    # ------------------------------------------------------------------ actors
+
+    def _actor(self, name: str, entity: Node) -> Actor | None:
+        asset = nearest_asset(entity, self.catalogue)
+        pose = self._centre(name)
+        if asset is None or pose is None:
+            entity.leave_out("has no start that can be read")
+            return None
+        placed = self._placement(pose)
+        if not _NEAR_M <= placed.ahead_m <= _FAR_M or abs(placed.offset_m) > 150.0:
+            entity.leave_out(f"starts {placed.ahead_m:g} m ahead, too far for a scene")
+            return None
+        is_against = abs(placed.heading_deg) > 135.0
+        speed = self.actions.speeds.get(name, 0.0)
+        actions = self.actions.actions.get(name, [])
+        does, heading = behaviour(asset, actions, speed, is_against, self.catalogue)
+        if heading is not None and does.name in ("cross_road", "run_red"):
+            placed = self._placement(pose._replace(heading=heading))
+        if does.name == "wrong_way":
+            placed = placed.model_copy(update={"heading_deg": 0.0})
+        return Actor(id=_identifier(name), asset=asset.id, placement=placed, behaviour=does)
+
+    def _placement(self, pose: Pose) -> Placement:
+        """Return a pose relative to the ego along the road."""
+        road, own = self.corridor, self._ego_strip()
+        if self.is_mapped:
+            s, t = road.locate(pose.x, pose.y)
+            turn = pose.heading - road.heading(s)
+        else:
+            ahead, left = _relative(pose, self.start)
+            s = road.start + ahead
+            t, turn = road.centre(own, s) + left, pose.heading - self.start.heading
+        strip = road.strip_at(s, t)
+        if strip is None or strip not in road.driving:
+            strip = own
+        if road.strips[strip].direction < 0:
+            turn += math.pi
+        lanes = road.driving.index(strip) - road.driving.index(own)
+        return _placed(s - road.start, lanes, t - road.centre(strip, s), turn)
+
+    def _decision(self, hazard: Actor) -> Trigger:
+        """Return the moment of choice: soon after the hazard acts, or when it is near."""
+        trigger = hazard.behaviour.trigger
+        if trigger.kind == "time" and trigger.value > 0.0:
+            return Trigger(kind="time", value=min(trigger.value + 0.5, 500.0))
+        if trigger.kind == "time":
+            return Trigger(kind="ttc", value=_DECISION_TTC_S, actor=hazard.id)
+        return Trigger(kind=trigger.kind, value=round(0.9 * trigger.value, 3), actor=hazard.id)
+
+
+def _teleport(private: Node) -> Node | None:
+    for action in private.all("PrivateAction"):
+        if (found := action.first("TeleportAction", "Position")) is not None:
+            return found
+    return None
+
+
+def _identifier(name: str) -> str:
+    """Return an id that a scene accepts."""
+    plain = re.sub(r"[^a-z0-9_-]+", "-", name.lower()).strip("-_")[:40]
+    return plain or "entity"
+
+
+def _relative(pose: Pose, start: Pose) -> tuple[float, float]:
+    """Return how far a pose is ahead and to the left of another, m."""
+    cos, sin = math.cos(start.heading), math.sin(start.heading)
+    dx, dy = pose.x - start.x, pose.y - start.y
+    return dx * cos + dy * sin, dy * cos - dx * sin
+
+
+def _placed(ahead: float, lane: int, offset: float, turn: float) -> Placement:
+    """Return a placement whose distances are not checked yet."""
+    return Placement.model_construct(
+        ahead_m=round(ahead, 3),
+        lane=min(max(lane, -6), 6),
+        offset_m=round(offset, 3),
+        heading_deg=round(math.degrees(math.remainder(turn, math.tau)), 3),
+    )

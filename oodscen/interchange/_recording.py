@@ -1,0 +1,236 @@
+"""The courses of all bodies of a scene, as files can hold them."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._display import Brief
+from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._scene import Scene, Trigger
+from oodscen.driving import KinematicSimulator, action_driver, load_corridor
+from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
+from oodscen.driving._motion.triggers import MAX_APPROACH_S
+from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.errors import SimulatorError
+from oodscen.protocols import Camera, Driver, Frame, Simulator, State
+from oodscen.stages._simulate import approach
+
+Floats = NDArray[np.float64]
+
+AFTER_S = 12.0
+"""Duration of a reactive file beyond the nominal decision, s."""
+_NEVER_S = 500.0
+_DIFFERS_M = 1e-3
+"""Distance between two courses of an actor above which it minds the ego, m."""
+
+
+class UnrenderedSimulator(KinematicSimulator):
+    """The kinematic world of a catalogue without pictures."""
+
+    name = "unrendered"
+
+    def __init__(self, catalogue: Catalogue) -> None:
+        super().__init__()
+        self._catalogue = catalogue
+
+    def catalogue(self) -> Catalogue:
+        """Return the catalogue that it was given."""
+        return self._catalogue
+
+    def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
+        """Do nothing: there is no scenery."""
+
+    def spawn(
+        self, actor_id: str, asset: Asset, state: str, pose: tuple[float, float, float, float]
+    ) -> None:
+        """Do nothing: bodies are only boxes of the world."""
+
+    def place(self, poses: Floats, speeds: Floats) -> None:
+        """Do nothing: poses are only those of the world."""
+
+    def draw(self, camera: Camera) -> Frame:
+        """Refuse.
+
+        Raises:
+            SimulatorError: Always.
+        """
+        raise SimulatorError("this simulator has no pictures")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Brief):
+    """The states of one run as arrays, with the time of the decision."""
+
+    ids: tuple[str, ...]
+    """`ego`, then the actors in the scene's order."""
+    time: Floats
+    """[n], s."""
+    poses: Floats
+    """[n, bodies, 4] x, y, z and yaw of the footprints' centres."""
+    speeds: Floats
+    """[n, bodies] along the headings, m/s."""
+    places: Floats
+    """[n, bodies, 2] s and t on the corridor, m."""
+    decision_s: float | None = None
+    """Time of the decision; `None` if it never came."""
+
+    @classmethod
+    def of(
+        cls, states: Sequence[State], corridor: Corridor, decision_s: float | None = None
+    ) -> "Recording":
+        """Collect states."""
+        poses = np.array([state.poses for state in states])
+        if states[0].places is None:
+            s, t = corridor.locate_all(poses[:, :, 0].ravel(), poses[:, :, 1].ravel())
+            places = np.stack([s, t], axis=1).reshape(*poses.shape[:2], 2)
+        else:
+            places = np.array([state.places for state in states])
+        return cls(
+            states[0].ids,
+            np.array([state.time for state in states]),
+            poses,
+            np.array([state.speeds for state in states]),
+            places,
+            decision_s,
+        )
+
+    @property
+    def dt(self) -> float:
+        """Seconds per step."""
+        return float(self.time[1] - self.time[0]) if len(self.time) > 1 else 0.05
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reactions(Brief):
+    """The courses with and without triggers, and the actors that mind the ego."""
+
+    nominal: Recording
+    """The run with the blind ego, to its end; actors ahead of it do not mind it."""
+    quiet: Recording
+    """The same run without triggers on the ego: the courses before the reactions."""
+    triggered: dict[str, int]
+    """Step at which each actor's trigger fired in the nominal run."""
+    mindful: frozenset[str]
+    """Actors whose courses depend on the ego before any trigger."""
+
+
+def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> Recording:
+    """Record the approach and one action up to the horizon, a contact or the road's edge."""
+    states, _, _ = approach(scene, simulator, seed)
+    decision_s = states[-1].time
+    driver = action_driver(action)
+    for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
+        if states[-1].contacts or states[-1].off_road:
+            break
+        states.append(simulator.step(driver.act(simulator.observe())))
+    return Recording.of(states, _corridor(scene, simulator), decision_s)
+
+
+def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
+    """Record what a reactive file needs."""
+    simulator = UnrenderedSimulator(catalogue)
+    nominal = _driven(scene, simulator, Cruise, seed)
+    world, steps = simulator.world, len(nominal.time) - 1
+    fired = {name: world.motion(name).triggered for name in nominal.ids[1:]}
+    triggered = {name: round(time / nominal.dt) for name, time in fired.items() if time >= 0.0}
+    reacting = {one.id for one in scene.actors if one.behaviour.trigger.kind != "time"}
+    drivers = {one.id for one in scene.actors if one.behaviour.name in MOVES_BEFORE_TRIGGER}
+    carried = {one.id for one in scene.actors if one.behaviour.other is not None}
+    calm, quiet = _calm(scene), nominal
+    if reacting and drivers | carried:
+        quiet = _driven(calm, simulator, Cruise, seed, steps)
+    elif reacting:
+        quiet = _resting(nominal, reacting)
+    mindful = set()
+    if drivers:
+        stopped = _driven(calm, simulator, lambda: action_driver("stop"), seed, steps)
+        apart = np.abs(quiet.poses[:, :, :2] - stopped.poses[:, :, :2]).max(axis=(0, 2))
+        mindful = {name for name, far in zip(quiet.ids, apart, strict=True) if far > _DIFFERS_M}
+        # A blind ego drives through whatever is ahead, which would then mind it.
+        ahead = [
+            row
+            for row, s in enumerate(quiet.places[0, :, 0])
+            if quiet.ids[row] in mindful and s > quiet.places[0, 0, 0]
+        ]
+        free = [row for row in ahead if quiet.ids[row] not in reacting]
+        nominal, quiet = _replaced(nominal, stopped, free), _replaced(quiet, stopped, ahead)
+    return Reactions(nominal, quiet, triggered, frozenset(mindful - {"ego"}))
+
+
+def _driven(
+    scene: Scene,
+    simulator: UnrenderedSimulator,
+    make: Callable[[], Driver],
+    seed: int,
+    steps: int | None = None,
+) -> Recording:
+    """Record a drive of so many steps, contacts or not; by default to `AFTER_S` beyond the decision."""
+    simulator.reset(scene, seed)
+    world, driver = simulator.world, make()
+    seen, time = [world.publish()], [0.0]
+    decision_s: float | None = None
+    last = steps if steps is not None else round((MAX_APPROACH_S + AFTER_S) / simulator.dt)
+    while len(seen) <= last:
+        if decision_s is None and world.is_due(scene.decision):
+            decision_s = world.time
+            if steps is None:
+                last = min(last, world.step_count + round(AFTER_S / simulator.dt))
+        world.step(driver.act(world.observe()))
+        seen.append(world.publish())
+        time.append(world.time)
+    return Recording(
+        world.ids,
+        np.array(time),
+        np.array([one.poses for one in seen]),
+        np.array([one.speeds for one in seen]),
+        np.array([one.places for one in seen]),
+        decision_s,
+    )
+
+
+def _replaced(recording: Recording, other: Recording, rows: Sequence[int]) -> Recording:
+    """Return a recording with the courses of some bodies from another."""
+    poses, speeds, places = (
+        array.copy() for array in (recording.poses, recording.speeds, recording.places)
+    )
+    poses[:, rows], speeds[:, rows] = other.poses[:, rows], other.speeds[:, rows]
+    places[:, rows] = other.places[:, rows]
+    return replace(recording, poses=poses, speeds=speeds, places=places)
+
+
+def _resting(recording: Recording, names: Collection[str]) -> Recording:
+    """Return a recording in which some actors never leave their start."""
+    rows = [row for row, name in enumerate(recording.ids) if name in names]
+    poses, speeds, places = (
+        array.copy() for array in (recording.poses, recording.speeds, recording.places)
+    )
+    poses[:, rows], speeds[:, rows], places[:, rows] = poses[:1, rows], 0.0, places[:1, rows]
+    return replace(recording, poses=poses, speeds=speeds, places=places)
+
+
+def _corridor(scene: Scene, simulator: Simulator) -> Corridor:
+    return load_corridor(find_map(scene.map, simulator.catalogue()))
+
+
+def _calm(scene: Scene) -> Scene:
+    """Return the scene with triggers on the ego that never fire."""
+    never = Trigger(kind="time", value=_NEVER_S)
+    actors = tuple(
+        one
+        if one.behaviour.trigger.kind == "time"
+        else one.model_copy(
+            update={"behaviour": one.behaviour.model_copy(update={"trigger": never})}
+        )
+        for one in scene.actors
+    )
+    return scene.model_copy(update={"actors": actors})
+
+
+def ordinary_twin(scene: Scene, catalogue: Catalogue, *, seed: int = 0) -> Scene:
+    """Return a scene's ordinary twin, judged at the time of the scene's own decision."""
+    states, _, _ = approach(scene, UnrenderedSimulator(catalogue), seed)
+    return scene.twin(round(states[-1].time, 6))

@@ -1,0 +1,200 @@
+"""Tags of a scene in ASAM OpenLABEL's ontology of scenario tags: operational design domain and behaviour.
+
+The operational design domain follows ISO 34503 (BSI PAS 1883), whose classes the ontology has.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from oodscen.data._catalogue import Asset, Catalogue, RoadMap
+from oodscen.data._scene import Actor, Scene, Weather
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.interchange._writing.entities import classified
+
+ONTOLOGY = "https://openlabel.asam.net/V1-0-0/ontologies/openlabel_ontology_scenario_tags.ttl"
+
+_FOG_M, _CLEAR_M = 1_000.0, 10_000.0
+"""Visual range below which the air has fog, and from which it is clear, m."""
+_NIGHT_DEG, _LOW_DEG = -6.0, 10.0
+"""Sun elevations below which it is night, and below which light is low, degrees."""
+_CURVE = 1e-3
+"""Curvature from which a road bends, 1/m."""
+_SLOPE = 0.02
+"""Slope from which a road is not level."""
+_SEEN_M = 300.0
+"""Length of road ahead of the start that counts, m."""
+_KPH = 3.6
+
+_ROADS = {
+    "highway": "RoadTypeMotorway",
+    "urban": "RoadTypeDistributor",
+    "rural": "RoadTypeRadial",
+    "residential": "RoadTypeMinor",
+}
+"""Road types by the traits of a map."""
+_LANDMARKS = {
+    "roundabout": "JunctionRoundabout",
+    "junction": "JunctionIntersection",
+    "tunnel": "SpecialStructureTunnel",
+    "bridge": "SpecialStructureBridge",
+}
+"""Junctions and structures by the traits and landmarks of a map."""
+_VEHICLES = {
+    "car": "VehicleCar",
+    "van": "VehicleVan",
+    "truck": "VehicleTruck",
+    "bus": "VehicleBus",
+    "motorbike": "VehicleMotorcycle",
+    "bicycle": "VehicleCycle",
+}
+_MOTIONS = {
+    "stand": ("MotionStop",),
+    "follow_lane": ("MotionDrive",),
+    "wrong_way": ("MotionDrive", "MotionTowards"),
+    "run_red": ("MotionDrive", "MotionCross"),
+    "cut_in": ("MotionDrive", "MotionCutIn"),
+    "cut_out": ("MotionDrive", "MotionCutOut"),
+    "hard_brake": ("MotionDecelerate", "MotionStop"),
+    "stall": ("MotionDecelerate", "MotionStop"),
+    "stop_and_go": ("MotionDecelerate", "MotionAccelerate"),
+    "reverse": ("MotionReverse",),
+    "pull_out": ("MotionAccelerate", "MotionDrive"),
+    "u_turn": ("MotionUTurn",),
+    "overtake": ("MotionOvertake",),
+    "cross_road": ("MotionCross",),
+    "hesitate": ("MotionCross", "MotionStop"),
+    "walk_along": ("MotionWalk",),
+    "wander": ("MotionWalk",),
+    "bolt": ("MotionRun", "MotionCross"),
+    "dart": ("MotionRun", "MotionCross"),
+    "swerve": ("MotionDrive",),
+    "wobble": ("MotionDrive",),
+    "drift": ("MotionDrive",),
+    "towed": ("MotionDrive",),
+    "roll_away": ("MotionSlide",),
+    "fall": ("MotionSlide",),
+    "blown": ("MotionSlide",),
+}
+"""Behaviour tags by behaviour; an opening door is no motion of a road user."""
+
+
+def scene_tags(scene: Scene, catalogue: Catalogue) -> dict[str, float | None]:
+    """Return the tags of a scene, each with its value if it has one, sorted by name.
+
+    Speeds are in km/h, the sun's elevation in degrees, precipitation in mm/h, and visual range in m, as the
+    ontology has them.
+    """
+    road_map = find_map(scene.map, catalogue)
+    found: dict[str, float | None] = {}
+    found |= dict(_weather(scene.weather))
+    found |= dict.fromkeys(_road(road_map, load_corridor(road_map)))
+    found["subjectVehicleSpeedValue"] = round(_KPH * scene.ego.speed, 3)
+    found["SubjectVehicleSpeed"] = None
+    for actor in scene.actors:
+        asset = catalogue.asset(actor.asset)
+        found |= dict.fromkeys((*_road_user(asset), *_motion(actor, asset)))
+    return dict(sorted(found.items()))
+
+
+def openlabel(scene: Scene, catalogue: Catalogue) -> dict[str, Any]:
+    """Return a scene's tags as an ASAM OpenLABEL 1.0 document."""
+    tags: dict[str, Any] = {}
+    for number, (name, value) in enumerate(scene_tags(scene, catalogue).items()):
+        tag: dict[str, Any] = {"ontology_uid": "0", "type": name}
+        if value is not None:
+            tag["tag_data"] = {"num": [{"type": "value", "val": value}]}
+        tags[str(number)] = tag
+    for name, text in (("scenarioUniqueReference", scene.id), ("scenarioName", scene.id)):
+        held = {"text": [{"type": "value", "val": text}]}
+        tags[str(len(tags))] = {"ontology_uid": "0", "type": name, "tag_data": held}
+    return {
+        "openlabel": {
+            "metadata": {
+                "schema_version": "1.0.0",
+                "annotator": "oodscen",
+                "tagged_file": f"{scene.id}.xosc",
+            },
+            "ontologies": {"0": ONTOLOGY},
+            "tags": tags,
+        }
+    }
+
+
+def _weather(weather: Weather) -> Iterator[tuple[str, float | None]]:
+    yield "daySunElevationValue", weather.sun_elevation_deg
+    if weather.sun_elevation_deg < _NIGHT_DEG:
+        yield "LowLightNight", None
+    elif weather.sun_elevation_deg < _LOW_DEG:
+        yield "LowLightAmbient", None
+    else:
+        yield "IlluminationDay", None
+        yield "DaySunElevation", None
+    yield "IlluminationCloudiness", None
+    yield "illuminationCloudinessValue", round(8.0 * weather.cloud_cover)
+    if weather.precipitation != "none":
+        is_rain = weather.precipitation == "rain"
+        yield "WeatherRain" if is_rain else "WeatherSnow", None
+        amount = weather.precipitation_mm_h
+        yield "weatherRainValue" if is_rain else "weatherSnowValue", amount
+        yield "SurfaceConditionWet" if is_rain else "SurfaceConditionSnow", None
+    if weather.fog_visual_range_m < _CLEAR_M:
+        yield "particulatesWaterValue", weather.fog_visual_range_m
+    if weather.fog_visual_range_m < _FOG_M:
+        yield "ParticulatesWater", None
+
+
+def _road(road_map: RoadMap, road: Corridor) -> Iterator[str]:
+    first, last = (int(s / road.step) for s in (road.start, road.start + _SEEN_M))
+    part = slice(first, last + 1)
+    yield from (tag for trait, tag in _ROADS.items() if trait in road_map.traits)
+    known = {*road_map.traits, *road_map.landmarks}
+    yield from (tag for word, tag in _LANDMARKS.items() if word in known)
+    is_bent = bool((abs(road.curvature[part]) > _CURVE).any())
+    yield "HorizontalCurves" if is_bent else "HorizontalStraights"
+    rise = (road.z[part][1:] - road.z[part][:-1]) / road.step
+    if rise.max(initial=0.0) > _SLOPE:
+        yield "LongitudinalUpSlope"
+    if rise.min(initial=0.0) < -_SLOPE:
+        yield "LongitudinalDownSlope"
+    if abs(rise).max(initial=0.0) <= _SLOPE:
+        yield "LongitudinalLevelPlane"
+    yield "TransverseDivided" if "divided" in road_map.traits else "TransverseUndivided"
+    if any(strip.kind == "sidewalk" for strip in road.strips):
+        yield "TransversePavements"
+    yield "TravelDirectionRight"
+    yield "LaneTypeTraffic"
+    if road_map.has_shoulder:
+        yield "EdgeShoulderPavedOrGravel"
+
+
+def _road_user(asset: Asset) -> Iterator[str]:
+    """Yield the kind of road user, or of temporary structure, that an asset is."""
+    kind, category = classified(asset)
+    if kind == "Vehicle":
+        yield "RoadUserVehicle"
+        yield _VEHICLES.get(category, "VehicleTrailer")
+        if "emergency" in asset.tags:
+            yield "VehicleEmergency"
+        if category == "bicycle":
+            yield from ("RoadUserHuman", "HumanCyclist")
+    elif category == "animal":
+        yield "RoadUserAnimal"
+    elif kind == "Pedestrian":
+        yield "RoadUserHuman"
+        yield "HumanWheelchairUser" if category == "wheelchair" else "HumanPedestrian"
+    elif asset.category == "work_zone":
+        yield "TemporaryStructureRoadWorks"
+    elif asset.category == "vegetation":
+        yield "FixedStructureVegetation"
+
+
+def _motion(actor: Actor, asset: Asset) -> Iterator[str]:
+    """Yield what a road user does; things that only lie there do nothing."""
+    if classified(asset)[0] == "MiscObject" and actor.behaviour.name == "stand":
+        return
+    yield from _MOTIONS.get(actor.behaviour.name, ())
+    if actor.behaviour.name in ("cut_in", "cut_out"):
+        is_left = actor.behaviour.parameters.get("lanes", 1.0) > 0.0
+        yield "MotionLaneChangeLeft" if is_left else "MotionLaneChangeRight"

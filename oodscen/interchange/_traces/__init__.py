@@ -1,0 +1,1 @@
+"""Traces of OSI ground truth, out and in."""

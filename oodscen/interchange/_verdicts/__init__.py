@@ -1,0 +1,1 @@
+"""Verdicts on the runs of other players, by the poses that they wrote."""

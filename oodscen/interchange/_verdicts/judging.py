@@ -1,0 +1,180 @@
+"""Verdicts on runs that another player drove, as the simulation itself would judge them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._base import Data
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._drive_result import DriveResult
+from oodscen.data._episode import ActionOutcome
+from oodscen.data._scene import Scene
+from oodscen.driving import KinematicWorld, load_corridor
+from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
+from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._trace import Course, Trace
+from oodscen.errors import DataError, Issue
+from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
+from oodscen.protocols import State
+from oodscen.stages._drive import drive_result
+from oodscen.stages._rollouts import judged
+
+Floats = NDArray[np.float64]
+
+_ALIGNED = 0.8
+"""Cosine to the road's direction from which an actor drives along the road."""
+_ROUNDING = 4e-6
+"""Amount by which a trigger's value may be missed, since poses in files are rounded, m or s."""
+
+
+class PlayedVerdict(Data):
+    """The judgement of one run of one scene in another player."""
+
+    scene_id: str
+    decision_s: float
+    """Time of the decision, or of the end if the decision never came, s."""
+    decision_fired: bool
+    """False if the decision's trigger never fired."""
+    is_complete: bool
+    """True if the run lasted to the scene's horizon, a contact, or the road's edge."""
+    outcome: ActionOutcome
+    """The outcome from the decision on."""
+    drive: DriveResult
+    """The whole run as a drive, for the table of drivers."""
+
+
+def verdict(
+    scene: Scene,
+    played: PlayedPoses | str | Path,
+    catalogue: Catalogue,
+    *,
+    driver: str = "played",
+    seed: int = 0,
+) -> PlayedVerdict:
+    """Judge a run by its poses: the decision, contacts, margins and safety.
+
+    Args:
+        scene: The scene or twin that was played.
+        played: The poses of `ego` and of every actor, by the ids of the scene, or the file that holds them: CSV with
+            the columns `time,name,x,y,h`, esmini's CSV log, or a trace of OSI ground truth.
+        catalogue: The catalogue with which the scene was exported, for sizes and the road.
+        driver: Name of what drove the ego.
+        seed: Seed of the export.
+
+    Raises:
+        DataError: If the file is malformed, with the line of every fault, or a body is missing.
+    """
+    if not isinstance(played, PlayedPoses):
+        played = read_poses(played)
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    states = states_of(scene, played, catalogue, corridor, seed)
+    first, fired = _decision(scene, states, corridor)
+    end = states[first].time + scene.horizon_s
+    after = _until_harm([one for one in states[first + 1 :] if one.time <= end + 1e-6])
+    dt = float(np.median(np.diff(played.time)))
+    last = after[-1] if after else states[first]
+    trace = Trace.measured([states[first], *after], Course.of(scene, catalogue))
+    whole = states[: first + 1 + len(after)]
+    steps = round((states[first].time + scene.horizon_s) / dt)
+    ends = bool(last.contacts) or last.off_road or last.time >= end - 1.5 * dt
+    drive = drive_result(scene, whole, catalogue, driver, steps, dt)
+    return PlayedVerdict(
+        scene_id=scene.id,
+        decision_s=round(states[first].time, 6),
+        decision_fired=fired,
+        is_complete=ends,
+        outcome=judged(after or [states[first]], trace),
+        drive=drive,
+    )
+
+
+def states_of(
+    scene: Scene, played: PlayedPoses, catalogue: Catalogue, corridor: Corridor, seed: int = 0
+) -> list[State]:
+    """Return the states of a world with the played poses; speeds are those of the poses.
+
+    Raises:
+        DataError: If a body is missing.
+    """
+    world = KinematicWorld(corridor, scene, catalogue, seed)
+    missing = [name for name in world.ids if name not in played.names]
+    if missing:
+        issues = [Issue(name, "has no poses") for name in missing]
+        raise DataError("run of a player", issues, source=scene.id)
+    poses = played.poses[:, [played.names.index(name) for name in world.ids]]
+    if np.isnan(poses).any():
+        step, row = np.argwhere(np.isnan(poses).any(axis=2))[0]
+        issue = Issue(world.ids[row], f"has no pose at {played.time[step]:g} s")
+        raise DataError("run of a player", [issue], source=scene.id)
+    towed = [row for row, one in enumerate(scene.actors, start=1) if one.behaviour.name == "towed"]
+    speeds = _speeds(played.time, poses, corridor, towed)
+    states = []
+    for step, time in enumerate(played.time.tolist()):
+        world.set_poses(poses[step], speeds[step])
+        seen = world.publish()
+        states.append(
+            State(
+                step,
+                time,
+                world.ids,
+                seen.poses,
+                speeds[step],
+                seen.gaps,
+                seen.is_off_road,
+                places=seen.places,
+            )
+        )
+    return states
+
+
+def _speeds(time: Floats, poses: Floats, corridor: Corridor, towed: Sequence[int]) -> Floats:
+    """Return the speeds along the headings at the end of every step, from the last two steps.
+
+    The speed of an actor that drives along the road is the one that covers its way along the road: its heading
+    need not be the direction in which it sways. The speed of a towed body is its mean over the last step, as in the
+    simulation.
+    """
+    steps = np.diff(poses, axis=0) / np.diff(time)[:, None, None]
+    heading = poses[:, :, 3]
+    after = heading[1:]
+    mean = steps[:, :, 0] * np.cos(after) + steps[:, :, 1] * np.sin(after)
+    flat = corridor.locate_all(poses[:, :, 0].ravel(), poses[:, :, 1].ravel())
+    s, t = (one.reshape(heading.shape) for one in flat)
+    sin, cos, bend = (
+        np.interp(s, corridor.s, one) for one in (corridor.sin, corridor.cos, corridor.curvature)
+    )
+    aligned = np.cos(heading) * cos + np.sin(heading) * sin
+    along = np.diff(s, axis=0) / np.diff(time)[:, None] * (1.0 - bend * t)[1:]
+    drives = np.abs(aligned[:-1]) > _ALIGNED
+    drives[:, [0, *towed]] = False
+    mean[drives] = along[drives] / aligned[:-1][drives]
+    speeds = np.empty(heading.shape)
+    speeds[1:] = mean
+    speeds[2:] += 0.5 * (mean[1:] - mean[:-1])
+    speeds[2:, towed] = mean[1:, towed]
+    speeds[0] = mean[0] if len(mean) < 2 else mean[0] - 0.5 * (mean[1] - mean[0])
+    return speeds
+
+
+def _decision(scene: Scene, states: Sequence[State], corridor: Corridor) -> tuple[int, bool]:
+    """Return the step of the decision, and true if its trigger fired."""
+    decision = scene.decision
+    slack = -_ROUNDING if decision.kind == "time" else _ROUNDING
+    decision = decision.model_copy(update={"value": max(0.0, decision.value + slack)})
+    for index, state in enumerate(states):
+        if is_due(decision, None, state, corridor):
+            return index, True
+        if state.contacts or state.off_road or state.time >= MAX_APPROACH_S:
+            return index, False
+    return len(states) - 1, False
+
+
+def _until_harm(states: Sequence[State]) -> list[State]:
+    """Return the states up to the first contact or the road's edge."""
+    for index, state in enumerate(states):
+        if state.contacts or state.off_road:
+            return list(states[: index + 1])
+    return list(states)

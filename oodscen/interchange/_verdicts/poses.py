@@ -1,0 +1,152 @@
+"""Reads the poses that a player wrote: CSV of our own, esmini's CSV log, and OSI traces."""
+
+import csv
+import io
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._display import Brief
+from oodscen._files import read_regular
+from oodscen.errors import DataError, Issue
+from oodscen.interchange._traces.osi_reading import read_osi_trace
+
+Floats = NDArray[np.float64]
+
+COLUMNS = ("time", "name", "x", "y", "h")
+"""Columns that a CSV file of poses must have; `z` is optional."""
+MAX_BYTES = 512 * 1024 * 1024
+_FARTHEST = 1e7
+_NOUN = "file of poses"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PlayedPoses(Brief):
+    """The poses of the bodies in one run of a player."""
+
+    names: tuple[str, ...]
+    time: Floats
+    """[n], s, increasing."""
+    poses: Floats
+    """[n, bodies, 4] x, y, z of the footprints' centres, m, and heading, rad; NaN where a body is missing."""
+
+
+def read_poses(path: str | Path) -> PlayedPoses:
+    """Read the poses of one run.
+
+    A CSV file has the columns `time,name,x,y,h` and, if it likes, `z`: one row per time and body, with the centre
+    of the footprint in metres and the heading in radians. esmini's own CSV log and OSI traces of ground truth
+    (`.osi`) are read as they are.
+
+    Raises:
+        DataError: If the file is none of these, with the line of every fault.
+    """
+    data = read_regular(path, _NOUN, limit=MAX_BYTES)
+    source = str(path)
+    if source.endswith(".osi"):
+        return _collected(read_osi_trace(data, source), source)
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise DataError(
+            _NOUN, [Issue("", f"byte {error.start} is not UTF-8")], source=source
+        ) from None
+    lines = text.splitlines()
+    if lines and lines[0].startswith("esmini "):
+        return _collected(_esmini_rows(lines, source), source)
+    return _collected(_plain_rows(text, source), source)
+
+
+Row = tuple[float, str, tuple[float, float, float, float]]
+
+
+def _collected(rows: Iterator[Row], source: str) -> PlayedPoses:
+    """Return rows as arrays."""
+    times: dict[float, int] = {}
+    names: dict[str, int] = {}
+    found = list(rows)
+    for time, name, _ in found:
+        times.setdefault(time, len(times))
+        names.setdefault(name, len(names))
+    moments = sorted(times)
+    if len(moments) < 2:
+        raise DataError(_NOUN, [Issue("", "holds fewer than two moments")], source=source)
+    order = {time: index for index, time in enumerate(moments)}
+    poses = np.full((len(moments), len(names), 4), np.nan)
+    for time, name, pose in found:
+        poses[order[time], names[name]] = pose
+    return PlayedPoses(tuple(names), np.array(moments), poses)
+
+
+def _plain_rows(text: str, source: str) -> Iterator[Row]:
+    table = csv.DictReader(io.StringIO(text), skipinitialspace=True)
+    given = table.fieldnames or ()
+    if missing := [name for name in COLUMNS if name not in given]:
+        issue = Issue("line 1", f"no column {', '.join(missing)}; needed: {', '.join(COLUMNS)}")
+        raise DataError(_NOUN, [issue], source=source)
+    for row in table:
+        where = f"line {table.line_num}"
+        time, x, y, z, h = (
+            _number(row.get(name) or "0", where, name, source)
+            if name == "z"
+            else _number(row.get(name), where, name, source)
+            for name in ("time", "x", "y", "z", "h")
+        )
+        yield time, (row["name"] or "").strip(), (x, y, z, h)
+
+
+def _esmini_rows(lines: Sequence[str], source: str) -> Iterator[Row]:
+    """Yield rows of esmini's log, which has all bodies of a moment on one line."""
+    head = next((i for i, line in enumerate(lines) if line.startswith("Index [-]")), None)
+    if head is None:
+        raise DataError(_NOUN, [Issue("", "esmini's log has no line of columns")], source=source)
+    columns = [name.strip() for name in lines[head].split(",")]
+    places = {name: index for index, name in enumerate(columns)}
+    count = sum(name.endswith("Entity_Name [-]") for name in columns)
+    for number, line in enumerate(lines[head + 1 :], start=head + 2):
+        cells = [cell.strip() for cell in line.split(",")]
+        if len(cells) < 3:
+            continue
+        where = f"line {number}"
+
+        def cell(name: str, cells: list[str] = cells, where: str = where) -> str:
+            index = places.get(name)
+            if index is None or index >= len(cells):
+                raise DataError(_NOUN, [Issue(where, f"no column {name!r}")], source=source)
+            return cells[index]
+
+        time = _number(cell("TimeStamp [s]"), where, "TimeStamp", source)
+        for body in range(1, count + 1):
+            x, y, z, heading, pitch, ahead = (
+                _number(cell(f"#{body} {name}"), where, name, source)
+                for name in (
+                    "World_Position_X [m]",
+                    "World_Position_Y [m]",
+                    "World_Position_Z [m]",
+                    "World_Heading_Angle [rad]",
+                    "World_Pitch_Angle [rad]",
+                    "bb_x [m]",
+                )
+            )
+            level = ahead * math.cos(pitch)
+            x, y = x + level * math.cos(heading), y + level * math.sin(heading)
+            yield (
+                time,
+                cell(f"#{body} Entity_Name [-]"),
+                (x, y, z - ahead * math.sin(pitch), heading),
+            )
+
+
+def _number(text: str | None, where: str, name: str, source: str) -> float:
+    try:
+        value = float(text if text is not None else "")
+    except ValueError:
+        value = math.nan
+    if not abs(value) <= _FARTHEST:
+        issue = Issue(f"{where}: {name}", f"{(text or '')[:40]!r} is not a number within +-1e7")
+        raise DataError(_NOUN, [issue], source=source)
+    return value

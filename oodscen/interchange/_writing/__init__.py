@@ -1,0 +1,1 @@
+"""Scenes as OpenSCENARIO XML files with their OpenDRIVE maps."""

@@ -1,0 +1,101 @@
+"""Entities: the bodies of a scene as scenario objects with boxes, axles and categories."""
+
+from typing import Literal, NamedTuple
+
+from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._scene import Scene
+from oodscen.interchange._writing.elements import Element, Value, child
+
+Kind = Literal["Vehicle", "Pedestrian", "MiscObject"]
+
+_EGO_AXLE_M = 1.35
+"""Distance from the ego's rear axle to its centre, m: half its wheelbase."""
+_AXLE_SHARE = 0.3
+"""The same distance of other vehicles, as a share of their length."""
+_VEHICLES = (
+    (("trailer", "caravan"), "trailer"),
+    (("bus", "coach"), "bus"),
+    (("motorcycle", "motorbike", "moped"), "motorbike"),
+    (("truck", "lorry", "tanker", "mixer", "crane"), "truck"),
+    (("van", "ambulance"), "van"),
+)
+"""Categories of vehicles by words of their assets, the first match wins; others are cars."""
+_OBJECTS = {"work_zone": "barrier", "vegetation": "vegetation", "signal": "pole"}
+"""Categories of objects by the asset's category; others are obstacles."""
+_MASS_KG = {"Vehicle": 1500.0, "Pedestrian": 75.0, "MiscObject": 50.0}
+"""Masses by kind: a catalogue has none, and the standard asks for one."""
+
+
+class Entity(NamedTuple):
+    """One body as OpenSCENARIO describes it."""
+
+    name: str
+    asset: Asset
+    state: str
+    kind: Kind
+    category: str
+    ahead_m: float
+    """Distance from the reference point (a vehicle's rear axle) to the centre of the box, m."""
+
+
+def entities(scene: Scene, catalogue: Catalogue) -> list[Entity]:
+    """Return all entities of a scene, the ego first."""
+    return [_entity(name, asset, state) for name, asset, state in catalogue.bodies(scene)]
+
+
+def _entity(name: str, asset: Asset, state: str) -> Entity:
+    kind, category = classified(asset)
+    ahead = 0.0
+    if name == "ego":
+        ahead = _EGO_AXLE_M
+    elif kind == "Vehicle" and category != "trailer":
+        ahead = round(_AXLE_SHARE * asset.length, 3)
+    return Entity(name, asset, state, kind, category, ahead)
+
+
+def classified(asset: Asset) -> tuple[Kind, str]:
+    """Return the kind of scenario object and its category for an asset."""
+    words = set(" ".join([asset.id, asset.description, *asset.tags]).replace("_", " ").split())
+    if asset.category == "vehicle":
+        found = (one for names, one in _VEHICLES if words.intersection(names))
+        return "Vehicle", next(found, "car")
+    if asset.category == "cyclist":
+        return "Vehicle", "bicycle"
+    if asset.category == "animal":
+        return "Pedestrian", "animal"
+    if asset.category == "pedestrian":
+        return "Pedestrian", "wheelchair" if "wheelchair" in words else "pedestrian"
+    return "MiscObject", _OBJECTS.get(asset.category, "obstacle")
+
+
+def write_entity(parent: Element, one: Entity) -> Element:
+    """Append a scenario object and return its properties, which are empty."""
+    asset = one.asset
+    category = f"{one.kind[0].lower()}{one.kind[1:]}Category"
+    holder = child(parent, "ScenarioObject", name=one.name)
+    attributes: dict[str, Value] = {category: one.category, "mass": _MASS_KG[one.kind]}
+    body = child(holder, one.kind, name=asset.id, **attributes)
+    box = child(body, "BoundingBox")
+    child(box, "Center", x=one.ahead_m, y=0.0, z=0.5 * asset.height)
+    child(box, "Dimensions", width=asset.width, length=asset.length, height=asset.height)
+    if one.kind == "Vehicle":
+        _write_chassis(body, one)
+    return child(body, "Properties")
+
+
+def _write_chassis(body: Element, one: Entity) -> None:
+    """Append performance and axles of a vehicle; the rear axle is the reference point."""
+    child(body, "Performance", maxSpeed=70.0, maxAcceleration=12.0, maxDeceleration=12.0)
+    axles = child(body, "Axles")
+    wheelbase = 2.0 * (one.ahead_m or _AXLE_SHARE * one.asset.length)
+    track = max(0.3, one.asset.width - 0.2)
+    for tag, steering, x in (("FrontAxle", 0.6, wheelbase), ("RearAxle", 0.0, 0.0)):
+        child(
+            axles,
+            tag,
+            maxSteering=steering,
+            wheelDiameter=0.6,
+            trackWidth=track,
+            positionX=x,
+            positionZ=0.3,
+        )

@@ -1,0 +1,78 @@
+"""Properties: what a file says about its scene beyond the standard's elements."""
+
+import hashlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+
+from lxml import etree
+
+from oodscen._text import one_line, plain
+from oodscen.data._base import canonical_json
+from oodscen.data._claim import Claim
+from oodscen.data._episode import Episode
+from oodscen.data._pairing import twin_id
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.interchange._writing.elements import Element, child
+
+PREFIX = "oodscen."
+SCENE, DIGEST = f"{PREFIX}scene", f"{PREFIX}sha256"
+"""Names of the properties that hold the scene itself, and the digest of the rest of its file."""
+_FORBIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
+_LONGEST = 2_000
+"""Maximum characters of a description."""
+
+
+def facts(
+    scene: Scene,
+    scenario: Scenario | None = None,
+    claims: Sequence[Claim] = (),
+    episode: Episode | None = None,
+) -> dict[str, str]:
+    """Return what is known of a scene, by the names of properties without their prefix."""
+    found = {"scene_id": scene.id, "hazard": ", ".join(scene.hazard.actors) or "weather"}
+    if scene.is_ordinary:
+        found["hazard"] = ""
+    else:
+        found["twin"] = twin_id(scene.id)
+    if scenario is not None:
+        text = scenario.ordinary or "" if scene.is_twin else scenario.text
+        found["text"] = one_line(plain(text))
+        found["path"] = " > ".join(map(one_line, map(plain, scenario.path)))
+    if claims and not scene.is_ordinary:
+        found["claims"] = canonical_json([one.model_dump(mode="json") for one in claims])
+    if episode is not None:
+        found["safe_actions"] = ", ".join(episode.safe_set)
+    return {name: value for name, value in found.items() if value}
+
+
+def write_properties(holder: Element, values: Mapping[str, str]) -> None:
+    """Append properties in the order of their names."""
+    for name, value in sorted(values.items()):
+        child(holder, "Property", name=f"{PREFIX}{name}", value=_speakable(value))
+
+
+def ascii_json(scene: Scene) -> str:
+    """Return a scene as JSON text of characters that every XML file can hold."""
+    return json.dumps(scene.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
+
+
+def _speakable(text: str) -> str:
+    """Return a text without the characters that XML forbids."""
+    return _FORBIDDEN.sub("", plain(text))
+
+
+def content_digest(root: Element) -> str:
+    """Return the SHA-256 of a document in canonical form without its header."""
+    digest = hashlib.sha256()
+    for part in root:
+        if isinstance(part.tag, str) and part.tag != "FileHeader":
+            digest.update(etree.tostring(part, method="c14n", with_tail=False))
+    return digest.hexdigest()
+
+
+def described(scene: Scene, mode: str, notes: Sequence[str]) -> str:
+    """Return the description of a file in its header."""
+    text = " ".join([f"oodscen scene {scene.id}, {mode}.", *notes])
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

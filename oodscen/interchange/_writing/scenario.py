@@ -1,0 +1,214 @@
+"""Scenes as OpenSCENARIO XML files."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from lxml import etree
+
+from oodscen._display import Brief
+from oodscen._files import replace
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._scene import Scene
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import find_map
+from oodscen.errors import SceneError, UnknownComponent, UsageError
+from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
+from oodscen.interchange._writing.elements import Element, child
+from oodscen.interchange._writing.entities import Entity, entities, write_entity
+from oodscen.interchange._writing.properties import (
+    DIGEST,
+    SCENE,
+    ascii_json,
+    content_digest,
+    described,
+    facts,
+    write_properties,
+)
+from oodscen.interchange._writing.roads import RoadFile, road_file
+from oodscen.interchange._writing.scenario_runner import empty_document, write_for_scenario_runner
+from oodscen.interchange._writing.storyboard import (
+    approximate,
+    strip_ego,
+    write_reactive,
+    write_replay,
+)
+from oodscen.protocols import Simulator
+
+Mode = Literal["replay", "reactive"]
+Target = Literal["generic", "esmini", "carla-scenario-runner"]
+MODES: tuple[Mode, ...] = ("replay", "reactive")
+TARGETS: tuple[Target, ...] = ("generic", "esmini", "carla-scenario-runner")
+
+DATE = "2026-01-01T00:00:00"
+"""Date in every header: the same scene gives the same bytes."""
+_ESMINI_LINES = ("plineInterpolation", "segment")
+"""The property by which esmini follows polylines straight from vertex to vertex."""
+
+
+@dataclass(frozen=True, repr=False)
+class ScenarioFile(Brief):
+    """One OpenSCENARIO file with the OpenDRIVE file that it refers to."""
+
+    name: str
+    """File name without its suffix: the scene's id."""
+    xosc: bytes = field(repr=False)
+    road: RoadFile = field(repr=False)
+    notes: tuple[str, ...] = ()
+    """The file's statements about its own exactness."""
+
+    def save(self, folder: str | Path) -> Path:
+        """Write both files into a folder and return the path of the scenario."""
+        place = Path(folder)
+        place.mkdir(parents=True, exist_ok=True)
+        road = place / self.road.name
+        if not road.exists() or road.read_bytes() != self.road.content:
+            replace(road, self.road.content)
+        path = place / f"{self.name}.xosc"
+        replace(path, self.xosc)
+        return path
+
+
+def to_openscenario(
+    scene: Scene,
+    catalogue: Catalogue,
+    *,
+    mode: Mode = "replay",
+    target: Target = "generic",
+    action: str = "keep_speed",
+    ego: bool = True,
+    seed: int = 0,
+    properties: Mapping[str, str] | None = None,
+    simulator: Simulator | None = None,
+) -> ScenarioFile:
+    """Return a scene as OpenSCENARIO XML 1.2 with its OpenDRIVE map.
+
+    `replay` has every body's course as rolled out. `reactive` has triggers as conditions on the ego, and recorded
+    reactions that start with them; actors whose course cannot be exact for every ego are named in the notes.
+
+    Args:
+        scene: The scene or twin to write.
+        catalogue: The catalogue of its assets and maps.
+        mode: `replay` or `reactive`.
+        target: The player: `esmini` adds the property by which it follows polylines exactly;
+            `carla-scenario-runner` gives version 1.0 with named actions, in mode `reactive` only.
+        action: The ego's action after the decision, in a replay.
+        ego: Write the ego's course; without it, the ego only stands at its start.
+        seed: Seed of the scene's random streams.
+        properties: Further facts about the scene, by name, besides its ids and hazard.
+        simulator: The simulator whose run is replayed; by default the kinematic world of the catalogue.
+
+    Raises:
+        UnknownComponent: If there is no such mode, target or action.
+        SceneError: If the catalogue, the road or the player refuses the scene.
+        UsageError: If the player has no such mode.
+    """
+    for kind, name, offered in (("mode", mode, MODES), ("target", target, TARGETS)):
+        if name not in offered:
+            raise UnknownComponent(kind, str(name), offered)
+    issues = catalogue.check(scene)
+    if issues:
+        raise SceneError(scene.id, issues)
+    if target == "carla-scenario-runner":
+        return _for_scenario_runner(scene, catalogue, mode, seed)
+    road = road_file(scene, catalogue)
+    root = etree.Element("OpenSCENARIO")
+    header = child(root, "FileHeader")
+    child(root, "CatalogLocations")
+    child(child(root, "RoadNetwork"), "LogicFile", filepath=road.name)
+    bodies = entities(scene, catalogue)
+    holder = child(root, "Entities")
+    for one in bodies:
+        _add_properties(write_entity(holder, one), one.state, target)
+    if mode == "replay":
+        notes = _write_replay(root, scene, bodies, simulator, catalogue, action, seed)
+    else:
+        notes = _write_reactive(root, scene, bodies, catalogue, seed)
+    if not ego:
+        strip_ego(root)
+    if target == "esmini":
+        notes = (*notes, "Play it in esmini with --traj_filter 0.")
+    known = {**facts(scene), **(properties or {}), "seed": str(seed), "mode": mode}
+    _complete_header(header, root, scene, known, described(scene, mode, notes))
+    etree.indent(root)
+    text = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return ScenarioFile(scene.id, text, road, notes)
+
+
+def _write_replay(
+    root: Element,
+    scene: Scene,
+    bodies: list[Entity],
+    simulator: Simulator | None,
+    catalogue: Catalogue,
+    action: str,
+    seed: int,
+) -> tuple[str, ...]:
+    """Append the storyboard of a replay and return its notes."""
+    recording = replayed(scene, simulator or UnrenderedSimulator(catalogue), action, seed)
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    write_replay(root, scene, bodies, recording, corridor)
+    since = recording.decision_s or 0.0
+    return (
+        f"Exact at steps of {recording.dt:g} s, with the ego's action {action} from {since:.2f} s on.",
+    )
+
+
+def _write_reactive(
+    root: Element, scene: Scene, bodies: list[Entity], catalogue: Catalogue, seed: int
+) -> tuple[str, ...]:
+    """Append the storyboard of a reactive file and return its notes."""
+    run = reactions(scene, catalogue, seed)
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    write_reactive(root, scene, bodies, run, corridor)
+    return (
+        f"Conditions at steps of {run.nominal.dt:g} s; reactions are those of a run with a blind ego.",
+        *(
+            f"Not exact for every ego: {name} {why}."
+            for name, why in approximate(scene, run).items()
+        ),
+    )
+
+
+def _for_scenario_runner(scene: Scene, catalogue: Catalogue, mode: Mode, seed: int) -> ScenarioFile:
+    if mode != "reactive":
+        raise UsageError("ScenarioRunner follows no recorded courses; write mode reactive for it")
+    run, road = reactions(scene, catalogue, seed), road_file(scene, catalogue)
+    notes = (
+        "Version 1.0 with named actions for CARLA's ScenarioRunner: speeds change at once, and lanes by a straight "
+        "line.",
+    )
+    root = empty_document(described(scene, mode, notes), "oodscen", DATE, road.name)
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    bodies = entities(scene, catalogue)
+    write_for_scenario_runner(root, scene, bodies, run, corridor)
+    etree.indent(root)
+    text = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return ScenarioFile(scene.id, text, road, notes)
+
+
+def _add_properties(holder: Element, state: str, target: Target) -> None:
+    if state:
+        write_properties(holder, {"state": state})
+    if target == "esmini":
+        child(holder, "Property", name=_ESMINI_LINES[0], value=_ESMINI_LINES[1])
+
+
+def _complete_header(
+    header: Element, root: Element, scene: Scene, known: Mapping[str, str], description: str
+) -> None:
+    """Fill in the header, with the scene itself and the digest of the rest of the file."""
+    for name, value in (
+        ("revMajor", "1"),
+        ("revMinor", "2"),
+        ("date", DATE),
+        ("description", description),
+        ("author", "oodscen"),
+    ):
+        header.set(name, value)
+    etree.indent(root)
+    holder = child(header, "Properties")
+    write_properties(holder, known)
+    child(holder, "Property", name=SCENE, value=ascii_json(scene))
+    child(holder, "Property", name=DIGEST, value=content_digest(root))

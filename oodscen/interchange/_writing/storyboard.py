@@ -1,0 +1,271 @@
+"""Storyboard: what every entity does, recorded (replay) or in answer to the ego (reactive)."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._scene import Actor, Scene
+from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.interchange._recording import Reactions, Recording
+from oodscen.interchange._writing.elements import Element, child, within
+from oodscen.interchange._writing.entities import Entity
+from oodscen.interchange._writing.environment import write_environment
+from oodscen.interchange._writing.trajectories import (
+    own_position,
+    phases,
+    reference_poses,
+    world_position,
+    write_trajectory,
+)
+from oodscen.interchange._writing.triggers import EgoConditions, after_event, at_time
+
+Floats = NDArray[np.float64]
+
+_WITHOUT_REACTION = frozenset({"stand", "follow_lane", "wrong_way", "run_red", "towed"})
+"""Behaviours whose course a trigger does not change."""
+_BESIDE_M = 1.5
+"""Largest offset to the ego at which an actor behind counts as its follower, m."""
+
+
+class Storyboard:
+    """The storyboard of one file: init, one story with one act, and its end."""
+
+    def __init__(self, parent: Element, scene: Scene, story: str) -> None:
+        self.root = child(parent, "Storyboard")
+        self.actions = within(self.root, "Init", "Actions")
+        write_environment(self.actions, scene.weather)
+        self.act = child(child(self.root, "Story", name=story), "Act", name="act")
+
+    def maneuver(self, name: str) -> Element:
+        """Append a maneuver of one entity."""
+        group = child(self.act, "ManeuverGroup", name=f"group_{name}", maximumExecutionCount=1)
+        actors = child(group, "Actors", selectTriggeringEntities=False)
+        child(actors, "EntityRef", entityRef=name)
+        return child(group, "Maneuver", name=f"maneuver_{name}")
+
+    def end(self, time_s: float) -> None:
+        """Append the triggers of the act and of the storyboard's end; an act has at least one group."""
+        if not len(self.act):
+            group = self.maneuver("ego").getparent()
+            assert group is not None
+            group.remove(group[-1])
+        at_time(self.act, "StartTrigger", "act_start", 0.0)
+        at_time(self.root, "StopTrigger", "end", time_s, "greaterThan")
+
+
+def event(maneuver: Element, name: str) -> tuple[Element, Element]:
+    """Append an event, and return it and its action."""
+    one = child(maneuver, "Event", name=name, priority="override", maximumExecutionCount=1)
+    return one, child(one, "Action", name=f"action_{name}")
+
+
+def write_start(actions: Element, name: str, pose: NDArray[np.float64], speed: float) -> None:
+    """Append an entity's pose and, unless it stands, its speed at the start."""
+    private = child(actions, "Private", entityRef=name)
+    teleport = within(private, "PrivateAction", "TeleportAction")
+    world_position(child(teleport, "Position"), pose)
+    if abs(speed) > 1e-9:
+        write_speed(child(private, "PrivateAction"), speed)
+
+
+def write_speed(action: Element, speed: float) -> None:
+    """Append an immediate change of speed."""
+    holder = within(action, "LongitudinalAction", "SpeedAction")
+    child(holder, "SpeedActionDynamics", dynamicsShape="step", dynamicsDimension="time", value=0.0)
+    child(child(holder, "SpeedActionTarget"), "AbsoluteTargetSpeed", value=float(speed))
+
+
+# ------------------------------------------------------------------ replay
+
+
+def write_replay(
+    parent: Element,
+    scene: Scene,
+    entities: list[Entity],
+    recording: Recording,
+    corridor: Corridor,
+) -> None:
+    """Append a storyboard that repeats a recording; the ego's group is the last."""
+    board = Storyboard(parent, scene, "replay")
+    courses = [reference_poses(recording, row, one, corridor) for row, one in enumerate(entities)]
+    for row, one in enumerate(entities):
+        write_start(board.actions, one.name, courses[row][0], float(recording.speeds[0, row]))
+    for row in [*range(1, len(entities)), 0]:
+        if spans := phases(courses[row]):
+            maneuver = board.maneuver(entities[row].name)
+            write_course(maneuver, entities[row].name, recording.time, courses[row], spans)
+    board.end(float(recording.time[-1]))
+
+
+def write_course(
+    maneuver: Element,
+    name: str,
+    time: Floats,
+    poses: Floats,
+    spans: list[tuple[int, int]],
+) -> None:
+    """Append the events that follow a recorded course from the start on, phase by phase."""
+    for number, (first, last) in enumerate(spans):
+        label = f"move_{name}_{number}"
+        moving, action = event(maneuver, label)
+        part = slice(first, last + 1)
+        write_trajectory(action, f"course_{name}_{number}", time[part], poses[part])
+        at_time(moving, "StartTrigger", f"start_{label}", float(time[first]))
+        if last < len(time) - 1:
+            resting, action = event(maneuver, f"rest_{name}_{number}")
+            write_speed(child(action, "PrivateAction"), 0.0)
+            at_time(resting, "StartTrigger", f"stop_{label}", float(time[last]))
+
+
+# ------------------------------------------------------------------ reactive
+
+
+def write_reactive(
+    parent: Element,
+    scene: Scene,
+    entities: list[Entity],
+    run: Reactions,
+    corridor: Corridor,
+) -> None:
+    """Append a storyboard whose actors answer the ego; the ego's group is the last."""
+    board = Storyboard(parent, scene, "reactive")
+    writer = _ReactionWriter(scene, entities, run, corridor)
+    behind = followers(scene, run)
+    for row, one in enumerate(entities):
+        source = run.nominal if row == 0 else run.quiet
+        pose = reference_poses(source, row, one, corridor)[0]
+        write_start(board.actions, one.name, pose, float(source.speeds[0, row]))
+    for row, actor in enumerate(scene.actors, start=1):
+        if actor.id in behind:
+            _write_following(board.maneuver(actor.id), actor.id, _gap(entities, run, row))
+        else:
+            writer.write(partial(board.maneuver, actor.id), row, actor)
+    course = reference_poses(run.nominal, 0, entities[0], corridor)
+    if spans := phases(course):
+        write_course(board.maneuver("ego"), "ego", run.nominal.time, course, spans)
+    board.end(float(run.nominal.time[-1]))
+
+
+def followers(scene: Scene, run: Reactions) -> frozenset[str]:
+    """Return the actors behind the ego in its lane whose courses depend on it."""
+    places = run.quiet.places[0]
+    behind = {
+        name
+        for name, (s, t) in zip(run.quiet.ids, places.tolist(), strict=True)
+        if s < places[0, 0] and abs(t - places[0, 1]) < _BESIDE_M
+    }
+    drivers = {one.id for one in scene.actors if one.behaviour.name in MOVES_BEFORE_TRIGGER}
+    return frozenset(run.mindful & behind & drivers)
+
+
+def approximate(scene: Scene, run: Reactions) -> dict[str, str]:
+    """Return, by actor, why a reactive file does not have its exact course for every ego."""
+    behind = followers(scene, run)
+    said = {}
+    for name in sorted(run.mindful):
+        if name in behind:
+            said[name] = "keeps its initial distance behind the ego instead of following it freely"
+        else:
+            said[name] = "would mind an ego in its way; its course does not"
+    for actor in scene.actors:
+        if actor.behaviour.name == "overtake":
+            said[actor.id] = "passes the ego on a recorded course from its trigger on"
+    return said
+
+
+def _gap(entities: list[Entity], run: Reactions, row: int) -> float:
+    """Return the initial gap between a follower's front and the ego's rear, m."""
+    apart = float(run.quiet.places[0, 0, 0] - run.quiet.places[0, row, 0])
+    return apart - 0.5 * (entities[0].asset.length + entities[row].asset.length)
+
+
+def _write_following(maneuver: Element, name: str, gap_m: float) -> None:
+    """Append the event that keeps a distance behind the ego."""
+    following, action = event(maneuver, f"follow_{name}")
+    holder = within(action, "PrivateAction", "LongitudinalAction")
+    child(
+        holder,
+        "LongitudinalDistanceAction",
+        entityRef="ego",
+        distance=max(0.1, gap_m),
+        freespace=True,
+        continuous=True,
+        coordinateSystem="road",
+        displacement="trailingReferencedEntity",
+    )
+    at_time(following, "StartTrigger", f"start_follow_{name}", 0.0)
+
+
+class _ReactionWriter:
+    """Writes an actor's course before its trigger, and its recorded reaction to it."""
+
+    def __init__(
+        self, scene: Scene, entities: list[Entity], run: Reactions, corridor: Corridor
+    ) -> None:
+        self.entities = entities
+        self.run = run
+        self.corridor = corridor
+        self.conditions = EgoConditions(entities, run.nominal, corridor)
+
+    def write(self, make: Callable[[], Element], row: int, actor: Actor) -> None:
+        """Append the maneuver of one actor, unless it never moves."""
+        one, run = self.entities[row], self.run
+        timed = actor.behaviour.trigger.kind == "time"
+        reacts = actor.behaviour.name not in _WITHOUT_REACTION and not timed
+        source = run.quiet if reacts else run.nominal
+        before = reference_poses(source, row, one, self.corridor)
+        spans = phases(before)
+        step = run.triggered.get(one.name) if reacts else None
+        after = None if step is None else self._reaction(row, one, step)
+        if not spans and after is None:
+            return
+        maneuver = make()
+        write_course(maneuver, one.name, source.time, before, spans)
+        if after is not None and step is not None:
+            self._write_reaction(maneuver, actor, one, step, after)
+
+    def _reaction(self, row: int, one: Entity, step: int) -> Floats | None:
+        poses = reference_poses(self.run.nominal, row, one, self.corridor)[step:]
+        return poses if phases(poses) else None
+
+    def _write_reaction(
+        self, maneuver: Element, actor: Actor, one: Entity, step: int, poses: Floats
+    ) -> None:
+        time = self.run.nominal.time[step:] - self.run.nominal.time[step]
+        moves = actor.behaviour.name in MOVES_BEFORE_TRIGGER or actor.behaviour.name == "fall"
+        opening = f"react_{one.name}_0"
+        for number, (first, last) in enumerate(phases(poses)):
+            first = 0 if number == 0 else first
+            label = f"react_{one.name}_{number}"
+            reacting, action = event(maneuver, label)
+            part = slice(first, last + 1)
+            write_trajectory(
+                action,
+                f"reaction_{one.name}_{number}",
+                time[part] - time[first],
+                poses[part],
+                relative=True,
+                place=own_position(one.name, poses[first]) if moves else None,
+            )
+            if number == 0:
+                trigger = actor.behaviour.trigger
+                self.conditions.write(reacting, f"trigger_{one.name}", trigger, one.name, step)
+            else:
+                after_event(
+                    reacting, f"start_{label}", opening, "startTransition", float(time[first])
+                )
+            if last < len(time) - 1:
+                resting, action = event(maneuver, f"end_{one.name}_{number}")
+                write_speed(child(action, "PrivateAction"), 0.0)
+                after_event(resting, f"done_{label}", label)
+
+
+def strip_ego(root: Element) -> None:
+    """Remove the ego's maneuvers, so that another controller drives it; its empty group stays."""
+    for group in root.iter("ManeuverGroup"):
+        if group.get("name") == "group_ego":
+            for maneuver in group.findall("Maneuver"):
+                group.remove(maneuver)

@@ -1,0 +1,180 @@
+"""Trajectories: the courses of bodies as poses of their reference points."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.interchange._recording import Recording
+from oodscen.interchange._writing.elements import Element, child, within
+from oodscen.interchange._writing.entities import Entity
+
+Floats = NDArray[np.float64]
+PlacesVertex = Callable[[Element, Floats], None]
+
+EXACT_M = 2e-5
+"""Largest error of a course from which vertices are left out, m and rad."""
+_STILL = 1e-9
+_REST_STEPS = 4
+"""Shortest rest that parts two phases of a motion, in steps."""
+_TURN_M = 2e-5
+"""Distance by which a body that turns on the spot moves to and fro: players follow by arc length, m."""
+
+
+def reference_poses(recording: Recording, row: int, one: Entity, corridor: Corridor) -> Floats:
+    """Return x, y, z, heading and pitch of an entity's reference point: [n, 5].
+
+    The heading is continuous. A vehicle on a slope is pitched about its rear axle such that the centre of
+    its box is where the recording has it.
+    """
+    centre = recording.poses[:, row]
+    poses = np.zeros((len(centre), 5))
+    poses[:, :4] = centre
+    poses[:, 3] = np.unwrap(centre[:, 3])
+    if one.ahead_m == 0.0:
+        return poses
+    cos, sin = np.cos(poses[:, 3]), np.sin(poses[:, 3])
+    grade = np.zeros(len(poses))
+    if np.ptp(corridor.z) > 0.0:
+        behind = corridor.locate_all(
+            centre[:, 0] - one.ahead_m * cos, centre[:, 1] - one.ahead_m * sin
+        )
+        here = recording.places[:, row, 0]
+        rise = np.interp(here, corridor.s, corridor.z) - np.interp(
+            behind[0], corridor.s, corridor.z
+        )
+        grade = rise / one.ahead_m
+    level = one.ahead_m / np.sqrt(1.0 + grade * grade)
+    poses[:, 0] -= level * cos
+    poses[:, 1] -= level * sin
+    poses[:, 2] -= level * grade
+    poses[:, 4] = -np.arctan(grade)
+    return poses
+
+
+def phases(poses: Floats) -> list[tuple[int, int]]:
+    """Return the first and last step of every stretch that moves, parted by rests of several steps."""
+    moves = np.abs(np.diff(poses, axis=0)).max(axis=1, initial=0.0) > _STILL
+    found, step = [], 0
+    while step < len(moves):
+        if not moves[step]:
+            step += 1
+            continue
+        first = step
+        while step < len(moves) and moves[step : step + _REST_STEPS].any():
+            step += 1
+        found.append((first, step))
+    return found
+
+
+def vertices(time: Floats, poses: Floats) -> tuple[Floats, Floats]:
+    """Return the times and poses of a polyline's vertices.
+
+    Steps that lie on the straight line in space and time between the vertices around them are left out.
+    """
+    poses = _rocked(poses)
+    kept = [0]
+    last = len(time) - 1
+    while kept[-1] < last:
+        kept.append(_next_vertex(time, poses, kept[-1], last))
+    return time[kept], poses[kept]
+
+
+def _next_vertex(time: Floats, poses: Floats, first: int, last: int) -> int:
+    """Return the farthest step to which a straight line from `first` is exact, doubling the reach."""
+    good, reach = first + 1, 2
+    while good < last:
+        trial = min(first + reach, last)
+        if not _is_straight(time, poses, first, trial):
+            break
+        good, reach = trial, 2 * reach
+    low, high = good, min(first + reach, last)
+    while high - low > 1:
+        middle = (low + high) // 2
+        if _is_straight(time, poses, first, middle):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def _is_straight(time: Floats, poses: Floats, first: int, last: int) -> bool:
+    share = (time[first : last + 1] - time[first]) / (time[last] - time[first])
+    line = poses[first] + share[:, None] * (poses[last] - poses[first])
+    return bool(np.abs(line - poses[first : last + 1]).max() <= EXACT_M)
+
+
+def _rocked(poses: Floats) -> Floats:
+    """Give some arc length to a body that turns on the spot, alternately forward and back."""
+    steps = np.diff(poses, axis=0)
+    spinning = (np.hypot(steps[:, 0], steps[:, 1]) < 0.5 * _TURN_M) & (np.abs(steps[:, 3]) > 1e-6)
+    if not spinning.any():
+        return poses
+    poses, sign = poses.copy(), 1.0
+    for step in np.flatnonzero(spinning) + 1:
+        heading = poses[step, 3]
+        poses[step, 0] += sign * _TURN_M * math.cos(heading)
+        poses[step, 1] += sign * _TURN_M * math.sin(heading)
+        sign = -sign
+    return poses
+
+
+def write_trajectory(
+    action: Element,
+    name: str,
+    time: Floats,
+    poses: Floats,
+    *,
+    relative: bool = False,
+    place: PlacesVertex | None = None,
+) -> None:
+    """Append the action that follows a course.
+
+    Args:
+        action: The action to complete.
+        name: Name of the trajectory.
+        time: [n], s.
+        poses: [n, 5] of reference points.
+        relative: Count time from the start of the action.
+        place: Writes one vertex's position; by default one in the world.
+    """
+    holder = within(action, "PrivateAction", "RoutingAction", "FollowTrajectoryAction")
+    reference = child(holder, "TrajectoryRef")
+    trajectory = child(reference, "Trajectory", name=name, closed=False)
+    line = within(trajectory, "Shape", "Polyline")
+    put = place or world_position
+    for moment, pose in zip(*vertices(time, poses), strict=True):
+        vertex = child(line, "Vertex", time=float(moment))
+        put(child(vertex, "Position"), pose)
+    domain = "relative" if relative else "absolute"
+    timing = child(holder, "TimeReference")
+    child(timing, "Timing", domainAbsoluteRelative=domain, scale=1.0, offset=0.0)
+    child(holder, "TrajectoryFollowingMode", followingMode="position")
+
+
+def world_position(position: Element, pose: Floats) -> None:
+    """Complete a position with a pose in the world."""
+    x, y, z, heading, pitch = map(float, pose)
+    child(position, "WorldPosition", x=x, y=y, z=z, h=heading, p=pitch, r=0.0)
+
+
+def own_position(name: str, origin: Floats) -> PlacesVertex:
+    """Return a writer of positions relative to an entity itself, where its course began."""
+    x, y, z, heading = map(float, origin[:4])
+    cos, sin = math.cos(heading), math.sin(heading)
+
+    def place(position: Element, pose: Floats) -> None:
+        dx, dy = float(pose[0]) - x, float(pose[1]) - y
+        relative = child(
+            position,
+            "RelativeObjectPosition",
+            entityRef=name,
+            dx=cos * dx + sin * dy,
+            dy=cos * dy - sin * dx,
+            dz=float(pose[2]) - z,
+        )
+        child(relative, "Orientation", type="relative", h=float(pose[3]) - heading)
+
+    return place

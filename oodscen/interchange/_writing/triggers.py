@@ -1,0 +1,156 @@
+"""Triggers: when an event starts, as conditions on the ego, on time, or on other events."""
+
+import math
+
+import numpy as np
+
+from oodscen.data._scene import Trigger
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.interchange._recording import Recording
+from oodscen.interchange._writing.elements import Element, Value, child, within
+from oodscen.interchange._writing.entities import Entity
+from oodscen.interchange._writing.trajectories import world_position
+
+_ALONG: dict[str, Value] = {
+    "freespace": False,
+    "coordinateSystem": "road",
+    "relativeDistanceType": "longitudinal",
+}
+_STANDS_M = 0.05
+"""Way along the road up to which an actor counts as standing there, as one that crosses does, m."""
+_TIE = 1e-4
+"""Least difference of a condition's value from what a nominal run measures at the steps about it, m or s.
+
+An exact tie is decided by rounding, which differs between players.
+"""
+_EARLY_S = 0.001
+"""Time before its step from which a time condition holds, against rounding in players, s."""
+
+
+def _condition(parent: Element, tag: str, name: str, delay_s: float = 0.0) -> Element:
+    """Append a trigger of one condition, which must hold but need not begin to hold."""
+    group = within(parent, tag, "ConditionGroup")
+    return child(group, "Condition", name=name, delay=delay_s, conditionEdge="none")
+
+
+def at_time(
+    parent: Element, tag: str, name: str, time_s: float, rule: str = "greaterOrEqual"
+) -> None:
+    """Append a trigger by simulation time."""
+    value = max(0.0, time_s - _EARLY_S) if rule == "greaterOrEqual" else time_s
+    holder = child(_condition(parent, tag, name), "ByValueCondition")
+    child(holder, "SimulationTimeCondition", value=float(value), rule=rule)
+
+
+def after_event(
+    parent: Element, name: str, event: str, state: str = "endTransition", delay_s: float = 0.0
+) -> None:
+    """Append a start trigger by another event's change of state."""
+    holder = child(_condition(parent, "StartTrigger", name, delay_s), "ByValueCondition")
+    child(
+        holder,
+        "StoryboardElementStateCondition",
+        storyboardElementType="event",
+        storyboardElementRef=event,
+        state=state,
+    )
+
+
+class EgoConditions:
+    """Writes triggers of a scene as conditions on the ego.
+
+    Distances of a scene are between centres along the road, those of OpenSCENARIO between reference points:
+    each is shifted by what lies between them.
+    """
+
+    def __init__(self, entities: list[Entity], nominal: Recording, corridor: Corridor) -> None:
+        self.rows = {one.name: row for row, one in enumerate(entities)}
+        self.entities = entities
+        self.nominal = nominal
+        self.corridor = corridor
+
+    def write(self, parent: Element, name: str, trigger: Trigger, owner: str, step: int) -> None:
+        """Append the start trigger of an actor's reaction.
+
+        Args:
+            parent: The event.
+            name: Name of the condition.
+            trigger: The trigger, by distance or time to collision.
+            owner: The actor whose trigger it is.
+            step: Step at which it fires in the nominal run.
+        """
+        row = self.rows[trigger.actor or owner]
+        holder = child(_condition(parent, "StartTrigger", name), "ByEntityCondition")
+        who = child(holder, "TriggeringEntities", triggeringEntitiesRule="any")
+        child(who, "EntityRef", entityRef="ego")
+        condition = child(holder, "EntityCondition")
+        along = self.nominal.places[: step + 1, row, 0]
+        stands = bool(np.abs(along - along[0]).max() <= _STANDS_M)
+        value = self._untied(trigger, row, step)
+        if trigger.kind == "distance":
+            self._distance(condition, value, row, stands)
+        else:
+            self._time_to_collision(condition, value, row, stands)
+
+    def _untied(self, trigger: Trigger, row: int, step: int) -> float:
+        """Return a trigger's value, off the values that the nominal run has at its step and the one before."""
+        after = self._measured(trigger, row, step) + _TIE
+        before = self._measured(trigger, row, max(step - 1, 0)) - _TIE
+        return min(max(trigger.value, after), before) if after < before else trigger.value
+
+    def _measured(self, trigger: Trigger, row: int, step: int) -> float:
+        """Return the distance, or the time to collision, to an actor at a step of the nominal run."""
+        ahead = float(self.nominal.places[step, row, 0] - self.nominal.places[step, 0, 0])
+        if trigger.kind == "distance":
+            return abs(ahead)
+        ego, its = (
+            float(self.nominal.speeds[step, body])
+            * self.corridor.alignment(
+                float(self.nominal.places[step, body, 0]), float(self.nominal.poses[step, body, 3])
+            )
+            for body in (0, row)
+        )
+        closing = math.copysign(ego - its, (ego - its) * ahead)
+        return abs(ahead) / closing if closing > 0.0 else math.inf
+
+    def _distance(self, condition: Element, value: float, row: int, stands: bool) -> None:
+        if stands:
+            near = child(condition, "DistanceCondition", value=value, rule="lessOrEqual", **_ALONG)
+            self._place(near, row)
+            return
+        child(
+            condition,
+            "RelativeDistanceCondition",
+            entityRef=self.entities[row].name,
+            value=max(0.0, value + self._shift(row)),
+            rule="lessOrEqual",
+            **_ALONG,
+        )
+
+    def _time_to_collision(self, condition: Element, value: float, row: int, stands: bool) -> None:
+        if not stands:
+            ego, its = self.nominal.speeds[0, 0], self.nominal.speeds[0, row]
+            turn = self.nominal.poses[0, row, 3] - self.nominal.poses[0, 0, 3]
+            closing = float(ego - its * math.cos(turn))
+            value = max(0.0, value + self._shift(row) / max(closing, 1.0))
+        soon = child(
+            condition, "TimeToCollisionCondition", value=value, rule="lessOrEqual", **_ALONG
+        )
+        target = child(soon, "TimeToCollisionConditionTarget")
+        if stands:
+            self._place(target, row)
+        else:
+            child(target, "EntityRef", entityRef=self.entities[row].name)
+
+    def _place(self, parent: Element, row: int) -> None:
+        """Append an actor's place put back along the road by the ego's own shift."""
+        s, t = map(float, self.nominal.places[0, row])
+        x, y, z, heading = self.corridor.point(s - self.entities[0].ahead_m, t)
+        world_position(child(parent, "Position"), np.array([x, y, z, heading, 0.0]))
+
+    def _shift(self, row: int) -> float:
+        """Return by how much the distance of the reference points exceeds that of the centres, m."""
+        first = self.nominal.places[0]
+        turn = float(self.nominal.poses[0, row, 3] - self.nominal.poses[0, 0, 3])
+        shift = self.entities[0].ahead_m - self.entities[row].ahead_m * math.cos(turn)
+        return shift if first[row, 0] >= first[0, 0] else -shift

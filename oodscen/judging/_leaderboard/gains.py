@@ -1,0 +1,68 @@
+"""Leads over answerers that see no picture, on the same scenes."""
+
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+
+from oodscen.data._verdict import Protocol
+from oodscen.judging._items import AnswerColumns, Items, Ratio
+from oodscen.judging._leaderboard.figures import PairColumns
+from oodscen.judging._leaderboard.scores import BLIND, WITHHELD, Estimate, Gain, LeaderboardRow
+from oodscen.statistics._intervals import percentiles
+from oodscen.statistics._resampling import Resampler
+
+Figure = Literal["notice", "act"]
+FIGURES: tuple[Figure, ...] = ("notice", "act")
+Sheets = Mapping[tuple[str, Protocol], AnswerColumns]
+
+
+def mean_of(resampler: Resampler, column: Ratio) -> Estimate:
+    """Return a mean over some items, with its interval over whole paths."""
+    n = int(column.is_there.sum())
+    if not n:
+        return Estimate()
+    found = resampler.ratios(column.above[:, None], column.below[:, None])[:, 0]
+    return Estimate(
+        value=round(float(column.above.sum()) / n, 6),
+        n=n,
+        interval=percentiles(found, resampler.count(column.is_there)),
+    )
+
+
+def with_gains(
+    items: Items, resampler: Resampler, rows: Sequence[LeaderboardRow], sheets: Sheets
+) -> list[LeaderboardRow]:
+    """Return the rows, with the leads of models over the best blind reference and over themselves blindfolded."""
+    ours = [row for row in rows if row.protocol == "ours"]
+    blind = [row for row in ours if row.kind == "reference" and row.model.startswith(BLIND)]
+    names = {row.model: row for row in ours}
+    pairs = {row.model: PairColumns.of(items, sheets[row.model, "ours"]) for row in ours}
+
+    def gain(row: LeaderboardRow, other: LeaderboardRow, figure: Figure) -> Gain:
+        one, two = (getattr(pairs[name], figure) for name in (row.model, other.model))
+        column = Ratio(one - two, pairs[row.model].mask)
+        return Gain(against=other.model, figure=figure, difference=mean_of(resampler, column))
+
+    found = []
+    for row in rows:
+        if row.kind == "reference" or row.protocol != "ours":
+            found.append(row)
+            continue
+        withheld = names.get(WITHHELD.format(row.model))
+        best = [(max(blind, key=lambda one: _value(one, name)), name) for name in FIGURES if blind]
+        paired = row.paired.model_copy(
+            update={
+                "over_blind": tuple(gain(row, other, name) for other, name in best),
+                "over_withheld": tuple(gain(row, withheld, name) for name in FIGURES)
+                if withheld
+                else (),
+            }
+        )
+        found.append(row.model_copy(update={"paired": paired}))
+    return found
+
+
+def _value(row: LeaderboardRow, figure: Figure) -> float:
+    value = getattr(row.paired, figure).value
+    return -np.inf if value is None else float(value)

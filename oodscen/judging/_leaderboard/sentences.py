@@ -1,0 +1,110 @@
+"""A leaderboard in a few sentences: the main figures of every model beside the reference to beat."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from oodscen.judging._leaderboard.scores import Estimate, Gain, LeaderboardRow, Rate
+
+if TYPE_CHECKING:
+    from oodscen.judging._leaderboard.board import Leaderboard
+
+_GAP = "\N{NO-BREAK SPACE}"
+_TO = "\N{WORD JOINER}–\N{WORD JOINER}"
+"""A dash without a line break around it."""
+
+
+def sentences(board: "Leaderboard") -> list[str]:
+    """Return a few sentences: the main figures of every model beside the reference to beat."""
+    models = [row for row in board.standings if row.kind == "model" and row.protocol == "ours"]
+    if not models:
+        return _without_models(board)
+    found = [sentence for row in models for sentence in (_main(row), _unfinished(board, row))]
+    found.append(
+        f"This rests on {board.scenes} scenes of {board.paths} kinds. Brackets hold 95{_GAP}% intervals."
+    )
+    return [sentence for sentence in found if sentence]
+
+
+def percent(value: float | None) -> str:
+    """Return a share in whole per cent."""
+    return "–" if value is None else f"{100 * value:.0f}{_GAP}%"
+
+
+def spread(value: Rate | Estimate) -> str:
+    """Return the interval of a share as text."""
+    if value.interval is None:
+        return ""
+    low, high = 100 * value.interval.low, 100 * value.interval.high
+    return f" [{low:.0f}{_TO}{high:.0f}{_GAP}%]"
+
+
+def _main(row: LeaderboardRow) -> str:
+    """Return the sentences on a model's main figures."""
+    paired, parts = row.paired, []
+    if paired.notice.n:
+        parts.append(
+            f"notices {percent(paired.notice.value)}{spread(paired.notice)} of the scenes and leaves their "
+            f"ordinary drives alone{_gain(paired.over_blind, 'notice')}"
+        )
+    elif row.detection.sensitivity.n:
+        parts.append(
+            f"calls {percent(row.detection.sensitivity.value)} of the scenes unusual, but was asked about no "
+            "ordinary drive that goes with them, so whoever always says so scores as much"
+        )
+    if paired.act.n:
+        parts.append(
+            f"acts rightly in {percent(paired.act.value)}{spread(paired.act)} of the scenes and their ordinary "
+            f"drives alike{_gain(paired.over_blind, 'act')}"
+        )
+    if not parts:
+        return f"{row.model} gave no answer that can be scored."
+    missing = paired.notice.missing + paired.act.missing
+    worst = (
+        f" With its missing answers counted as wrong: {percent(paired.notice.with_missing_wrong)} and "
+        f"{percent(paired.act.with_missing_wrong)}."
+        if missing
+        else ""
+    )
+    return f"{row.model} {', and '.join(parts)}.{worst}"
+
+
+def _gain(gains: Sequence[Gain], figure: str) -> str:
+    for one in gains:
+        if one.figure == figure and one.difference.value is not None:
+            points = 100 * one.difference.value
+            word = "more" if points >= 0 else "fewer"
+            return f" ({abs(points):.0f} points {word} than “{one.against}” without the pictures)"
+    return ""
+
+
+def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
+    """Return the sentence on the items that stayed unanswered."""
+    silent = sum(row.outcomes.values()) - sum(
+        row.outcomes.get(name, 0) for name in ("answered", "unavailable")
+    )
+    items = board.scenes + board.ordinary
+    parts = []
+    if row.asked < items and row.detection.specificity.n:
+        parts.append(f"was asked about {row.asked} of the {items} drives so far")
+    if silent:
+        parts.append(
+            f"left a question unanswered in {silent} of {row.asked} drives, which its figures leave out"
+        )
+    return f"{row.model} {' and '.join(parts)}." if parts else ""
+
+
+def _without_models(board: "Leaderboard") -> list[str]:
+    found = ["No vision-language model was judged in this study."]
+    floor = board.floor("control")
+    if floor is not None and floor.control.safe.value is not None:
+        what = f"“{floor.model}”"
+        if floor.model.startswith("constant:"):
+            action = floor.model.removeprefix("constant:").replace("_", " ")
+            what = f"always choosing “{action}”, whatever is seen,"
+        found.append(
+            f"One must beat: {what} is safe in {percent(floor.control.safe.value)}"
+            f"{spread(floor.control.safe)} of the scenes"
+            + ("" if board.chance is None else f", a random action in {percent(board.chance)}")
+            + f". Brackets hold a 95{_GAP}% interval."
+        )
+    return found

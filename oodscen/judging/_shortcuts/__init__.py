@@ -1,0 +1,1 @@
+"""Shortcuts: telling rare from ordinary without understanding anything."""

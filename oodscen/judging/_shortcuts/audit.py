@@ -1,0 +1,326 @@
+"""The audit: how well rare can be told from ordinary without understanding, by every shortcut known."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from oodscen.data._base import Data, digest
+from oodscen.data._episode import Episode
+from oodscen.data._pairing import scene_of
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.errors import MissingExtra, StudyError
+from oodscen.judging._items import Items, Mask, Ratio
+from oodscen.judging._leaderboard.scores import Estimate
+from oodscen.judging._shortcuts import facts
+from oodscen.judging._shortcuts.rules import Guess, audited, folds_of
+from oodscen.statistics._auroc import auroc_of_items
+from oodscen.statistics._intervals import Floats, percentiles
+from oodscen.statistics._resampling import Resampler
+
+FILE = "audit.json"
+"""Name of the audit in the study's folder."""
+
+Needs = Literal["ground truth", "pictures", "settings", "outcomes"]
+_FLOOR: tuple[Needs, ...] = ("ground truth", "pictures")
+"""Needs of the shortcuts that can be the floor: bodies and pictures.
+
+Outcomes of actions are reported apart: going on fails in a scene because scenes are made so.
+"""
+
+
+class ShortcutScore(Data):
+    """The score of one shortcut."""
+
+    noun: ClassVar[str] = "shortcut"
+
+    name: str
+    needs: Needs
+    method: str
+    """`rule`, `logistic regression`, `gradient boosting` or `pair`."""
+    auroc: Estimate
+    balanced_accuracy: Estimate
+    called_by_kind: dict[str, float] = {}
+    """Share called out of the ordinary, by kind of ordinary drive."""
+
+
+class Audit(Data):
+    """The scores of all shortcuts, by cross-validation over whole paths."""
+
+    noun: ClassVar[str] = "audit"
+
+    schema_version: Literal[1] = 1
+    scenes: int
+    ordinary: dict[str, int]
+    """Number of ordinary drives by kind."""
+    paths: int
+    rows: tuple[ShortcutScore, ...]
+    """Best first; those that need the outcomes of actions come last."""
+    best: str
+    """The shortcut on bodies or pictures with the highest balanced accuracy: the floor to beat."""
+    calls: dict[str, bool]
+    """By item: whether the best shortcut calls it out of the ordinary."""
+    made_from: str
+    """SHA-256 of the audited episodes."""
+
+    def best_calls(self, episodes: Iterable[Episode]) -> tuple[str, Mapping[str, bool]] | None:
+        """Return the name and the calls of the best shortcut; `None` if the audit is of other episodes."""
+        return (self.best, self.calls) if source(episodes) == self.made_from else None
+
+    def __str__(self) -> str:
+        drives = ", ".join(f"{count} {kind}s" for kind, count in self.ordinary.items())
+        head = ("shortcut", "needs", "method", "AUROC", "balanced accuracy")
+        cells = [head]
+        cells += [
+            (row.name, row.needs, row.method, _cell(row.auroc, 2), _cell(row.balanced_accuracy, 0))
+            for row in self.rows
+        ]
+        widths = [max(len(row[at]) for row in cells) for at in range(len(head))]
+        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in cells]
+        return "\n".join(
+            [
+                f"{self.scenes} scenes and {drives} of {self.paths} paths; learnt on other paths",
+                *lines,
+                f"floor to beat: {self.best}",
+            ]
+        )
+
+
+def _cell(found: Estimate, digits: int) -> str:
+    if found.value is None:
+        return "-"
+
+    def shown(value: float) -> str:
+        return f"{value:.2f}" if digits else f"{value:.1%}"
+
+    between = found.interval
+    return shown(found.value) + (
+        f" [{shown(between.low)}, {shown(between.high)}]" if between else ""
+    )
+
+
+def source(episodes: Iterable[Episode]) -> str:
+    """Return the digest of the episodes that an audit depends on: those that are judged."""
+    found = list(episodes)
+    unseen = {one.scene_id for one in found if one.is_below_floor}
+    rows = sorted(
+        (one.id, one.status, one.trace_sha256, one.made_from)
+        for one in found
+        if scene_of(one.scene_id) not in unseen
+    )
+    return digest(rows)
+
+
+def audit(
+    episodes: Sequence[Episode],
+    scenes: Iterable[Scene],
+    scenarios: Iterable[Scenario],
+    folder: Path,
+    *,
+    seed: int = 0,
+) -> Audit:
+    """Return the scores of all shortcuts on the scenes of a study and their ordinary drives.
+
+    Args:
+        episodes: Episodes of scenes and ordinary drives.
+        scenes: The scenes, for maps and weather.
+        scenarios: The scenarios, which give the path of each scene.
+        folder: Folder that the names of the frames are relative to.
+        seed: Seed of the classifiers and of the resampling.
+
+    Raises:
+        StudyError: If fewer than two paths have a scene with an ordinary drive.
+        MissingExtra: If scikit-learn or OpenCV is not installed.
+    """
+    items = Items.of(list(episodes), list(scenarios))
+    there = audited(items)
+    rows: list[int] = np.flatnonzero(there).tolist()
+    clusters = [items.clusters[row] for row in rows]
+    if len(set(clusters)) < 2:
+        raise StudyError("an audit needs scenes with ordinary drives on two paths")
+    ran = [items.episodes[row] for row in rows]
+    task = _Task(items.is_scene[there], folds_of(clusters), seed)
+    guesses = _guesses(task, ran, {scene.id: scene for scene in scenes}, folder)
+    resampler = Resampler(clusters, seed=seed)
+    kinds = np.array([items.kinds[row] for row in rows])
+    table = [
+        _scored(guess, needs, method, task.is_rare, kinds, resampler)
+        for guess, needs, method in guesses
+    ]
+    best = max(
+        (guess for guess, needs, _ in guesses if needs in _FLOOR),
+        key=lambda guess: guess.balanced(task.is_rare),
+    )
+    sizes = [float(_size(folder, one)) for one in ran]
+    place = {one.scene_id: at for at, one in enumerate(ran)}
+    owners = np.array(
+        [-1 if o < 0 else place[items.episodes[o].scene_id] for o in items.owners[there].tolist()]
+    )
+    table.append(_pairs(np.array(sizes), owners, resampler))
+    return Audit(
+        scenes=int(task.is_rare.sum()),
+        ordinary={
+            kind: int((kinds == kind).sum()) for kind in sorted(set(kinds.tolist()) - {"rare"})
+        },
+        paths=resampler.units,
+        rows=tuple(
+            sorted(
+                table,
+                key=lambda row: (row.needs == "outcomes", -(row.balanced_accuracy.value or 0.0)),
+            )
+        ),
+        best=best.name,
+        calls={one.scene_id: bool(call) for one, call in zip(ran, best.is_called, strict=True)},
+        made_from=source(episodes),
+    )
+
+
+Made = tuple[Guess, Needs, str]
+
+
+def _guesses(
+    task: "_Task", ran: Sequence[Episode], scenes: Mapping[str, Scene], folder: Path
+) -> list[Made]:
+    """Return the calls of every shortcut."""
+    known = facts.ground_truth(ran)
+    found: list[Made] = [
+        (task.rule(n, values), "ground truth", "rule") for n, values in known.items()
+    ]
+    together = np.stack(list(known.values()), axis=1)
+    name = "distances, counts and pixels together"
+    found.append((task.boosted(name, together), "ground truth", "gradient boosting"))
+    for name, values in facts.action_priors(ran).items():
+        found.append((task.rule(name, values), "outcomes", "rule"))
+    for name, columns in facts.settings(ran, scenes).items():
+        found.append((task.linear(name, columns), "settings", "logistic regression"))
+    for moment in ("last", "first"):
+        files = [folder / one.frames.get(moment, "missing") for one in ran]
+        for name, columns in facts.pictures(files).items():
+            label = f"{name}, {moment} frame"
+            if columns.shape[1] == 1:
+                found.append((task.rule(label, columns[:, 0]), "pictures", "rule"))
+                continue
+            found.append((task.boosted(label, columns), "pictures", "gradient boosting"))
+            if moment == "last":
+                found.append((task.linear(label, columns), "pictures", "logistic regression"))
+    return found
+
+
+class _Task:
+    """Telling rare from ordinary, learnt on other paths."""
+
+    def __init__(self, is_rare: Mask, folds: Floats, seed: int) -> None:
+        self.is_rare, self._folds, self._seed = is_rare, folds, seed
+
+    def rule(self, name: str, values: Floats) -> Guess:
+        """Return the calls of a threshold on one number."""
+        return Guess.of(name, values, self.is_rare, self._folds)
+
+    def boosted(self, name: str, columns: Floats) -> Guess:
+        """Return the calls of gradient-boosted trees."""
+        sklearn = _sklearn()
+        return self._learnt(
+            f"{name}, boosting",
+            columns,
+            lambda: sklearn.ensemble.HistGradientBoostingClassifier(
+                random_state=self._seed, max_leaf_nodes=16, class_weight="balanced"
+            ),
+        )
+
+    def linear(self, name: str, columns: Floats) -> Guess:
+        """Return the calls of a logistic regression on standardised columns."""
+        sklearn = _sklearn()
+        return self._learnt(
+            f"{name}, logistic",
+            columns,
+            lambda: sklearn.pipeline.make_pipeline(
+                sklearn.preprocessing.StandardScaler(),
+                sklearn.linear_model.LogisticRegression(
+                    C=0.01, max_iter=1_000, class_weight="balanced"
+                ),
+            ),
+        )
+
+    def _learnt(self, name: str, columns: Floats, make: Callable[[], Any]) -> Guess:
+        score = np.full(len(columns), 0.5)
+        for fold in np.unique(self._folds):
+            test = self._folds == fold
+            if columns.shape[1] and len(set(self.is_rare[~test].tolist())) == 2:
+                model = make().fit(columns[~test], self.is_rare[~test])
+                score[test] = model.predict_proba(columns[test])[:, 1]
+        return Guess(name, score, score > 0.5)
+
+
+def _sklearn() -> Any:
+    try:
+        import sklearn.ensemble
+        import sklearn.linear_model
+        import sklearn.pipeline
+        import sklearn.preprocessing
+    except ImportError:
+        raise MissingExtra("the audit", "audit", "scikit-learn") from None
+    return sklearn
+
+
+def _scored(
+    guess: Guess,
+    needs: Needs,
+    method: str,
+    is_rare: Mask,
+    kinds: np.ndarray[Any, Any],
+    resampler: Resampler,
+) -> ShortcutScore:
+    area = auroc_of_items(guess.score, is_rare, resampler)
+    calls: Floats = guess.is_called.astype(np.float64)
+    sides = [Ratio(calls, is_rare), Ratio(1.0 - calls, ~is_rare)]
+    above, below = (
+        np.stack([getattr(side, name) for side in sides], axis=1) for name in ("above", "below")
+    )
+    spread = resampler.ratios(above, below).mean(axis=1)
+    return ShortcutScore(
+        name=guess.name,
+        needs=needs,
+        method=method,
+        auroc=Estimate(
+            value=area[0] if area else None,
+            n=len(calls),
+            interval=area[1] if area else None,
+        ),
+        balanced_accuracy=Estimate(
+            value=guess.balanced(is_rare),
+            n=len(calls),
+            interval=percentiles(spread, resampler.units),
+        ),
+        called_by_kind={
+            kind: float(calls[kinds == kind].mean())
+            for kind in sorted(set(kinds.tolist()) - {"rare"})
+        },
+    )
+
+
+def _size(folder: Path, episode: Episode) -> int:
+    file = folder / episode.frames.get("last", "missing")
+    return file.stat().st_size if file.is_file() else 0
+
+
+def _pairs(sizes: Floats, owners: np.ndarray[Any, Any], resampler: Resampler) -> ShortcutScore:
+    """Return the share of ordinary drives whose scene has the larger picture file; equal sizes count half."""
+    has = owners >= 0
+    wins: Floats = np.where(has, np.sign(sizes[owners] - sizes) * 0.5 + 0.5, np.nan).astype(
+        np.float64
+    )
+    column = Ratio(wins, has)
+    spread = resampler.ratios(column.above[:, None], column.below[:, None])[:, 0]
+    return ShortcutScore(
+        name="the larger JPEG file of a pair is the rare one",
+        needs="pictures",
+        method="pair",
+        auroc=Estimate(),
+        balanced_accuracy=Estimate(
+            value=float(np.nanmean(wins)),
+            n=int(has.sum()),
+            interval=percentiles(spread, resampler.units),
+        ),
+    )

@@ -1,0 +1,1 @@
+"""Rarity: expected kilometres between two meetings with a kind of situation, with its interval."""

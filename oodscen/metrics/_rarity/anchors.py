@@ -1,0 +1,142 @@
+"""Published rates of events in traffic, and the calibration of estimates on them.
+
+An estimate x of an event of a kind k is calibrated to `offset_k + slope x`, by least squares on decimal logarithms of
+kilometres. Kinds of rate are kept apart by their offsets: an event that happens to the ego (`own`), one that happens
+somewhere in the traffic (`occurring`), and one that the ego comes upon (`met`), which is many times as frequent as its
+occurrence. A scenario's text is of the last kind. Fewer than six anchors move the offset alone.
+"""
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from oodscen._files import read_utf8
+from oodscen.baselines._texts import bundled
+from oodscen.data._base import Data
+from oodscen.errors import DataError, Issue
+
+Kind = Literal["own", "occurring", "met"]
+_FEWEST = 6
+
+
+class Rate(Data):
+    """One published or own rate of an event."""
+
+    noun: ClassVar[str] = "rate"
+
+    number: int = 0
+    event: str = Field(min_length=1)
+    kind: Kind = "met"
+    grade: Literal["A", "B", "C", "M"] = "A"
+    """A from a primary source, B from a secondary one, C with an assumed denominator, M from memory."""
+    km: tuple[float, float, float] = Field()
+    """Kilometres between two events: least, best, most."""
+    source: str = Field(min_length=1)
+    texts: tuple[str, ...] = Field(min_length=1)
+    """Wordings of the event."""
+
+    @model_validator(mode="after")
+    def _is_ordered(self) -> "Rate":
+        if not 0.0 < self.km[0] <= self.km[1] <= self.km[2]:
+            raise ValueError("km: three positive numbers in order: least, best, most")
+        if not all(text.strip() for text in self.texts):
+            raise ValueError("texts: none may be blank")
+        return self
+
+    @property
+    def log10_km(self) -> float:
+        """The decimal logarithm of the best figure."""
+        return float(np.log10(self.km[1]))
+
+
+class Calibration(Data):
+    """A map from estimates to published rates, in decimal logarithms of kilometres."""
+
+    noun: ClassVar[str] = "calibration of rarity"
+
+    slope: float
+    offsets: dict[Kind, float]
+    anchors: int = Field(ge=1)
+    factor_before: float
+    """Median error as a factor, before calibration."""
+    factor_left_out: float | None
+    """The same after calibration, each anchor by a calibration on all others; `None` below three anchors."""
+
+    def apply(self, value: float, kind: Kind = "met") -> float:
+        """Return the calibrated value; a kind without anchors gets the mean offset."""
+        offset = self.offsets.get(kind, sum(self.offsets.values()) / len(self.offsets))
+        return offset + self.slope * value
+
+
+def published_rates() -> tuple[Rate, ...]:
+    """Return the shipped rates."""
+    return _rates(bundled("anchors.toml", "oodscen.metrics._rarity"), "anchors.toml")
+
+
+def load_rates(path: str | Path) -> tuple[Rate, ...]:
+    """Read rates from a TOML file with one `[[rate]]` each: `event`, `km`, `source`, `texts`, and `kind` if not met.
+
+    Raises:
+        DataError: If the file cannot be read or holds no valid rates.
+    """
+    return _rates(read_utf8(path, "file of rates"), str(path))
+
+
+def _rates(content: str, source: str) -> tuple[Rate, ...]:
+    try:
+        rows = tomllib.loads(content).get("rate")
+    except (ValueError, RecursionError) as error:
+        raise DataError(
+            "file of rates", [Issue("", f"is no TOML: {error}")], source=source
+        ) from None
+    if not isinstance(rows, list) or not rows:
+        raise DataError("file of rates", [Issue("rate", "holds no [[rate]]")], source=source)
+    return tuple(
+        Rate.parse(row, source=f"{source}, rate {number}") for number, row in enumerate(rows, 1)
+    )
+
+
+def calibrate(rates: Sequence[Rate], estimates: Sequence[float]) -> Calibration:
+    """Return the calibration of estimates, one per rate, and its error leave-one-out."""
+    fitted = _fit(rates, np.asarray(estimates, np.float64))
+    before = [abs(x - rate.log10_km) for x, rate in zip(estimates, rates, strict=True)]
+    after = left_out(rates, estimates)
+    return Calibration(
+        slope=fitted[0],
+        offsets=fitted[1],
+        anchors=len(rates),
+        factor_before=float(10.0 ** np.median(before)),
+        factor_left_out=float(10.0 ** np.median(np.abs(after))) if len(after) else None,
+    )
+
+
+def left_out(rates: Sequence[Rate], estimates: Sequence[float]) -> NDArray[np.float64]:
+    """Return the error of each rate by a calibration on all others, in decades; empty below three rates."""
+    if len(rates) < 3:
+        return np.empty(0)
+    values = np.asarray(estimates, np.float64)
+    found = []
+    for place, rate in enumerate(rates):
+        rest = [one for number, one in enumerate(rates) if number != place]
+        slope, offsets = _fit(rest, np.delete(values, place))
+        offset = offsets.get(rate.kind, sum(offsets.values()) / len(offsets))
+        found.append(offset + slope * values[place] - rate.log10_km)
+    return np.array(found)
+
+
+def _fit(rates: Sequence[Rate], values: NDArray[np.float64]) -> tuple[float, dict[Kind, float]]:
+    kinds = list(dict.fromkeys(rate.kind for rate in rates))
+    own = np.array([[rate.kind == kind for kind in kinds] for rate in rates], np.float64)
+    wanted = np.array([rate.log10_km for rate in rates])
+    slope = 1.0
+    if len(rates) >= _FEWEST and len(rates) > len(kinds) + 1:
+        within = values - own @ (own.T @ values / own.sum(axis=0))
+        spread = float(within @ within)
+        slope = float(within @ wanted / spread) if spread > 1e-9 else 1.0
+    offsets = own.T @ (wanted - slope * values) / own.sum(axis=0)
+    return slope, dict(zip(kinds, offsets.tolist(), strict=True))

@@ -1,0 +1,122 @@
+"""Asks a model how rarely drivers meet the situations of texts."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from oodscen.errors import AnswerError, ContentFiltered
+from oodscen.llm._ask import ask, speaker
+from oodscen.llm._call_log import Call, LoggedLLM
+from oodscen.metrics._rarity.anchors import Rate
+from oodscen.metrics._rarity.estimates import (
+    POPULATION,
+    UNTOLD,
+    Flag,
+    Rarity,
+    TextRarity,
+    gathered,
+)
+from oodscen.prompts._scenario.estimate_rarity import EstimateRarity, RarityEstimate
+from oodscen.protocols import LLM
+
+PER_CALL = 20
+DRAWS = 3
+LONGEST = 2_000
+"""Characters of a text that are shown to a model."""
+
+
+def asked(
+    llm: LLM,
+    texts: Sequence[str],
+    *,
+    anchors: Sequence[Rate] | None = None,
+    draws: int = DRAWS,
+    per_call: int = PER_CALL,
+    population: str = POPULATION,
+) -> Rarity:
+    """Return the rarity of texts by a model: the median over independent draws.
+
+    The interval runs from the median of the low ends to that of the high ends, widened to hold all draws. Texts whose
+    answers stay invalid are flagged `not answered`; a flag of half of the draws or more holds.
+
+    Raises:
+        LLMError: If the model cannot be reached.
+    """
+    calls: list[Call] = []
+    logged = LoggedLLM(llm, calls.append)
+    per_text = _drawn(logged, texts, draws, per_call, population)
+    own: list[float] = []
+    kept = anchors
+    if anchors is not None:
+        wordings = [text for rate in anchors for text in rate.texts]
+        found = iter(_drawn(logged, wordings, draws, per_call, population))
+        groups = [[next(found).best for _ in rate.texts] for rate in anchors]
+        told = [[one for one in group if one is not None] for group in groups]
+        kept = [rate for rate, group in zip(anchors, told, strict=True) if group]
+        own = [float(np.mean(group)) for group in told if group]
+    costs = [call.cost_usd for call in calls if call.status == "ok"]
+    known = [cost for cost in costs if cost is not None]
+    usage = {
+        "input_tokens": sum(call.input_tokens for call in calls),
+        "output_tokens": sum(call.output_tokens for call in calls),
+        "cost_usd": sum(known) if len(known) == len(costs) else None,
+    }
+    rarity = gathered(per_text, speaker(llm), kept or None, own)
+    return rarity.model_copy(update={"population": population, **usage})
+
+
+def questions(
+    texts: Sequence[str], per_call: int = PER_CALL, population: str = POPULATION
+) -> list[EstimateRarity]:
+    """Return the questions about texts, several texts in each."""
+    shown = [text[:LONGEST] for text in texts]
+    return [
+        EstimateRarity(texts=tuple(shown[first : first + per_call]), population=population)
+        for first in range(0, len(shown), per_call)
+    ]
+
+
+def _drawn(
+    llm: LLM, texts: Sequence[str], draws: int, per_call: int, population: str
+) -> list[TextRarity]:
+    answers: list[list[RarityEstimate]] = [[] for _ in texts]
+    for block, prompt in enumerate(questions(texts, per_call, population)):
+        first = block * per_call
+        for sample in range(draws):
+            try:
+                found = ask(llm, prompt, sample)
+            except (AnswerError, ContentFiltered):
+                continue
+            for one in found.estimates:
+                answers[first + one.number - 1].append(one)
+    return [_joined(found, text) for found, text in zip(answers, texts, strict=True)]
+
+
+def _joined(found: Sequence[RarityEstimate], text: str) -> TextRarity:
+    """Return the rarity of one text by its draws."""
+    names: dict[str, Flag] = {
+        "no driving": "no driving",
+        "impossible": "impossible",
+        "several events": "several events",
+        "not understood": "not answered",
+    }
+    flags: list[Flag] = ["long"] if len(text) > LONGEST else []
+    flags += [
+        flag
+        for problem, flag in names.items()
+        if found and 2 * sum(one.problem == problem for one in found) >= len(found)
+    ]
+    told = [
+        (one.low, one.best, one.high)
+        for one in found
+        if one.low is not None and one.best is not None and one.high is not None
+    ]
+    if not told and not UNTOLD & set(flags):
+        flags.append("not answered")
+    draws = tuple(best for _, best, _ in told)
+    if not told or UNTOLD & set(flags):
+        return TextRarity(flags=tuple(flags), draws=draws)
+    low, best, high = np.median(np.array(told), axis=0).tolist()
+    return TextRarity(
+        low=min(low, *draws), best=best, high=max(high, *draws), flags=tuple(flags), draws=draws
+    )

@@ -1,0 +1,219 @@
+"""Rarity of texts as data, and the offline estimate of it."""
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, get_args
+
+import numpy as np
+from pydantic import Field, computed_field, model_validator
+
+from oodscen.data._base import Data
+from oodscen.encoders._check import encode
+from oodscen.encoders._similarity import Vectors, unit
+from oodscen.metrics._rarity.anchors import Calibration, Rate, calibrate
+from oodscen.metrics._rarity.head import Head, head_for, load_head
+from oodscen.metrics._rarity.plausibility import is_impossible, names_event, parts
+from oodscen.protocols import Encoder
+
+if TYPE_CHECKING:
+    from oodscen.metrics._vectors.space import Space
+
+POPULATION: Final = "passenger cars in Europe and North America"
+Flag = Literal[
+    "no driving", "language", "far", "impossible", "several events", "long", "not answered"
+]
+FLAGS: tuple[Flag, ...] = get_args(Flag)
+UNTOLD: Final = frozenset[Flag]({"no driving", "language", "far", "impossible", "not answered"})
+"""Flags of texts that get no figure."""
+
+_NONE: Vectors = np.empty((0, 0), np.float32)
+_LONG = 1_000
+_FEWEST_KNOWN = 0.4
+_RARE = 4.5
+_ASCII_LETTER, _LETTER = re.compile(r"[A-Za-z]"), re.compile(r"[^\W\d_]")
+
+
+class TextRarity(Data):
+    """Rarity of one text, as decimal logarithms of kilometres between two meetings with its kind."""
+
+    noun: ClassVar[str] = "rarity of a text"
+
+    low: float | None = None
+    """Lower end of the 90 % interval; `None` where the rarity cannot be told."""
+    best: float | None = None
+    high: float | None = None
+    flags: tuple[Flag, ...] = ()
+    """Faults of the text, and why there is no figure if there is none."""
+    draws: tuple[float, ...] = ()
+    """Answers of a model, one per draw; empty for the offline estimate."""
+
+    @computed_field  # type: ignore[prop-decorator]  # mypy knows no decorated properties
+    @property
+    def log10_km(self) -> float | None:
+        """The same as `best`."""
+        return self.best
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_copy(cls, value: Any) -> Any:
+        if isinstance(value, dict):
+            return {name: one for name, one in value.items() if name != "log10_km"}
+        return value
+
+    @model_validator(mode="after")
+    def _is_ordered(self) -> "TextRarity":
+        found = [one for one in (self.low, self.best, self.high) if one is not None]
+        if len(found) not in (0, 3) or found != sorted(found):
+            raise ValueError("low, best and high are all given, in order, or all missing")
+        return self
+
+    def moved(self, calibration: Calibration) -> "TextRarity":
+        """Return the rarity after calibration."""
+        if self.low is None or self.best is None or self.high is None:
+            return self
+        low, best, high = (calibration.apply(one) for one in (self.low, self.best, self.high))
+        return self.model_copy(update={"low": low, "best": best, "high": high})
+
+
+class Rarity(Data):
+    """Rarity of a set of texts: expected kilometres between two meetings with each kind, as logarithms."""
+
+    noun: ClassVar[str] = "rarity"
+
+    unit: Literal["log10 km"] = "log10 km"
+    population: str = POPULATION
+    by: str
+    """The encoder of the offline head, `words` if the head uses stems alone, or the model that was asked."""
+    per_text: tuple[TextRarity, ...]
+    median: float | None
+    """Median of the texts that have a figure."""
+    untold: int = Field(ge=0)
+    """Number of texts without a figure."""
+    calibration: Calibration | None = None
+    """The calibration that was applied to all figures, if any."""
+    input_tokens: int = 0
+    output_tokens: int = 0
+    cost_usd: float | None = 0.0
+    """`None` if the price of the model is not known."""
+
+    def __str__(self) -> str:
+        n = len(self.per_text)
+        if self.median is None:
+            return f"rarity                 cannot be told for any of {n} texts"
+        found = [one.best for one in self.per_text if one.best is not None]
+        ends = np.quantile(found, [0.1, 0.9])
+        line = (
+            f"rarity                 once in 10^{self.median:.1f} km (median; 80 % of texts "
+            f"10^{ends[0]:.1f} to 10^{ends[1]:.1f}), by {self.by}"
+        )
+        line += f"; cannot be told for {self.untold} of {n}" if self.untold else ""
+        if not self.input_tokens + self.output_tokens:
+            return line
+        cost = "price not known" if self.cost_usd is None else f"{self.cost_usd:.2f} USD"
+        return f"{line}; {self.input_tokens + self.output_tokens:,} tokens, {cost}"
+
+
+def gathered(
+    per_text: Sequence[TextRarity], by: str, anchors: Sequence[Rate] | None, own: Sequence[float]
+) -> Rarity:
+    """Return the rarity of a set, calibrated if there are anchors.
+
+    Args:
+        per_text: One per text.
+        by: The encoder or the model.
+        anchors: Rates to calibrate on.
+        own: The estimate of every anchor.
+    """
+    calibration = None if anchors is None else calibrate(anchors, own)
+    if calibration is not None:
+        per_text = [one.moved(calibration) for one in per_text]
+    found = [one.best for one in per_text if one.best is not None]
+    return Rarity(
+        by=by,
+        per_text=tuple(per_text),
+        median=float(np.median(found)) if found else None,
+        untold=len(per_text) - len(found),
+        calibration=calibration,
+    )
+
+
+def estimated(
+    space: "Space", texts: Sequence[str], anchors: Sequence[Rate] | None = None
+) -> Rarity:
+    """Return the offline estimate for texts; see `oodscen.metrics._rarity.head`."""
+    name = space.encoder.name
+    head, vectors = head_for(name, lambda: space.vectors(texts))
+    off_topic = set(space.guard.flags(vectors).flagged) if vectors is not None else set()
+    found = head.estimate(texts, vectors)
+    lines = load_head("words")
+    per_text = []
+    for place, text in enumerate(texts):
+        flags = flags_of(text, lines, float(found.known[place]))
+        if place in off_topic and found.best[place] < _RARE:
+            flags.append("no driving")
+        if found.near[place] < head.nearest:
+            flags.append("far")
+        values = (found.low[place], found.best[place], found.high[place])
+        low, best, high = (
+            (None,) * 3 if UNTOLD & set(flags) else (round(float(one), 2) for one in values)
+        )
+        per_text.append(TextRarity(low=low, best=best, high=high, flags=_in_order(flags)))
+    own = [] if anchors is None else anchor_estimates(space, anchors)
+    return gathered(per_text, name if head.uses_vectors else "words", anchors, own)
+
+
+def estimated_km(encoder: Encoder | None, text: str) -> float | None:
+    """Return the kilometres between two meetings with a text's kind by the offline head, two digits.
+
+    Args:
+        encoder: The encoder of the head; without one the head uses stems alone.
+        text: The text.
+
+    Returns:
+        `None` where the head cannot tell.
+    """
+    name = "" if encoder is None else encoder.name
+    head, vectors = head_for(name, lambda: unit(encode(encoder, [text])) if encoder else _NONE)
+    found = head.estimate([text], vectors)
+    flags = flags_of(text, load_head("words"), float(found.known[0]))
+    if UNTOLD & set(flags) or found.near[0] < head.nearest:
+        return None
+    return float(f"{10.0 ** found.best[0]:.1e}")
+
+
+def anchor_estimates(space: "Space", anchors: Sequence[Rate]) -> list[float]:
+    """Return the head's estimate of each anchor, the mean over its wordings."""
+    wordings = [text for rate in anchors for text in rate.texts]
+    head, vectors = head_for(space.encoder.name, lambda: space.vectors(wordings))
+    best = iter(head.estimate(wordings, vectors).best)
+    return [float(np.mean([next(best) for _ in rate.texts])) for rate in anchors]
+
+
+def flags_of(text: str, lines: Head, known: float) -> list[Flag]:
+    """Return the faults of a text that its words show.
+
+    Args:
+        text: The text.
+        lines: The head over stems.
+        known: Share of its words whose stems are known.
+    """
+    flags: list[Flag] = []
+    letters = len(_LETTER.findall(text))
+    if letters < 0.5 * len(re.sub(r"\s", "", text)):
+        flags.append("no driving")
+    elif known < _FEWEST_KNOWN or len(_ASCII_LETTER.findall(text)) < 0.8 * letters:
+        flags.append("language")
+    if is_impossible(text):
+        flags.append("impossible")
+    if len(text) > _LONG:
+        flags.append("long")
+    said = parts(text)
+    if len(said) > 1:
+        best = lines.estimate(said).best
+        if sum(names_event(one) or x >= _RARE for one, x in zip(said, best, strict=True)) > 1:
+            flags.append("several events")
+    return flags
+
+
+def _in_order(flags: Sequence[Flag]) -> tuple[Flag, ...]:
+    return tuple(flag for flag in FLAGS if flag in flags)

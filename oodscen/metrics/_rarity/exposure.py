@@ -1,0 +1,93 @@
+"""Exposure: the share of all meetings that some kinds of situation make up.
+
+A kind that is met about once in k kilometres is met 1/k times per kilometre. The share of some kinds is the sum of
+theirs over the sum of all; it is ruled by the commonest kinds, whose number is small.
+"""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from oodscen._seeding import stream
+from oodscen.data._base import Data
+from oodscen.errors import UsageError
+from oodscen.metrics._rarity.estimates import Rarity, TextRarity
+
+_DRAWS = 1_000
+_Z = 1.645
+"""Standard deviations from the median of a normal distribution to its 95th percentile."""
+
+
+class Exposure(Data):
+    """The share of meetings that some of a set's kinds make up."""
+
+    noun: ClassVar[str] = "exposure"
+
+    share: float = Field(ge=0.0, le=1.0)
+    low: float
+    """Lower end of the 90 % interval, if the errors of the kinds are independent."""
+    high: float
+    chosen: int
+    """Number of the kinds whose share it is."""
+    total: int
+    untold: int
+    """Number of kinds whose rarity cannot be told; they count in neither sum."""
+
+    def __str__(self) -> str:
+        return f"{self.share:.0%} of what a driver would meet ({self.low:.0%} to {self.high:.0%})"
+
+
+class TreeRarity(Data):
+    """The rarity of a tree's leaves by their labels."""
+
+    noun: ClassVar[str] = "rarity of a tree"
+
+    leaves: tuple[str, ...]
+    """Ids of the leaves."""
+    rarity: Rarity
+
+    def per_km(self) -> dict[str, float]:
+        """Return meetings per kilometre by leaf, for those whose rarity can be told."""
+        told = zip(self.leaves, self.rarity.per_text, strict=True)
+        return {leaf: 10.0**-one.best for leaf, one in told if one.best is not None}
+
+    def of(self, leaves: set[str]) -> Exposure | None:
+        """Return the exposure of some leaves; see `exposure`."""
+        return exposure(self.rarity.per_text, [leaf in leaves for leaf in self.leaves])
+
+
+def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure | None:
+    """Return the share of meetings that the chosen kinds make up; `None` if no rarity can be told.
+
+    Raises:
+        UsageError: If there is not one choice per text.
+    """
+    if len(per_text) != len(chosen):
+        raise UsageError(f"{len(chosen)} choices do not fit {len(per_text)} texts")
+    told = [
+        (one.low, one.best, one.high, is_chosen)
+        for one, is_chosen in zip(per_text, chosen, strict=True)
+        if one.low is not None and one.best is not None and one.high is not None
+    ]
+    if not told:
+        return None
+    low, best, high, own = np.array(told, np.float64).T
+    errors = stream(0, "exposure").standard_normal((_DRAWS, len(told)))
+    drawn = best + errors * np.where(errors < 0.0, best - low, high - best) / _Z
+    shares = np.array([_share(values, own) for values in (best, *drawn)])
+    ends = np.quantile(shares[1:], [0.05, 0.95])
+    return Exposure(
+        share=shares[0],
+        low=min(ends[0], shares[0]),
+        high=max(ends[1], shares[0]),
+        chosen=sum(map(bool, chosen)),
+        total=len(per_text),
+        untold=len(per_text) - len(told),
+    )
+
+
+def _share(log10_km: np.ndarray, own: np.ndarray) -> float:
+    rates = 10.0 ** (log10_km.min() - log10_km)
+    return min(float(rates @ own / rates.sum()), 1.0)

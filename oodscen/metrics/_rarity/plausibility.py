@@ -1,0 +1,76 @@
+"""Signs that a text describes something impossible, or more than one event.
+
+They are patterns and not understanding: what they flag is nearly always so, and much that is impossible is not flagged.
+`docs/rarity.md` has the rates.
+"""
+
+import re
+from typing import Final
+
+_BEINGS: Final = (
+    r"aliens?|ghosts?|unicorns?|dragons?|zombies?|wizards?|witch(?:es)?|mermaids?|werewol(?:f|ves)|vampires?|"
+    r"godzilla|sorcerers?|dinosaurs?|mammoths?|centaurs?|trolls?|goblins?|spaceships?|starships?|ufos?|flying saucers?"
+)
+_DISPLAYED = re.compile(
+    r"\b(?:costumes?|dressed|masks?|posters?|billboards?|inflatables?|balloons?|statues?|floats?|toys?|painted|"
+    r"printed|models?|mascots?|carnival|halloween|film|movie|sculptures?|replicas?|cardboard)\b"
+)
+_GROUND: Final = (
+    r"(?:cars?|trucks?|lorr(?:y|ies)|bus(?:es)?|vans?|vehicles?|trams?|bicycles?|pedestrians?|houses?|bridges?|trees?|"
+    r"cows?|horses?|elephants?|traffic lights?|road|street|lane|buildings?|people|man|woman|child|ego)"
+)
+_ROOTED: Final = (
+    r"(?:trees?|traffic lights?|houses?|buildings?|lamp posts?|bridges?|hydrants?|walls?)"
+)
+_IMPOSSIBLE = tuple(
+    re.compile(pattern)
+    for pattern in (
+        rf"(?<!like a )(?<!like an )\b(?:{_BEINGS})\b",
+        r"\b(?:teleport|levitat|dematerial|antigravit|time ?warp|time[- ]travel)\w*",
+        rf"\b{_GROUND} (?:\w+ )?(?:flies|is flying|hovers|floats) (?:\w+ ){{0,2}}(?:over|above|through|in) (?:the |mid-?)?"
+        r"(?:air|sky|clouds?|roofs?|city|rooftops?)\b",
+        rf"\b{_GROUND} (?:\w+ )?(?:vanish(?:es)?|disappears?|dissolves?|evaporates?) (?:into (?:thin air|nothing)|in mid-?air)\b",
+        r"\b(?:passes|walks|drives|goes|runs) (?:straight |right )?through (?:a |the )?(?:solid |brick |concrete )?"
+        r"(?:walls?|other cars?|the truck|solid rock)\b(?! opening| gap)",
+        r"\b(?:gravity|time) (?:\w+ )?(?:reverses?|stops|stands still|runs backwards?|is switched off|no longer)\b",
+        r"\b(?:moon (?:\w+ )?falls|(?:sun|moon) (?:\w+ )?(?:explodes|goes out|lands|crashes))\b",
+        rf"\b{_ROOTED} (?:\w+ )?(?:walks?|jumps?|dances?|drives?|speaks?|talks?|sings?|chases?|swims?)\b",
+        rf"\b{_GROUND} (?:\w+ )?(?:transforms|morphs) into\b",
+        rf"\b{_GROUND} (?:\w+ )?(?:turns|changes) into (?:a |an )?(?:swan|bird|frog|dog|cat|horse|cow|elephant|snake|fish|"
+        r"monster|robot|pumpkin|boat|plane|house|cloud|stone|gold)\b",
+        r"\b(?:road|street|lane)s? (?:suddenly )?(?:comes alive|bends upwards into|becomes (?:lava|glass|water|vertical))\b",
+    )
+)
+_SPEED = re.compile(r"(\d[\d,. ]*\d|\d)\s*(km/h|kmh|kph|mph|m/s)\b")
+_FASTEST: Final = {"m/s": 140.0, "mph": 310.0}
+"""Greatest speeds of a road vehicle; 500 in km/h."""
+
+_EVENT = re.compile(
+    r"\b(?:explod|collaps|burst|erupt|overturn|derail|ignit|faint|capsiz|jackknif|run(?:s|ning)? loose|ran loose)\w*"
+)
+_PART = re.compile(
+    r"(?<=[.!?;])\s+|,?\s+(?:and then|then|while|just as|at the same time|meanwhile|moments later|after which)\s+"
+)
+
+
+def is_impossible(text: str) -> bool:
+    """Return whether a text names a thing, an act or a speed that does not exist."""
+    lower = text[:20_000].lower()
+    for number, pattern in enumerate(_IMPOSSIBLE):
+        if pattern.search(lower) and not (number == 0 and _DISPLAYED.search(lower)):
+            return True
+    for digits, unit in _SPEED.findall(lower):
+        value = re.sub(r"[, ](?=\d{3}\b)", "", digits).replace(",", ".").replace(" ", "")
+        if value.count(".") < 2 and float(value) > _FASTEST.get(unit, 500.0):
+            return True
+    return False
+
+
+def parts(text: str) -> list[str]:
+    """Return the sentences and joined clauses of a text that have three words or more."""
+    return [one for one in _PART.split(text[:20_000]) if one and len(one.split()) > 2]
+
+
+def names_event(part: str) -> bool:
+    """Return whether a part of a text names a sudden event, which the head may take for common."""
+    return _EVENT.search(part.lower()) is not None

@@ -1,0 +1,60 @@
+"""The question of how rarely drivers meet the situations of texts."""
+
+from typing import ClassVar, Literal
+
+from pydantic import BaseModel, Field
+
+from oodscen._display import Brief
+from oodscen.errors import Issue
+from oodscen.prompts._base import Prompt
+
+
+class RarityEstimate(Brief, BaseModel):
+    """The rarity of one text."""
+
+    number: int = Field(description="number of the text")
+    unit: Literal["log10 km"] = Field(description="always log10 km")
+    low: float | None = Field(default=None, ge=-2.0, le=18.0, description="low end, log10 km")
+    best: float | None = Field(default=None, ge=-2.0, le=18.0, description="estimate, log10 km")
+    high: float | None = Field(default=None, ge=-2.0, le=18.0, description="high end, log10 km")
+    problem: Literal["none", "no driving", "impossible", "several events", "not understood"] = (
+        "none"
+    )
+
+
+class RarityEstimates(Brief, BaseModel):
+    """Answer: the rarity of every text."""
+
+    estimates: list[RarityEstimate]
+
+
+class EstimateRarity(Prompt[RarityEstimates]):
+    """Estimate about once in how many kilometres drivers meet the situations of some texts."""
+
+    purpose: ClassVar[str] = "estimate-rarity"
+    template: ClassVar[str] = "estimate_rarity.md"
+    answer: ClassVar[type[BaseModel]] = RarityEstimates
+
+    texts: tuple[str, ...] = Field(min_length=1)
+    population: str
+
+    def check(self, answer: RarityEstimates) -> list[Issue]:
+        """Return a fault for every text without exactly one entry, and for figures out of order or missing."""
+        numbers = [one.number for one in answer.estimates]
+        counts = {number: numbers.count(number) for number in range(1, len(self.texts) + 1)}
+        issues = [
+            Issue("estimates", f"text {number} has {count} entries, not one")
+            for number, count in counts.items()
+            if count != 1
+        ]
+        if extra := sorted(set(numbers) - set(counts)):
+            issues.append(Issue("estimates", f"there is no text {extra[0]}"))
+        for place, one in enumerate(answer.estimates):
+            found = [value for value in (one.low, one.best, one.high) if value is not None]
+            is_silent = one.problem not in ("none", "several events")
+            if found != sorted(found) or len(found) not in ((0, 3) if is_silent else (3,)):
+                fault = (
+                    "low, best and high are three logarithms in order, or all null with a problem"
+                )
+                issues.append(Issue(f"estimates[{place}]", fault))
+        return issues

@@ -1,0 +1,121 @@
+import csv
+import json
+import shutil
+
+import pytest
+from click.testing import CliRunner
+
+from oodscen import Study, make_catalogue
+from oodscen._cli import main
+from oodscen._pipeline import run_study
+from oodscen.interchange import read_openscenario
+from oodscen.interchange._recording import UnrenderedSimulator, replayed
+from tests.interchange.staging import SCENES
+from tests.pipeline.quick import QUICK
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("interchange") / "out"
+    run_study(folder, QUICK.model_copy(update={"max_paths": 1, "iterations": 2}))
+    return folder
+
+
+@pytest.fixture
+def study(made, tmp_path):
+    return shutil.copytree(made, tmp_path / "out")
+
+
+def run(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def poses(path, scene, catalogue):
+    """Write the poses of a run as a player would."""
+    truth = replayed(scene, UnrenderedSimulator(catalogue), "keep_speed", 0)
+    with path.open("w", newline="") as out:
+        table = csv.writer(out)
+        table.writerow(["time", "name", "x", "y", "z", "h"])
+        for step, time in enumerate(truth.time):
+            for row, name in enumerate(truth.ids):
+                table.writerow([time, name, *truth.poses[step, row]])
+
+
+def test_a_study_is_exported_and_its_files_are_read(study, tmp_path):
+    done = run("export", study, "-o", tmp_path / "files", "--mode", "reactive", "--no-ego")
+    assert done.exit_code == 0
+    opened = Study.open(study)
+    catalogue = make_catalogue("flat")
+    for scene in opened.scenes:
+        assert (tmp_path / "files" / f"{scene.id}~twin.xosc").exists()
+        path = tmp_path / "files" / f"{scene.id}.xosc"
+        assert read_openscenario(path, catalogue).scene == scene
+        assert opened.scenarios[0].text.split()[0] in path.read_text()
+        back = run("import", path, "--simulator", "flat")
+        assert json.loads(back.stdout) == scene.model_dump(mode="json")
+
+
+def test_processes_write_the_same_files(tmp_path, monkeypatch):
+    monkeypatch.setattr("oodscen._cli.interchange._PART", 1)
+    scenes, written = tmp_path / "scenes.jsonl", []
+    scenes.write_text("".join(f"{one.to_json()}\n" for one in SCENES[:2]))
+    for workers in (1, 2):
+        out = tmp_path / str(workers)
+        words = ("--simulator", "pybullet", "--no-twins", "--workers", workers)
+        assert run("export", scenes, "-o", out, *words).exit_code == 0
+        written.append({path.name: path.read_bytes() for path in out.iterdir()})
+    assert written[0] == written[1]
+    assert set(written[0]) >= {f"{one.id}.xosc" for one in SCENES[:2]}
+
+
+def test_tags_are_exported(study, tmp_path):
+    assert run("export", study, "-o", tmp_path / "tags", "--to", "openlabel").exit_code == 0
+    for scene in Study.open(study).scenes:
+        text = (tmp_path / "tags" / f"{scene.id}.json").read_text()
+        assert json.loads(text)["openlabel"]["tags"]
+
+
+def test_traces_are_exported_and_judged(study, tmp_path):
+    done = run("export", study, "-o", tmp_path / "traces", "--to", "osi", "--action", "stop")
+    assert done.exit_code == 0
+    opened = Study.open(study)
+    for scene, episode in zip(opened.scenes, opened.episodes, strict=False):
+        (told,) = json.loads(
+            run("verdict", study, tmp_path / "traces" / f"{scene.id}.osi", "--json").stdout
+        )
+        assert told["outcome"]["safe"] == episode.actions["stop"].safe
+
+
+def test_a_played_run_enters_the_table_of_drivers(study, tmp_path):
+    scene = Study.open(study).scenes[0]
+    path = tmp_path / f"{scene.id}.csv"
+    poses(path, scene, make_catalogue("flat"))
+    done = run("verdict", study, path, "--driver", "stack")
+    assert done.exit_code == 0
+    assert scene.id in done.output
+    (row,) = (one for one in Study.open(study).drives if one.driver == "stack")
+    assert row.scene_id == scene.id
+    assert "stack" in (study / "report.html").read_text()
+    (told,) = json.loads(run("verdict", study, path, "--json").stdout)
+    assert told["outcome"]["safe"] == row.passed
+
+
+def test_what_cannot_be_judged_or_read_is_reported(study, tmp_path):
+    path = tmp_path / "nobody.csv"
+    path.write_text("time,name,x,y,h\n")
+    found = run("verdict", study, path)
+    assert found.exit_code == 1
+    assert "nobody" in found.output
+    odd = tmp_path / "odd.xosc"
+    odd.write_text("<OpenSCENARIO/>")
+    assert run("import", odd).exit_code == 1
+
+
+def test_variants_are_scenes(tmp_path):
+    path = tmp_path / "scenes.jsonl"
+    path.write_text("".join(scene.to_json() + "\n" for scene in SCENES[10:12]))
+    done = run("vary", path, "--scene", SCENES[10].id, "-n", 2)
+    assert done.exit_code == 0
+    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    assert [row["id"] for row in rows] == [f"{SCENES[10].id}.v00{n}" for n in (1, 2)]
+    assert run("vary", path, "--scene", "nobody").exit_code == 2

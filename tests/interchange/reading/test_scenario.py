@@ -1,0 +1,236 @@
+from tempfile import TemporaryDirectory
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen._text import whole
+from oodscen.errors import DataError, OodscenError
+from oodscen.interchange import read_openscenario, to_openscenario
+from oodscen.interchange._recording import ordinary_twin
+from tests.interchange.staging import SCENES, catalogue
+
+FOREIGN = """<OpenSCENARIO>
+  <FileHeader revMajor="1" revMinor="0" date="2020-01-01T00:00:00" author="x" description="x"/>
+  <ParameterDeclarations>
+    <ParameterDeclaration name="kph" parameterType="double" value="54"/>
+    <ParameterDeclaration name="speed" parameterType="double" value="${$kph / 3.6}"/>
+    PARAMETERS
+  </ParameterDeclarations>
+  <CatalogLocations/>
+  <RoadNetwork><LogicFile filepath="road.xodr"/></RoadNetwork>
+  <Entities>
+    <ScenarioObject name="Ego"><Vehicle name="a" vehicleCategory="car"/></ScenarioObject>
+    <ScenarioObject name="Other">ENTITY</ScenarioObject>
+  </Entities>
+  <Storyboard>
+    <Init><Actions>
+      <GlobalAction><EnvironmentAction><Environment name="e">
+        <TimeOfDay animation="false" dateTime="2020-01-01T12:00:00"/>
+        <Weather cloudState="overcast"><Sun azimuth="0" elevation="0.5" intensity="1"/>
+          <Fog visualRange="150"/><Precipitation precipitationType="rain" intensity="0.1"/></Weather>
+        <RoadCondition frictionScaleFactor="0.7"/>
+      </Environment></EnvironmentAction></GlobalAction>
+      <Private entityRef="Ego">
+        <PrivateAction><TeleportAction><Position>
+          <LanePosition roadId="1" laneId="-1" s="210"/></Position></TeleportAction></PrivateAction>
+        <PrivateAction><LongitudinalAction><SpeedAction>
+          <SpeedActionDynamics dynamicsShape="step" dynamicsDimension="time" value="0"/>
+          <SpeedActionTarget><AbsoluteTargetSpeed value="$speed"/></SpeedActionTarget>
+        </SpeedAction></LongitudinalAction></PrivateAction>
+      </Private>
+      <Private entityRef="Other">
+        <PrivateAction><TeleportAction><Position>PLACE</Position></TeleportAction></PrivateAction>
+        <PrivateAction><LongitudinalAction><SpeedAction>
+          <SpeedActionDynamics dynamicsShape="step" dynamicsDimension="time" value="0"/>
+          <SpeedActionTarget><AbsoluteTargetSpeed value="START"/></SpeedActionTarget>
+        </SpeedAction></LongitudinalAction></PrivateAction>
+      </Private>
+    </Actions></Init>
+    <Story name="s"><Act name="a"><ManeuverGroup maximumExecutionCount="1" name="g">
+      <Actors selectTriggeringEntities="false"><EntityRef entityRef="Other"/></Actors>
+      <Maneuver name="m"><Event name="e" priority="overwrite">
+        <Action name="x"><PrivateAction>ACTION</PrivateAction></Action>
+        <StartTrigger><ConditionGroup>
+          <Condition name="c" delay="0" conditionEdge="rising">CONDITION</Condition>
+        </ConditionGroup></StartTrigger>
+      </Event></Maneuver></ManeuverGroup></Act></Story>
+    <StopTrigger/>
+  </Storyboard>
+</OpenSCENARIO>
+"""
+DEFAULTS = {
+    "PARAMETERS": "",
+    "ENTITY": '<Vehicle name="b" vehicleCategory="car"/>',
+    "PLACE": '<LanePosition roadId="1" laneId="-1" s="240"/>',
+    "START": "10",
+    "ACTION": """<LongitudinalAction><SpeedAction>
+        <SpeedActionDynamics dynamicsShape="linear" dynamicsDimension="rate" value="6"/>
+        <SpeedActionTarget><AbsoluteTargetSpeed value="0"/></SpeedActionTarget>
+      </SpeedAction></LongitudinalAction>""",
+    "CONDITION": """<ByValueCondition>
+        <SimulationTimeCondition value="2" rule="greaterThan"/></ByValueCondition>""",
+}
+
+
+@pytest.fixture
+def foreign(tmp_path):
+    """Return a function that reads a file of somebody else with parts replaced."""
+    road = to_openscenario(
+        next(one for one in SCENES if one.map == "urban_three_lane"), catalogue()
+    ).road
+    (tmp_path / "road.xodr").write_bytes(road.content)
+
+    def read(text=FOREIGN, **parts):
+        for name, value in {**DEFAULTS, **parts}.items():
+            text = text.replace(name, value)
+        path = tmp_path / "Some File.xosc"
+        path.write_text(text)
+        return read_openscenario(path, catalogue())
+
+    return read
+
+
+@pytest.mark.parametrize("mode", ["replay", "reactive"])
+def test_an_export_gives_back_its_scene(mode, tmp_path):
+    for scene in SCENES:
+        found = read_openscenario(
+            to_openscenario(scene, catalogue(), mode=mode).save(tmp_path), catalogue()
+        )
+        assert found.scene == scene
+        assert found.scene.to_json() == scene.to_json()
+        assert not found.omissions
+
+
+@given(st.text(max_size=40))
+@settings(max_examples=20)
+def test_any_words_of_a_scene_come_back(words):
+    scene = SCENES[0].model_copy(update={"scenario_id": whole(words)})
+    with TemporaryDirectory() as folder:
+        file = to_openscenario(scene, catalogue(), properties={"text": words})
+        assert read_openscenario(file.save(folder), catalogue()).scene == scene
+
+
+def test_a_twin_gives_back_its_scene(tmp_path):
+    twin = ordinary_twin(SCENES[0], catalogue())
+    path = to_openscenario(twin, catalogue(), action="stop").save(tmp_path)
+    assert read_openscenario(path, catalogue()).scene == twin
+
+
+def test_a_changed_export_is_read_by_its_elements(tmp_path):
+    scene = next(one for one in SCENES if one.weather.friction < 1.0)
+    path = to_openscenario(scene, catalogue()).save(tmp_path)
+    text = path.read_text()
+    was = f'frictionScaleFactor="{scene.weather.friction:g}"'
+    path.write_text(text.replace(was, 'frictionScaleFactor="0.5"'))
+    found = read_openscenario(path, catalogue())
+    assert found.scene.weather.friction == 0.5
+    assert [one.asset for one in found.scene.actors] == [one.asset for one in scene.actors]
+    for mine, its in zip(scene.actors, found.scene.actors, strict=True):
+        assert its.placement.ahead_m == pytest.approx(mine.placement.ahead_m, abs=2.5)
+    assert any("changed" in issue.message for issue in found.omissions)
+
+
+def test_a_file_of_others_is_read_as_far_as_the_vocabulary_goes(foreign):
+    scene = foreign().scene
+    (actor,) = scene.actors
+    assert scene.ego.speed == 15.0
+    assert (actor.id, actor.asset, actor.placement.lane) == ("other", "car", 0)
+    assert actor.placement.ahead_m == pytest.approx(30.0, abs=0.01)
+    assert actor.behaviour.name == "hard_brake"
+    assert actor.behaviour.parameters == {"deceleration": 6.0, "speed": 10.0}
+    assert (actor.behaviour.trigger.kind, actor.behaviour.trigger.value) == ("time", 2.0)
+    assert scene.weather.friction == 0.7
+    assert scene.weather.precipitation_mm_h == 5.0
+    assert (scene.weather.cloud_cover, scene.weather.fog_visual_range_m) == (1.0, 150.0)
+
+
+def test_lane_changes_and_crossings_are_read(foreign):
+    change = """<LateralAction><LaneChangeAction>
+        <LaneChangeActionDynamics dynamicsShape="sinusoidal" dynamicsDimension="time" value="2.5"/>
+        <LaneChangeTarget><AbsoluteTargetLane value="-1"/></LaneChangeTarget>
+      </LaneChangeAction></LateralAction>"""
+    near = """<ByEntityCondition>
+        <TriggeringEntities triggeringEntitiesRule="any"><EntityRef entityRef="Ego"/>
+        </TriggeringEntities>
+        <EntityCondition><RelativeDistanceCondition entityRef="Other" value="12"
+          relativeDistanceType="longitudinal" freespace="false" rule="lessThan"/>
+        </EntityCondition></ByEntityCondition>"""
+    beside = '<LanePosition roadId="1" laneId="-2" s="240"/>'
+    (actor,) = foreign(ACTION=change, CONDITION=near, PLACE=beside).scene.actors
+    assert actor.behaviour.name == "cut_in"
+    assert actor.behaviour.parameters == {"lanes": 1.0, "duration": 2.5, "speed": 10.0}
+    assert (actor.behaviour.trigger.kind, actor.behaviour.trigger.value) == ("distance", 12.0)
+
+    vertices = "".join(
+        f'<Vertex time="{time}"><Position><LanePosition roadId="1" laneId="-1" s="250" '
+        f'offset="{offset}"/></Position></Vertex>'
+        for time, offset in ((0, -4), (4, 4))
+    )
+    course = f"""<RoutingAction><FollowTrajectoryAction>
+        <Trajectory name="t" closed="false"><Shape><Polyline>{vertices}</Polyline></Shape></Trajectory>
+        <TimeReference><None/></TimeReference><TrajectoryFollowingMode followingMode="follow"/>
+      </FollowTrajectoryAction></RoutingAction>"""
+    walker = '<Pedestrian name="p" model="p" mass="70" pedestrianCategory="pedestrian"/>'
+    place = '<LanePosition roadId="1" laneId="-1" s="250" offset="-4"/>'
+    found = foreign(ACTION=course, ENTITY=walker, PLACE=place, START="0")
+    (actor,) = found.scene.actors
+    assert actor.behaviour.name == "cross_road"
+    assert actor.behaviour.parameters == {"distance": 8.0, "speed": 2.0}
+    assert actor.placement.heading_deg == pytest.approx(90.0, abs=0.1)
+
+
+def test_what_is_left_out_has_its_line_and_element(foreign):
+    odd = "<LateralAction><LaneOffsetAction continuous='true'/></LateralAction>"
+    found = foreign(ACTION=odd)
+    assert any(
+        one.path.startswith("line ") and one.path.endswith("LaneOffsetAction")
+        for one in found.omissions
+    )
+
+
+@pytest.mark.parametrize(
+    ("parts", "where"),
+    [
+        ({"START": "fast"}, "AbsoluteTargetSpeed @value"),
+        ({"START": "1e400"}, "AbsoluteTargetSpeed @value"),
+        ({"START": "$unknown"}, "AbsoluteTargetSpeed @value"),
+        ({"START": "${1 / 0}"}, "AbsoluteTargetSpeed @value"),
+        ({"ENTITY": '<CatalogReference catalogName="c" entryName="none"/>'}, "CatalogReference"),
+        ({"PLACE": '<LanePosition roadId="9" laneId="-1" s="1"/>'}, "LanePosition"),
+        ({"PLACE": '<LanePosition roadId="1" laneId="-99" s="1"/>'}, "LanePosition"),
+        (
+            {
+                "START": "$a",
+                "PARAMETERS": '<ParameterDeclaration name="a" value="$b"/>'
+                '<ParameterDeclaration name="b" value="$a"/>',
+            },
+            "AbsoluteTargetSpeed @value",
+        ),
+    ],
+)
+def test_faults_are_refused_with_line_and_element(foreign, parts, where):
+    with pytest.raises(DataError) as caught:
+        foreign(**parts)
+    (issue,) = caught.value.issues
+    assert issue.path.startswith("line ")
+    assert issue.path.endswith(where)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "<OpenDRIVE/>",
+        "<OpenSCENARIO/>",
+        "<OpenSCENARIO><Storyboard/></OpenSCENARIO>",
+        "<OpenSCENARIO>" + "<a>" * 100 + "</a>" * 100 + "</OpenSCENARIO>",
+        '<!DOCTYPE a [<!ENTITY b "c">]><OpenSCENARIO><Storyboard/></OpenSCENARIO>',
+        '<!DOCTYPE a SYSTEM "file:///etc/passwd"><OpenSCENARIO><Storyboard/></OpenSCENARIO>',
+        FOREIGN.replace("Ego", "Nobody", 1),
+        FOREIGN.replace("road.xodr", "/etc/passwd"),
+    ],
+)
+def test_hostile_files_are_refused(foreign, text):
+    with pytest.raises(OodscenError):
+        foreign(text)

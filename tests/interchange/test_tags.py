@@ -1,0 +1,35 @@
+from oodscen.driving._motion.behaviours import BEHAVIOURS
+from oodscen.interchange import openlabel
+from oodscen.interchange._tags import _MOTIONS, scene_tags
+from tests.interchange.staging import SCENES, catalogue
+
+
+def test_tags_agree_with_the_scene():
+    for scene in SCENES:
+        tags, weather = scene_tags(scene, catalogue()), scene.weather
+        assert ("LowLightNight" in tags) == (weather.sun_elevation_deg < -6)
+        assert ("WeatherRain" in tags) == (weather.precipitation == "rain")
+        assert tags.get("weatherSnowValue", 0.0) == (
+            weather.precipitation_mm_h if weather.precipitation == "snow" else 0.0
+        )
+        assert ("RoadTypeMotorway" in tags) == (scene.map == "highway")
+        assert ("LongitudinalUpSlope" in tags) == (scene.map == "rural_hill")
+        assert ("SpecialStructureTunnel" in tags) == (scene.map == "tunnel")
+        people = [one for one in scene.actors if catalogue().asset(one.asset).category == "animal"]
+        assert ("RoadUserAnimal" in tags) == bool(people)
+        assert sum(tag in tags for tag in ("HorizontalCurves", "HorizontalStraights")) == 1
+
+
+def test_every_behaviour_that_moves_a_road_user_has_its_tags():
+    assert {one.id for one in BEHAVIOURS} - set(_MOTIONS) == {"open_door"}
+
+
+def test_a_document_has_every_tag_once_with_its_value():
+    for scene in SCENES:
+        body = openlabel(scene, catalogue())["openlabel"]
+        tags = {one["type"]: one for one in body["tags"].values()}
+        assert len(tags) == len(body["tags"])
+        assert {one["ontology_uid"] for one in tags.values()} == set(body["ontologies"])
+        for name, value in scene_tags(scene, catalogue()).items():
+            held = tags[name].get("tag_data", {"num": [{"val": None}]})
+            assert held["num"][0]["val"] == value

@@ -1,0 +1,133 @@
+import numpy as np
+import pytest
+from lxml import etree
+
+from oodscen.driving._motion.behaviours import BEHAVIOURS
+from oodscen.errors import SceneError, UnknownComponent, UsageError
+from oodscen.interchange import to_openscenario
+from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
+from oodscen.interchange._support import ELEMENTS
+from oodscen.interchange._writing.scenario_runner import PLAYED, unplayable
+from tests.interchange.playing import centres, turned
+from tests.interchange.staging import SCENES, catalogue, doing
+
+DOINGS = [doing(kind) for kind in BEHAVIOURS]
+
+
+def names(root, tag, attribute):
+    return [one.get(attribute) for one in root.iter(tag)]
+
+
+@pytest.mark.parametrize("scene", [*SCENES, *DOINGS], ids=lambda one: one.id)
+def test_a_replay_has_every_course_within_a_millimetre_and_a_degree(scene):
+    truth = replayed(scene, UnrenderedSimulator(catalogue()), "stop", 0)
+    played = centres(to_openscenario(scene, catalogue(), action="stop").xosc, truth.time)
+    assert set(played) == set(truth.ids)
+    for row, name in enumerate(truth.ids):
+        apart = np.abs(played[name][:, :3] - truth.poses[:, row, :3])
+        assert apart.max() < 1e-3, name
+        assert turned(played[name][:, 3], truth.poses[:, row, 3]) < 1.0, name
+
+
+@pytest.mark.parametrize("mode", ["replay", "reactive"])
+@pytest.mark.parametrize("scene", [*SCENES[::3], *DOINGS], ids=lambda one: one.id)
+def test_every_reference_leads_somewhere_and_names_are_unique(scene, mode):
+    root = etree.fromstring(to_openscenario(scene, catalogue(), mode=mode, target="esmini").xosc)
+    entities = names(root, "ScenarioObject", "name")
+    assert entities == ["ego", *(actor.id for actor in scene.actors)]
+    for element in root.iter():
+        assert element.get("entityRef", "ego") in entities
+    for tag in ("Event", "ManeuverGroup", "Condition", "Trajectory"):
+        found = names(root, tag, "name")
+        assert len(found) == len(set(found))
+    events = names(root, "Event", "name")
+    for started in root.iter("StoryboardElementStateCondition"):
+        assert started.get("storyboardElementRef") in events
+    known = {one.element for one in ELEMENTS if one.written}
+    kinds = ("Action", "Condition", "Position")
+    for element in root.iter():
+        if element.tag.endswith(kinds) and len(element.tag) > 14 and "Entity" not in element.tag:
+            groups = ("PrivateAction", "GlobalAction", "RoutingAction", "LongitudinalAction")
+            assert element.tag in known.union(groups, ["ByValueCondition"]), element.tag
+
+
+@pytest.mark.parametrize("scene", DOINGS, ids=lambda one: one.id)
+def test_a_reaction_starts_with_its_condition_on_the_ego(scene):
+    run = reactions(scene, catalogue(), 0)
+    root = etree.fromstring(to_openscenario(scene, catalogue(), mode="reactive").xosc)
+    reacts = [one for one in names(root, "Event", "name") if one.startswith("react_actor")]
+    behaviour = scene.actors[-1].behaviour.name
+    changes = behaviour not in ("stand", "follow_lane", "wrong_way", "run_red", "towed")
+    assert bool(reacts) == (changes and "actor" in run.triggered)
+    if reacts:
+        (trigger,) = (one for one in root.iter("Condition") if one.get("name") == "trigger_actor")
+        assert {"DistanceCondition", "RelativeDistanceCondition"} & {
+            one.tag for one in trigger.iter()
+        }
+
+
+def test_the_ego_is_last_and_can_be_left_out():
+    for scene in SCENES[::10]:
+        root = etree.fromstring(to_openscenario(scene, catalogue()).xosc)
+        assert names(root, "ManeuverGroup", "name")[-1] == "group_ego"
+        without = etree.fromstring(to_openscenario(scene, catalogue(), ego=False).xosc)
+        assert not any("ego" in name for name in names(without, "Maneuver", "name"))
+        assert without.find("Storyboard/Story/Act/ManeuverGroup") is not None
+
+
+def test_the_same_scene_gives_the_same_bytes():
+    scene = SCENES[0]
+    for mode in ("replay", "reactive"):
+        first = scene.to_openscenario(catalogue(), mode=mode)
+        assert first == to_openscenario(scene, catalogue(), mode=mode)
+
+
+def test_files_are_saved_beside_their_roads(tmp_path):
+    for scene in SCENES[::10]:
+        path = to_openscenario(scene, catalogue()).save(tmp_path)
+        road = etree.parse(path).find("RoadNetwork/LogicFile").get("filepath")
+        assert (tmp_path / road).read_bytes().startswith(b"<?xml")
+
+
+def test_what_cannot_be_written_is_refused():
+    with pytest.raises(UnknownComponent):
+        to_openscenario(SCENES[0], catalogue(), mode="other")
+    with pytest.raises(UnknownComponent):
+        to_openscenario(SCENES[0], catalogue(), action="jump")
+    odd = SCENES[0].model_copy(update={"map": "nowhere"})
+    with pytest.raises(SceneError):
+        to_openscenario(odd, catalogue())
+
+
+@pytest.mark.parametrize("scene", [*SCENES[::2], *DOINGS], ids=lambda one: one.id)
+def test_scenario_runner_gets_its_own_actions_or_a_reason_for_each_actor(scene):
+    options = {"mode": "reactive", "target": "carla-scenario-runner"}
+    if reasons := unplayable(scene, reactions(scene, catalogue(), 0)):
+        with pytest.raises(SceneError) as caught:
+            to_openscenario(scene, catalogue(), **options)
+        assert list(caught.value.issues) == reasons
+        assert all(issue.path.startswith("actors[") for issue in reasons)
+        return
+    root = etree.fromstring(to_openscenario(scene, catalogue(), **options).xosc)
+    assert root.find("FileHeader").get("revMinor") == "0"
+    assert not list(root.iter("FollowTrajectoryAction"))
+    assert set(names(root, "Event", "priority")) <= {"overwrite"}
+    assert set(names(root, "SimulationTimeCondition", "rule")) == {"greaterThan"}
+    assert {actor.behaviour.name for actor in scene.actors} <= PLAYED
+
+
+def test_scenario_runner_plays_no_recorded_courses():
+    with pytest.raises(UsageError):
+        to_openscenario(SCENES[0], catalogue(), target="carla-scenario-runner")
+
+
+def test_the_checkers_of_asam_have_no_issue(tmp_path):
+    pytest.importorskip("qc_openscenario")
+    from tests.interchange.asam import issues
+
+    for scene in [*SCENES, *DOINGS]:
+        for mode in ("replay", "reactive"):
+            file = to_openscenario(scene, catalogue(), mode=mode)
+            path = file.save(tmp_path / mode)
+            assert issues(path) == []
+            assert issues(path.with_name(file.road.name)) == []

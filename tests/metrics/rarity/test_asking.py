@@ -1,0 +1,81 @@
+"""Asking a model for rarity: draws, refusals and nonsense."""
+
+import pytest
+
+from oodscen import Metrics
+from oodscen.metrics._rarity.asking import asked
+from oodscen.testing import ScriptedLLM
+from oodscen.testing._encoder import HashEncoder
+
+TEXTS = ["A red light.", "A sofa lies in the lane.", "Whisk two eggs."]
+
+
+def entry(number, best, problem="none", **other):
+    told = best is not None
+    found = {
+        "number": number,
+        "unit": "log10 km",
+        "low": best - 1 if told else None,
+        "best": best,
+        "high": best + 1 if told else None,
+        "problem": problem,
+    }
+    return found | other
+
+
+def good(request):
+    shift = 0.1 * request.sample
+    entries = [entry(1, 0.5 + shift), entry(2, 6.0 - shift), entry(3, None, "no driving")]
+    return {"estimates": entries}
+
+
+def test_the_median_of_draws_counts_and_the_interval_holds_all():
+    found = asked(ScriptedLLM(good), TEXTS)
+    light, sofa, eggs = found.per_text
+    assert light.draws == pytest.approx((0.5, 0.6, 0.7))
+    assert light.best == pytest.approx(0.6)
+    assert light.low <= min(light.draws)
+    assert max(sofa.draws) <= sofa.high
+    assert eggs.best is None
+    assert eggs.flags == ("no driving",)
+    assert found.untold == 1
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        "About once in a blue moon.",
+        {"estimates": []},
+        {"estimates": [entry(1, 0.5), entry(2, 6.0)]},
+        {"estimates": [entry(1, 0.5, unit="miles"), entry(2, 6.0), entry(3, 1.0)]},
+        {"estimates": [entry(1, 0.5, unit="log10 miles"), entry(2, 6.0), entry(3, 1.0)]},
+        {"estimates": [entry(1, 0.5), entry(2, 6.0) | {"best": "six"}, entry(3, 1.0)]},
+        {"estimates": [entry(1, 0.5), entry(2, 1_000_000.0), entry(3, 1.0)]},
+        {"estimates": [entry(1, 0.5), entry(2, 6.0, low=9.0), entry(3, 1.0)]},
+        {"estimates": [entry(1, 0.5), entry(2, None), entry(3, 1.0)]},
+    ],
+)
+def test_nonsense_is_flagged_and_never_a_figure(bad):
+    found = asked(ScriptedLLM(lambda _: bad), TEXTS, draws=1)
+    assert [one.flags for one in found.per_text] == [("not answered",)] * 3
+    assert found.median is None
+
+
+def test_one_failed_draw_leaves_the_others():
+    found = asked(ScriptedLLM(lambda r: "no" if r.sample == 1 else good(r)), TEXTS)
+    assert len(found.per_text[0].draws) == 2
+
+
+def test_many_texts_are_asked_in_parts_and_keep_their_order():
+    def answer(request):
+        texts = request.prompt.texts
+        return {"estimates": [entry(n, float(t.split()[1])) for n, t in enumerate(texts, 1)]}
+
+    texts = [f"text {n / 10}" for n in range(45)]
+    found = asked(ScriptedLLM(answer), texts, draws=1, per_call=7)
+    assert [one.best for one in found.per_text] == [n / 10 for n in range(45)]
+
+
+def test_metrics_take_a_model():
+    metrics = Metrics(HashEncoder(64), ["A car."])
+    assert metrics.rarity(TEXTS, ScriptedLLM(good)).per_text[1].best == pytest.approx(5.9)

@@ -1,0 +1,85 @@
+"""The offline estimate of rarity: figures in order, faults flagged, and never a silent figure."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen import Metrics
+from oodscen.errors import DataError
+from oodscen.metrics._rarity.estimates import UNTOLD, Rarity, TextRarity
+from oodscen.testing._encoder import HashEncoder
+
+METRICS = Metrics(HashEncoder(64), ["A car waits at the light.", "A van drives ahead."])
+
+
+def one(text):
+    return METRICS.rarity([text]).per_text[0]
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.text(min_size=1).filter(str.strip).filter(lambda t: "\0" not in t), min_size=1))
+def test_every_text_has_a_figure_in_order_or_a_reason(texts):
+    try:
+        found = METRICS.rarity(texts)
+    except DataError:  # half of a surrogate pair
+        return
+    assert len(found.per_text) == len(texts)
+    for rarity in found.per_text:
+        if rarity.best is None:
+            assert UNTOLD & set(rarity.flags)
+        else:
+            assert not UNTOLD & set(rarity.flags)
+            assert rarity.low <= rarity.best <= rarity.high
+    assert Rarity.parse(found.to_json()) == found
+
+
+@pytest.mark.parametrize(
+    ("text", "flag"),
+    [
+        ("12345 67890", "no driving"),
+        ("Ein Reh springt auf die Straße und das Auto bremst.", "language"),
+        ("鹿が道路に飛び出した。", "language"),
+        ("A unicorn stands in the lane of the road.", "impossible"),
+    ],
+)
+def test_what_cannot_be_told_has_no_figure(text, flag):
+    found = one(text)
+    assert flag in found.flags
+    assert found.best is found.low is found.high is found.log10_km is None
+
+
+def test_long_texts_and_several_events_keep_their_figure_and_are_flagged():
+    assert "long" in one("The ego car follows a van in the lane. " * 260).flags
+    sequel = "A bridge collapses. Then a tanker explodes on the road."
+    assert "several events" in one(sequel).flags
+    joined = "A sofa lies in the lane, and then a plane lands on the motorway."
+    assert "several events" in one(joined).flags
+    twice = "A truck burns on the motorway. A bridge has collapsed onto the road."
+    assert "several events" in one(twice).flags
+    assert one(twice).best is not None
+
+
+def test_a_text_does_not_depend_on_the_texts_beside_it():
+    texts = ["A deer stands in the lane.", "A red light.", "A sofa lies on the motorway."]
+    together = METRICS.rarity(texts).per_text
+    for text, found in zip(texts, together, strict=True):
+        assert one(text).best == pytest.approx(found.best, abs=0.011)
+
+
+def test_rare_is_rarer_than_ordinary():
+    texts = ["The car ahead waits at the red light.", "The bridge ahead has collapsed."]
+    calm, odd = METRICS.rarity(texts).per_text
+    assert calm.best < odd.best
+
+
+def test_a_band_of_rarity_leaves_out_what_cannot_be_told():
+    texts = ["The bridge ahead has collapsed.", "12345", "The car ahead waits at the red light."]
+    found = METRICS.band(texts, 4.0, 7.5, definition="rarity")
+    assert found.indices == (0,)
+    assert found.scores[1] is None
+    assert found.below == 1
+
+
+def test_disordered_figures_are_refused():
+    with pytest.raises(DataError):
+        TextRarity.parse({"low": 5.0, "best": 4.0, "high": 6.0})

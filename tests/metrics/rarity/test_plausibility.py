@@ -1,0 +1,51 @@
+"""What cannot be, and more than one event."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.metrics._rarity.plausibility import is_impossible, parts
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A car flies over the rooftops towards us.",
+        "A truck vanishes into thin air in front of the ego.",
+        "Gravity reverses and the cars drift upwards.",
+        "The traffic light walks away from its junction.",
+        "A pedestrian walks through the wall of the tunnel.",
+        "The truck ahead turns into a swan.",
+        "The moon falls onto the motorway.",
+        "A centaur gallops in the bus lane.",
+        "The road becomes lava ahead.",
+        "A bus overtakes at 2,000 km/h.",
+        "A car drives at 900 mph past us.",
+    ],
+)
+def test_impossible_things_acts_and_speeds(text):
+    assert is_impossible(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A pedestrian in a ghost costume crosses.",
+        "A plastic bag floats like a ghost over the lane.",
+        "A car flies off the ramp and lands in the ditch.",
+        "The van ahead turns into a side street.",
+        "A truck disappears into the fog.",
+        "A drone flies over the road.",
+        "A car drives at 130 km/h.",
+        "The man walks through the wall opening.",
+        "The setting sun falls on a red signal.",
+    ],
+)
+def test_unusual_things_are_possible(text):
+    assert not is_impossible(text)
+
+
+@given(st.text())
+def test_any_text_is_read(text):
+    assert is_impossible(text) in (True, False)
+    assert all(len(part.split()) > 2 for part in parts(text))

@@ -1,0 +1,1 @@
+"""Makes the head that estimates rarity offline."""
