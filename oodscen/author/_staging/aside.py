@@ -24,7 +24,17 @@ _TOLD = re.compile(
 _HALF_LANE_M = 1.9
 _ROOM_M = (0.35, 0.75)
 """Room between the edge of the lane and a thing beside it, m."""
-_WIDE = frozenset({"fallen_tree", "fallen_pole", "spilled_logs", "flood_water"})
+_WIDE = frozenset(
+    {
+        "fallen_tree",
+        "fallen_pole",
+        "spilled_logs",
+        "flood_water",
+        "overturned_truck",
+        "trailer",
+        "tram",
+    }
+)
 """Assets for which there is no room beside the lane."""
 _SPREAD_M = 1.5
 """Width of a row up to which there is room for it, m."""

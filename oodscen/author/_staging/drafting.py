@@ -391,15 +391,23 @@ def _room(scene: StagedActors, actor: RecipeActor, friction: float) -> Callable[
     if is_unseen():
         scene.is_followed = False
 
-    def least() -> float:
-        return approach.braking(scene.speed, friction) + 0.75 * spare
+    def least(speed: float) -> float:
+        return approach.braking(speed, friction) + 0.75 * spare
 
-    while scene.pixels(actor, least()) < _SEEN_PX and scene.speed > _LEAST_SPEED:
+    def is_seen(speed: float) -> bool:
+        return scene.pixels(actor, least(speed)) >= _SEEN_PX
+
+    while not is_seen(scene.speed) and scene.speed > _LEAST_SPEED:
         scene.speed = round(0.95 * scene.speed, 2)
     if urgent < _URGENT or is_unseen():
         fast = _urgent_speed(scene, friction)
+        fast = fast if fast and is_seen(fast) else None
         scene.speed = fast or scene.speed
-        room = max(approach.too_late_to_stop(scene.speed, friction) - least() + 0.75 * spare, 0.0)
+        room = max(
+            approach.too_late_to_stop(scene.speed, friction)
+            - approach.braking(scene.speed, friction),
+            0.0,
+        )
         if fast or is_unseen():
             return lambda speed: (
                 approach.braking(speed, friction) + 0.55 * spare + share * min(room, 4.0)
