@@ -25,6 +25,7 @@ from oodscen.errors import (
     StudyMismatch,
     UnknownComponent,
 )
+from oodscen.judging._selection import chosen
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.pipeline.quick import QUICK
 
@@ -66,10 +67,12 @@ def test_a_study_is_complete(folder, study):
     assert [item.round for item in study.rounds] == list(range(1, QUICK.iterations + 1))
     scenarios, scenes, episodes = study.scenarios, study.scenes, study.episodes
     assert [s.id for s in scenarios] == [s.scenario_id for s in scenes]
-    assert [e.id for e in episodes] == [n for s in scenes for n in (s.id, f"{s.id}~twin")]
+    ends = ("", "~twin", "~demand")
+    assert [e.id for e in episodes] == [f"{s.id}{end}" for s in scenes for end in ends]
     assert len(scenes) == QUICK.max_paths * QUICK.per_path
     assert len(study.texts(10)) == 10
-    assert {verdict.scene_id for verdict in study.verdicts} == {episode.id for episode in episodes}
+    asked = chosen(episodes, count=QUICK.ordinary, seed=QUICK.seed)
+    assert {verdict.scene_id for verdict in study.verdicts} == {episode.id for episode in asked}
     for episode in episodes:
         for name in episode.frames.values():
             picture = cv2.imdecode(
@@ -315,14 +318,14 @@ def test_malformed_answers_are_repaired_or_cost_one_item(folder, tmp_path, autho
     assert failure["id"] == whole.scenes[0].id
     assert "stage-scene" in failure["error"]
     assert len(study.scenes) == len(whole.scenes) - 1
-    assert len(study.episodes) == 2 * len(study.scenes)
+    assert len(study.episodes) == 3 * len(study.scenes)
 
 
 def test_every_scene_that_tells_no_actions_apart_says_what_was_tried(folder, study):
     lines = {line["id"]: line for line in study.store.lines("restaged.jsonl")}
     scenes = {scene.id: scene.model_dump(mode="json") for scene in study.scenes}
     for episode in study.episodes:
-        if episode.is_twin or episode.status == "failed":
+        if episode.is_ordinary or episode.status == "failed":
             continue
         line = lines.get(episode.id)
         if episode.restaged:

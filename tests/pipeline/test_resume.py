@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from oodscen import Study
 from oodscen._pipeline import run_study
+from oodscen.data._pairing import scene_of
 from oodscen.errors import DataError
 from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import QUICK
@@ -152,7 +153,7 @@ def test_both_protocols_judge_the_scenes_as_they_were_run(finished):
     digests = {scene.id: scene.digest() for scene in Study.open(finished).scenes}
     for file in ("episodes.jsonl", "episodes.paper.jsonl"):
         for line in lines(finished, file):
-            assert line["made_from"] == digests[line["id"].removesuffix("~twin")]
+            assert line["made_from"] == digests[scene_of(line["id"])]
 
 
 def test_a_scene_that_was_moved_by_hand_is_run_as_it_is_now(folder):
@@ -232,7 +233,7 @@ def test_a_branch_that_is_kept_by_hand_gets_texts_and_the_others_stay(folder):
     study = Study.open(folder)
     assert gone["id"] not in study.tree("simulatable").by_id
     assert {scene.id for scene in study.scenes} == {one.id for one in study.scenarios}
-    assert {one.id.removesuffix("~twin") for one in study.episodes} == {s.id for s in study.scenes}
+    assert {scene_of(one.id) for one in study.episodes} == {s.id for s in study.scenes}
 
 
 def test_a_scene_that_was_changed_by_hand_and_lost_its_text_is_named(folder):

@@ -13,9 +13,11 @@ from oodscen import Study
 from oodscen._pipeline import run_study
 from oodscen._pipeline.steps.judge import OPINIONS
 from oodscen.data._episode import ACTIONS
+from oodscen.data._pairing import scene_of
 from oodscen.errors import BudgetExceeded, DataError, LLMError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.leaderboard import Leaderboard
+from oodscen.judging._selection import chosen
 from oodscen.llm._remote.limits import Limits
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.pipeline.quick import QUICK
@@ -39,10 +41,19 @@ def of(study, model):
     return {row.scene_id: row for row in study.verdicts if row.model == model}
 
 
-def test_scenes_and_twins_are_run_and_judged(study):
+def asked_about(study):
+    """The episodes that answerers are asked about: every scene with one of its ordinary drives."""
+    return chosen(study.episodes, count=study.config.ordinary, seed=study.config.seed)
+
+
+def test_scenes_and_ordinary_drives_are_run_and_judged(study):
     ids = [episode.id for episode in study.episodes]
     scenes = [scene.id for scene in study.scenes]
-    assert ids == [name for scene in scenes for name in (scene, f"{scene}~twin")]
+    ends = ("", "~twin", "~demand")
+    assert ids == [f"{scene}{end}" for scene in scenes for end in ends]
+    items = {episode.id for episode in asked_about(study)}
+    assert {row.scene_id for row in study.verdicts} == items
+    assert len(items) == 2 * len(scenes)
     models = {row.model for row in study.verdicts}
     assert models == {
         *(f"constant:{a}" for a in ACTIONS), "random", "blind", "novelty", "oracle"
@@ -62,9 +73,11 @@ def test_the_oracle_is_always_right_where_anything_is_safe(study):
 @pytest.mark.parametrize("action", ACTIONS)
 def test_a_constant_scores_exactly_what_its_action_scored(study, action):
     rows = of(study, f"constant:{action}")
-    for episode in study.episodes:
-        assert rows[episode.id].action_is_safe is episode.actions[action].safe
-        unavailable = episode.actions[action].unavailable
+    scores = {"safe": True, "marginal": None}
+    for episode in asked_about(study):
+        label = episode.label(action)
+        assert rows[episode.id].action_is_safe is scores.get(label, False)
+        unavailable = label == "unavailable"
         assert rows[episode.id].outcome == ("unavailable" if unavailable else "answered")
 
 
@@ -77,8 +90,8 @@ def test_scenes_below_the_floor_are_left_out_with_their_twins_and_counted(folder
     below["sighting"]["size_px"] = 3.0
     file.write_text("".join(f"{json.dumps(row)}\n" for row in rows))
     study = run_study(out, CONFIG)
-    unjudged = {below["id"], f"{below['id']}~twin"}
-    assert {row.scene_id for row in study.verdicts} == {row["id"] for row in rows} - unjudged
+    left = {one.id for one in asked_about(study) if scene_of(one.id) != below["id"]}
+    assert {row.scene_id for row in study.verdicts} == left
     assert study.info["counts"]["below_floor"] == 1
     words = html.parse(study.folder / "report.html").getroot().text_content()
     assert "the other 1, too small" in words
@@ -102,12 +115,15 @@ def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
         assert len(server.received) == asked
     study = Study.open(out)
     rows = of(study, model.name)
-    assert len(rows) == len(study.episodes)
+    assert len(rows) == len(asked_about(study))
     assert asked == 3 * len(rows)
     for data in pictures[:6]:
         assert cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR).shape == (480, 640, 3)
     episodes = {episode.id: episode for episode in study.episodes}
-    assert all(row.action_is_safe is episodes[n].actions["stop"].safe for n, row in rows.items())
+    for name, row in rows.items():
+        assert row.action_is_safe is {"safe": True, "marginal": None}.get(
+            episodes[name].label("stop"), False
+        )
     assert study.info["counts"]["outcomes"][model.name] == {"answered": len(rows)}
 
 
@@ -215,14 +231,16 @@ def test_frames_that_are_cut_off_cost_their_item_only_and_missing_ones_come_back
     out = tmp_path / "out"
     shutil.copytree(folder, out)
     lines = [json.loads(line) for line in (out / "episodes.jsonl").read_text().splitlines()]
-    cut, _, _, fewer, empty, none = (line["id"] for line in lines)
+    items = [episode.id for episode in asked_about(Study.open(out))]
+    cut, _, _, fewer, empty, none = items
     for name, kept in ((cut, 0.5), (empty, 0)):
         picture = out / "frames" / name / "middle.jpg"
         data = picture.read_bytes()
         picture.write_bytes(data[: int(kept * len(data))])
     shutil.rmtree(out / "frames" / none)
-    del lines[0]["file_sha256"]
-    del lines[3]["frames"]["middle"]
+    by_id = {line["id"]: line for line in lines}
+    del by_id[cut]["file_sha256"]
+    del by_id[fewer]["frames"]["middle"]
     (out / "episodes.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
     model = ConstantAnswerer("stop")
     model.name, model.kind = "mine", "model"
@@ -271,7 +289,7 @@ def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folde
     config = CONFIG.model_copy(update={"vlms": (model.name,)})
     study = run_study(out, config, models={model.name: model})
     rows = of(study, model.name)
-    assert len(rows) == len(study.episodes)
+    assert len(rows) == len(asked_about(study))
     assert {row.outcome for row in rows.values()} == {"error" if form == "raised" else "answered"}
     document = html.document_fromstring((out / "report.html").read_text(encoding="utf-8"))
     top = document.get_element_by_id("top").text_content()
@@ -360,10 +378,10 @@ def tally(study, model):
 )
 def test_items_that_always_fail_cost_themselves_run_after_run(folder, tmp_path, fault, outcome):
     out = shutil.copytree(folder, tmp_path / "out")
-    items = len(Study.open(out).episodes)
+    items = len(asked_about(Study.open(out)))
     wanted = {"answered": items // 2, outcome: items // 2}
     model = ConstantAnswerer("stop")
-    with AnsweringServer(model, faults=by_picture("~twin", fault)) as server:
+    with AnsweringServer(model, faults=by_picture("~", fault)) as server:
         for _ in range(1 if fault == "filtered" else 2):
             limits = Limits(strikes=1)
             seconds = 1.0 if fault == "slow" else 60.0
@@ -385,7 +403,7 @@ def test_a_dead_model_costs_its_own_items_until_it_lives(folder, tmp_path):
         live = server.client("live", limits=limits)
         models = {"dead": dead, "live": live}
         study = run_study(out, judging("dead", "live"), models=models, limits=limits)
-        items = len(study.episodes)
+        items = len(asked_about(study))
         assert tally(study, "live") == {"answered": items}
         found = tally(study, "dead")
         assert found["unasked"] + found["error"] == items
@@ -471,7 +489,7 @@ def test_an_interruption_keeps_lines_counts_and_the_way_on(folder, tmp_path):
     answering = ConstantAnswerer("stop")
     answering.name, answering.kind = "m", "model"
     study = run_study(out, judging("m"), models={"m": answering})
-    assert tally(study, "m") == {"answered": len(study.episodes)}
+    assert tally(study, "m") == {"answered": len(asked_about(study))}
 
 
 def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder, tmp_path):
@@ -482,5 +500,5 @@ def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder, tmp_path):
     config = judging("mine").model_copy(update={"judge": "m"})
     models = {"mine": model, "m": server_gone(limits)}
     study = run_study(out, config, models=models, limits=limits)
-    assert tally(study, "mine") == {"answered": len(study.episodes)}
+    assert tally(study, "mine") == {"answered": len(asked_about(study))}
     assert study.info["status"] != "stopped"
