@@ -13,7 +13,7 @@ from oodscen._pipeline.steps.judge import ALWAYS
 from oodscen.errors import UnknownComponent
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.testing import ScriptedLLM
-from tests.pipeline.quick import QUICK
+from tests.pipeline.quick import QUICK, asked_about
 
 SMALL = QUICK.model_copy(update={"max_paths": 1, "iterations": 2})
 ADDRESS = "http://127.0.0.1:1/v1"
@@ -43,7 +43,7 @@ def study(made, tmp_path):
 
 
 def test_what_is_dropped_is_gone_from_every_file(study) -> None:
-    items = len(study.episodes)
+    items = len(asked_about(study))
     assert study.info["status"] == "incomplete"
     assert drop_models(study, ["mute"]) == {"mute": items}
     assert study.config.vlms == ("good", "random")
@@ -89,8 +89,8 @@ def test_a_replay_goes_by_either_name_and_when_its_file_is_gone(made, tmp_path) 
     study = run_study(folder, config)
     copies = [Study.open(shutil.copytree(folder, tmp_path / f"copy{n}")) for n in range(2)]
     called = "replay:a.jsonl#good"
-    assert drop_models(copies[0], [name]) == {name: len(study.episodes)}
-    assert drop_models(copies[1], [called]) == {called: len(study.episodes)}
+    assert drop_models(copies[0], [name]) == {name: len(asked_about(study))}
+    assert drop_models(copies[1], [called]) == {called: len(asked_about(study))}
     recording.unlink()
     drop_models(study, [name])
     for one in (study, *copies):

@@ -25,9 +25,8 @@ from oodscen.errors import (
     StudyMismatch,
     UnknownComponent,
 )
-from oodscen.judging._selection import chosen
 from oodscen.testing import AnsweringServer, ScriptedLLM
-from tests.pipeline.quick import QUICK
+from tests.pipeline.quick import QUICK, asked_about
 
 TIMED = {"study.json", "calls.jsonl", "answers.jsonl", "report.html"}
 
@@ -71,8 +70,8 @@ def test_a_study_is_complete(folder, study):
     assert [e.id for e in episodes] == [f"{s.id}{end}" for s in scenes for end in ends]
     assert len(scenes) == QUICK.max_paths * QUICK.per_path
     assert len(study.texts(10)) == 10
-    asked = chosen(episodes, count=QUICK.ordinary, seed=QUICK.seed)
-    assert {verdict.scene_id for verdict in study.verdicts} == {episode.id for episode in asked}
+    items = {episode.id for episode in asked_about(study)}
+    assert {verdict.scene_id for verdict in study.verdicts} == items
     for episode in episodes:
         for name in episode.frames.values():
             picture = cv2.imdecode(
@@ -353,8 +352,10 @@ def test_images_arrive_as_jpeg_and_a_model_is_judged(folder, tmp_path):
         decoded = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
         assert decoded.shape == (480, 640, 3)
     judged = [verdict for verdict in study.verdicts if verdict.model == "served"]
-    safe = {episode.id: episode.actions["stop"].safe for episode in study.episodes}
-    assert {v.scene_id: v.action_is_safe for v in judged} == safe
+    labels = {episode.id: episode.label("stop") for episode in asked_about(study)}
+    scores = {"safe": True, "marginal": None}
+    wanted = {name: scores.get(label, False) for name, label in labels.items()}
+    assert {v.scene_id: v.action_is_safe for v in judged} == wanted
 
 
 def test_a_small_baseline_of_ones_own_is_enough(tmp_path):

@@ -48,7 +48,9 @@ def models():
     }
     return {
         "eye": Counted(seen, name="eye"),
-        "judge": Counted({"judge-aspect": {"reasoning": "", "is_same": False}}, name="judge"),
+        "judge": Counted(
+            {"judge-aspect": {"is_same_thing": False, "is_same_fault": False}}, name="judge"
+        ),
     }
 
 
@@ -195,16 +197,20 @@ def test_a_restaged_scene_that_is_changed_by_hand_is_no_longer_restaged_like_tha
     (line,) = (line for line in lines(folder, "restaged.jsonl") if line["id"] == restaged)
     assert not line["how"]
     assert line["tried"]
-    assert lines(folder, "scenes.jsonl") == rows
+    again = lines(folder, "scenes.jsonl")
+    assert [row for row in again if "demand" not in row] == [
+        row for row in rows if "demand" not in row
+    ]
 
 
 def test_a_verdict_on_an_episode_that_is_another_now_is_given_again(folder):
     rows = lines(folder, "episodes.jsonl")
-    rows[0]["actions"]["stop"]["safe"] = not rows[0]["actions"]["stop"]["safe"]
+    stop = rows[0]["actions"]["stop"]
+    stop |= {"safe": not stop["safe"], "marginal": False}
     rewrite(folder, "episodes.jsonl", rows)
     assert run(folder) == 0
     verdicts = {line["id"]: line for line in lines(folder, "verdicts.jsonl")}
-    assert verdicts[f"{rows[0]['id']}@eye"]["action_is_safe"] is rows[0]["actions"]["stop"]["safe"]
+    assert verdicts[f"{rows[0]['id']}@eye"]["action_is_safe"] is stop["safe"]
 
 
 def test_what_follows_from_a_text_that_was_changed_is_made_again(folder):
@@ -246,7 +252,10 @@ def test_a_scene_that_was_changed_by_hand_and_lost_its_text_is_named(folder):
     rewrite(folder, "pruned.jsonl", decisions)
     with pytest.raises(DataError, match=rows[0]["id"]):
         run(folder)
-    assert lines(folder, "scenes.jsonl") == rows
+    again = lines(folder, "scenes.jsonl")
+    assert [row for row in again if "demand" not in row] == [
+        row for row in rows if "demand" not in row
+    ]
 
 
 @pytest.mark.parametrize(

@@ -17,10 +17,9 @@ from oodscen.data._pairing import scene_of
 from oodscen.errors import BudgetExceeded, DataError, LLMError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.leaderboard import Leaderboard
-from oodscen.judging._selection import chosen
 from oodscen.llm._remote.limits import Limits
 from oodscen.testing import AnsweringServer, ScriptedLLM
-from tests.pipeline.quick import QUICK
+from tests.pipeline.quick import QUICK, asked_about
 
 CONFIG = QUICK.model_copy(update={"iterations": 4, "max_paths": 3, "sets": (10,)})
 
@@ -39,11 +38,6 @@ def study(folder):
 
 def of(study, model):
     return {row.scene_id: row for row in study.verdicts if row.model == model}
-
-
-def asked_about(study):
-    """The episodes that answerers are asked about: every scene with one of its ordinary drives."""
-    return chosen(study.episodes, count=study.config.ordinary, seed=study.config.seed)
 
 
 def test_scenes_and_ordinary_drives_are_run_and_judged(study):
