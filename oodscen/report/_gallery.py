@@ -10,7 +10,7 @@ from typing import Any
 
 from oodscen.data._bird_sketch import Sketch
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode, in_order
-from oodscen.data._pairing import is_ordinary, twin_id
+from oodscen.data._pairing import demand_id, is_ordinary, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene, Weather
 from oodscen.data._verdict import Verdict
@@ -35,6 +35,7 @@ def payload(found: Material, folder: Path) -> Row:
     """
     scenarios = by_key(found.scenarios, lambda row: row.id)
     scenes = by_key(found.scenes, lambda row: row.id)
+    demands = by_key(found.demands, lambda row: row.id)
     episodes = by_key(found.episodes, lambda row: row.scene_id)
     failed = {
         failure.id: f"{_STAGES[failure.stage]} failed: {failure.error}"
@@ -71,6 +72,7 @@ def payload(found: Material, folder: Path) -> Row:
                 **_shown(name, scene, episodes.get(name), folder),
                 "answers": answers.get(name, []),
                 "twin": _twin(name, scenario, scene, episodes, failed, folder, answers),
+                "demand": _demand(demand_id(name), demands, episodes, failed, folder, answers),
             }
         )
     order = {leaf: index for index, leaf in enumerate(leaves)}
@@ -162,6 +164,26 @@ def _twin(
         "error": failed.get(twin, ""),
         **_shown(twin, staged, episode, folder),
         "answers": answers.get(twin, []),
+    }
+
+
+def _demand(
+    name: str,
+    demands: Mapping[str, Scene],
+    episodes: Mapping[str, Episode],
+    failed: Mapping[str, str],
+    folder: Path,
+    answers: Mapping[str, list[Row]],
+) -> Row | None:
+    """Return the ordinary demand of a scene, if one was run or none fits."""
+    episode, scene = episodes.get(name), demands.get(name)
+    if episode is None and name not in failed:
+        return None
+    return {
+        "text": scene.demand.text if scene and scene.demand else "",
+        "error": failed.get(name, ""),
+        **_shown(name, scene, episode, folder),
+        "answers": answers.get(name, []),
     }
 
 
@@ -327,7 +349,7 @@ def _players(scene: Scene | None) -> list[Row]:
 def _decision(scene: Scene | None, episode: Episode | None, names: Mapping[str, str]) -> str:
     if scene is None:
         return ""
-    if scene.is_twin:
+    if scene.is_ordinary:
         return f"The ego must choose at {scene.decision.value:.1f} s, as in the scene."
     target = scene.decision.actor
     named = scene.decision.model_copy(

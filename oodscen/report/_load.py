@@ -51,6 +51,7 @@ class Material:
     decisions: list[PruneDecision] = field(default_factory=list)
     scenarios: list[Scenario] = field(default_factory=list)
     scenes: list[Scene] = field(default_factory=list)
+    demands: list[Scene] = field(default_factory=list)
     episodes: list[Episode] = field(default_factory=list)
     whole: list[Episode] = field(default_factory=list)
     """Episodes of the paper's protocol, if it was used."""
@@ -89,7 +90,9 @@ def read(study: Study) -> Material:
     found.rounds = _rows(store, "redteam", Round, found)
     found.decisions = _rows(store, "pruned", PruneDecision, found)
     found.scenarios = _rows(store, "scenarios", Scenario, found)
-    found.scenes = [one for one in _rows(store, "scenes", Scene, found) if not one.is_ordinary]
+    staged = _rows(store, "scenes", Scene, found)
+    found.scenes = [one for one in staged if not one.is_ordinary]
+    found.demands = [one for one in staged if one.is_ordinary]
     found.episodes = _rows(store, "episodes", Episode, found)
     found.verdicts = _rows(store, "verdicts", Verdict, found)
     found.whole = _optional(store, "episodes.paper.jsonl", Episode, found)

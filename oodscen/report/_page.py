@@ -8,6 +8,7 @@ from typing import Any
 from oodscen import _paper as paper
 from oodscen._registry import is_builtin
 from oodscen.data._episode import Episode
+from oodscen.data._pairing import scene_of
 from oodscen.judging._leaderboard.requirements import Bar
 from oodscen.llm._accounting import Account, account, accounts
 from oodscen.report import _gallery as gallery
@@ -141,7 +142,7 @@ def _failures(found: Material, anchors: Collection[str]) -> dict[str, Any]:
         "failure_links": {
             failure.id: anchor
             for failure in shown
-            if (anchor := f"scene-{failure.id.partition('@')[0].removesuffix('~twin')}") in anchors
+            if (anchor := f"scene-{scene_of(failure.id.partition('@')[0])}") in anchors
         },
     }
 

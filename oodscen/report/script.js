@@ -26,10 +26,12 @@
   const form = get("filters"), list = get("list"), more = get("more");
   let fits = scenes, built = 0, leaf = "", listHash = "#scenes";
 
+  // The ordinary drives of a scene, each with its name
+  const drives = (scene) => [["Ordinary twin", scene?.twin], ["Ordinary demand", scene?.demand]].filter(([, one]) => one);
   const texts = new Map();
   const searched = (scene) => {
     if (!texts.has(scene)) {
-      const said = [scene, scene.twin ?? {}].flatMap((one) => one.answers ?? []).flatMap((answer) => [answer.aspect, answer.reasoning, ...(answer.descriptions ?? [])]);
+      const said = [scene, ...drives(scene).map(([, one]) => one)].flatMap((one) => one.answers ?? []).flatMap((answer) => [answer.aspect, answer.reasoning, ...(answer.descriptions ?? [])]);
       texts.set(scene, [scene.id, scene.text, scene.error, ...(data.leaves[scene.leaf]?.path ?? []), ...said].filter(Boolean).join(" ").toLowerCase());
     }
     return texts.get(scene);
@@ -40,11 +42,12 @@
     named: (own) => own?.named === true,
     unnamed: (own) => own?.named === false,
     missed: (own) => own?.ood === false,
-    alarm: (own, twin) => twin?.ood === true,
-    silent: (own, twin) => [own, twin].some((one) => one && one.outcome !== "answered" && one.outcome !== "unavailable"),
-    contradiction: (own, twin) => Boolean(own?.contradiction || twin?.contradiction),
+    alarm: (own, others) => others.some((one) => one.ood === true),
+    silent: (own, others) => [own, ...others].some((one) => one && one.outcome !== "answered" && one.outcome !== "unavailable"),
+    contradiction: (own, others) => [own, ...others].some((one) => Boolean(one?.contradiction)),
   };
   const by = (scene, model) => scene?.answers.find((answer) => answer.model === model);
+  const others = (scene, model) => drives(scene).map(([, one]) => by(one, model)).filter(Boolean);
   const accepts = (scene, want) => {
     const path = data.leaves[scene.leaf]?.path ?? [];
     if (leaf && scene.leaf !== leaf) return false;
@@ -58,7 +61,7 @@
     if (want.model || want.result) {
       const asked = want.model ? [Number(want.model)] : models.flatMap((one, index) => one.kind === "model" ? [index] : []);
       const test = RESULTS[want.result] ?? ((own) => Boolean(own));
-      if (!asked.some((model) => test(by(scene, model), by(scene.twin, model)))) return false;
+      if (!asked.some((model) => test(by(scene, model), others(scene, model)))) return false;
     }
     const query = (want.q ?? "").toLowerCase().split(/\s+/).filter(Boolean);
     return !query.length || query.every((word) => searched(scene).includes(word));
@@ -206,17 +209,17 @@
         answer.outdated ? el("p", { class: "aside" }, "Answered an earlier version of the questions.") : null) : null];
   };
   const answers = (scene) => {
-    const asked = models.map((model, index) => ({ ...model, index })).filter(({ index }) => by(scene, index) || by(scene.twin, index));
+    const asked = models.map((model, index) => ({ ...model, index })).filter(({ index }) => by(scene, index) || others(scene, index).length);
     const real = asked.filter((model) => model.kind === "model"), references = asked.filter((model) => model.kind !== "model");
     const brief = (answer, isTwin) => answer ? [answer.ood === null ? null : el("span", {}, answer.ood ? "unusual" : "ordinary", "; "), answer.action ? [acted(answer), ` ${words(answer.action)}`] : "no action"] : "–";
     return [
       el("h3", {}, "What the models said"),
       real.length ? real.map((model) => el("section", { class: "answers" }, el("h4", {}, said(model.name)),
-        el("div", { class: "sides" }, el("div", {}, scene.twin ? el("h5", {}, "Scene") : null, answerOf(by(scene, model.index), false)),
-          scene.twin ? el("div", {}, el("h5", {}, "Ordinary twin"), answerOf(by(scene.twin, model.index), true)) : null))) : el("p", { class: "none" }, "No model was judged on it."),
+        el("div", { class: "sides" }, el("div", {}, drives(scene).length ? el("h5", {}, "Scene") : null, answerOf(by(scene, model.index), false)),
+          drives(scene).filter(([, one]) => by(one, model.index)).map(([name, one]) => el("div", {}, el("h5", {}, name), answerOf(by(one, model.index), true)))))) : el("p", { class: "none" }, "No model was judged on it."),
       references.length ? el("details", { class: "fold" }, el("summary", {}, "Reference answerers"), el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Reference answerers" }, el("table", { class: "plainer" },
-        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Reference"), el("th", { scope: "col" }, "Scene"), scene.twin ? el("th", { scope: "col" }, "Ordinary twin") : null)),
-        el("tbody", {}, references.map((model) => el("tr", {}, el("th", { scope: "row" }, said(model.name)), el("td", {}, brief(by(scene, model.index))), scene.twin ? el("td", {}, brief(by(scene.twin, model.index))) : null)))))) : null];
+        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Reference"), el("th", { scope: "col" }, "Scene"), drives(scene).map(([name]) => el("th", { scope: "col" }, name)))),
+        el("tbody", {}, references.map((model) => el("tr", {}, el("th", { scope: "row" }, said(model.name)), el("td", {}, brief(by(scene, model.index))), drives(scene).map(([, one]) => el("td", {}, brief(by(one, model.index)))))))))) : null];
   };
   const legend = () => el("p", { class: "aside legend" }, "Seen from above, driving to the right: ",
     [["ego", "ego"], ["hazard", "what is unusual"], ["other", "others"], ["hit", "what is hit"]].map(([kind, name]) => el("span", { class: "key" }, el("i", { class: `swatch body is-${kind}` }), name)),
@@ -226,7 +229,7 @@
   const show = (scene) => {
     open = scene;
     const place = fits.indexOf(scene), known = data.leaves[scene.leaf] ?? { path: [] };
-    const view = extent([scene.sketch, scene.twin?.sketch]);
+    const view = extent([scene.sketch, ...drives(scene).map(([, one]) => one.sketch)]);
     const step = (other, text, rel) => other ? el("a", { href: anchor(other), rel, class: "step" }, text) : el("span", { class: "step none", "aria-hidden": "true" }, text);
     page.replaceChildren(el("article", { class: "whole", id: `scene-${scene.id}`, "aria-label": `Scene ${scene.id}` },
       el("nav", { class: "steps", "aria-label": "Scenes" }, el("a", { href: listHash, class: "step", id: "back" }, "↑ All scenes"),
@@ -235,9 +238,9 @@
       el("p", { class: "crumbs" }, pathOf(known.path), known.attested ? [" ", el("span", { class: "badge paper" }, "paper")] : null),
       el("h2", { tabindex: "-1" }, scene.text ? said(scene.text) : scene.id),
       el("p", { class: "aside" }, el("code", {}, scene.id), scene.score ? [" · ", el("a", { href: "#metrics" }, "OOD-ness"), ` ${scene.score}`] : null, scene.nearest ? [" · nearest ordinary text: ", said(scene.nearest)] : null),
-      scene.twin && scene.twin.text ? el("p", { class: "aside" }, "Its ordinary twin: ", said(scene.twin.text)) : null,
+      drives(scene).filter(([, one]) => one.text).map(([name, one]) => el("p", { class: "aside" }, `${name}: `, said(one.text))),
       scene.sketch ? legend() : null,
-      el("div", { class: "sides" }, looks(scene, "Scene", scene.id, view), scene.twin ? looks(scene.twin, "Ordinary twin", `the twin of ${scene.id}`, view) : null),
+      el("div", { class: "sides" }, looks(scene, "Scene", scene.id, view), drives(scene).map(([name, one]) => looks(one, name, `${scene.id}, ${name.toLowerCase()}`, view))),
       answers(scene)));
     page.hidden = false;
     document.body.classList.add("reading");
@@ -273,7 +276,7 @@
     if (unknown) unknown.hidden = true;
     try { name = decodeURIComponent(name); } catch { return; }
     if (name.startsWith("scene-")) {
-      const scene = scenes[number.get(name.slice(6).replace(/~twin$/, ""))];
+      const scene = scenes[number.get(name.slice(6).replace(/~(twin|demand)$/, ""))];
       if (scene) { show(scene); return; }
     }
     const back = leave();
