@@ -29,6 +29,7 @@ from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._items import CAUTIOUS
 from oodscen.judging._leaderboard.scores import Estimate
 from oodscen.judging._safety import safety_figures
+from oodscen.judging._selection import chosen
 from oodscen.judging._shortcuts.audit import audit
 from oodscen.llm._remote.limits import Limits
 from oodscen.stages._drive import RuleBasedDriver, drive
@@ -45,7 +46,7 @@ def row(name: str, value: float, unit: str, target: str, holds: bool) -> Row:
 
 def safe_sets(episodes: Sequence[Episode]) -> list[Row]:
     """Measure the scenes' safe sets."""
-    figures = safety_figures([episode for episode in episodes if not episode.is_twin])
+    figures = safety_figures([episode for episode in episodes if not episode.is_ordinary])
     constant = max(figures.actions.values(), key=lambda action: action.safe).safe
     scoring = max(one.safe / max(1e-9, 1.0 - one.marginal) for one in figures.actions.values())
     everywhere = sum(a.safe > 0 and a.unsafe > 0 for a in figures.actions.values())
@@ -75,7 +76,7 @@ def safe_sets(episodes: Sequence[Episode]) -> list[Row]:
 
 def flips(study: Study, count: int) -> list[Row]:
     """Try the actions of some scenes again, by drivers who are a little later and on roads that differ a little."""
-    labels = {one.id: one for one in study.episodes if one.status == "ok" and not one.is_twin}
+    labels = {one.id: one for one in study.episodes if one.status == "ok" and not one.is_ordinary}
     scenes = [scene for scene in study.scenes if scene.id in labels]
     changes = {
         "a driver who reacts after 0.3 s": (Variation(0.3), "<= 0.02"),
@@ -128,7 +129,7 @@ def references(study: Study) -> list[Row]:
     balanced = {name: _balanced(found) for name, found in rows.items()}
     constants = {name: _safe_in_scenes(rows[name]) for name in rows if name.startswith("constant:")}
     blind, best = _safe_in_scenes(rows["blind"]), max(constants.values())
-    in_scenes = [e for e in episodes.values() if not e.is_twin]
+    in_scenes = [e for e in episodes.values() if not e.is_ordinary]
     drawn_in_scenes = sum(e.base_rate or 0.0 for e in in_scenes) / len(in_scenes)
     needless = _needless(rows["oracle"], episodes)
     return [
@@ -222,7 +223,7 @@ def served(folder: Path, items: int) -> list[Row]:
         config = Study.open(out).config.model_copy(update={"vlms": ("served",)})
         with AnsweringServer(ConstantAnswerer("stop")) as server:
             model = server.client("gpt-4o")
-            capped = server.client("gpt-4o", limits=Limits(requests=3 * items))
+            capped = server.client("gpt-4o", limits=Limits(requests=3 * items // 2))
             with suppress(BudgetExceeded):
                 run_study(out, config, models={"served": capped})
             before = len(server.received)
@@ -239,8 +240,8 @@ def served(folder: Path, items: int) -> list[Row]:
           " and pixel by pixel like another item's: nothing is seen yet, or two twins are alike")  # fmt: skip
     return [
         row("served model, items answered", answered, "items", f"{items}", answered == items),
-        row("served model, requests", len(received), "requests", f"<= {6 * items}",
-            6 * items - alike <= len(received) <= 6 * items),
+        row("served model, requests", len(received), "requests", f"<= {3 * items}",
+            3 * items - alike <= len(received) <= 3 * items),
         row("questions of before the stop asked again", again, "requests", "0", again == 0),
         row("pictures received that decode", decoded, "share", "1", decoded == 1.0),
     ]  # fmt: skip
@@ -287,8 +288,9 @@ def main() -> int:
         small = Path(temporary, "small")
         began = time.perf_counter()
         run_study(small, StudyConfig(max_paths=given.paths), workers=2)
-        episodes = Study.open(small).episodes
-        rows += served(small, len(episodes))
+        made = Study.open(small)
+        asked = chosen(made.episodes, count=made.config.ordinary, seed=made.config.seed)
+        rows += served(small, len(asked))
         print(f"served part: {time.perf_counter() - began:.0f} s")
     for one in rows:
         print(

@@ -59,7 +59,7 @@ def reproduce(study: Study, workers: int) -> list[dict[str, Any]]:
     for result in sweep(job, scenes, workers=workers):
         bar.update()
         found = differences(study, result, recorded.get(result.episode.id))
-        same[result.episode.is_twin] += not found
+        same[result.episode.is_ordinary] += not found
         if found:
             print(f"{result.episode.id}: other {', '.join(found)}", file=sys.stderr)
     what = "whose trace, frames and outcomes are as recorded"
