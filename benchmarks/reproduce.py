@@ -19,6 +19,7 @@ from tqdm import tqdm
 from oodscen import Study
 from oodscen._pipeline.sweep import Job, SweepResult, sweep
 from oodscen.data._episode import Episode
+from oodscen.data._pairing import kind_of
 from oodscen.data._scene import Scene
 
 COMPARED = ("trace_sha256", "frame_sha256", "actions", "decision_s", "status", "error")
@@ -44,29 +45,31 @@ def differences(study: Study, result: SweepResult, recorded: Episode | None) -> 
 
 
 def reproduce(study: Study, workers: int) -> list[dict[str, Any]]:
-    """Rerun all scenes and twins of a study and count those that match the record."""
+    """Rerun all scenes and ordinary drives of a study and count those that match the record."""
     rng = random.Random(0)
     scenes = [
         Scene.parse(shuffled(line, rng))
         for line in study.table("scenes")
-        if line.get("status") != "failed"
+        if line.get("status") != "failed" and "demand" not in line
     ]
     recorded = {episode.id: episode for episode in study.episodes}
     named = sum(recorded[s.id].made_from == s.digest() for s in scenes if s.id in recorded)
-    same: Counter[bool] = Counter()
-    job = Job(study.config.simulator, study.config.seed, twins=True)
-    bar = tqdm(total=2 * len(scenes), desc="reproduce", disable=None)
+    same: Counter[str] = Counter()
+    job = Job(study.config.simulator, study.config.seed, twins=True, demands=study.config.demands)
+    wanted = Counter(kind_of(name) for name in recorded)
+    bar = tqdm(total=wanted.total(), desc="reproduce", disable=None)
     for result in sweep(job, scenes, workers=workers):
         bar.update()
         found = differences(study, result, recorded.get(result.episode.id))
-        same[result.episode.is_ordinary] += not found
+        same[kind_of(result.episode.id)] += not found
         if found:
             print(f"{result.episode.id}: other {', '.join(found)}", file=sys.stderr)
     what = "whose trace, frames and outcomes are as recorded"
     return [
         row("scenes whose episode names them as they are", named, "scenes", len(scenes)),
-        row(f"scenes {what}", same[False], "scenes", len(scenes)),
-        row(f"twins {what}", same[True], "twins", len(scenes)),
+        row(f"scenes {what}", same["rare"], "scenes", wanted["rare"]),
+        row(f"twins {what}", same["twin"], "twins", wanted["twin"]),
+        row(f"demands {what}", same["demand"], "demands", wanted["demand"]),
     ]
 
 
