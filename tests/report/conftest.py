@@ -346,6 +346,7 @@ def build_study(
             simulator="flat",
             dt=0.05,
             decision_s=3.2,
+            frame_times_s={"first": 0.0, "middle": 1.6, "last": 3.2},
             decision_fired=index % 3 != 1,
             frames={
                 moment: f"frames/{scenes[min(index, frames - 1)].id}/{moment}.jpg"

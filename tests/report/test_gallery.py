@@ -5,7 +5,7 @@ import pytest
 
 from oodscen import Study
 from oodscen.data._episode import ActionOutcome, Episode
-from oodscen.data._scene import Weather
+from oodscen.data._scene import Scene, Weather
 from oodscen.report._gallery import choice, conditions, payload
 from oodscen.report._load import read
 
@@ -133,3 +133,18 @@ def test_choice_looks_at_available_actions_only(
 ) -> None:
     actions = {f"a{index}": one for index, one in enumerate(outcomes)}
     assert choice(Episode(id="x", scene_id="x", status="ok", actions=actions)) == expected
+
+
+def test_demands_stand_beside_their_scenes(make_study: Callable[..., Study]) -> None:
+    study = make_study(with_twins=True)
+    scene, name = study.scenes[0], f"{study.scenes[0].id}~demand"
+    told = {"id": name, "hazard": {}, "demand": {"kind": "queue", "text": "Cars stand in a queue."}}
+    demand = Scene.model_validate({**scene.model_dump(), **told, "visible": (), "stands_for": {}})
+    episode = study.episodes[0].model_copy(update={"id": name, "scene_id": name})
+    study.store.write_lines("scenes.jsonl", [*study.store.lines("scenes.jsonl"), demand])
+    study.store.write_lines("episodes.jsonl", [*study.episodes, episode])
+    shown = cards(study)
+    assert name not in shown
+    assert shown[scene.id]["demand"]["text"] == "Cars stand in a queue."
+    assert shown[scene.id]["demand"]["actions"] == shown[scene.id]["actions"]
+    assert all(card["demand"] is None for other, card in shown.items() if other != scene.id)

@@ -302,3 +302,18 @@ def test_a_model_without_ordinary_drives_is_not_praised_for_noticing() -> None:
     verdicts = [v for v in case.verdicts("m", knows) if not v.is_twin]
     words = " ".join(sentences(board(case, verdicts)))
     assert "whoever always says so" in words
+
+
+def test_pairs_hold_the_ordinary_drives_that_were_asked_about() -> None:
+    case = Case()
+    verdicts = case.verdicts("m", knows)
+    case.episodes += [
+        one.model_copy(update={"id": f"{one.id}~demand", "scene_id": f"{one.scene_id}~demand"})
+        for one in case.episodes
+        if not one.is_ordinary
+    ]
+    paired = board(case, verdicts).standings[0].paired
+    for rate in (paired.notice, paired.act):
+        assert (rate.value, rate.n, rate.missing) == (1, 24, 0)
+    shortcut = board(case, verdicts).shortcut
+    assert shortcut is None or shortcut.asked <= len(verdicts)
