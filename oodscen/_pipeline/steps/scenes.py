@@ -212,8 +212,9 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
     """Run every scene, its ordinary twin and its ordinary demand in worker processes; only this process writes.
 
     A scene whose hazard cannot be named at the decision is decided later, if a safe action is left then. Scenes
-    in which all or none of the actions are safe do not test a decision, so they are re-staged if that helps. `restaged.jsonl` lists these scenes with their changes and the failed attempts; `scenes.jsonl` then
-    holds the scenes that were run. A scene edited there by hand replaces the staged one, and is run.
+    in which all or none of the actions are safe do not test a decision, so they are re-staged if that helps.
+    `restaged.jsonl` lists these scenes with their changes and the failed attempts; `scenes.jsonl` then holds the
+    scenes that were run. A scene edited there by hand replaces the staged one, and is run.
 
     Returns:
         The scenes as they were run, and the episodes of scenes, twins and demands.
