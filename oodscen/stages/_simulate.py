@@ -125,7 +125,8 @@ def simulate(
             leaving the road neither is unsafe nor ends the run, and there is one driver, who reacts at once.
         reaction: Reaction times of the drivers, s.
         horizon: Time for which an action is watched, s; by default the scene's.
-        moments: The moments of the frames, `first` and `last` among them; see `oodscen.data.moments`.
+        moments: The moments of the frames, `first` and `last` among them; the others `middle` or
+            `at-N`, at N percent of the time between them.
 
     Raises:
         SceneError: When the simulator refuses the scene.

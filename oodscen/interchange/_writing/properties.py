@@ -38,6 +38,7 @@ def facts(
         found["twin"] = twin_id(scene.id)
     if scenario is not None:
         text = scenario.ordinary or "" if scene.is_twin else scenario.text
+        text = scene.demand.text if scene.demand else text
         found["text"] = one_line(plain(text))
         found["path"] = " > ".join(map(one_line, map(plain, scenario.path)))
     if claims and not scene.is_ordinary:
