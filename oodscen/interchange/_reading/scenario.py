@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from oodscen._display import Brief
-from oodscen._files import check_name
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.driving import load_corridor
@@ -62,8 +61,6 @@ def read_openscenario(
         DataError: If the file is malformed, with the line and the element.
         UnknownComponent: If there is no such map.
     """
-    for given in (path, road or ""):
-        check_name(given)
     tree = ScenarioTree(path)
     if (own := _own_scene(tree)) is not None:
         return ImportedScene(own)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from oodscen._files import check_name, replace
+from oodscen._files import replace
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene
@@ -44,7 +44,6 @@ def write_logical(
     Returns:
         The paths of the files; none if no parameter of the scene has a range.
     """
-    check_name(folder)
     file = to_openscenario(scene, catalogue, mode="reactive", ego=False, seed=seed)
     root = etree.fromstring(file.xosc, etree.XMLParser(remove_blank_text=True))
     used = [one for one in ranges(scene, catalogue, claims) if _declare(root, one)]
