@@ -16,6 +16,7 @@ from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEARE
 
 if TYPE_CHECKING:
     from oodscen.llm._remote.limits import Limits, Price
+    from oodscen.protocols import Encoder
 
 Command = Callable[..., Any]
 
@@ -58,6 +59,15 @@ things_option = click.option(
     help="Text encoder that compares the things of a text with the actors said to show them; `none` compares words "
     "only.",
 )
+
+
+def things_encoder(name: str) -> "Encoder | None":
+    """Return the encoder that `things_option` names, with a cache; `None` for `none`."""
+    from oodscen import make_encoder
+
+    return None if name.casefold() == "none" else make_encoder(name, cache=True)
+
+
 out_option = click.option(
     "-o",
     "--out",
