@@ -31,6 +31,21 @@ _PART = re.compile(
 """Matches the names of partly written files: process, host and target, the latter two as digests."""
 
 
+def check_name(name: str | Path) -> None:
+    """Check that a name can be one of a file.
+
+    Raises:
+        UsageError: If it holds a NUL or what the system's encoding cannot say, or a part is too long.
+    """
+    try:
+        written = os.fsencode(name)
+        is_sound = b"\0" not in written and all(len(part) <= 255 for part in written.split(b"/"))
+    except UnicodeEncodeError:
+        is_sound = False
+    if not is_sound:
+        raise UsageError(f"{str(name)[:80]!r} cannot be the name of a file")
+
+
 def read_regular(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> bytes:
     """Return the bytes of a regular file.
 

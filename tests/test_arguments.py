@@ -95,6 +95,7 @@ OWN: dict[str, dict[str, Any]] = {
     "Metrics": {"encoder": GIVEN["encoder"]},
     "simulate": {"actions": ()},
     "record": {"path": "x.mp4"},
+    "read_openscenario": {"path": "x.xosc"},
 }
 SKIPPED = {"run_study", "check_simulator", "write_report", "load_controls"}
 """What runs for long, or reads large files, whatever it is given."""

@@ -12,6 +12,7 @@ from oodscen._cli.options import (
     llm_options,
     seed_option,
     simulator_option,
+    things_encoder,
     things_option,
 )
 from oodscen._cli.output import say, tracked
@@ -50,7 +51,7 @@ def check_claims(
     are reported and counted, not checked. The exit code is 1 if there are any, or if a scene contradicts its
     text.
     """
-    from oodscen import Scenario, Scene, make_encoder, make_llm, make_simulator
+    from oodscen import Scenario, Scene, make_llm, make_simulator
     from oodscen.claims._faithfulness import check_text
     from oodscen.driving import check_scene
 
@@ -62,7 +63,7 @@ def check_claims(
             faulty.append(Unjudged(id=f"{scenarios.name}:{number}", faults=scenario))
     model = make_llm(llm, seed=seed, api_base=api_base)
     catalogue = make_simulator(simulator).catalogue()
-    measure = None if encoder.casefold() == "none" else make_encoder(encoder, cache=True)
+    measure = things_encoder(encoder)
     rows: list[Data] = [*faulty]
     staged = list(_values(Scene, scenes))
     for number, scene in tracked(staged, "check-claims", len(staged)):

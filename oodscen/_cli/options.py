@@ -17,6 +17,7 @@ from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEARE
 
 if TYPE_CHECKING:
     from oodscen.llm._remote.limits import Limits, Price
+    from oodscen.protocols import Encoder
 
 Command = Callable[..., Any]
 
@@ -75,6 +76,15 @@ rollout_options = _options(
         help="Time for which an action is watched, in seconds.  [default: the scene's own]",
     ),
 )
+
+
+def things_encoder(name: str) -> "Encoder | None":
+    """Return the encoder that `things_option` names, with a cache; `None` for `none`."""
+    from oodscen import make_encoder
+
+    return None if name.casefold() == "none" else make_encoder(name, cache=True)
+
+
 out_option = click.option(
     "-o",
     "--out",

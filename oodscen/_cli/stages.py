@@ -19,6 +19,7 @@ from oodscen._cli.options import (
     seed_option,
     simulator_option,
     style_option,
+    things_encoder,
     things_option,
 )
 from oodscen._cli.output import bars, read_lines, rounds_in_words, say, tracked, write, write_lines
@@ -97,18 +98,17 @@ def redteam(
     **choices: Any,
 ) -> None:
     """Extend the tree in the file TREE by red teaming."""
-    from oodscen import RedTeamer, ScenarioTree, make_encoder, make_llm
+    from oodscen import RedTeamer, ScenarioTree, make_llm
     from oodscen.stages._redteam.saturation import saturation
 
     grown = ScenarioTree.load(tree)
     most = paper.ITERATIONS if budget is None else budget
-    is_blind = open_loop or encoder.casefold() == "none"
     teamer = RedTeamer(
         make_llm(llm, seed=seed, api_base=api_base),
         make_llm(red_llm, seed=seed, api_base=api_base) if red_llm else None,
         iterations=most if iterations is None else iterations,
         closed_loop=not open_loop,
-        encoder=None if is_blind else make_encoder(encoder, cache=True),
+        encoder=None if open_loop else things_encoder(encoder),
         budget=budget,
         **{
             name.removeprefix("red_"): value for name, value in choices.items() if value is not None
@@ -246,7 +246,7 @@ def augment(
 
     Texts that cannot be staged are reported on standard error and skipped; the exit code is then 1.
     """
-    from oodscen import Augmenter, make_encoder, make_llm, make_simulator
+    from oodscen import Augmenter, make_llm, make_simulator
     from oodscen.data._scenario import Scenario
     from oodscen.driving._sight.staging_advice import AdvisingCheck
 
@@ -256,7 +256,7 @@ def augment(
         make_simulator(simulator).catalogue(),
         check=AdvisingCheck(),
         claims=claims,
-        encoder=None if encoder.casefold() == "none" else make_encoder(encoder, cache=True),
+        encoder=things_encoder(encoder),
     )
     items = read_lines(Scenario, scenarios)
     scenes: list[Scene] = []

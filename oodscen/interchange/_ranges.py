@@ -5,8 +5,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+from oodscen._numbers import seed_number, whole_number
 from oodscen._seeding import stream
 from oodscen.claims import check_claims
+from oodscen.claims._checking import mismatches
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
@@ -21,6 +23,7 @@ _SPREAD = 0.2
 _HALVINGS = 3
 """Number of times a range is halved before its parameter stays fixed."""
 _TRIES = 20
+_MOST = 100_000
 """Draws for each variant that is asked for."""
 _CLEAR_M = 10_000.0
 _DIGITS = 3
@@ -85,8 +88,9 @@ def vary(
     Returns:
         The variants, `<scene>.v001` and so on; fewer than asked for if too many draws fail the checks.
     """
+    whole_number("count", count, 1, _MOST)
     parameters = ranges(scene, catalogue, claims)
-    draws = stream(seed, "vary", scene.id)
+    draws = stream(seed_number(seed), "vary", scene.id)
     found: list[Scene] = []
     for _ in range(count * _TRIES):
         if len(found) == count or not parameters:
@@ -105,7 +109,7 @@ def is_sound(scene: Scene | None, catalogue: Catalogue, claims: Sequence[Claim])
     """Return whether a scene can be staged and contradicts no claim."""
     if scene is None or check_scene(scene, catalogue):
         return False
-    return not claims or not check_claims(claims, scene, catalogue)
+    return not claims or not mismatches(check_claims(claims, scene, catalogue))
 
 
 def changed(scene: Scene, values: dict[Path, float], name: str | None = None) -> Scene | None:

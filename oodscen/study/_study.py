@@ -245,7 +245,7 @@ class Study(Brief):
             kind = Scenario if _TEXTS.fullmatch(name) else _KINDS.get(name)
             if kind is not None:
                 self._rows(kind, name)
-            if name in _WHOLE:
+            if name in _WHOLE and self.store.path(name).stat().st_size:
                 _WHOLE[name].parse(self.store.read(name), source=str(self.folder / name))
         for name in TREES:
             file = f"tree.{name}.json"

@@ -54,7 +54,7 @@ def test_impossible_options_are_the_callers_mistake(grown):
 def test_the_closed_loop_compares_meanings_unless_told_otherwise(grown, monkeypatch, options, made):
     asked = []
 
-    def make(name):
+    def make(name, cache=False):
         asked.append(name)
         return HashEncoder()
 

@@ -96,9 +96,7 @@ def test_a_study_with_a_pipe_in_it_is_refused_by_every_reader(tmp_path, name):
 
 
 @pytest.mark.parametrize("name", ["metrics.json", "catalogues.json"])
-@pytest.mark.parametrize(
-    "content", [b"", b"null", b"[]", b'{"lines":1}', b"\xef\xbb\xbf{}", b"\xff"]
-)
+@pytest.mark.parametrize("content", [b"null", b"[]", b'{"lines":1}', b"\xef\xbb\xbf{}", b"\xff"])
 def test_a_broken_file_of_one_value_is_found_before_anything_is_written(study, name, content):
     study.store.path(name).write_bytes(content)
     before = sorted(path.name for path in study.folder.iterdir())

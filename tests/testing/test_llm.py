@@ -9,7 +9,10 @@ from oodscen.protocols import LLM, Completion, Request, Usage
 from oodscen.testing import ScriptedLLM
 from tests.prompts.samples import SAMPLES
 
-IMAGINE, DESCRIBE = SAMPLES[3], SAMPLES[6]
+IMAGINE, DESCRIBE = (
+    next(one for one in SAMPLES if one.purpose == purpose)
+    for purpose in ("imagine-scenario", "describe-path")
+)
 
 
 def request(prompt=IMAGINE, sample=0):

@@ -22,6 +22,11 @@ _GAUSS = (
 """Nodes and weights of five-point Gauss-Legendre quadrature on [-1, 1]."""
 
 
+_ARC_TOLERANCE_M = 1e-9
+_MOST_STEPS = 8
+"""Newton steps to the parameter of an arc length; uneven parametrisations need more than two."""
+
+
 class CurvePoint(NamedTuple):
     """One point of a reference line."""
 
@@ -191,11 +196,11 @@ class ParamPoly3(Curve):
             return self.scale * index / count
         begin = self.scale * index / count
         p = begin + (wanted - low) / (high - low) * self.scale / count
-        for _ in range(2):
-            speed = self._speed(p)
-            if not speed > 1e-6 * self.arc / self.scale:
+        for _ in range(_MOST_STEPS):
+            speed, rest = self._speed(p), wanted - low - self._arc(begin, p)
+            if not speed > 1e-6 * self.arc / self.scale or abs(rest) < _ARC_TOLERANCE_M:
                 break
-            p += (wanted - low - self._arc(begin, p)) / speed
+            p += rest / speed
         return min(max(p, begin), self.scale * (index + 1) / count)
 
     def at(self, along: float) -> CurvePoint:

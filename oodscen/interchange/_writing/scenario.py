@@ -8,7 +8,7 @@ from typing import Literal
 from lxml import etree
 
 from oodscen._display import Brief
-from oodscen._files import replace
+from oodscen._files import check_name, replace
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
@@ -59,7 +59,12 @@ class ScenarioFile(Brief):
     """The file's statements about its own exactness."""
 
     def save(self, folder: str | Path) -> Path:
-        """Write both files into a folder and return the path of the scenario."""
+        """Write both files into a folder and return the path of the scenario.
+
+        Raises:
+            UsageError: If the folder's name cannot be one.
+        """
+        check_name(folder)
         place = Path(folder)
         place.mkdir(parents=True, exist_ok=True)
         road = place / self.road.name

@@ -11,7 +11,7 @@ from oodscen.data._base import Data
 from oodscen.encoders._check import encode
 from oodscen.encoders._similarity import Vectors, unit
 from oodscen.metrics._rarity.anchors import Calibration, Rate, calibrate
-from oodscen.metrics._rarity.head import Head, head_for, load_head
+from oodscen.metrics._rarity.head import Estimates, Head, head_for, load_head
 from oodscen.metrics._rarity.plausibility import is_impossible, names_event, parts
 from oodscen.protocols import Encoder
 
@@ -145,14 +145,11 @@ def estimated(
     head, vectors = head_for(name, lambda: space.vectors(texts))
     off_topic = set(space.guard.flags(vectors).flagged) if vectors is not None else set()
     found = head.estimate(texts, vectors)
-    lines = load_head("words")
     per_text = []
     for place, text in enumerate(texts):
-        flags = flags_of(text, lines, float(found.known[place]))
+        flags = _flags(text, head, found, place)
         if place in off_topic and found.best[place] < _RARE:
             flags.append("no driving")
-        if found.near[place] < head.nearest:
-            flags.append("far")
         values = (found.low[place], found.best[place], found.high[place])
         low, best, high = (
             (None,) * 3 if UNTOLD & set(flags) else (round(float(one), 2) for one in values)
@@ -175,8 +172,7 @@ def estimated_km(encoder: Encoder | None, text: str) -> float | None:
     name = "" if encoder is None else encoder.name
     head, vectors = head_for(name, lambda: unit(encode(encoder, [text])) if encoder else _NONE)
     found = head.estimate([text], vectors)
-    flags = flags_of(text, load_head("words"), float(found.known[0]))
-    if UNTOLD & set(flags) or found.near[0] < head.nearest:
+    if UNTOLD & set(_flags(text, head, found, 0)):
         return None
     return float(f"{10.0 ** found.best[0]:.1e}")
 
@@ -189,19 +185,13 @@ def anchor_estimates(space: "Space", anchors: Sequence[Rate]) -> list[float]:
     return [float(np.mean([next(best) for _ in rate.texts])) for rate in anchors]
 
 
-def flags_of(text: str, lines: Head, known: float) -> list[Flag]:
-    """Return the faults of a text that its words show.
-
-    Args:
-        text: The text.
-        lines: The head over stems.
-        known: Share of its words whose stems are known.
-    """
+def _flags(text: str, head: Head, found: Estimates, place: int) -> list[Flag]:
+    """Return the faults of a text that its words, and a head's estimate of it, show."""
     flags: list[Flag] = []
     letters = len(_LETTER.findall(text))
     if letters < 0.5 * len(re.sub(r"\s", "", text)):
         flags.append("no driving")
-    elif known < _FEWEST_KNOWN or len(_ASCII_LETTER.findall(text)) < 0.8 * letters:
+    elif found.known[place] < _FEWEST_KNOWN or len(_ASCII_LETTER.findall(text)) < 0.8 * letters:
         flags.append("language")
     if is_impossible(text):
         flags.append("impossible")
@@ -209,9 +199,11 @@ def flags_of(text: str, lines: Head, known: float) -> list[Flag]:
         flags.append("long")
     said = parts(text)
     if len(said) > 1:
-        best = lines.estimate(said).best
+        best = load_head("words").estimate(said).best
         if sum(names_event(one) or x >= _RARE for one, x in zip(said, best, strict=True)) > 1:
             flags.append("several events")
+    if found.near[place] < head.nearest:
+        flags.append("far")
     return flags
 
 

@@ -1,12 +1,15 @@
 """The question of how rarely drivers meet the situations of texts."""
 
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
+from annotated_types import Ge, Le
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
+
+Decades = Annotated[float, Ge(-2.0), Le(18.0)]
 
 
 class RarityEstimate(Brief, BaseModel):
@@ -14,9 +17,9 @@ class RarityEstimate(Brief, BaseModel):
 
     number: int = Field(description="number of the text")
     unit: Literal["log10 km"] = Field(description="always log10 km")
-    low: float | None = Field(default=None, ge=-2.0, le=18.0, description="low end, log10 km")
-    best: float | None = Field(default=None, ge=-2.0, le=18.0, description="estimate, log10 km")
-    high: float | None = Field(default=None, ge=-2.0, le=18.0, description="high end, log10 km")
+    low: Decades | None = Field(default=None, description="low end, log10 km")
+    best: Decades | None = Field(default=None, description="estimate, log10 km")
+    high: Decades | None = Field(default=None, description="high end, log10 km")
     problem: Literal["none", "no driving", "impossible", "several events", "not understood"] = (
         "none"
     )

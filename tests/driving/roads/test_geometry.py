@@ -3,7 +3,7 @@ from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from oodscen.driving._roads.geometry import (
@@ -102,6 +102,9 @@ def test_headings_and_curvatures_of_polynomials_are_derivatives(
     assert turned / way == pytest.approx(here.curvature, rel=0.02, abs=1e-4)
 
 
+@example(
+    32.0, 0.0, 0.0, 0.0078125
+)  # The parameter runs ten times as fast at the end as at the start.
 @given(st.floats(10, 60), st.floats(-30, 30), st.floats(-20, 20), st.floats(0.0, 1.0))
 def test_a_parametric_cubic_is_measured_by_its_arc(
     u: float, v: float, d: float, fraction: float
