@@ -113,7 +113,7 @@ def references(study: Study) -> list[Row]:
             rows.setdefault(verdict.model, []).append(verdict)
     oracle = [v for v in rows["oracle"] if episodes[v.scene_id].safe_set]
     safe = sum(v.action_is_safe is True for v in oracle) / len(oracle)
-    seen = sum(v.is_ood is not v.is_twin and v.choice_is_right is True for v in rows["oracle"])
+    seen = sum(v.is_ood is not v.is_ordinary and v.choice_is_right is True for v in rows["oracle"])
     seen_share = seen / len(rows["oracle"])
     exact = all(
         v.action_is_safe is _score(episodes[v.scene_id], a)
@@ -195,7 +195,9 @@ def _interval(found: Estimate) -> str:
 
 
 def _safe_in_scenes(verdicts: Sequence[Verdict]) -> float:
-    found = [v.action_is_safe for v in verdicts if not v.is_twin and v.action_is_safe is not None]
+    found = [
+        v.action_is_safe for v in verdicts if not v.is_ordinary and v.action_is_safe is not None
+    ]
     return sum(found) / max(1, len(found))
 
 
@@ -204,14 +206,14 @@ def _needless(verdicts: Sequence[Verdict], episodes: Mapping[str, Episode]) -> f
     found = [
         v.action in CAUTIOUS
         for v in verdicts
-        if v.is_twin and episodes[v.scene_id].actions["keep_speed"].safe
+        if v.is_ordinary and episodes[v.scene_id].actions["keep_speed"].safe
     ]
     return sum(found) / max(1, len(found))
 
 
 def _balanced(verdicts: Sequence[Verdict]) -> float:
-    scenes = [v.is_ood is True for v in verdicts if not v.is_twin]
-    twins = [v.is_ood is False for v in verdicts if v.is_twin]
+    scenes = [v.is_ood is True for v in verdicts if not v.is_ordinary]
+    twins = [v.is_ood is False for v in verdicts if v.is_ordinary]
     return 0.5 * (sum(scenes) / max(1, len(scenes)) + sum(twins) / max(1, len(twins)))
 
 

@@ -47,9 +47,9 @@ def check_claims(
 ) -> None:
     """Check every scene of the file SCENES against the claims of its text.
 
-    Scenes from any source are accepted. Malformed lines, scenes without a text and scenes that cannot be staged
-    are reported and counted, not checked. The exit code is 1 if there are any, or if a scene contradicts its
-    text.
+    Scenes from any source are accepted. An ordinary demand is compared with its own text. Malformed lines, scenes
+    without a text and scenes that cannot be staged are reported and counted, not checked. The exit code is 1 if
+    there are any, or if a scene contradicts its text.
     """
     from oodscen import Scenario, Scene, make_llm, make_simulator
     from oodscen.claims._faithfulness import check_text
@@ -71,7 +71,7 @@ def check_claims(
             rows.append(Unjudged(id=f"{scenes.name}:{number}", faults=scene))
             continue
         faults = [str(issue) for issue in check_scene(scene, catalogue)]
-        text = texts.get(scene.scenario_id)
+        text = scene.demand.text if scene.demand else texts.get(scene.scenario_id)
         if text is None:
             faults.insert(0, f"{scenarios} has no text {scene.scenario_id!r}")
         if text is None or faults:

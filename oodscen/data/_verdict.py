@@ -45,8 +45,8 @@ class Verdict(Data):
     retryable: bool = False
     """True if a failed judgement may succeed on a later try."""
     protocol: Protocol = "ours"
-    is_twin: bool = False
-    """True if the item was an ordinary twin, in which nothing is out of the ordinary."""
+    is_ordinary: bool = False
+    """True if the item was an ordinary drive, in which nothing is out of the ordinary."""
     descriptions: tuple[str, ...] = ()
     """Descriptions of the frames in turn; empty unless the questions followed them (`--chain`, or the paper's
     protocol)."""

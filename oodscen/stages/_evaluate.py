@@ -214,7 +214,7 @@ def unjudged(
         error_type=error_type,
         retryable=episode.retryable,
         protocol=protocol,
-        is_twin=episode.is_ordinary,
+        is_ordinary=episode.is_ordinary,
     )
 
 
@@ -433,7 +433,7 @@ def _scored(
         error_type=type(error).__name__ if error else "",
         retryable=any(getattr(one, "retryable", False) for one in failures),
         protocol=protocol,
-        is_twin=episode.is_ordinary,
+        is_ordinary=episode.is_ordinary,
         **fields,
     )
     if judge is None or not is_open(verdict):

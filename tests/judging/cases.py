@@ -57,7 +57,7 @@ class Case:
                 Verdict.parse(
                     {
                         "id": f"{one.scene_id}@{model}", "scene_id": one.scene_id, "model": model,
-                        "kind": kind, "is_twin": one.is_twin, **fields,
+                        "kind": kind, "is_ordinary": one.is_twin, **fields,
                     }
                 )
             )  # fmt: skip

@@ -425,7 +425,7 @@ def _verdicts(episodes: list[Episode]) -> list[Verdict]:
                     scene_id=episode.scene_id,
                     model=model,
                     kind=kind,
-                    is_twin=episode.is_twin,
+                    is_ordinary=episode.is_twin,
                     descriptions=("A road.", "A road, something ahead.", "It is close."),
                     is_ood=kind == "reference" or not episode.is_twin,
                     confidence=0.9,

@@ -273,7 +273,7 @@ def test_the_closed_question_is_scored_by_its_leaf_and_shuffled_by_item(frames):
     twin = EPISODE.model_copy(update={"id": "x-001~twin", "scene_id": "x-001~twin"})
     llm = ScriptedLLM({**answers(), "choose-aspect": {"choice": place}})
     verdict = evaluate(twin, frames, llm, path=PATH, leaf="wreck", options=options)
-    assert verdict.is_twin
+    assert verdict.is_ordinary
     assert verdict.choice_is_right is False
     assert verdict.aspect_is_right is None
 

@@ -45,7 +45,7 @@ def judge_label(judge: LLM) -> str:
 
 def is_open(verdict: Verdict) -> bool:
     """Return whether a verdict holds an aspect that must be compared with the path's label."""
-    return not verdict.is_twin and verdict.is_ood is True and bool(verdict.aspect.strip())
+    return not verdict.is_ordinary and verdict.is_ood is True and bool(verdict.aspect.strip())
 
 
 def opinion_id(

@@ -32,7 +32,7 @@ def shortcut_verdicts(items: Items, calls: Calls | None) -> list[Verdict]:
             scene_id=item,
             model=model,
             kind="reference",
-            is_twin=not items.is_scene[items.index[item]],
+            is_ordinary=not items.is_scene[items.index[item]],
             is_ood=is_called,
         )
         for item, is_called in by_item.items()

@@ -25,7 +25,7 @@ def verdict(aspect: str, is_ood: bool | None = True, **more: Any) -> Verdict:
 @given(ASPECTS, st.sampled_from([True, False, None]), st.booleans(), st.booleans())
 def test_judge_then_matcher_is_the_matcher_and_a_judge_is_asked_once(aspect, is_ood, twin, same):
     judge = ScriptedLLM({"judge-aspect": {"is_same_thing": True, "is_same_fault": same}})
-    given = verdict(aspect, is_ood, is_twin=twin, aspect_is_right=False)
+    given = verdict(aspect, is_ood, is_ordinary=twin, aspect_is_right=False)
     found = {one.id: one for one in [opinion(judge, aspect, PATH)]}
     label = judge_label(judge)
     judged = rescored(given, PATH, found, label)

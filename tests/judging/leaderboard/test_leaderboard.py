@@ -282,7 +282,7 @@ def test_a_half_is_at_least_as_often_right_as_both(seed: int, kind: str) -> None
         safe = one.actions[action].safe if rng.random() < 0.9 else None
         verdicts.append(
             Verdict(
-                id=f"{one.id}@m", scene_id=one.scene_id, model="m", is_twin=one.is_twin,
+                id=f"{one.id}@m", scene_id=one.scene_id, model="m", is_ordinary=one.is_ordinary,
                 is_ood=rng.random() < 0.5, action=action, action_is_safe=safe,
             )
         )  # fmt: skip
@@ -299,7 +299,7 @@ def test_a_half_is_at_least_as_often_right_as_both(seed: int, kind: str) -> None
 
 def test_a_model_without_ordinary_drives_is_not_praised_for_noticing() -> None:
     case = Case()
-    verdicts = [v for v in case.verdicts("m", knows) if not v.is_twin]
+    verdicts = [v for v in case.verdicts("m", knows) if not v.is_ordinary]
     words = " ".join(sentences(board(case, verdicts)))
     assert "whoever always says so" in words
 

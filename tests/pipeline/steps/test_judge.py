@@ -58,9 +58,9 @@ def test_scenes_and_ordinary_drives_are_run_and_judged(study):
 def test_the_oracle_is_always_right_where_anything_is_safe(study):
     episodes = {episode.id: episode for episode in study.episodes}
     for name, row in of(study, "oracle").items():
-        assert row.is_ood is not row.is_twin
+        assert row.is_ood is not row.is_ordinary
         assert row.choice_is_right
-        assert row.aspect_is_right or row.is_twin
+        assert row.aspect_is_right or row.is_ordinary
         assert row.action_is_safe or not episodes[name].safe_set
 
 
@@ -128,7 +128,7 @@ def test_the_paper_s_protocol_stands_beside_ours(folder, tmp_path):
     study = run_study(out, config)
     paper = [row for row in study.verdicts if row.protocol == "paper"]
     assert {row.scene_id for row in paper} == {scene.id for scene in study.scenes}
-    assert not any(row.is_twin for row in paper)
+    assert not any(row.is_ordinary for row in paper)
     assert all(row.action_is_safe is row.success for row in paper)
     assert (out / "frames" / study.scenes[0].id / "whole-last.jpg").is_file()
     whole = [json.loads(line) for line in (out / "episodes.paper.jsonl").read_text().splitlines()]
@@ -337,7 +337,7 @@ def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(fo
     assert len(seen.requests) == asked
     assert {one.model for one in study.verdicts} == {*(one.model for one in before), "seen"}
     for one in study.verdicts:
-        is_open = one.is_ood and one.aspect and not one.is_twin
+        is_open = one.is_ood and one.aspect and not one.is_ordinary
         assert one.judge.startswith("judge@") is bool(is_open), one.id
         if one.model == "seen" and is_open:
             assert one.aspect_is_right
@@ -384,8 +384,10 @@ def test_items_that_always_fail_cost_themselves_run_after_run(folder, tmp_path, 
             assert tally(study, "m") == wanted
             assert study.info["status"] == "incomplete"
     healthy = of(study, "m")
-    assert all((row.outcome == "answered") is not row.is_twin for row in healthy.values())
-    assert all(row.retryable is (outcome != "refused") for row in healthy.values() if row.is_twin)
+    assert all((row.outcome == "answered") is not row.is_ordinary for row in healthy.values())
+    assert all(
+        row.retryable is (outcome != "refused") for row in healthy.values() if row.is_ordinary
+    )
 
 
 def test_a_dead_model_costs_its_own_items_until_it_lives(folder, tmp_path):
