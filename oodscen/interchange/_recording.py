@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from oodscen._display import Brief
 from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving import KinematicSimulator, action_driver, load_corridor
 from oodscen.driving._motion.actions import Cruise
@@ -122,7 +123,7 @@ def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> Reco
     """Record the approach and one action up to the horizon, a contact or the road's edge."""
     states, _, _ = approach(scene, simulator, seed)
     decision_s = states[-1].time
-    driver = action_driver(action)
+    driver = action_driver(action, NOMINAL_REACTION_S)
     for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
         if states[-1].contacts or states[-1].off_road:
             break

@@ -58,6 +58,7 @@ _MOTIONS = {
     "cut_out": ("MotionDrive", "MotionCutOut"),
     "hard_brake": ("MotionDecelerate", "MotionStop"),
     "stall": ("MotionDecelerate", "MotionStop"),
+    "halt": ("MotionDecelerate", "MotionStop", "MotionAccelerate"),
     "stop_and_go": ("MotionDecelerate", "MotionAccelerate"),
     "reverse": ("MotionReverse",),
     "pull_out": ("MotionAccelerate", "MotionDrive"),

@@ -13,6 +13,7 @@ from oodscen._display import png
 from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._progress import Progress, reporting
 from oodscen.data._catalogue import Catalogue
+from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.driving import action_driver, load_corridor
 from oodscen.driving._motion.actions import Cruise
@@ -235,7 +236,7 @@ def record(
     """
     if view not in VIEWS:
         raise UnknownComponent("view", view, VIEWS)
-    later = action_driver(driver) if isinstance(driver, str) else None
+    later = action_driver(driver, NOMINAL_REACTION_S) if isinstance(driver, str) else None
     now: Driver = Cruise() if driver is None or isinstance(driver, str) else driver
     catalogue = simulator.catalogue()
     corridor = load_corridor(scene.map, catalogue)
