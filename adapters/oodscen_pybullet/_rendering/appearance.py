@@ -10,7 +10,7 @@ from oodscen.data._scene import Scene, Trigger
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._lighting.light import Glow
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
-from oodscen_pybullet._meshes.look import POSTURES, STEPS, Direction, reacting
+from oodscen_pybullet._meshes.look import STEPS, Direction, reacting
 
 Pose = tuple[float, float, float, float]
 
@@ -119,7 +119,7 @@ class Cast:
             if brakes and "brake" in asset.states and state != "unlit":
                 shown = "brake" if state in ("", "off", "brake") else f"{state}+brake"
             frame = frame_of(asset.id, state, pose, speed, time)
-            if asset.category == "pedestrian" and asset.id in GAITS and frame < POSTURES:
+            if asset.category == "pedestrian" and asset.id in GAITS:
                 warned = seen_coming(pose, poses[0], speeds[0])
                 frame = reacting(frame, warned) if warned else frame
             looks.append(Look(asset.id, shown, paint, runs, frame))

@@ -93,7 +93,8 @@ def evaluate(
                 if not is_reference(model) or (episode.status == "ok" and episode.frames):
                     key = verdict_id(episode.scene_id, model.name, protocol)
                     items[key] = Item(episode, name, protocol)
-    rears = simulate_behind(run, judged_ones) if run.config.rear_view else {}
+    is_rear = run.config.rear_view and bool(run.config.vlms)
+    rears = simulate_behind(run, judged_ones) if is_rear else {}
     ask_about = _questions(run, scenarios, scenes, episodes, rears)
     truths = _truths(shown, scenarios, scenes, run.config)
 
