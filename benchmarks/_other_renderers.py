@@ -62,7 +62,7 @@ def soup_of(meshes: Sequence[Mesh], looks: Sequence[Look], poses: Sequence[Pose]
         normals.append(mesh.normals[order] @ turn)
         uvs.append(mesh.uvs[order])
     parts = (np.concatenate(rows).astype(np.float32) for rows in (points, normals, uvs))
-    return Soup(*parts, atlas=draw_atlas(False))
+    return Soup(*parts, atlas=draw_atlas())
 
 
 class ModernGL:

@@ -75,7 +75,7 @@ class Set:
 
     def dress(self, stage: Stage) -> None:
         """Put the scenery and the actors on a stage."""
-        stage.show_scenery(self.scenery.meshes, is_snowy=False)
+        stage.show_scenery(self.scenery.meshes)
         self.cast(stage)
 
     def cast(self, stage: Stage) -> None:

@@ -151,7 +151,7 @@ MAX_SIZE = 8192
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera on the ego that looks forward; pixels are square."""
+    """A pinhole camera on the ego; pixels are square."""
 
     width: int = 640
     height: int = 480
@@ -165,14 +165,24 @@ class Camera:
     """Height above the road, m; the default is a dash camera's."""
     pitch_deg: float = 2.0
     """Pitch, degrees, downwards positive."""
+    yaw_deg: float = 0.0
+    """Direction relative to the ego's heading, degrees, left positive; 0 looks forward, 180 back."""
 
     def __post_init__(self) -> None:
         for name in ("width", "height"):
             whole_number(f"camera: {name}", getattr(self, name), 1, MAX_SIZE)
-        for name, least, most in (("fov_deg", 1.0, 170.0), ("pitch_deg", -90.0, 90.0)):
+        for name, least, most in (
+            ("fov_deg", 1.0, 170.0),
+            ("pitch_deg", -90.0, 90.0),
+            ("yaw_deg", -180.0, 180.0),
+        ):
             finite_number(f"camera: {name}", getattr(self, name), least, most)
         for name in ("x", "y", "z"):
             finite_number(f"camera: {name}", getattr(self, name))
+
+    def behind(self) -> "Camera":
+        """Return a camera with as many pixels that looks back from the rear window."""
+        return Camera(self.width, self.height, x=-2.0, z=1.2, pitch_deg=4.0, yaw_deg=180.0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -79,7 +79,7 @@ def render(
     weather = _NIGHT if is_night else _DAY
     light = Light.of(weather, math.radians(turn_deg) + math.pi, is_snowy=False)
     canvas = Rasteriser()
-    canvas.show_scenery([_ground()], is_snowy=False)
+    canvas.show_scenery([_ground()])
     canvas.show_actors([MeshBuilder().box((0, 0, -9), (1, 1, 1), "grey").build(), look])
     canvas.pose_actors([(0.0, 0.0, 0.0, 0.0)] * 2)
     shot = canvas.render(view, light, ground=None if is_night else 0.0)

@@ -22,6 +22,7 @@ from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh, asset_ids
+from oodscen_pybullet._meshes.atlas import Snow
 from oodscen_pybullet._meshes.vehicles.ego import bonnet
 from oodscen_pybullet._rendering.appearance import Cast, Look, mesh_of
 from oodscen_pybullet._rendering.cameras import choose_camera
@@ -40,8 +41,8 @@ DARK = 0.2
 """Daylight at and below which nothing casts a shadow."""
 LIT_DEG = 1.0
 """Sun elevation below which windows are lit, degrees."""
-LYING_SNOW_MM_H = 1.0
-"""Snowfall rate at and above which the ground is white, mm/h."""
+SNOWED_ROADS_MM_H = 1.0
+"""Snowfall rate below which the roads are cleared, and only the land is white, mm/h."""
 
 
 class PyBulletSimulator(KinematicSimulator):
@@ -129,8 +130,13 @@ class PyBulletSimulator(KinematicSimulator):
         stage, scenery = self._set(corridor, scene, seed)
         view = CameraView.of(camera, self._poses[0])
         is_inside = abs(camera.x) < 2.4 and abs(camera.y) < 1.0 and camera.z < 1.6
+        world = self.world
         looks = self._cast.looks(
-            self._poses, self._speeds, self.world.accelerations().tolist(), self.world.time
+            self._poses,
+            self._speeds,
+            world.accelerations().tolist(),
+            [world.motion(name).triggered for name in world.ids],
+            world.time,
         )
         if self._shown != (id(stage), is_inside, looks):
             ego: Look | Mesh = bonnet("silver").build() if is_inside else looks[0]
@@ -138,7 +144,9 @@ class PyBulletSimulator(KinematicSimulator):
             self._shown = (id(stage), is_inside, looks)
         poses = self._stand(scenery)
         stage.pose_actors(poses)
-        light = Light.of(scene.weather, corridor.heading(corridor.start), is_snowy=_is_snowy(scene))
+        light = Light.of(
+            scene.weather, corridor.heading(corridor.start), is_snowy=_snow(scene) > Snow.NONE
+        )
         ground = poses[0][2]
         portal = Shelter(corridor).portal(view)
         shot = stage.render(
@@ -191,7 +199,7 @@ class PyBulletSimulator(KinematicSimulator):
         own = zip(self._cast.assets, self._poses, strict=True)
         places = [(x, y) for asset, (x, y, _, _) in own if asset.category == "signal"]
         without = replaced(corridor, places)
-        key = (road.id, id(corridor), seed, _is_snowy(scene), is_night, without)
+        key = (road.id, id(corridor), seed, _snow(scene), is_night, without)
         if key in self._stages:
             self._stages.move_to_end(key)
             return self._stages[key]
@@ -201,7 +209,7 @@ class PyBulletSimulator(KinematicSimulator):
         traits = frozenset(road.traits)
         scenery = build_scenery(corridor, traits, seed, road.id, is_night=is_night, without=without)
         stage = self._open_stage()
-        stage.show_scenery(scenery.meshes, is_snowy=_is_snowy(scene), shelter=Shelter(corridor))
+        stage.show_scenery(scenery.meshes, snow=_snow(scene), shelter=Shelter(corridor))
         self._stages[key] = (stage, replace(scenery, meshes=()))
         return self._stages[key]
 
@@ -230,10 +238,16 @@ def _lamps_of(scenery: Scenery) -> list[Glow]:
     heads = [
         Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True) for head in scenery.lamps
     ]
-    signals = [Glow(one.position, one.colour, one.facing, one.power) for one in scenery.signals]
+    signals = [
+        Glow(one.position, one.colour, one.facing, one.power, by_day=one.by_day)
+        for one in scenery.signals
+    ]
     return [*heads, *signals]
 
 
-def _is_snowy(scene: Scene) -> bool:
+def _snow(scene: Scene) -> Snow:
+    """Return the extent of lying snow: it belongs to winter weather, in which snow falls."""
     weather = scene.weather
-    return weather.precipitation == "snow" and weather.precipitation_mm_h >= LYING_SNOW_MM_H
+    if weather.precipitation != "snow":
+        return Snow.NONE
+    return Snow.ROADS if weather.precipitation_mm_h >= SNOWED_ROADS_MM_H else Snow.LAND

@@ -183,6 +183,11 @@ judging_options = _options(
         help="Show a model its own descriptions of the frames before every question.  [default: --no-chain]",
     ),
     click.option(
+        "--rear-view/--no-rear-view",
+        default=None,
+        help="Show a model the view from the rear window at the decision as well.  [default: --no-rear-view]",
+    ),
+    click.option(
         "--ordinary",
         type=click.IntRange(1, 2),
         help="Ordinary drives asked about per scene: its twin or its demand, or both.  [default: 1]",

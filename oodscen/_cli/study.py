@@ -247,6 +247,7 @@ def evaluate(
     dropped: tuple[str, ...],
     protocol: str,
     chain: bool | None,
+    rear_view: bool | None,
     ordinary: int | None,
     answers: Path | None,
     judge: str | None,
@@ -277,7 +278,8 @@ def evaluate(
         parse_requirement(required)
     before = Study.open(out)
     click.get_current_context().with_resource(before.store.writing())
-    is_paper, is_wider = protocol == "paper", chain is not None or ordinary is not None
+    is_paper = protocol == "paper"
+    is_wider = any(one is not None for one in (chain, rear_view, ordinary))
     if not (vlms or dropped or judge or answers or is_paper or is_wider or required):
         raise UsageError(
             "name a model to judge (--vlm MODEL), to remove (--drop MODEL), or to score open answers "
@@ -292,6 +294,7 @@ def evaluate(
         "protocols": (protocol,),
         "asked": {},
         "chain": bool(chain),
+        "rear_view": bool(rear_view),
         "ordinary": ordinary or 1,
         "people": (add_answers(before, answers),) if answers else (),
         "judge": judge,

@@ -134,7 +134,8 @@ def _judging(config: StudyConfig) -> Iterator[Request]:
     frames = tuple(Image(name=f"{name}.jpg", sha256="0" * 64) for name in moments(config.frames))
     seen = (DESCRIPTION,) * len(frames) if config.chain else ()
     facts = DriveFacts(times_s=(0.0,) * len(frames), ego_speed_mps=10.0, behind="a lorry")
-    told: dict[str, Any] = {"frames": frames, "descriptions": seen, "facts": facts}
+    rear = frames[0] if config.rear_view else None
+    told: dict[str, Any] = {"frames": frames, "descriptions": seen, "facts": facts, "rear": rear}
     prompts: tuple[Prompt[Any], ...] = (
         *(
             DescribeFrame(frames=frames[: n + 1], descriptions=seen[:n], total=len(frames))

@@ -17,7 +17,7 @@ from oodscen._processes import Processes, is_importable, is_script
 from oodscen._registry import find, make_simulator
 from oodscen._seeding import stream
 from oodscen.data._claim import Claim
-from oodscen.data._episode import MOMENTS, REACTIONS_S, Episode
+from oodscen.data._episode import ACTIONS, MOMENTS, REACTIONS_S, Episode
 from oodscen.data._pairing import demand_id, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving._trace_table import to_parquet
@@ -79,6 +79,8 @@ class Job:
     """Reaction times of the drivers who try every action, s."""
     horizon: float | None = None
     """Time for which an action is watched, s; the scenes' own if `None`."""
+    is_rear: bool = False
+    """Take only the picture from the rear window at the decision, `rear.jpg`, and try no action."""
 
 
 @dataclass(frozen=True)
@@ -262,12 +264,13 @@ def _run(job: Job, simulator: Simulator, given: Scene) -> tuple[SweepResult, Sim
             given,
             simulator,
             seed=job.seed,
-            camera=job.camera,
+            camera=job.camera.behind() if job.is_rear else job.camera,
+            actions=() if job.is_rear else ACTIONS,
             traces=job.extras.traces,
             protocol=job.protocol,
             reaction=job.reaction,
             horizon=job.horizon,
-            moments=job.moments,
+            moments=("last",) if job.is_rear else job.moments,
         )
         found = Restaging(given, simulated)
         if job.restages and not given.is_ordinary:
@@ -283,12 +286,13 @@ def _run(job: Job, simulator: Simulator, given: Scene) -> tuple[SweepResult, Sim
 def _result(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> SweepResult:
     """Return the result of a run, with its pictures and files."""
     extra = _extra_files(job, simulator, scene, simulated)
+    prefix = "whole-" if job.protocol == "paper" else ""
+    names = {one: "rear" if job.is_rear else f"{prefix}{one}" for one in simulated.frames}
     frames = {
-        moment: to_jpeg(with_sensor_noise(frame, scene.id, moment))
+        moment: to_jpeg(with_sensor_noise(frame, scene.id, "rear" if job.is_rear else moment))
         for moment, frame in simulated.frames.items()
     }
-    prefix = "whole-" if job.protocol == "paper" else ""
-    files = {moment: f"frames/{scene.id}/{prefix}{moment}.jpg" for moment in frames}
+    files = {moment: f"frames/{scene.id}/{names[moment]}.jpg" for moment in frames}
     written = extra | {files[moment]: data for moment, data in frames.items()}
     named = {
         "frames": files,

@@ -103,15 +103,25 @@ class Shown:
 
     images: tuple[Image, ...]
     facts: DriveFacts = field(default_factory=DriveFacts)
+    rear: Image | None = None
+    """The view from the rear window at the last frame, if it is shown."""
 
     @classmethod
-    def of(cls, episode: Episode, frames: Mapping[str, Image], *, is_present: bool = True) -> Self:
+    def of(
+        cls,
+        episode: Episode,
+        frames: Mapping[str, Image],
+        *,
+        is_present: bool = True,
+        rear: Image | None = None,
+    ) -> Self:
         """Return the frames of an episode with what it records of speed, times and follower.
 
         Args:
             episode: The episode.
             frames: The images by moment.
             is_present: True if the last frame shows the decision.
+            rear: The view from the rear window at the last frame.
         """
         order = in_order(frames)
         times = tuple(episode.frame_times_s.get(moment, math.nan) for moment in order)
@@ -129,7 +139,7 @@ class Shown:
             gap_m=follower.gap_m if follower else 0.0,
             follower_speed_mps=follower.speed_mps if follower else 0.0,
         )
-        return cls(tuple(frames[moment] for moment in order), facts)
+        return cls(tuple(frames[moment] for moment in order), facts, rear)
 
 
 def evaluate(
@@ -145,6 +155,7 @@ def evaluate(
     chain: bool = False,
     before: Shown | None = None,
     visible: Sequence[Visible] = (),
+    rear: Image | None = None,
 ) -> Verdict:
     """Ask a model about one episode; a failure of the model is a verdict, not an exception.
 
@@ -172,6 +183,7 @@ def evaluate(
         before: The drive up to the decision, for the action in the paper's protocol; by default the frames
             before the last, since the last shows the outcome.
         visible: Everything that can be seen of the hazard, which names it as well as the path's label does.
+        rear: The view from the rear window at the decision, shown after the frames; not in the paper's protocol.
     """
     truth = Truth(tuple(path), leaf, tuple(visible))
     if protocol == "paper":
@@ -179,7 +191,8 @@ def evaluate(
     if takes_cases(vlm):
         return _judged_directly(episode, vlm, truth, options, protocol, judge)
     asked = _Asked(vlm, is_chain=chain or protocol == "paper")
-    shown = Shown.of(episode, frames, is_present=protocol != "paper")
+    is_paper = protocol == "paper"
+    shown = Shown.of(episode, frames, is_present=not is_paper, rear=None if is_paper else rear)
     fields: dict[str, Any] = {}
     try:
         if protocol == "paper":
@@ -299,7 +312,12 @@ class _Asked:
             is_ood = not names_nothing(named.aspect)
             return {"is_ood": is_ood, "aspect": named.aspect[:500] if is_ood else ""}
         found = self.put(
-            NameAspect(frames=shown.images, descriptions=descriptions, facts=shown.facts),
+            NameAspect(
+                frames=shown.images,
+                descriptions=descriptions,
+                facts=shown.facts,
+                rear=shown.rear,
+            ),
             read_aspect,
             lambda raw, found: OodAspect(
                 is_ood=found.is_ood, aspect=found.aspect, confidence=found.confidence
@@ -325,6 +343,7 @@ class _Asked:
                 frames=shown.images,
                 descriptions=descriptions,
                 facts=shown.facts,
+                rear=shown.rear,
                 labels=tuple(labels.values()),
             ),
             lambda raw: read_choice(raw, labels),
@@ -342,6 +361,7 @@ class _Asked:
                 frames=shown.images,
                 descriptions=descriptions,
                 facts=shown.facts,
+                rear=shown.rear,
                 options=OPTIONS,
                 is_collision_only=protocol == "paper",
             ),

@@ -42,6 +42,8 @@ class StudyConfig(Data):
     """Judging protocols by model, where they differ from `protocols`."""
     chain: bool = False
     """Show a judged model its own descriptions of the frames before every question, as the paper does."""
+    rear_view: bool = False
+    """Show a judged model a picture from the rear window, taken at the decision, beside the words about who follows."""
     ordinary: int = Field(default=1, ge=1, le=2)
     """Number of ordinary drives that go with a scene: its twin or its demand, or both."""
     people: tuple[str, ...] = ()
@@ -209,6 +211,7 @@ class StudyConfig(Data):
                 "protocols": both,
                 "asked": {name: found for name, found in asked.items() if found != both},
                 "chain": self.chain or other.chain,
+                "rear_view": self.rear_view or other.rear_view,
                 "ordinary": max(self.ordinary, other.ordinary),
                 "people": tuple(dict.fromkeys((*other.people, *self.people))),
                 "judge": self.judge or other.judge,
@@ -230,6 +233,7 @@ JUDGING = (
     "protocols",
     "asked",
     "chain",
+    "rear_view",
     "ordinary",
     "people",
     "judge",

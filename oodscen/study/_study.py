@@ -132,6 +132,7 @@ _KINDS: Mapping[str, type[Data]] = {
     "restaged.jsonl": _Restaged,
     "episodes.jsonl": Episode,
     "episodes.paper.jsonl": Episode,
+    "episodes.rear.jsonl": Episode,
     "verdicts.jsonl": Verdict,
     "opinions.jsonl": Opinion,
     PEOPLE: QuizAnswers,

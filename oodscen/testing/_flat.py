@@ -112,6 +112,8 @@ class _FlatView:
     def __init__(self, camera: Camera, ego: Sequence[float]) -> None:
         x, y, z, yaw = ego
         cos, sin = math.cos(yaw), math.sin(yaw)
+        turn = yaw + math.radians(camera.yaw_deg)
+        ahead, aside = math.cos(turn), math.sin(turn)
         pitch = math.radians(camera.pitch_deg)
         down, level = math.sin(pitch), math.cos(pitch)
         self.width, self.height = camera.width, camera.height
@@ -121,9 +123,9 @@ class _FlatView:
             z + camera.z,
         )
         self.ground = z
-        self.forward = (cos * level, sin * level, -down)
-        self.right = (sin, -cos, 0.0)
-        self.down = (-cos * down, -sin * down, -level)
+        self.forward = (ahead * level, aside * level, -down)
+        self.right = (aside, -ahead, 0.0)
+        self.down = (-ahead * down, -aside * down, -level)
         self.focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
         self.u = (np.arange(camera.width) + 0.5 - 0.5 * camera.width) / self.focal
         self.v = (np.arange(camera.height) + 0.5 - 0.5 * camera.height) / self.focal

@@ -51,6 +51,15 @@ def test_processes_and_executors_change_no_byte(here):
         assert by_id(sweep(JOB, scenes(5), executor=pool)) == here
 
 
+def test_a_picture_to_the_rear_is_taken_at_the_decision_and_nothing_else(here):
+    (scene,) = scenes(1)
+    (result,) = sweep(Job("flat", is_rear=True), [scene])
+    assert result.episode.frames == {"last": f"frames/{scene.id}/rear.jpg"}
+    assert result.episode.trace_sha256 == here[scene.id].episode.trace_sha256
+    assert result.episode.actions == {}
+    assert result.frames["last"] != here[scene.id].frames["last"]
+
+
 def test_what_else_is_asked_for_comes_as_files(here, tmp_path):
     job = Job("flat", extras=Extras(traces=True, annotations=True, video="bird"))
     (result,) = sweep(job, scenes(1))

@@ -70,6 +70,7 @@ FACTS = DriveFacts(
     gap_m=9.5,
     follower_speed_mps=14.2,
 )
+REAR = Image(name="rear.jpg", sha256="f" * 64)
 SEEN = ("An empty street.", "A deer beside the street.", "A deer on the street.")
 PATH = ("Out of distribution", "Interactional", "Animals", "Deer on the road")
 EXAMPLES = GiveExamples(shown=("A deer crosses.", "Thick fog."), count=2)
@@ -111,12 +112,13 @@ SAMPLES = (
         catalogue=DIGEST,
     ),
     DescribeFrame(frames=FRAMES, descriptions=SEEN[:2], total=5),
-    NameAspect(frames=FRAMES, descriptions=SEEN, facts=FACTS),
-    NameOodAspect(frames=FRAMES, descriptions=SEEN, facts=FACTS),
+    NameAspect(frames=FRAMES, descriptions=SEEN, facts=FACTS, rear=REAR),
+    NameOodAspect(frames=FRAMES, descriptions=SEEN, facts=FACTS, rear=REAR),
     ChooseAspect(
         frames=FRAMES,
         descriptions=SEEN,
         facts=FACTS,
+        rear=REAR,
         labels=("Deer on the road", "Nothing is out of the ordinary"),
     ),
     JudgeAspect(
@@ -128,6 +130,7 @@ SAMPLES = (
         frames=FRAMES,
         descriptions=SEEN,
         facts=FACTS,
+        rear=REAR,
         options=(
             ActionOption(id="stop", description="brake to a stop"),
             ActionOption(id="keep_speed", description="drive on"),

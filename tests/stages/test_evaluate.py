@@ -91,6 +91,24 @@ def test_questions_stand_alone_and_state_what_no_frame_shows(frames):
             assert ("Nobody follows" in question.text) == (behind is None)
 
 
+def test_the_view_to_the_rear_comes_after_the_frames_and_is_named(frames, tmp_path):
+    path = tmp_path / "rear.jpg"
+    path.write_bytes(b"rear")
+    rear = Image.from_file(path, "rear")
+    for shown in (None, rear):
+        llm = ScriptedLLM(answers())
+        evaluate(EPISODE, frames, llm, path=PATH, rear=shown)
+        for request in llm.requests:
+            question = request.messages[-1]
+            assert [one.name for one in question.images[3:]] == ["rear"] * (shown is not None)
+            assert ("looks back" in question.text) == (shown is not None)
+    llm = ScriptedLLM(answers())
+    evaluate(EPISODE, frames, llm, path=PATH, rear=rear, chain=True)
+    names = [[one.name for one in request.messages[-1].images] for request in llm.requests]
+    assert names[-2:] == [["rear"], ["rear"]]
+    assert not any("rear" in one for one in names[:-2])
+
+
 def test_of_what_is_unknown_nothing_is_said(frames):
     llm = ScriptedLLM(answers())
     evaluate(EPISODE, frames, llm, path=PATH)

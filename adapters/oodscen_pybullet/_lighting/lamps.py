@@ -121,10 +121,11 @@ def add_glows(
             continue
         through = exact.exp(-extinction * ahead)
         murk = min(1.0, extinction * 60.0)
-        strength = seen * through * (0.22 + 0.78 * dark) * math.sqrt(glow.power)
+        strength = seen * through * (glow.by_day + (1.0 - glow.by_day) * dark)
+        strength *= math.sqrt(glow.power)
         core = max(0.7, view.focal * 0.055 * math.sqrt(glow.power) / ahead)
         wide = core * (2.6 + 2.5 * dark + 3.0 * murk * (0.3 + dark))
-        _add(image, column, row, core * 1.5, 235.0 * strength, _paler(glow.colour))
+        _add(image, column, row, core * 1.5, 235.0 * strength, _core(glow))
         _add(image, column, row, min(wide, view.width * 0.16), 95.0 * strength, glow.colour)
 
 
@@ -164,8 +165,12 @@ def _visible(depth: Float, column: float, row: float, ahead: float) -> float:
     return np.count_nonzero(patch > ahead - 0.35) / patch.size
 
 
-def _paler(colour: Point) -> Point:
-    return (0.5 + 0.5 * colour[0], 0.5 + 0.5 * colour[1], 0.5 + 0.5 * colour[2])
+def _core(glow: Glow) -> Point:
+    """Return the colour of a lamp's core: nearly white, or by day the colour that a signal shows."""
+    red, green, blue = glow.colour
+    if glow.by_day > 0.5:
+        return glow.colour
+    return (0.5 + 0.5 * red, 0.5 + 0.5 * green, 0.5 + 0.5 * blue)
 
 
 def _add(

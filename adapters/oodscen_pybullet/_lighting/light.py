@@ -110,6 +110,8 @@ class Glow:
     """Direction of its beam; (0, 0, 0) shines in all directions."""
     power: float
     is_street: bool = False
+    by_day: float = 0.22
+    """Share of its halo that is visible by day."""
 
 
 def _between(table: Sequence[tuple[float, float]], value: float) -> float:

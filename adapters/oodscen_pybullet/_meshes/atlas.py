@@ -1,7 +1,8 @@
 """The texture atlas that all meshes share: a palette of colours, printed faces and facades."""
 
 import tomllib
-from functools import cache, lru_cache
+from enum import IntEnum
+from functools import cache
 from importlib.resources import files
 
 import numpy as np
@@ -19,7 +20,11 @@ LOOKS = tomllib.loads(files("oodscen_pybullet._meshes").joinpath("looks.toml").r
 COLOURS: dict[str, tuple[int, int, int]] = {k: tuple(v) for k, v in LOOKS["colours"].items()}
 """Red, green and blue of every colour, by name."""
 SNOWED: dict[str, tuple[int, int, int]] = {k: tuple(v) for k, v in LOOKS["snowed"].items()}
-"""Colours under lying snow, by the colour they replace."""
+"""Colours of the land under lying snow, by the colour they replace."""
+SNOWED_ROADS: dict[str, tuple[int, int, int]] = {
+    k: tuple(v) for k, v in LOOKS["snowed_roads"].items()
+}
+"""Colours of the roads under lying snow."""
 REGIONS: dict[str, tuple[int, int, int, int]] = {k: tuple(v) for k, v in LOOKS["regions"].items()}
 """x, y, width and height of every printed region, in pixels from the top left."""
 _NAMES = tuple(COLOURS)
@@ -31,6 +36,16 @@ EMISSIVE: frozenset[str] = frozenset(
     }
 )  # fmt: skip
 """Colours and regions that emit light, so night does not darken them."""
+
+
+class Snow(IntEnum):
+    """The extent of lying snow."""
+
+    NONE = 0
+    LAND = 1
+    """The roads are cleared; everything beside them is white."""
+    ROADS = 2
+    """The roads are white too."""
 
 
 @cache
@@ -51,11 +66,15 @@ def region_uv(name: str) -> NDArray[np.float64]:
     return np.array([[left, bottom], [right, bottom], [right, top], [left, top]])
 
 
-@lru_cache(maxsize=2)
-def draw_atlas(is_snowy: bool) -> NDArray[np.uint8]:
+@cache
+def draw_atlas(snow: Snow = Snow.NONE) -> NDArray[np.uint8]:
     """Paint the atlas: [SIZE, SIZE, 3] RGB; every call returns the same bytes."""
     image = np.zeros((SIZE, SIZE, 3), np.uint8)
-    colours = {**COLOURS, **SNOWED} if is_snowy else COLOURS
+    colours = dict(COLOURS)
+    if snow >= Snow.LAND:
+        colours.update(SNOWED)
+    if snow >= Snow.ROADS:
+        colours.update(SNOWED_ROADS)
     for index, name in enumerate(_NAMES):
         row, column = divmod(index, SIZE // SWATCH)
         image[row * SWATCH : (row + 1) * SWATCH, column * SWATCH : (column + 1) * SWATCH] = colours[

@@ -29,6 +29,8 @@ class Lamp:
     """Direction of the beam in the mesh's frame; (0, 0, 0) shines in all directions."""
     power: float = 1.0
     """Relative power: 1 is a tail lamp; a headlamp on low beam is about 4."""
+    by_day: float = 0.22
+    """Share of its glow that is visible by day."""
 
 
 @dataclass(frozen=True)
@@ -229,7 +231,7 @@ class MeshBuilder:
             down: Segments from pole to pole.
             jitter: Fraction of the radius by which corners move in or out.
             key: Seed of the shape.
-            second_colour: Colour of every other patch, if given.
+            second_colour: Colour of the hollows, if given.
         """
         rng = np.random.Generator(np.random.PCG64(key))
         grid = np.zeros((down + 1, around, 3))
@@ -242,9 +244,10 @@ class MeshBuilder:
                     sin(polar) * sin(turn),
                     cos(polar),
                 )
-        smooth = grid.copy()
+        smooth, dents = grid.copy(), np.zeros((down + 1, around))
         if jitter:
-            grid *= 1 + jitter * rng.uniform(-1, 1, (down + 1, around, 1))
+            dents = rng.uniform(-1, 1, (down + 1, around))
+            grid *= 1 + jitter * dents[..., None]
             grid[0], grid[-1] = grid[0, 0], grid[-1, 0]
         surface = grid * np.array(radii) + np.array(centre)
         for i in range(down):
@@ -255,7 +258,8 @@ class MeshBuilder:
                     rows = [(0, j), (1, j), (1, k)]
                 elif i == down - 1:
                     rows = [(i, j), (down, j), (i, k)]
-                shade = second_colour if second_colour and (i + j) % 2 else colour
+                is_hollow = sum(float(dents[row]) for row in rows) < 0.0
+                shade = second_colour if second_colour and is_hollow else colour
                 normals = None if jitter else np.array([smooth[row] for row in rows])
                 corners = np.array([surface[row] for row in rows])
                 self._add(corners, np.tile(swatch_uv(shade), (len(rows), 1)), normals)
@@ -330,9 +334,17 @@ class MeshBuilder:
         face = far + out * 0.004
         return self.cylinder((x, far, radius), (x, face, radius), radius * 0.6, hub, sides=10)
 
-    def lamp(self, position: Point, colour: Point, facing: Point, power: float = 1.0) -> Self:
-        """Declare a light that glows in the dark."""
-        self._lamps.append(Lamp(position, colour, facing, power))
+    def lamp(
+        self,
+        position: Point,
+        colour: Point,
+        facing: Point,
+        power: float = 1.0,
+        *,
+        by_day: float = 0.22,
+    ) -> Self:
+        """Declare a light that glows in the dark, and faintly by day."""
+        self._lamps.append(Lamp(position, colour, facing, power, by_day))
         return self
 
     def puff(
@@ -390,9 +402,7 @@ class MeshBuilder:
         """Scale everything added so far about the origin, then move it."""
         move = np.array(offset)
         self._points = [rows * scale + move for rows in self._points]
-        self._lamps = [
-            Lamp(moved(p.position, scale, offset), p.colour, p.facing, p.power) for p in self._lamps
-        ]
+        self._lamps = [replace(p, position=moved(p.position, scale, offset)) for p in self._lamps]
         self._puffs = [
             replace(p, position=moved(p.position, scale, offset), radius=p.radius * scale)
             for p in self._puffs

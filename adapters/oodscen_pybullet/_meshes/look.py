@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Literal
 
 RED = (1.0, 0.12, 0.08)
 WHITE = (1.0, 0.97, 0.86)
@@ -15,6 +16,16 @@ RUNNING = 9
 """First frame of a run."""
 STEPS = 8
 """Frames of a stride, and of a cycle of smoke."""
+POSTURES = RUNNING + STEPS
+"""Frames of one posture of a person."""
+
+Direction = Literal["ahead", "left", "right"]
+_DIRECTIONS: tuple[Direction | None, ...] = (None, "ahead", "left", "right")
+
+
+def reacting(frame: int, direction: Direction) -> int:
+    """Return the frame that shows a person in the same step reacting to a vehicle."""
+    return frame + POSTURES * _DIRECTIONS.index(direction)
 
 
 @dataclass(frozen=True)
@@ -65,9 +76,15 @@ class Appearance:
     @property
     def gait(self) -> tuple[float, bool] | None:
         """The completed fraction of the stride, and whether it is a run; `None` means standing."""
-        if self.frame < WALKING:
+        frame = self.frame % POSTURES
+        if frame < WALKING:
             return None
-        return (self.frame - WALKING) % STEPS / STEPS, self.frame >= RUNNING
+        return (frame - WALKING) % STEPS / STEPS, frame >= RUNNING
+
+    @property
+    def warned(self) -> Direction | None:
+        """The direction of a vehicle that a person reacts to; `None` if there is none."""
+        return _DIRECTIONS[self.frame // POSTURES]
 
     @property
     def cycle(self) -> float:

@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 from oodscen._seeding import stream
 from oodscen.data._catalogue import Asset
-from oodscen.data._scene import Scene
+from oodscen.data._scene import Scene, Trigger
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._lighting.light import Glow
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
-from oodscen_pybullet._meshes.look import STEPS
+from oodscen_pybullet._meshes.look import STEPS, Direction, reacting
 
 Pose = tuple[float, float, float, float]
 
@@ -22,10 +22,22 @@ _STANDING = 0.05
 """Speed below which a body counts as standing, m/s."""
 _IN_TRAFFIC = frozenset({"follow_lane", "stop_and_go", "halt", "hard_brake", "cut_in", "cut_out"})
 """Behaviours of drivers who keep a foot on the brake while standing."""
+_SIGNALS = frozenset({"signal", "work_zone"})
+"""Categories of assets whose state may begin at a trigger."""
 _FLASHES = 1.5
 """Cycles of a flashing lamp per second; it is lit for two thirds of each."""
 _PUFFS = 6.0
 """Frames of smoke per second."""
+_WARNED_S = 3.2
+"""Time to arrival of the ego below which a person in its way reacts, s."""
+_IN_THE_WAY = 2.2
+"""Distance from the middle of the ego's way within which a person reacts, m."""
+_APPROACHING = 3.0
+"""Least speed of an ego that people react to, m/s."""
+_AMBER_S = 2.0
+"""Time for which a signal is amber before it is red, s."""
+_BEFORE = {"red": "green", "green": "red", "amber": "green"}
+"""State of a signal before another one."""
 
 
 class Look(NamedTuple):
@@ -40,7 +52,8 @@ class Look(NamedTuple):
     frame: int = 0
     """Animation frame of a self-moving part.
 
-    Legs: 0 stands, 1 to 8 walk, 9 to 16 run. Flashing lamps: 0 is lit, 1 dark. Smoke: 0 to 7.
+    Legs: 0 stands, 1 to 8 walk, 9 to 16 run; `look.reacting` adds a person's reaction. Flashing lamps:
+    0 is lit, 1 dark. Smoke: 0 to 7.
     """
 
 
@@ -57,6 +70,8 @@ class Cast:
         self._scene = scene
         self._seed = seed
         self._members: list[tuple[Asset, str, str, bool, bool]] = []
+        self._triggers: list[Trigger] = []
+        self._given = {actor.id: actor.behaviour.trigger for actor in scene.actors}
         self._behaviours = {actor.id: actor.behaviour.name for actor in scene.actors}
 
     def __len__(self) -> int:
@@ -73,12 +88,14 @@ class Cast:
         paint = _paint(self._seed, actor_id, asset.id)
         holds = self._behaviours.get(actor_id) in _IN_TRAFFIC
         self._members.append((asset, state, paint, _runs(self._scene, actor_id), holds))
+        self._triggers.append(self._given.get(actor_id, Trigger()))
 
     def looks(
         self,
         poses: Sequence[Pose],
         speeds: Sequence[float],
         accelerations: Sequence[float],
+        fired: Sequence[float],
         time: float,
     ) -> list[Look]:
         """Return the look of every body.
@@ -87,17 +104,24 @@ class Cast:
             poses: x, y, z and yaw of each body, m and rad.
             speeds: Speeds along the headings, m/s.
             accelerations: Accelerations along the headings, m/s^2.
+            fired: Times at which the triggers fired, s; negative before.
             time: Time since the start, s.
         """
         looks = []
-        for (asset, state, paint, runs, holds), pose, speed, acceleration in zip(
-            self._members, poses, speeds, accelerations, strict=True
+        for row, ((asset, given, paint, runs, holds), pose, speed, acceleration) in enumerate(
+            zip(self._members, poses, speeds, accelerations, strict=True)
         ):
+            state = given
+            if asset.category in _SIGNALS:
+                state = phase_of(given, self._triggers[row], fired[row], time)
             shown = state
             brakes = acceleration < BRAKING or (holds and abs(speed) < _STANDING)
             if brakes and "brake" in asset.states and state != "unlit":
                 shown = "brake" if state in ("", "off", "brake") else f"{state}+brake"
             frame = frame_of(asset.id, state, pose, speed, time)
+            if asset.category == "pedestrian" and asset.id in GAITS:
+                warned = seen_coming(pose, poses[0], speeds[0])
+                frame = reacting(frame, warned) if warned else frame
             looks.append(Look(asset.id, shown, paint, runs, frame))
         return looks
 
@@ -110,8 +134,54 @@ class Cast:
                 (px, py, pz), (fx, fy, fz) = lamp.position, lamp.facing
                 place = (x + c * px - s * py, y + s * px + c * py, z + pz)
                 facing = (c * fx - s * fy, s * fx + c * fy, fz)
-                glows.append(Glow(place, lamp.colour, facing, lamp.power))
+                glows.append(Glow(place, lamp.colour, facing, lamp.power, by_day=lamp.by_day))
         return glows
+
+
+def phase_of(state: str, trigger: Trigger, fired: float, time: float) -> str:
+    """Return the state that a signal shows: its own from the trigger on, and before it the preceding one.
+
+    A signal is amber for two seconds before it is red: up to a trigger by time, which is known in advance, or
+    after another one.
+
+    Args:
+        state: The state of the scene.
+        trigger: The trigger of the signal's behaviour; by default it fires at the start.
+        fired: Time at which it fired, s; negative before.
+        time: Time since the start, s.
+    """
+    before = _BEFORE.get(state, state)
+    if trigger.kind == "time":
+        since = time - trigger.value
+    else:
+        since = time - fired - _AMBER_S if fired >= 0.0 else -math.inf
+    if since >= -1e-6 or before == state:
+        return state
+    return "amber" if state == "red" and since >= -_AMBER_S - 1e-6 else before
+
+
+def seen_coming(pose: Pose, ego: Pose, speed: float) -> Direction | None:
+    """Return the side on which a person sees the ego coming; `None` if they do not react to it.
+
+    Args:
+        pose: x, y, z and yaw of the person, m and rad.
+        ego: Pose of the ego.
+        speed: Its speed, m/s.
+    """
+    dx, dy = pose[0] - ego[0], pose[1] - ego[1]
+    s, c = exact.sincos(ego[3])
+    ahead, aside = c * dx + s * dy, c * dy - s * dx
+    is_near = speed >= _APPROACHING and 0.0 < ahead < _WARNED_S * speed
+    if not is_near or abs(aside) > _IN_THE_WAY:
+        return None
+    s, c = exact.sincos(pose[3])
+    before, left = -c * dx - s * dy, s * dx - c * dy
+    if before > 2.0 * abs(left):
+        return "ahead"
+    # Nobody sees what comes from behind.
+    if before < -0.5 * abs(left):
+        return None
+    return "left" if left > 0.0 else "right"
 
 
 def mesh_of(look: Look) -> Mesh:

@@ -12,7 +12,7 @@ from oodscen._files import temporary_folder
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh
-from oodscen_pybullet._meshes.atlas import draw_atlas
+from oodscen_pybullet._meshes.atlas import Snow, draw_atlas
 from oodscen_pybullet._meshes.wavefront import wavefront
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
 from oodscen_pybullet._rendering.stage import Pose, Shot
@@ -40,9 +40,9 @@ class BulletStage:
         self._client: int = engine.connect(engine.DIRECT)
         self._folder = temporary_folder()
         self._written = 0
-        self._textures: dict[bool, int] = {}
+        self._textures: dict[Snow, int] = {}
         self._shapes: dict[object, int] = {}
-        self._is_snowy = False
+        self._snow = Snow.NONE
         self._rows: dict[int, int] = {}
         self._actors: list[int] = []
 
@@ -62,12 +62,12 @@ class BulletStage:
         self._actors.clear()
 
     def show_scenery(
-        self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
+        self, meshes: Sequence[Mesh], *, snow: Snow = Snow.NONE, shelter: Shelter | None = None
     ) -> None:
         """Replace everything shown by new scenery, with the road's tunnels."""
         self.clear()
         self._engine.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=self._client)
-        self._is_snowy = is_snowy
+        self._snow = snow
         for mesh in meshes:
             for start in range(0, len(mesh.triangles), _MOST_TRIANGLES):
                 self._body(self._shape(_piece(mesh, start)))
@@ -169,15 +169,15 @@ class BulletStage:
         return body
 
     def _texture(self) -> int:
-        if self._is_snowy not in self._textures:
+        if self._snow not in self._textures:
             import cv2
 
-            name = str(Path(self._folder.name) / f"atlas{int(self._is_snowy)}.png")
-            cv2.imwrite(name, draw_atlas(self._is_snowy)[:, :, ::-1])
-            self._textures[self._is_snowy] = self._engine.loadTexture(
+            name = str(Path(self._folder.name) / f"atlas{int(self._snow)}.png")
+            cv2.imwrite(name, draw_atlas(self._snow)[:, :, ::-1])
+            self._textures[self._snow] = self._engine.loadTexture(
                 name, physicsClientId=self._client
             )
-        return self._textures[self._is_snowy]
+        return self._textures[self._snow]
 
 
 def _piece(mesh: Mesh, start: int) -> Mesh:

@@ -156,7 +156,7 @@ def _settings(picture: RawPicture, rate: float, air: Sequence[float]) -> F32:
     values[d.DAY_R : d.DAY_B + 1] = [tint * light.daylight for tint in light.tint]
     if light.daylight >= 0.99:
         values[d.DAY_R : d.DAY_B + 1] = light.tint
-    else:
+    elif view.is_lit:
         values[d.BEAM] = 1.15 * dark
     if shade is not None:
         scale = CELLS / SIDE_M
@@ -176,7 +176,7 @@ def _settings(picture: RawPicture, rate: float, air: Sequence[float]) -> F32:
     ]
     _set_portal(values, picture)
     values[d.WET] = _WET if weather.precipitation == "rain" else 0.0
-    if light.daylight <= 0.6 and rate > 0.0:
+    if light.daylight <= 0.6 and rate > 0.0 and view.is_lit:
         values[d.HALO] = 104.0 * dark * min(1.0, rate * 30.0)
     values[d.CLOUD_EDGE] = 1.0 - 0.9 * cover - 0.12 if cover > 0.02 else 9.0
     values[d.CLOUD_FLOOR] = max(0.0, (cover - 0.75) * 4.0)

@@ -12,7 +12,7 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shadows import Shade, ShadowMap
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh
-from oodscen_pybullet._meshes.atlas import draw_atlas
+from oodscen_pybullet._meshes.atlas import Snow, draw_atlas
 from oodscen_pybullet._rendering import depth_kernel as raster
 from oodscen_pybullet._rendering import shading
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
@@ -40,7 +40,7 @@ class Rasteriser:
             detail: Samples per pixel: 2 gives smooth edges, 1 is faster.
         """
         self._detail = detail
-        self._is_snowy = False
+        self._snow = Snow.NONE
         self._scenery: Triangles | None = None
         self._actors: Triangles | None = None
         self._known: OrderedDict[Look, Triangles] = OrderedDict()
@@ -58,12 +58,12 @@ class Rasteriser:
         self._shadows.forget()
 
     def show_scenery(
-        self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
+        self, meshes: Sequence[Mesh], *, snow: Snow = Snow.NONE, shelter: Shelter | None = None
     ) -> None:
         """Replace everything shown by new scenery, with the road's tunnels."""
         self.close()
-        self._is_snowy = is_snowy
-        atlas = draw_atlas(is_snowy)
+        self._snow = snow
+        atlas = draw_atlas(snow)
         self._scenery = Triangles.joined(
             [Triangles.of(mesh, atlas, is_chunked=True) for mesh in meshes]
         )
@@ -132,7 +132,7 @@ class Rasteriser:
             samples.nearness[:count].reshape(rows), samples.shown[:count].reshape(rows)
         )
         lights = sun[3:].astype(np.float32)
-        shading.gather(sheets, drawn, textures(self._is_snowy), lights, self._detail, planes)
+        shading.gather(sheets, drawn, textures(self._snow), lights, self._detail, planes)
         fields = planes._asdict() | {"rgb": np.moveaxis(planes.rgb, 0, 2)}
         return Shot(**fields, shade=shade)
 
@@ -160,7 +160,7 @@ class Rasteriser:
         return pixels
 
     def _triangles(self, look: Look | Mesh) -> Triangles:
-        atlas = draw_atlas(self._is_snowy)
+        atlas = draw_atlas(self._snow)
         if isinstance(look, Mesh):
             return Triangles.of(look, atlas, is_chunked=False)
         if look not in self._known:

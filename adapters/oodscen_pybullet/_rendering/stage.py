@@ -11,6 +11,7 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shadows import Shade
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh
+from oodscen_pybullet._meshes.atlas import Snow
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.view import CameraView
 
@@ -46,7 +47,7 @@ class Stage(Protocol):
         """Release all resources; calling it twice is allowed."""
 
     def show_scenery(
-        self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
+        self, meshes: Sequence[Mesh], *, snow: Snow = Snow.NONE, shelter: Shelter | None = None
     ) -> None:
         """Replace everything shown by new scenery, with the road's tunnels."""
 

@@ -1,13 +1,21 @@
 """Meshes in the rasteriser's layout: flat arrays of corners, in chunks with bounding spheres."""
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen_pybullet._meshes.atlas import COLOURS, EMISSIVE, REGIONS, SIZE, SWATCH, draw_atlas
+from oodscen_pybullet._meshes.atlas import (
+    COLOURS,
+    EMISSIVE,
+    REGIONS,
+    SIZE,
+    SWATCH,
+    Snow,
+    draw_atlas,
+)
 from oodscen_pybullet._meshes.builder import Mesh
 
 F32 = NDArray[np.float32]
@@ -206,10 +214,10 @@ def _kinds(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> N
     return np.where(regions >= 0, prints[np.maximum(regions, 0)], plain)
 
 
-@lru_cache(maxsize=2)
-def textures(is_snowy: bool) -> Textures:
+@cache
+def textures(snow: Snow = Snow.NONE) -> Textures:
     """Return every region of the atlas at every level."""
-    atlas = draw_atlas(is_snowy)
+    atlas = draw_atlas(snow)
     texels: list[NDArray[np.uint64]] = []
     sizes: list[tuple[int, int, int]] = []
     start = 0

@@ -1,4 +1,4 @@
-"""The pose of a dash camera and the projection of points onto its picture."""
+"""The pose of a camera on the ego and the projection of points onto its picture."""
 
 from dataclasses import dataclass
 
@@ -29,12 +29,16 @@ class CameraView:
     right: Point
     up: Point
     forward: Point
+    is_lit: bool = True
+    """True if the ego's headlamps light what the camera sees: it looks forward."""
 
     @classmethod
     def of(cls, camera: Camera, pose: tuple[float, float, float, float]) -> "CameraView":
         """Mount a camera on a vehicle, given the centre of its footprint and its yaw."""
         x, y, z, yaw = pose
         s, c = exact.sincos(yaw)
+        turn = camera.yaw_deg * _DEGREE
+        sa, ca = exact.sincos(yaw + turn) if turn else (s, c)
         sp, cp = exact.sincos(camera.pitch_deg * _DEGREE)
         return cls(
             width=camera.width,
@@ -45,9 +49,10 @@ class CameraView:
                 y + s * camera.x + c * camera.y,
                 z + camera.z,
             ),
-            right=(s, -c, 0.0),
-            up=(c * sp, s * sp, cp),
-            forward=(c * cp, s * cp, -sp),
+            right=(sa, -ca, 0.0),
+            up=(ca * sp, sa * sp, cp),
+            forward=(ca * cp, sa * cp, -sp),
+            is_lit=abs(camera.yaw_deg) < 90.0,
         )
 
     def view_matrix(self) -> list[float]:

@@ -258,7 +258,7 @@ def add_snow(
     spread = fade(np.minimum(aside * aside, np.float32(40.0)))
     near = ahead.astype(np.float32)
     height = upwards.astype(np.float32)
-    strength = np.float32(2.6 * (1.0 - light.daylight))
+    strength = np.float32(2.6 * (1.0 - light.daylight) if view.is_lit else 0.0)
     shine = beam(near, height + np.float32(_EYE_M), spread, strength)
     bright = np.minimum(np.float32(0.34 + 0.66 * light.daylight) + shine, np.float32(1.0))
     flakes = np.stack([column, row, radius, ahead, bright, np.zeros(count)], axis=1).astype(

@@ -63,11 +63,20 @@ def _trunk(height: float, radius: float) -> MeshBuilder:
 
 
 @lru_cache(maxsize=64)
-def broad_tree(key: int, *, is_tall: bool = False, is_far: bool = False) -> Mesh:
-    """Return a broad-leaved tree of six to eight metres, or of nine; simplified for long distances."""
+def broad_tree(
+    key: int, *, is_tall: bool = False, is_far: bool = False, is_pruned: bool = False
+) -> Mesh:
+    """Return a broad-leaved tree of six to eight metres.
+
+    Args:
+        key: Selects one of ten trees.
+        is_tall: Whether it is a quarter larger.
+        is_far: Whether it is simplified for long distances.
+        is_pruned: Whether its crown is pruned so high that one sees signals and people below it.
+    """
     rng = np.random.Generator(np.random.PCG64(4000 + key % _TREES))
     scale = float(rng.uniform(0.85, 1.15)) * (1.25 if is_tall else 1.0)
-    trunk = 2.5 * scale
+    trunk = (4.1 if is_pruned else 2.5) * scale
     mesh = _trunk(trunk + 1.2 * scale, 0.2 * scale)
     light, dark = (("leaf", "leaf_dark"), ("leaf_light", "leaf"), ("leaf_dark", "leaf_dark"))[
         key % 3

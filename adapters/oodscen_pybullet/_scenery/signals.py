@@ -1,6 +1,7 @@
 """The traffic lights and signs of a map's file."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from oodscen.driving._roads.corridor import Corridor, RoadSignal
 from oodscen.numerics._exact import cos, sin
@@ -104,9 +105,8 @@ def state_of(site: Site, signal: RoadSignal) -> str:
 
 def _moved(lamp: Lamp, at: Point, heading: Heading) -> Lamp:
     (x, y, z), (fx, fy, fz), (c, s) = lamp.position, lamp.facing, heading
-    return Lamp(
-        (at[0] + c * x - s * y, at[1] + s * x + c * y, at[2] + z),
-        lamp.colour,
-        (c * fx - s * fy, s * fx + c * fy, fz),
-        lamp.power,
+    return replace(
+        lamp,
+        position=(at[0] + c * x - s * y, at[1] + s * x + c * y, at[2] + z),
+        facing=(c * fx - s * fy, s * fx + c * fy, fz),
     )

@@ -25,7 +25,9 @@ def build_structures(ground: Ground) -> tuple[list[Mesh], list[Point]]:
     for one in ground.corridor.structures:
         reach = 0.45 if one.kind == "tunnel" else 0.0
         line = RoadCourse.between(ground.corridor, one.start - reach, one.end + reach)
-        edges = [np.interp(line.s, ground.ego.course.s, edge) for edge in ground.ego.paved]
+        # A tunnel keeps the width of its ends up to the faces of its portals.
+        within = np.clip(line.s, one.start, one.end)
+        edges = [np.interp(within, ground.ego.course.s, edge) for edge in ground.ego.paved]
         if one.kind == "tunnel":
             meshes.append(_tunnel(ground, one, line, edges[0], edges[1], lamps))
         else:

@@ -21,8 +21,8 @@ from oodscen_pybullet._scenery.buildings import (
 )
 from oodscen_pybullet._scenery.placing import RoadsidePlace, Site
 
-BUS_STOP_M = 17.0
-"""Distance of a bus stop ahead of the ego's start, m, clear of where scenes place people."""
+_BUS_STOPS = ((-1, 7.0, 19.0), (1, 9.0, 21.0), (-1, 150.0, 230.0), (1, 150.0, 230.0))
+"""Side and range of distances ahead of the ego's start, m, of bus stops: clear of where scenes place people."""
 _SIDES = (1, -1)
 _PAINTS = ("red", "blue", "silver", "white", "dark_grey", "green", "burgundy")
 _FRONTS = ("hedge_front", "picket_front", "wall_front")
@@ -119,7 +119,9 @@ def _tree(
     is_far = out > 14.0 or site.is_far(spot)
     if is_far and kind == "bush":
         return
-    mesh = greenery.broad_tree(key, is_tall=kind == "tall", is_far=is_far)
+    mesh = greenery.broad_tree(
+        key, is_tall=kind == "tall", is_far=is_far, is_pruned=kind == "street"
+    )
     if kind == "conifer":
         mesh = greenery.conifer(key)
     elif kind == "bush":
@@ -206,12 +208,7 @@ def _urban(site: Site, is_night: bool) -> None:
     for way in streets:
         for side in _SIDES:
             _frontage(site, way, side, is_night)
-    stop = site.spot(streets[0], site.ground.corridor.start + BUS_STOP_M, -1)
-    x, y = stop.beside(0.0, -0.95)
-    is_free = site.ground.is_free((x,), (y,), 0.9) and not site.is_spanned(stop)
-    is_free = is_free and not site.terrain.is_corner(x, y, 14.0)
-    if is_free and site.claim(x, y, stop.heading, 3.0, 0.9, margin=0.0):
-        site.stand(furniture.piece("bus_stop", is_night=is_night), stop, 0.0, -0.95)
+    _bus_stop(site, streets[0], is_night)
     for way in streets:
         _lamps(site, way, 28.0, -1.9, height=7.5, is_night=is_night)
         _speed_signs(site, way, -2.2, 60.0)
@@ -233,6 +230,20 @@ def _urban(site: Site, is_night: bool) -> None:
                     site.stand(tower(style, look, is_night=is_night), spot, 0.0, out)
     if any(way.corridor.structures for way in streets):
         _horizon(site, 60.0)
+
+
+def _bus_stop(site: Site, way: Way, is_night: bool) -> None:
+    """Add a bus stop at one of the places where there is room; the map's seed decides which."""
+    for index in site.rng.permutation(len(_BUS_STOPS)).tolist():
+        side, near, far = _BUS_STOPS[index]
+        ahead = near + (far - near) * float(site.rng.uniform())
+        stop = site.spot(way, site.ground.corridor.start + ahead, side)
+        x, y = stop.beside(0.0, -0.95)
+        is_free = site.ground.is_free((x,), (y,), 0.9) and not site.is_spanned(stop)
+        is_free = is_free and not site.terrain.is_corner(x, y, 14.0)
+        if is_free and site.claim(x, y, stop.heading, 3.0, 0.9, margin=0.0):
+            site.stand(furniture.piece("bus_stop", is_night=is_night), stop, 0.0, -0.95)
+            return
 
 
 def _frontage(site: Site, way: Way, side: int, is_night: bool) -> None:
@@ -266,7 +277,7 @@ def _street_thing(site: Site, spot: RoadsidePlace, index: int) -> None:
     wide = site.ground.near(np.array([spot.x]), np.array([spot.y])).asphalt[0]
     kerb = 0.75 - float(wide)
     if choice < 0.6:
-        _tree(site, spot, 0.0, kerb + 0.2, 0.6)
+        _tree(site, spot, 0.0, kerb + 0.2, 0.6, "street")
     elif choice < 0.72:
         site.try_to_stand(furniture.piece("bench"), spot, 0.0, -0.35, margin=1.2, radius=0.5)
         site.try_to_stand(furniture.piece("litter_bin"), spot, 1.5, -0.35, margin=1.2, radius=0.2)

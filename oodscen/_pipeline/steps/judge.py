@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context
-from oodscen._pipeline.steps.scenes import simulate_whole
+from oodscen._pipeline.steps.scenes import simulate_behind, simulate_whole
 from oodscen.data._base import canonical_json, digest
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode, moments
 from oodscen.data._messages import Image
@@ -40,6 +40,7 @@ from oodscen.prompts._questions import prompt_versions
 from oodscen.protocols import LLM
 from oodscen.stages._evaluate import Shown, aspect_options, unjudged
 from oodscen.stages._evaluate import evaluate as judge_episode
+from oodscen.study._config import StudyConfig
 
 ALWAYS = (*(f"constant:{action}" for action in ACTIONS), "random", "blind", "novelty", "oracle")
 """Reference answerers of every study."""
@@ -92,8 +93,10 @@ def evaluate(
                 if not is_reference(model) or (episode.status == "ok" and episode.frames):
                     key = verdict_id(episode.scene_id, model.name, protocol)
                     items[key] = Item(episode, name, protocol)
-    ask_about = _questions(run, scenarios, scenes, episodes)
-    truths = _truths(shown, scenarios, scenes, run.config.chain)
+    is_rear = run.config.rear_view and bool(run.config.vlms)
+    rears = simulate_behind(run, judged_ones) if is_rear else {}
+    ask_about = _questions(run, scenarios, scenes, episodes, rears)
+    truths = _truths(shown, scenarios, scenes, run.config)
 
     def made_from(name: str) -> str:
         episode, model, protocol = items[name]
@@ -139,7 +142,7 @@ def _truths(
     shown: Mapping[Protocol, Sequence[Episode]],
     scenarios: Sequence[Scenario],
     scenes: Sequence[Scene],
-    is_chain: bool,
+    config: StudyConfig,
 ) -> dict[tuple[Protocol, str], str]:
     """Return the digests of everything that verdicts depend on, by protocol and item.
 
@@ -156,7 +159,15 @@ def _truths(
             # The pixels count, not the bytes that hold them.
             content = one.model_dump(mode="json", exclude={"file_sha256"})
             scene = scene_of(one.scene_id)
-            told = [digest(content), texts.get(scene), leaves, maps, visible.get(scene), is_chain]
+            told = [
+                digest(content),
+                texts.get(scene),
+                leaves,
+                maps,
+                visible.get(scene),
+                config.chain,
+            ]
+            told += ["rear view"] if config.rear_view and protocol == "ours" else []
             found[protocol, one.scene_id] = digest(told)
         found[protocol, ""] = digest(list(found.values()))
     return found
@@ -246,8 +257,9 @@ def _questions(
     scenarios: Sequence[Scenario],
     scenes: Sequence[Scene],
     episodes: Sequence[Episode],
+    rears: Mapping[str, str],
 ) -> Callable[[Item, LLM], Verdict]:
-    """Return the function that judges one item."""
+    """Return the function that judges one item; `rears` are the files of views to the rear, by drive."""
     by_id = {scenario.id: scenario for scenario in scenarios}
     scene_by_id = {scene.id: scene for scene in scenes}
     up_to_decision = {episode.scene_id: episode for episode in episodes}
@@ -266,6 +278,15 @@ def _questions(
             raise DataError("frames", [Issue("", fault) for fault in faults])
         return frames
 
+    def rear_view(episode: Episode) -> Image:
+        """Return the view to the rear; raises `DataError` if it cannot be shown."""
+        file = rears.get(episode.scene_id, "")
+        image = Image.from_file(run.store.inside(file), file) if file else None
+        fault = image.fault() if image else "there is no view to the rear"
+        if image is None or fault:
+            raise DataError("frames", [Issue("", fault)])
+        return image
+
     def ask_about(item: Item, model: LLM) -> Verdict:
         episode = item.episode
         if episode.status == "failed" or not episode.frames:
@@ -279,10 +300,12 @@ def _questions(
         scenario = by_id.get(scene_of(episode.scene_id))
         scene = scene_by_id.get(scene_of(episode.scene_id))
         frames: dict[str, Image] = {}
-        before = None
+        before = rear = None
         if not takes_cases(model):
             try:
                 frames = images(episode, item.protocol)
+                if run.config.rear_view and item.protocol == "ours":
+                    rear = rear_view(episode)
                 if item.protocol == "paper" and episode.scene_id in up_to_decision:
                     earlier = up_to_decision[episode.scene_id]
                     before = Shown.of(earlier, images(earlier))
@@ -304,6 +327,7 @@ def _questions(
             chain=run.config.chain,
             before=before,
             visible=scene.visible if scene else (),
+            rear=rear,
         )
 
     return ask_about

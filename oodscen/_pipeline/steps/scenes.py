@@ -301,7 +301,11 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
     """
     camera = run.config.camera
     job = Job(run.config.simulator, run.config.seed, protocol="paper", camera=camera)
-    items = {scene.id: scene for scene in scenes}
+    return _swept(run, job, {scene.id: scene for scene in scenes}, "episodes.paper.jsonl")
+
+
+def _swept(run: Context, job: Job, items: Mapping[str, Scene], file: str) -> list[Episode]:
+    """Run the scenes that lack an episode in a file, and return the episodes of all."""
 
     def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:
         for result in sweep(
@@ -312,13 +316,33 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
 
     rows = run.each(
         "simulate",
-        "episodes.paper.jsonl",
+        file,
         items,
         work,
         made_from=lambda name: items[name].digest(),
         is_whole=lambda line: _has_files(run, line),
     )
     return [Episode.parse(row) for row in rows]
+
+
+def simulate_behind(run: Context, episodes: Sequence[Episode]) -> dict[str, str]:
+    """Take the picture from the rear window at every decision; return the files by id of the drive.
+
+    Args:
+        run: The run's context.
+        episodes: The episodes of scenes, twins and demands that are to be judged.
+    """
+    ran = [Scene.parse(line) for line in run.store.lines(SCENES) if line.get("status") != "failed"]
+    drives = {scene.id: scene for scene in ran}
+    for episode in episodes:
+        if episode.is_twin and episode.decision_s is not None:
+            name = scene_of(episode.scene_id)
+            drives[episode.scene_id] = drives[name].twin(episode.decision_s)
+    items = {one.scene_id: drives[one.scene_id] for one in episodes if one.status == "ok"}
+    config = run.config
+    job = Job(config.simulator, config.seed, camera=config.camera, is_rear=True)
+    rows = _swept(run, job, items, "episodes.rear.jsonl")
+    return {one.scene_id: one.frames["last"] for one in rows if one.frames}
 
 
 def _has_files(run: Context, line: Mapping[str, Any]) -> bool:

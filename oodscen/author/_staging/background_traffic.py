@@ -18,6 +18,8 @@ _BESIDE = 2.5
 """Offset from the lane's centre beyond which an actor stands off the road, m."""
 _EAGER = 1.25
 """Ratio of a follower's desired speed to the ego's."""
+_PACE = (0.86, 0.94)
+"""Speed of a vehicle beside the ego relative to the ego's: it passes through the picture while the ego overtakes it."""
 _BUMPERS = 9.0
 """Distance between the centres of a car and a lorry close behind it, m."""
 _DRIVES = frozenset(
@@ -68,11 +70,15 @@ def company(
             continue
         if any(_takes(actor, side) for actor in actors):
             continue
-        own = speed if kind.speed == "ego" else _between(kind.speed, draws[1])
-        own = min(own, road.speed_limit)
-        ahead = _between(kind.gap, draws[2])
+        limits = kind.speed
+        if limits == "ego":
+            limits = (_PACE[0] * speed, _PACE[1] * speed)
+        own = min(_between(limits, draws[1]), road.speed_limit)
+        ahead, until = _between(kind.gap, draws[2]), _decision_s(decision, actors, speed)
         if kind.side == "oncoming":
-            ahead += (speed + own) * _decision_s(decision, actors, speed)
+            ahead += (speed + own) * until
+        elif kind.speed == "ego" and math.isfinite(until):
+            ahead += (speed - own) * until
         if not 0.0 <= ahead <= _MOST_AHEAD:
             continue
         found.append(

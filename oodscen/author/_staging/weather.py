@@ -108,7 +108,8 @@ def _shown(fields: dict[str, Any], limits: WeatherLimits) -> Weather:
     """Limit weather to what the simulator can show."""
     kept = dict(fields)
     kinds = {"rain": limits.rain, "snow": limits.snow, "none": True}
-    if not kinds[str(kept.get("precipitation", "none"))]:
+    kind = str(kept.get("precipitation", "none"))
+    if kind == "none" or not kinds[kind]:
         kept.update(_DRY)
     if kept.get("precipitation_mm_h"):
         kept["precipitation_mm_h"] = min(kept["precipitation_mm_h"], limits.intensity)

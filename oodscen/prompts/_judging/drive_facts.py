@@ -31,6 +31,12 @@ class DriveFacts(Data):
         return "In the last frame" if self.is_present else "At the moment of the decision"
 
 
+_REAR = (
+    "The last picture is not one of the frames: it was taken at the moment of the last frame by a camera that looks "
+    "back from the rear window, and is not mirrored."
+)
+
+
 class DriveQuestion(Prompt[Answer]):
     """A question about the frames of one drive.
 
@@ -44,11 +50,19 @@ class DriveQuestion(Prompt[Answer]):
     descriptions: tuple[str, ...] = ()
     """The model's descriptions of the frames."""
     facts: DriveFacts = DriveFacts()
+    rear: Image | None = None
+    """The view from the rear window at the moment of the last frame; it comes after the frames."""
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the turns about the frames."""
         return frame_turns(self.frames, self.descriptions)
 
     def images(self) -> tuple[Image, ...]:
-        """Return the frames, unless earlier turns show them."""
-        return () if self.descriptions else self.frames
+        """Return the frames, unless earlier turns show them, and the view to the rear."""
+        frames = () if self.descriptions else self.frames
+        return frames if self.rear is None else (*frames, self.rear)
+
+    def question(self) -> str:
+        """Render the user's turn; a sentence before it names the view to the rear."""
+        text = super().question()
+        return text if self.rear is None else f"{_REAR}\n\n{text}"

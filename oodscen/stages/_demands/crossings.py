@@ -1,5 +1,7 @@
 """Demands at crossings: red lights and zebra crossings."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from oodscen.data._scene import Actor
@@ -8,6 +10,8 @@ from oodscen.stages._demands.setting import CARS, FRONT_M, PEOPLE, Draft, Settin
 
 _FIRM = 4.0
 """Deceleration that a crossing may ask of the ego, m/s^2."""
+_CLEAR_S = 0.8
+"""Time for which a light is red before anyone steps onto the crossing, s."""
 _APART_M = (0.0, 1.0, -1.0)
 """Places of people along the road on a crossing, m from its middle."""
 
@@ -115,14 +119,24 @@ def _pelican(at: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     ahead = at.at_m + max(at.gap_m, FRONT_M + 4.5 + at.room(_FIRM))
     row = _stripes(at, ahead)
+    walkers = _walkers(at, rng, ahead, int(rng.integers(1, 4)))
+    since = _turns_red(walkers)
+    if since:
+        walkers = [one for one in walkers if one.behaviour.trigger.value > since]
     side, other = at.edge(ahead), at.edge(ahead, 1)
-    row.append(actor("light-1", "traffic_light", ahead - 2.6, offset=-side - 0.6, state="red"))
+    places = [-side - 0.6]
     if at.lanes > 1 and not at.road.oncoming_lanes:
-        place = other + 0.6
-        row.append(actor("light-2", "traffic_light", ahead - 2.6, offset=place, state="red"))
-    row += _walkers(at, rng, ahead, int(rng.integers(1, 4)))
+        places.append(other + 0.6)
+    row += [
+        actor(
+            f"light-{number}", "traffic_light", ahead - 2.6, offset=place, state="red", start=since
+        )
+        for number, place in enumerate(places, start=1)
+    ]
+    row += walkers
     for lane in range(-at.lane, at.lanes - at.lane):
-        if lane and rng.random() < 0.6:
+        # Nobody waits yet at a light that turns red.
+        if lane and rng.random() < 0.6 and not since:
             asset = at.choose(rng, *CARS)
             place = ahead - 3.6 - 0.5 * at.length(asset)
             name = f"beside{lane + 3}"
@@ -130,6 +144,12 @@ def _pelican(at: Setting, rng: np.random.Generator) -> Draft | None:
     quote = "the traffic light is red"
     told = claims("traffic light", quote, ("state", "red"))
     return Draft(row, f"{quote} while someone crosses the road on the zebra crossing", told)
+
+
+def _turns_red(walkers: Sequence[Actor]) -> float:
+    """Return the time at which the light turns red for the first walker; 0 if it is red from the start."""
+    steps_on = walkers[0].behaviour.trigger.value if walkers else 0.0
+    return max(0.0, steps_on - _CLEAR_S)
 
 
 def zebra(at: Setting, rng: np.random.Generator) -> Draft | None:

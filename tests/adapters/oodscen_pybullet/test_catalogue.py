@@ -57,7 +57,7 @@ def test_a_walk_stays_on_the_ground_and_about_its_place(asset: str) -> None:
 
 @pytest.mark.parametrize("asset", ALL, ids=lambda asset: asset.id)
 def test_assets_are_neither_coarse_nor_heavy(asset: Asset) -> None:
-    assert 12 <= len(asset_mesh(asset.id).triangles) <= 1500
+    assert 8 <= len(asset_mesh(asset.id).triangles) <= 1500
     assert asset.description
     assert asset.tags
 

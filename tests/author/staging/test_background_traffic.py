@@ -77,7 +77,13 @@ def test_oncoming_traffic_is_near_when_the_ego_decides() -> None:
     assert 50.0 <= gap <= 60.0
 
 
-def test_traffic_beside_the_ego_keeps_its_speed() -> None:
+def test_traffic_beside_the_ego_is_beside_it_when_the_ego_decides_and_moves_in_the_picture() -> (
+    None
+):
     one = drawn(road(3, 0), 0, actor())["left-traffic"]
-    assert one.behaviour.parameters == {"speed": 10.0}
+    own = one.behaviour.parameters["speed"]
+    assert 8.0 < own < 9.5
     assert one.placement.lane == 1
+    decided = (70.0 - 20.0) / 10.0
+    assert 1.0 <= one.placement.ahead_m - (10.0 - own) * decided <= 3.01
+    assert one.placement.ahead_m > 3.5

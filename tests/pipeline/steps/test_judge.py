@@ -488,6 +488,30 @@ def test_an_interruption_keeps_lines_counts_and_the_way_on(folder, tmp_path):
     assert tally(study, "m") == {"answered": len(asked_about(study))}
 
 
+def test_the_view_to_the_rear_is_shown_once_it_is_asked_for_and_then_asked_about_again(
+    folder, tmp_path
+):
+    out = shutil.copytree(folder, tmp_path / "out")
+    shown = []
+    for is_rear in (False, True, True):
+        asked = []
+        model = ScriptedLLM(
+            lambda request, asked=asked: asked.append(request) or {"action": "stop"}
+        )
+        model.name = "m"
+        config = judging("m").model_copy(update={"rear_view": is_rear})
+        study = run_study(out, config, models={"m": model})
+        pictures = [one for request in asked for turn in request.messages for one in turn.images]
+        shown.append({one.name for one in pictures if one.name.endswith("rear.jpg")})
+    assert shown == [
+        set(),
+        {f"frames/{one.scene_id}/rear.jpg" for one in asked_about(study)},
+        set(),
+    ]
+    assert not asked
+    assert all((out / name).stat().st_size for name in shown[1])
+
+
 def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder, tmp_path):
     out = shutil.copytree(folder, tmp_path / "out")
     model = ConstantAnswerer("stop")

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
-from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.look import Appearance, Direction
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,8 @@ def figure(
     """Add an adult of 1.75 m who stands, walks or runs; return the centre of the head."""
     phase, runs = shown.gait or (0.0, False)
     moves = shown.gait is not None
+    if shown.warned:
+        posture = _reacting(posture, shown.warned)
     lean = posture.lean + (0.10 if runs else 0.0)
     drop = posture.crouch + (0.05 if runs else 0.03 if moves else 0.0)
     hip, shoulder = HIP - drop, SHOULDER - drop
@@ -88,8 +90,26 @@ def figure(
         )
     head = (lean + 0.02, 0.0, shoulder + 0.215)
     mesh.cylinder((lean, 0, shoulder + 0.05), (head[0], 0, head[2]), 0.05, clothes.skin, sides=6)
-    _head(mesh, clothes, head)
+    face = MeshBuilder()
+    _head(face, clothes, (0.0, 0.0, 0.0))
+    mesh.add(face.build(), head, yaw=_TURNS.get(shown.warned or "", 0.0))
     return head
+
+
+_TURNS = {"left": 1.0, "right": -1.0}
+"""Angle by which the head turns towards a vehicle, rad."""
+
+
+def _reacting(posture: Posture, direction: Direction) -> Posture:
+    """Return a posture that reacts to a vehicle: free hands up, those that hold something stay."""
+    left, right, lean = posture.left_hand, posture.right_hand, posture.lean
+    if direction in ("ahead", "left"):
+        left = left or (0.14, 0.44, 1.76)
+    if direction in ("ahead", "right"):
+        right = right or (0.14, -0.44, 1.76)
+    return replace(
+        posture, left_hand=left, right_hand=right, lean=lean - 0.1 if direction == "ahead" else lean
+    )
 
 
 def _leg(

@@ -143,6 +143,8 @@ _LENSES: dict[str, tuple[str, ...]] = {
     "all_on": ("red", "amber", "green"),
 }
 _GLOW = {"red": RED, "amber": AMBER, "green": GREEN}
+_LED = 0.8
+"""Share of a signal's glow that is visible by day."""
 
 
 def lens(mesh: MeshBuilder, centre: Point, radius: float, name: str, *, is_lit: bool) -> None:
@@ -157,7 +159,7 @@ def lens(mesh: MeshBuilder, centre: Point, radius: float, name: str, *, is_lit: 
         quad = [(x, *a), (x - 0.16, *a), (x - 0.16, *b), (x, *b)]
         mesh.polygon(quad, "black").polygon(quad[::-1], "black")
     if is_lit:
-        mesh.lamp((x - 0.03, y, z), _GLOW[name], (-1, 0, 0), 2.0)
+        mesh.lamp((x - 0.03, y, z), _GLOW[name], (-1, 0, 0), 2.0, by_day=_LED)
 
 
 def traffic_light(mesh: MeshBuilder, shown: Appearance) -> None:
@@ -167,7 +169,7 @@ def traffic_light(mesh: MeshBuilder, shown: Appearance) -> None:
         lit = ()
     mesh.cylinder((0, 0, 0), (0, 0, 0.5), 0.12, "dark_grey", sides=8)
     mesh.cylinder((0, 0, 0.5), (0, 0, 3.5), 0.07, "dark_grey", sides=8)
-    mesh.box((-0.16, 0, 2.95), (0.22, 0.36, 1.1), "black")
+    mesh.box((-0.16, 0, 2.95), (0.22, 0.42, 1.16), "black")
     mesh.polygon(
         [(-0.05, 0.32, 2.28), (-0.05, -0.32, 2.28), (-0.05, -0.32, 3.62), (-0.05, 0.32, 3.62)],
         "black",
@@ -191,8 +193,8 @@ def traffic_light(mesh: MeshBuilder, shown: Appearance) -> None:
             ],
             "white",
         )
-    for name, z in (("red", 3.29), ("amber", 2.95), ("green", 2.61)):
-        lens(mesh, (-0.272, 0, z), 0.135, name, is_lit=name in lit)
+    for name, z in (("red", 3.32), ("amber", 2.95), ("green", 2.58)):
+        lens(mesh, (-0.272, 0, z), 0.165, name, is_lit=name in lit)
 
 
 def pedestrian_light(mesh: MeshBuilder, shown: Appearance) -> None:
@@ -214,7 +216,9 @@ def pedestrian_light(mesh: MeshBuilder, shown: Appearance) -> None:
         ]
         if is_lit:
             mesh.picture(corners, region)
-            mesh.lamp((-0.25, 0, z), RED if region == "sign_man" else GREEN, (-1, 0, 0), 0.8)
+            mesh.lamp(
+                (-0.25, 0, z), RED if region == "sign_man" else GREEN, (-1, 0, 0), 0.8, by_day=_LED
+            )
         else:
             mesh.polygon(corners, "lens_red" if region == "sign_man" else "lens_green")
         mesh.box((-0.28, 0, z + 0.17), (0.1, 0.32, 0.02), "black")

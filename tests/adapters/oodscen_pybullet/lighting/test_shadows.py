@@ -26,7 +26,7 @@ SUN = (-0.6, 0.0, 0.8)
 
 
 def triangles(mesh: Mesh) -> Triangles:
-    return Triangles.of(mesh, draw_atlas(False), is_chunked=False)
+    return Triangles.of(mesh, draw_atlas(), is_chunked=False)
 
 
 def tower(x: float, y: float, height: float, width: float = 1.0) -> Mesh:
@@ -113,7 +113,7 @@ def test_a_thin_pole_throws_an_unbroken_shadow() -> None:
 
 def test_lit_faces_cast_no_shadow_on_themselves() -> None:
     stage = Rasteriser()
-    stage.show_scenery([ground()], is_snowy=False)
+    stage.show_scenery([ground()])
     stage.show_actors([tower(14.0, 0.0, 3.0, 3.0)])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.0)])
     light = Light(SUN, 0.5, 0.5, 1.0, 0.3, (1.0, 1.0, 1.0), has_glare=False, shades=SUN)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oodscen_pybullet._meshes.atlas import COLOURS, EMISSIVE, REGIONS, SIZE, SWATCH
+from oodscen_pybullet._meshes.atlas import COLOURS, EMISSIVE, REGIONS, SIZE, SWATCH, swatch_uv
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
 
 sizes = st.floats(0.05, 5.0)
@@ -69,3 +69,16 @@ def test_regions_and_colours_have_room_of_their_own() -> None:
         owner[y : y + height, x : x + width] += 1
     assert owner.max() == 1
     assert set(COLOURS) | set(REGIONS) >= EMISSIVE
+
+
+@given(st.integers(0, 1000))
+def test_the_second_colour_of_a_rock_is_in_its_hollows(key: int) -> None:
+    mesh = MeshBuilder().ball(
+        (0, 0, 0), (1, 1, 1), "rock", jitter=0.2, key=key, second_colour="rock_dark"
+    )
+    built = mesh.build()
+    middles = built.vertices[built.triangles].mean(axis=1)
+    is_dark = np.isclose(built.uvs[built.triangles[:, 0]], swatch_uv("rock_dark")).all(axis=1)
+    reach = np.sqrt((middles**2).sum(axis=1))
+    assert 0 < is_dark.sum() < len(is_dark)
+    assert reach[is_dark].mean() < reach[~is_dark].mean()

@@ -6,10 +6,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
-from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING
-from oodscen_pybullet._rendering.appearance import BRAKING, Cast, Look, frame_of, mesh_of
+from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, asset_mesh
+from oodscen_pybullet._meshes.look import Appearance, reacting
+from oodscen_pybullet._rendering.appearance import (
+    BRAKING,
+    Cast,
+    Look,
+    frame_of,
+    mesh_of,
+    phase_of,
+    seen_coming,
+)
 
-from oodscen.data._scene import Actor, Scene
+from oodscen.data._scene import Actor, Scene, Trigger
 
 CATALOGUE = load_catalogue()
 ASSETS = {asset.id: asset for asset in CATALOGUE.assets}
@@ -61,7 +70,7 @@ def looks(
     cast.add(actor.id, ASSETS[actor.asset], actor.state)
     assert len(cast) == 2
     pose = (10.0, 0.0, 0.0, 0.0)
-    return cast, cast.looks([pose, pose], [0.0, speed], [0.0, acceleration], 0.0)[1]
+    return cast, cast.looks([pose, pose], [0.0, speed], [0.0, acceleration], [0.0, 0.0], 0.0)[1]
 
 
 @given(acceleration=st.floats(-9, 4), state=st.sampled_from(["", "off", "hazard", "indicate_left"]))
@@ -110,3 +119,49 @@ def test_lamps_run_in_the_dark_and_glow_where_the_body_is(
         assert 1.0 < z < 2.5
     facing = {round(glow.facing[1]) for glow in cast.glows([look, look], [pose, pose])}
     assert facing == {-1, 1}
+
+
+@given(st.sampled_from(["red", "green", "amber", "off", "flashing"]), st.floats(0, 30))
+def test_a_signal_whose_trigger_fires_at_the_start_keeps_its_state(state: str, time: float) -> None:
+    assert phase_of(state, Trigger(), 0.0, time) == state
+
+
+@given(st.floats(3.0, 20.0), st.sampled_from(["time", "distance", "ttc"]))
+def test_a_light_turns_from_green_over_amber_to_red_and_stays_red(at: float, kind: str) -> None:
+    trigger = Trigger.model_validate({"kind": kind, "value": at})
+    fired = at if kind == "time" else at - 2.0
+    times = [index * 0.05 for index in range(500)]
+    shown = [phase_of("red", trigger, fired if now >= fired else -1.0, now) for now in times]
+    assert [state for state, _ in itertools.groupby(shown)] == ["green", "amber", "red"]
+    assert times[shown.index("red")] == pytest.approx(at, abs=0.051)
+    assert shown.count("amber") == pytest.approx(40, abs=1)
+    assert "amber" not in [phase_of("green", trigger, fired, now) for now in times]
+
+
+@given(places, places, yaws, st.floats(-2.1, 2.1), st.floats(1.0, 20.0), st.floats(-0.4, 0.4))
+def test_people_in_the_way_see_what_comes_except_from_behind(
+    x: float, y: float, yaw: float, aside: float, ahead: float, turn: float
+) -> None:
+    def facing(angle: float) -> tuple[float, float, float, float]:
+        s, c = math.sin(yaw), math.cos(yaw)
+        towards = math.atan2(-aside, -ahead)
+        return x + ahead * c - aside * s, y + ahead * s + aside * c, 0.0, yaw + towards + angle
+
+    ego = (x, y, 0.0, yaw)
+    assert seen_coming(facing(turn), ego, 10.0) == "ahead"
+    assert seen_coming(facing(math.pi + turn), ego, 10.0) is None
+    assert seen_coming(facing(-math.pi / 2 + turn), ego, 10.0) == "left"
+    assert seen_coming(facing(math.pi / 2 + turn), ego, 10.0) == "right"
+    assert seen_coming(facing(turn), ego, 2.0) is None
+    assert seen_coming(facing(turn), ego, ahead / 4.0) is None
+
+
+@pytest.mark.parametrize("frame", [0, 3, 12])
+def test_a_reaction_raises_hands_and_keeps_the_step(frame: int) -> None:
+    top = asset_mesh("adult", frame=frame).bounds[1][2]
+    for direction in ("ahead", "left", "right"):
+        there = reacting(frame, direction)
+        assert Appearance(frame=there).gait == Appearance(frame=frame).gait
+        assert Appearance(frame=there).warned == direction
+        assert asset_mesh("adult", frame=there).bounds[1][2] > top
+    assert Appearance(frame=frame).warned is None

@@ -10,6 +10,7 @@ import pytest
 from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes import Mesh, asset_ids, paints_of
+from oodscen_pybullet._meshes.atlas import Snow
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.bullet_camera import BulletStage
@@ -65,7 +66,7 @@ def test_it_sees_what_pybullet_sees(seed: int, bullet: BulletStage) -> None:
     mesh, (looks, poses) = scenery(rng), cast(rng)
     shots = []
     for stage in (bullet, Rasteriser()):
-        stage.show_scenery([mesh], is_snowy=seed == 5)
+        stage.show_scenery([mesh], snow=Snow.ROADS if seed == 5 else Snow.NONE)
         stage.show_actors(looks)
         stage.pose_actors(poses)
         shots.append(shoot(stage, CameraView.of(CAMERA, poses[0])))
@@ -98,7 +99,7 @@ from oodscen.protocols import Camera
 
 def render(stage):
     mesh = MeshBuilder().picture([(-9, -9, 0), (90, -9, 0), (90, 9, 0), (-9, 9, 0)], "paving")
-    stage.show_scenery([mesh.build()], is_snowy=False)
+    stage.show_scenery([mesh.build()])
     stage.show_actors([Look("ego_car"), Look("cow")])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.1), (9.0, 1.0, 0.0, 2.0)])
     shot = stage.render(
@@ -117,7 +118,7 @@ def render(stage):
     first = render(stage)
     rng = np.random.Generator(np.random.PCG64(0))
     looks, poses = cast(rng)
-    stage.show_scenery([scenery(rng)], is_snowy=True)
+    stage.show_scenery([scenery(rng)], snow=Snow.ROADS)
     stage.show_actors(looks)
     stage.pose_actors(poses)
     shoot(stage, CameraView.of(CAMERA, poses[0]))
@@ -136,7 +137,7 @@ def box(size: float, colour: str = "red", x: float = 10.0, z: float = 1.4) -> Me
 
 def empty_road(*meshes: Mesh) -> Rasteriser:
     stage = Rasteriser()
-    stage.show_scenery([*meshes], is_snowy=False)
+    stage.show_scenery([*meshes])
     stage.show_actors([box(0.01, x=-50.0)])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.0)])
     return stage
@@ -199,7 +200,7 @@ def test_neighbours_leave_no_gap_wherever_the_camera_is() -> None:
 
 def test_a_body_that_is_partly_hidden_would_fill_more_than_it_does() -> None:
     stage = Rasteriser()
-    stage.show_scenery([box(1.0, x=-90.0)], is_snowy=False)
+    stage.show_scenery([box(1.0, x=-90.0)])
     stage.show_actors([box(2.0, x=0.0), box(0.8, x=0.0), box(1.0, x=0.0)])
     view = CameraView.of(CAMERA, (0.0, 0.0, 0.0, 0.0))
     stage.pose_actors([(14.0, 0.0, 0.0, 0.2), (7.0, 0.3, 0.0, 0.0), (-20.0, 0.0, 0.0, 0.0)])

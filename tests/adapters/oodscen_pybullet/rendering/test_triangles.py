@@ -12,7 +12,7 @@ from oodscen_pybullet._rendering.triangles import CHUNK, LEVELS, Triangles, text
 @given(st.sampled_from(asset_ids()), st.booleans())
 def test_nothing_is_lost_and_everything_is_inside_its_sphere(asset: str, is_chunked: bool) -> None:
     mesh = asset_mesh(asset)
-    some = Triangles.of(mesh, draw_atlas(False), is_chunked=is_chunked)
+    some = Triangles.of(mesh, draw_atlas(), is_chunked=is_chunked)
     assert 0 < len(some.corners) <= len(mesh.triangles)
     assert some.spans[0, 0] == 0
     assert some.spans[-1, 1] == len(some.corners)
@@ -30,7 +30,7 @@ def test_nothing_is_lost_and_everything_is_inside_its_sphere(asset: str, is_chun
 
 
 def test_joining_keeps_every_chunk() -> None:
-    atlas = draw_atlas(False)
+    atlas = draw_atlas()
     parts = [Triangles.of(asset_mesh(name), atlas, is_chunked=False) for name in ("cone", "cow")]
     both = Triangles.joined(parts)
     assert both.spans.tolist() == [
@@ -43,7 +43,7 @@ def test_joining_keeps_every_chunk() -> None:
 def test_colours_and_textures_are_told_apart() -> None:
     square = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
     mesh = MeshBuilder().polygon(square, "red").picture(square, "limit").build()
-    some = Triangles.of(mesh, draw_atlas(False), is_chunked=False)
+    some = Triangles.of(mesh, draw_atlas(), is_chunked=False)
     limit = list(REGIONS).index("limit")
     assert some.regions.tolist() == [-1, -1, limit, limit]
     assert some.colours[0].tolist() == [186.0, 28.0, 34.0]
@@ -54,7 +54,7 @@ def test_colours_and_textures_are_told_apart() -> None:
 
 
 def test_textures_halve_and_keep_their_mean() -> None:
-    sheet = textures(False)
+    sheet = textures()
     assert sheet.sizes.shape == (len(REGIONS), LEVELS, 3)
     for index, (_, _, width, height) in enumerate(REGIONS.values()):
         sizes = sheet.sizes[index].tolist()

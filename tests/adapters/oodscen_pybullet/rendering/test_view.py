@@ -11,17 +11,17 @@ from oodscen.protocols import Camera
 reals = st.floats(-40, 40)
 
 
-@given(x=reals, y=reals, yaw=st.floats(-3, 3), pitch=st.floats(-20, 20))
+@given(x=reals, y=reals, yaw=st.floats(-3, 3), pitch=st.floats(-20, 20), turn=st.floats(-180, 180))
 def test_the_axes_are_orthonormal_and_look_along_the_yaw(
-    x: float, y: float, yaw: float, pitch: float
+    x: float, y: float, yaw: float, pitch: float, turn: float
 ) -> None:
-    view = CameraView.of(Camera(pitch_deg=pitch), (x, y, 0.0, yaw))
+    view = CameraView.of(Camera(pitch_deg=pitch, yaw_deg=turn), (x, y, 0.0, yaw))
     axes = np.array([view.right, view.up, view.forward])
     assert axes @ axes.T == pytest.approx(np.eye(3), abs=1e-12)
     assert np.linalg.det(np.array([view.right, view.up, -axes[2]])) == pytest.approx(1.0)
-    assert math.atan2(view.forward[1], view.forward[0]) == pytest.approx(
-        math.remainder(yaw, math.tau)
-    )
+    heading = math.atan2(view.forward[1], view.forward[0])
+    assert math.cos(heading - yaw - math.radians(turn)) == pytest.approx(1.0)
+    assert view.is_lit == (abs(turn) < 90.0)
 
 
 @given(across=st.floats(-0.5, 0.5), upwards=st.floats(-0.4, 0.4), ahead=st.floats(1, 200))
@@ -43,6 +43,12 @@ def test_pixels_and_slopes_agree(across: float, upwards: float, ahead: float) ->
 def test_what_is_behind_has_no_pixel() -> None:
     view = CameraView.of(Camera(), (0.0, 0.0, 0.0, 0.0))
     assert view.pixel((-5.0, 0.0, 1.0)) is None
+    back = CameraView.of(Camera().behind(), (0.0, 0.0, 0.0, 0.0))
+    assert back.pixel((5.0, 0.0, 1.0)) is None
+    spot = back.pixel((-12.0, 1.0, 1.0))
+    assert spot is not None
+    assert spot[0] > back.width / 2
+    assert spot[2] == pytest.approx(10.0, abs=0.1)
 
 
 @given(st.floats(NEAR * 1.01, FAR * 0.6))

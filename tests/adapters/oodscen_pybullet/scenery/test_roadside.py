@@ -8,6 +8,7 @@ from oodscen_pybullet._meshes.atlas import swatch_uv
 from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._scenery.signals import limit_of, replaced
+from oodscen_pybullet._scenery.structures import CEILING_M
 
 from oodscen.data._catalogue import RoadMap
 from oodscen.driving import load_corridor
@@ -188,3 +189,38 @@ def test_speed_signs_differ_and_face_who_drives_up() -> None:
     for mesh in meshes:
         is_black = (np.abs(mesh.uvs - swatch_uv("black")) < 1e-9).all(axis=1)
         assert (mesh.normals[is_black, 0] < -0.99).all()
+
+
+def test_the_lining_of_a_tunnel_is_as_wide_before_its_portals_as_in_them() -> None:
+    road = next(road for road in SHIPPED_MAPS if road.id == "tunnel")
+    corridor, scenery = built(road)
+    (tunnel,) = corridor.structures
+    points = scenery.meshes[3].vertices
+    for face, portal in ((tunnel.start - 0.45, tunnel.start), (tunnel.end + 0.45, tunnel.end)):
+        knees = [
+            sorted(
+                {
+                    round(float(y), 2)
+                    for x, y, z in points
+                    if abs(x - at) < 0.01 and abs(z - CEILING_M + 1.3) < 0.02
+                }
+            )
+            for at in (face, portal)
+        ]
+        assert len(knees[0]) == 2
+        assert set(knees[0]) <= set(knees[1])
+
+
+def test_bus_stops_stand_at_different_places() -> None:
+    places = set()
+    for road in SHIPPED_MAPS:
+        if "urban" in road.traits:
+            corridor, scenery = built(road)
+            mesh = scenery.meshes[2]
+            signs = mesh.vertices[mesh.triangles][
+                np.isclose(mesh.uvs[mesh.triangles], swatch_uv("awning_green")).all(axis=(1, 2))
+            ]
+            small = signs[np.ptp(signs, axis=1).max(axis=1) < 0.8]
+            middle = small.reshape(-1, 3).mean(axis=0)
+            places.add(round(corridor.locate(*middle[:2].tolist())[0] - corridor.start))
+    assert len(places) >= 3
