@@ -1,9 +1,12 @@
 """Verdicts: answers about one drive, compared with the truth about it."""
 
 from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple, Self
 
-from oodscen.data._episode import Episode
+from oodscen.data._base import Data
+from oodscen.data._episode import ActionOutcome, Episode
+from oodscen.data._pairing import scene_of
+from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Visible
 from oodscen.data._verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
 from oodscen.errors import (
@@ -16,7 +19,9 @@ from oodscen.errors import (
 from oodscen.judging._aspects.matching import naming
 from oodscen.judging._aspects.opinions import is_open, opinion, rescored
 from oodscen.judging._parsing import is_refusal
+from oodscen.judging._questions import AnswerReader, acting, choosing, noticing
 from oodscen.judging._references import AspectOption, is_reference
+from oodscen.llm._ask import heard
 from oodscen.protocols import LLM
 
 
@@ -30,9 +35,92 @@ class Truth(NamedTuple):
     """Everything that can be seen of the hazard."""
 
 
+class AnswerKey(Data):
+    """Everything that the answers about one drive are scored by."""
+
+    noun: ClassVar[str] = "answer key"
+
+    item: str
+    """Id of the scene or of its ordinary drive."""
+    path: tuple[str, ...] = ()
+    """Labels from the root to the leaf of the scene."""
+    leaf: str = ""
+    visible: tuple[Visible, ...] = ()
+    """Everything that can be seen of the hazard."""
+    options: tuple[AspectOption, ...] = ()
+    """Options of the closed question, as shown."""
+    actions: dict[str, ActionOutcome] = {}
+    """Outcomes by action."""
+    is_deterministic: bool = True
+
+    @classmethod
+    def of(cls, episode: Episode, truth: Truth, options: Sequence[AspectOption]) -> Self:
+        """Return the key to the answers about an episode."""
+        return cls(
+            item=episode.scene_id,
+            path=truth.path,
+            leaf=truth.leaf,
+            visible=truth.visible,
+            options=tuple(options),
+            actions=episode.actions,
+            is_deterministic=episode.is_deterministic,
+        )
+
+    @property
+    def truth(self) -> Truth:
+        """The truth of the first task."""
+        return Truth(self.path, self.leaf, self.visible)
+
+    @property
+    def episode(self) -> Episode:
+        """The episode, as far as answers are scored by it."""
+        return Episode(
+            id=self.item,
+            scene_id=self.item,
+            status="ok",
+            actions=self.actions,
+            is_deterministic=self.is_deterministic,
+        )
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario of the scene, as far as answers are scored by it."""
+        return Scenario(id=scene_of(self.item), text="-", leaf=self.leaf, path=self.path)
+
+    def reader(self, purpose: str) -> AnswerReader[Any, Any]:
+        """Return the reader of the answers to the question of this purpose."""
+        readers = {reader.purpose: reader for reader in (noticing(), acting())}
+        return readers[purpose] if purpose in readers else choosing(self.options)
+
+    def verdict(
+        self, purpose: str, raw: str, *, model: str = "", judge: LLM | None = None
+    ) -> Verdict:
+        """Return the verdict on one answer in a model's words.
+
+        Args:
+            purpose: Purpose of the question: `name-aspect`, `choose-aspect` or `choose-action`.
+            raw: The model's text.
+            model: The model's name.
+            judge: Decides whether an open aspect is right, instead of the documented matcher.
+        """
+        reader, raw = self.reader(purpose), heard(raw)
+        failures: list[OodscenError] = []
+        fields: dict[str, Any] = {}
+        try:
+            answer, issues, _ = reader.read(raw, model=model)
+            if answer is None:
+                raise AnswerError(model, purpose, issues, raw, 1)
+            fields = reader.fields(answer)
+        except AnswerError as error:
+            failures.append(error)
+        return scored(
+            self.episode, model, self.truth, self.options, fields, "ours", failures, judge
+        )
+
+
 def scored(
     episode: Episode,
-    model: LLM,
+    model: str,
     truth: Truth,
     options: Sequence[AspectOption],
     fields: dict[str, Any],
@@ -40,6 +128,8 @@ def scored(
     failures: Sequence[OodscenError],
     judge: LLM | None,
     is_closed_asked: bool = False,
+    *,
+    kind: Literal["model", "reference"] = "model",
 ) -> Verdict:
     """Compare the answers with the ground truth."""
     is_ood, action, choice = fields.get("is_ood"), fields.get("action"), fields.get("choice")
@@ -63,10 +153,10 @@ def scored(
     if error is None and outcome is not None and outcome.unavailable:
         ended = "unavailable"
     verdict = Verdict(
-        id=verdict_id(episode.scene_id, model.name, protocol),
+        id=verdict_id(episode.scene_id, model, protocol),
         scene_id=episode.scene_id,
-        model=model.name,
-        kind=kind_of_answerer(model),
+        model=model,
+        kind=kind,
         status="failed" if error else "ok",
         outcome=ended,
         error=str(error)[:2_000] if error else None,
@@ -99,4 +189,5 @@ def _outcome(error: OodscenError | None) -> Outcome:
 
 
 def kind_of_answerer(model: LLM) -> Literal["model", "reference"]:
+    """Return the kind of an answerer, as verdicts state it."""
     return "reference" if is_reference(model) else "model"

@@ -103,7 +103,17 @@ def evaluate(
         asked.failures.append(error)
     fields["notes"] = tuple(asked.notes)
     fields["prompts"] = asked.versions
-    return scored(episode, vlm, truth, options, fields, protocol, asked.failures, judge)
+    return scored(
+        episode,
+        vlm.name,
+        truth,
+        options,
+        fields,
+        protocol,
+        asked.failures,
+        judge,
+        kind=kind_of_answerer(vlm),
+    )
 
 
 def unjudged(
@@ -216,4 +226,15 @@ def _judged_directly(
         "choice": said.choice if options else None,
         "action": said.action,
     }
-    return scored(episode, reference, truth, options, fields, protocol, [], judge, bool(options))
+    return scored(
+        episode,
+        reference.name,
+        truth,
+        options,
+        fields,
+        protocol,
+        [],
+        judge,
+        bool(options),
+        kind=kind_of_answerer(reference),
+    )

@@ -120,3 +120,12 @@ def resampled(resampler: Resampler, columns: Sequence[Ratio]) -> NDArray[np.floa
     above = np.stack([column.above for column in columns], axis=1)
     below = np.stack([column.below for column in columns], axis=1)
     return resampler.ratios(above, below)
+
+
+def rates(items: Items, sheet: AnswerColumns, *, seed: int = 0) -> dict[str, Rate]:
+    """Return the figures of one answerer by name, each with its interval over whole paths."""
+    resampler = Resampler(items.clusters, seed=seed)
+    return {
+        name: rate(resampler, column, sheet, is_fault=name in FAULTS)
+        for name, column in figures(items, sheet).items()
+    }
