@@ -4,6 +4,7 @@ import base64
 import gc
 import hashlib
 import json
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +13,12 @@ import pytest
 inspect_ai = pytest.importorskip("inspect_ai")
 pytest.importorskip("pyarrow")
 
+from inspect_ai import Epochs, task_with  # noqa: E402
 from inspect_ai.log import EvalLog  # noqa: E402
 from inspect_ai.model import ModelOutput, ModelUsage, get_model  # noqa: E402
 
 from oodscen import Study, evaluate  # noqa: E402
+from oodscen.errors import UsageError  # noqa: E402
 from oodscen.inspect import _tasks as tasks  # noqa: E402
 from oodscen.judging import leaderboard  # noqa: E402
 from oodscen.judging._leaderboard.leaderboard import LeaderboardRow  # noqa: E402
@@ -24,8 +27,6 @@ from oodscen.publish import publish  # noqa: E402
 from oodscen.study._asked import asked_drives  # noqa: E402
 from tests.report.conftest import build_study  # noqa: E402
 
-pytestmark = pytest.mark.filterwarnings("ignore")  # inspect_ai leaves streams open.
-
 SAID = {
     "Choose the one action": [
         '{"reasoning": "Room ahead.", "action": "stop"}',
@@ -33,7 +34,8 @@ SAID = {
         '{"action": "slow_down"}',
         "I would stop if there were room, but there is not, so brake hard.",
         "I'm sorry, I can't help with that.",
-        '{"action": "pull_over"}',
+        '{"action": "change_lane_left"}',
+        '{"action": "change_lane_right"}',
     ],
     "Which of these describes": [
         '{"choice": 1}',
@@ -45,7 +47,7 @@ SAID = {
         '{"is_ood": true, "confidence": 0.8, "aspect": "cardboard box in the lane"}',
         '{"is_ood": true, "aspect": "car driving the wrong way"}',
         '{"is_ood": false, "confidence": 0.6, "aspect": ""}',
-        "Hard to tell.",
+        *["Hard to tell.", "It depends.", "Maybe so, maybe not."],
     ],
 }
 """Answers by words of their question: readable, unreadable, declined."""
@@ -102,7 +104,7 @@ def _bytes(picture: str) -> bytes:
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    return build_study(tmp_path_factory.mktemp("inspect") / "study", per_path=4, with_twins=True)
+    return build_study(tmp_path_factory.mktemp("inspect") / "study", per_path=6, with_twins=True)
 
 
 @pytest.fixture(scope="module")
@@ -124,18 +126,28 @@ def row(study: Study) -> LeaderboardRow:
     return found
 
 
-def run(task: Any, tmp_path: Path, **options: Any) -> EvalLog:
-    (log,) = inspect_ai.eval(
-        task,
-        model=options.pop("model", None) or mock(),
-        log_dir=str(tmp_path),
-        display="none",
-        score_display=False,
-        **options,
-    )
-    gc.collect()  # What it leaves open is found while its warnings are ignored.
-    assert log.status == "success", log.error
-    return log
+@pytest.fixture(scope="module")
+def logs(study: Study, tmp_path_factory: pytest.TempPathFactory) -> dict[str, EvalLog]:
+    """The logs of all tasks; of `act` also on the published data set, and with three epochs."""
+    place = tmp_path_factory.mktemp("inspect-logs")
+    publish(study, place / "data", forms=(), validation=0.0)
+    folder = str(study.folder)
+    wanted = {name: getattr(tasks, name)(study=folder) for name in FIGURES}
+    wanted["published"] = tasks.act(study=str(place / "data"))
+    wanted["epochs"] = task_with(tasks.act(study=folder), model=mock(epochs=True), epochs=Epochs(3))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = inspect_ai.eval(
+            [task_with(task, name=name) for name, task in wanted.items()],
+            model=mock(),
+            log_dir=str(place / "logs"),
+            display="none",
+            score_display=False,
+            max_tasks=len(wanted),
+        )
+        gc.collect()  # What it leaves open is found while its warnings are ignored.
+    assert [log.status for log in found] == ["success"] * len(wanted)
+    return {log.eval.task: log for log in found}
 
 
 def shares(log: EvalLog) -> dict[str, float]:
@@ -160,9 +172,8 @@ FIGURES = {
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_the_figures_are_those_of_the_leaderboard_to_the_last_digit(name, study, row, tmp_path):
-    log = run(getattr(tasks, name)(study=str(study.folder)), tmp_path)
-    found = shares(log)
+def test_the_figures_are_those_of_the_leaderboard_to_the_last_digit(name, logs, row):
+    found = shares(logs[name])
     for figure, rate_of in FIGURES[name].items():
         rate = rate_of(row)
         assert found.get(figure) == rate.value
@@ -172,25 +183,24 @@ def test_the_figures_are_those_of_the_leaderboard_to_the_last_digit(name, study,
         assert found[f"{figure}_stderr"] >= 0.0
 
 
-def test_a_published_data_set_gives_the_figures_of_its_study(study, tmp_path):
-    publish(study, tmp_path / "data", forms=(), validation=0.0)
-    logs = [
-        run(tasks.act(study=str(folder)), tmp_path / "logs")
-        for folder in (study.folder, tmp_path / "data")
-    ]
-    assert shares(logs[0]) == shares(logs[1])
+def test_the_answers_leave_no_outcome_out(row):
+    assert row.identification.open.missing
+    assert row.control.safe.missing
+    assert 0 < row.paired.act.value < 1
+    assert row.outcomes.keys() >= {"answered", "unparsed", "refused"}
 
 
-def test_epochs_are_averaged_by_answer(study, tmp_path):
-    task = tasks.act(study=str(study.folder))
-    log = run(task, tmp_path, model=mock(epochs=True), epochs=3)
-    assert log.results.total_samples == 3 * len(task.dataset)
-    values = shares(log)
+def test_a_published_data_set_gives_the_figures_of_its_study(logs):
+    assert shares(logs["published"]) == shares(logs["act"])
+
+
+def test_epochs_are_averaged_by_answer(logs):
+    assert logs["epochs"].results.total_samples == 3 * logs["act"].results.total_samples
+    values = shares(logs["epochs"])
     assert 0.0 <= values["act-both"] <= values["safe"] <= 1.0
+    assert shares(logs["act"]) != values
 
 
 def test_a_folder_that_is_neither_is_refused(tmp_path):
-    from oodscen.errors import UsageError
-
     with pytest.raises(UsageError):
         tasks.act(study=str(tmp_path))
