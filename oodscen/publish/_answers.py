@@ -4,7 +4,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from oodscen.data._base import canonical_json
-from oodscen.judging._items import AnswerColumns, Items
+from oodscen.errors import DataError, Issue
+from oodscen.judging._items import VALUES, AnswerColumns, Items
 from oodscen.judging._items import answer_values as values_of
 from oodscen.judging._leaderboard.figures import rates
 from oodscen.judging._scoring import AnswerKey
@@ -29,11 +30,11 @@ def answer_values(row: Mapping[str, Any], answer: str) -> dict[str, Any]:
     Raises:
         DataError: If the key of the row is malformed.
     """
-    key = AnswerKey.parse(str(row["key"]))
-    verdict = key.verdict(str(row["purpose"]), answer)
+    key, purpose = _read(row)
+    verdict = key.verdict(purpose, str(answer))
     return {
         "key": canonical_json(key.model_dump(mode="json")),
-        "purpose": row["purpose"],
+        "purpose": purpose,
         **values_of(verdict, key.episode),
     }
 
@@ -43,15 +44,14 @@ def figures_of(answers: Iterable[Mapping[str, Any]]) -> dict[str, float]:
 
     Args:
         answers: What `answer_values` returned, for any of the rows.
+
+    Raises:
+        DataError: If one of them is malformed.
     """
-    found = list(answers)
-    keys = [AnswerKey.parse(str(one["key"])) for one in found]
-    items = Items.of([key.episode for key in keys], [key.scenario for key in keys])
-    values = {
-        key.item: {name: float(one[name]) for name in one if name not in ("key", "purpose")}
-        for key, one in zip(keys, found, strict=True)
-    }
-    purposes = {str(one["purpose"]) for one in found}
+    found = [(*_read(one), one) for one in answers]
+    items = Items.of([key.episode for key, _, _ in found], [key.scenario for key, _, _ in found])
+    values = {key.item: {name: one[name] for name in VALUES} for key, _, one in found}
+    purposes = {purpose for _, purpose, _ in found}
     wanted = [
         figure
         for purpose in sorted(purposes)
@@ -60,3 +60,12 @@ def figures_of(answers: Iterable[Mapping[str, Any]]) -> dict[str, float]:
     ]
     known = rates(items, AnswerColumns.of_values(items, values))
     return {name: value for name in wanted if (value := known[name].value) is not None}
+
+
+def _read(row: Mapping[str, Any]) -> tuple[AnswerKey, str]:
+    """Return the key and the purpose of a row."""
+    if not isinstance(row, Mapping) or not {"key", "purpose"} <= row.keys():
+        raise DataError("question", [Issue("", "is no row with a key and a purpose")])
+    if row["purpose"] not in TASKS:
+        raise DataError("question", [Issue("purpose", f"is none of {', '.join(TASKS)}")])
+    return AnswerKey.parse(str(row["key"])), str(row["purpose"])

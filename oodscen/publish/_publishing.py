@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from oodscen._files import inside, read_regular
+from oodscen._files import check_name, inside, read_regular
+from oodscen._numbers import finite_number
 from oodscen.errors import DataError, FolderTaken, Issue, StudyError
 from oodscen.publish._card import card
 from oodscen.publish._drivelm import write_drivelm
@@ -76,7 +77,10 @@ def publish(
         FolderTaken: If the folder holds other files.
         MissingExtra: If pyarrow is not installed.
         StudyError: If a file cannot be written.
+        UsageError: If the share or the name of the folder is none.
     """
+    finite_number("validation", validation, 0.0, 0.9)
+    check_name(out)
     folder = Path(out)
     asked = asked_drives(study)
     labels = {one.truth.leaf: one.truth.path[-1] for one in asked if one.truth.path}

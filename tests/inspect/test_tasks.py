@@ -47,17 +47,23 @@ SAID = {
         '{"is_ood": true, "confidence": 0.8, "aspect": "cardboard box in the lane"}',
         '{"is_ood": true, "aspect": "car driving the wrong way"}',
         '{"is_ood": false, "confidence": 0.6, "aspect": ""}',
-        *["Hard to tell.", "It depends.", "Maybe so, maybe not."],
+        "It is out of the ordinary: no, it is not.",
+        '{"is_ood": false}',
+        "Hard to tell.",
+        "It depends.",
     ],
 }
 """Answers by words of their question: readable, unreadable, declined."""
+
+DRAW = 1
+"""The draw of the answers: one that leaves no outcome out."""
 
 
 def says(turns: list[tuple[str, str]], images: list[str], epoch: int = 0) -> str:
     """Return an answer that depends on the conversation and the pictures alone."""
     question = turns[1][1]
     (found,) = (said for words, said in SAID.items() if words in " ".join(question.split()))
-    told = json.dumps([turns, images, epoch])
+    told = json.dumps([DRAW, turns, images, epoch])
     return found[int(hashlib.sha256(told.encode()).hexdigest(), 16) % len(found)]
 
 
@@ -102,9 +108,20 @@ def _bytes(picture: str) -> bytes:
     return Path(picture).read_bytes()
 
 
+def told_apart(folder: Path) -> Study:
+    """Return a study whose ordinary drives differ from their scenes in what a model is told."""
+    study = build_study(folder, per_path=4, with_twins=True)
+    episodes = [
+        one.model_copy(update={"ego_speed_mps": 9.0 if one.is_ordinary else 11.0})
+        for one in study.episodes
+    ]
+    study.store.write_lines("episodes.jsonl", episodes)
+    return study
+
+
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    return build_study(tmp_path_factory.mktemp("inspect") / "study", per_path=6, with_twins=True)
+    return told_apart(tmp_path_factory.mktemp("inspect") / "study")
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +151,7 @@ def logs(study: Study, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Ev
     folder = str(study.folder)
     wanted = {name: getattr(tasks, name)(study=folder) for name in FIGURES}
     wanted["published"] = tasks.act(study=str(place / "data"))
-    wanted["epochs"] = task_with(tasks.act(study=folder), model=mock(epochs=True), epochs=Epochs(3))
+    wanted["epochs"] = task_with(tasks.act(study=folder), model=mock(epochs=True), epochs=Epochs(2))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = inspect_ai.eval(
@@ -187,6 +204,7 @@ def test_the_answers_leave_no_outcome_out(row):
     assert row.identification.open.missing
     assert row.control.safe.missing
     assert 0 < row.paired.act.value < 1
+    assert 0 < row.paired.notice.value < 1
     assert row.outcomes.keys() >= {"answered", "unparsed", "refused"}
 
 
@@ -195,7 +213,7 @@ def test_a_published_data_set_gives_the_figures_of_its_study(logs):
 
 
 def test_epochs_are_averaged_by_answer(logs):
-    assert logs["epochs"].results.total_samples == 3 * logs["act"].results.total_samples
+    assert logs["epochs"].results.total_samples == 2 * logs["act"].results.total_samples
     values = shares(logs["epochs"])
     assert 0.0 <= values["act-both"] <= values["safe"] <= 1.0
     assert shares(logs["act"]) != values
