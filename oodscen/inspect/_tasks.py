@@ -1,4 +1,4 @@
-"""The tasks: what is asked, how often, and how answers are scored."""
+"""The tasks of inspect_ai, with their solver and scorers."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -24,7 +24,7 @@ from oodscen.prompts._judging.name_aspect import NameAspect
 
 @task
 def notice(study: str = ".", split: str = "test") -> Task:
-    """Is anything out of the ordinary? Asked about scenes and their ordinary drives.
+    """Say whether anything is out of the ordinary. Asked about scenes and their ordinary drives.
 
     Args:
         study: Folder of a study, or of a data set that `oodscen publish` wrote.
@@ -35,7 +35,7 @@ def notice(study: str = ".", split: str = "test") -> Task:
 
 @task
 def name(study: str = ".", split: str = "test", judge: str | None = None) -> Task:
-    """What is out of the ordinary, in the model's own words? Asked about scenes.
+    """Name what is out of the ordinary, in the model's own words. Asked about scenes.
 
     Args:
         study: Folder of a study, or of a data set that `oodscen publish` wrote.
@@ -47,7 +47,7 @@ def name(study: str = ".", split: str = "test", judge: str | None = None) -> Tas
 
 @task
 def choose(study: str = ".", split: str = "test") -> Task:
-    """Which of these kinds of situation is it? Asked about scenes and their ordinary drives.
+    """Choose the kind of situation from a list. Asked about scenes and their ordinary drives.
 
     Args:
         study: Folder of a study, or of a data set that `oodscen publish` wrote.
@@ -58,7 +58,7 @@ def choose(study: str = ".", split: str = "test") -> Task:
 
 @task
 def act(study: str = ".", split: str = "test") -> Task:
-    """What should the vehicle do? Asked about scenes and their ordinary drives.
+    """Choose the vehicle's action. Asked about scenes and their ordinary drives.
 
     Args:
         study: Folder of a study, or of a data set that `oodscen publish` wrote.

@@ -86,7 +86,7 @@ class QuestionRow:
     drive: PublishedDrive
     prompt: DriveQuestion[Any]
     options: tuple[str, ...]
-    """What is to be chosen among, as it is worded."""
+    """The options, as they are worded."""
     answer: str
     """A right answer in the form asked for, as JSON; empty where no answer is right."""
     accepted: tuple[int, ...]
