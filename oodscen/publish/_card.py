@@ -7,12 +7,17 @@ from typing import Any
 import jinja2
 
 from oodscen._version import __version__
+from oodscen.data._base import canonical_json
 from oodscen.judging._kinds import merged
 from oodscen.judging._leaderboard.requirements import FIGURES
 from oodscen.judging._leaderboard.scores import LeaderboardRow, Rate
+from oodscen.judging._people import person
 from oodscen.publish._questions import TASKS, PublishedDrive, question_rows
 from oodscen.publish._splits import SPLITS
 from oodscen.study._study import Study
+
+_PRIVATE = {"api_base", "baseline", "people", "servers"}
+"""Fields of the configuration that name people, servers and files of the one who publishes."""
 
 _LISTED = 24
 """Rows of figures in a card: judged models first."""
@@ -42,12 +47,13 @@ def card(
         version=__version__,
         info=study.info,
         config=study.config,
+        configuration=canonical_json(study.config.model_dump(mode="json", exclude=_PRIVATE)),
         splits=[_split(name, drives) for name in SPLITS if any(d.split == name for d in drives)],
         figures=FIGURES,
         rows=_rows(study),
         tasks=TASKS,
         unanswerable=sum(row.best is None for drive in drives for row in question_rows(drive)),
-        size=_size(sum(1 for _ in drives) * len(TASKS)),
+        size=_size(len(drives) * len(TASKS)),
         hashes=[(name, found) for name, found in hashes.items() if "/images/" not in name],
     )
 
@@ -71,7 +77,14 @@ def _rows(study: Study) -> list[dict[str, Any]]:
         return []
     board = study.leaderboard()
     own = [row for row in board.standings if row.protocol == "ours"]
-    return [{"model": row.model, "kind": row.kind, **_told(row)} for row in own[:_LISTED]]
+    return [
+        {
+            "model": "a person" if row.model.startswith(person("")) else row.model,
+            "kind": row.kind,
+            **_told(row),
+        }
+        for row in own[:_LISTED]
+    ]
 
 
 def _told(row: LeaderboardRow) -> dict[str, str]:

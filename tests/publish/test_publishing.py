@@ -109,6 +109,7 @@ def test_the_sums_are_those_of_the_files_and_the_card_needs_no_other(data):
     assert all(f"| `{column}`" in card or f"`{column}`" in card for column in (*QUESTIONS, "safe"))
     assert "{{" not in card
     assert str(data) not in card
+    assert "api_base" not in card
     head = card.split("---\n")[1]
     assert "license: cc-by-4.0" in head
     assert "data/questions/test.parquet" in head
