@@ -67,6 +67,7 @@ GIVEN: dict[str, Any] = {
     "vlm": ScriptedLLM([]),
     "state": FlatSimulator().reset(SCENE, 0),
     "results": (),
+    "row": {"purpose": "choose-action", "key": '{"item":"x-1"}'},
     "road_map": FLAT.maps[0],
     "scenarios": (),
     "scene": SCENE,
@@ -97,7 +98,7 @@ OWN: dict[str, dict[str, Any]] = {
     "record": {"path": "x.mp4"},
     "read_openscenario": {"path": "x.xosc"},
 }
-SKIPPED = {"run_study", "check_simulator", "write_report", "load_controls"}
+SKIPPED = {"run_study", "check_simulator", "write_report", "load_controls", "publish"}
 """What runs for long, or reads large files, whatever it is given."""
 INNER = {"Control", "Corridor", "Frame", "Observation", "Request", "State"}
 """Values of the inner loop, made once a step and not checked."""

@@ -7,10 +7,11 @@ import pytest
 
 HEAVY = ("torch", "litellm", "numba", "pybullet", "cv2", "sentence_transformers", "matplotlib")
 
+# The modules of `oodscen.inspect` are imported by inspect_ai alone, which need not be there.
 EVERYTHING = """
 import importlib, pkgutil
 for found in pkgutil.walk_packages(oodscen.__path__, "oodscen."):
-    if found.name != "oodscen.__main__":
+    if found.name != "oodscen.__main__" and not found.name.startswith("oodscen.inspect."):
         importlib.import_module(found.name)
 """
 

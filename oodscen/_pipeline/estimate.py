@@ -17,6 +17,7 @@ from oodscen.data._pairing import twin_id
 from oodscen.data._verdict import verdict_id
 from oodscen.errors import DataError, Issue, MissingExtra, StudyMismatch, UnknownComponent
 from oodscen.judging._kinds import LISTED
+from oodscen.judging._questions import OPTIONS
 from oodscen.judging._selection import ordinary_drives
 from oodscen.llm._accounting import Account, accounts
 from oodscen.llm._prefix import cacheable_share
@@ -32,7 +33,6 @@ from oodscen.prompts._judging.drive_facts import DriveFacts
 from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.protocols import LLM, Completion, Request, Usage
-from oodscen.stages._evaluate import OPTIONS
 from oodscen.study._config import StudyConfig
 from oodscen.study._store import Store
 from oodscen.study._study import Study

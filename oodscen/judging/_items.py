@@ -85,14 +85,7 @@ class Items:
             unsafe=np.array([sum(o.is_unsafe for o in found) for found in outcomes], np.float64),
             has_actions=np.array([bool(found) for found in outcomes], np.bool_),
             chance=np.divide(safe, scoring, out=np.zeros_like(safe), where=scoring > 0),
-            keeping_is_safe=np.array(
-                [
-                    "keep_speed" in episode.actions
-                    and has_enough_margin(episode.actions["keep_speed"])
-                    for episode in ran
-                ],
-                np.bool_,
-            ),
+            keeping_is_safe=np.array([keeping_is_safe(episode) for episode in ran], np.bool_),
         )
 
     @property
@@ -121,6 +114,43 @@ class Items:
         return scene_of(scene).rpartition("-")[0] if row is None else self.leaves[row]
 
 
+VALUES = (
+    *("called", "p_ood", "stated", "open", "closed"),
+    *("safe", "success", "cautious", "apt", "neutral"),
+)
+"""Names of the values of an answer."""
+
+
+def answer_values(verdict: Verdict, episode: Episode) -> dict[str, float]:
+    """Return the values of the answers about one item, by the names in `VALUES`; NaN marks a missing answer."""
+    action = verdict.action
+    outcome = episode.actions.get(action or "")
+    is_cautious = action in CAUTIOUS if action else None
+    is_safe = verdict.action_is_safe
+    is_needless = bool(is_cautious) and keeping_is_safe(episode)
+    found = (
+        verdict.is_ood,
+        verdict.p_ood,
+        verdict.is_ood is not None and verdict.confidence is not None,
+        verdict.aspect_is_right,
+        verdict.choice_is_right,
+        is_safe,
+        verdict.success,
+        is_cautious,
+        False if is_needless else is_safe,
+        outcome is not None and is_safe is None,
+    )
+    return {
+        name: np.nan if value is None else float(value)
+        for name, value in zip(VALUES, found, strict=True)
+    }
+
+
+def keeping_is_safe(episode: Episode) -> bool:
+    """Return whether keeping the speed is safe with enough margin."""
+    return "keep_speed" in episode.actions and has_enough_margin(episode.actions["keep_speed"])
+
+
 @dataclass(frozen=True, eq=False)
 class AnswerColumns:
     """The answers of one answerer as [n] columns; NaN marks a missing answer."""
@@ -137,6 +167,8 @@ class AnswerColumns:
     success: Floats
     cautious: Floats
     """1 if the action is one of `CAUTIOUS`."""
+    apt: Floats
+    """1 if the action is safe, and not needless where keeping the speed is safe; a needless one is 0 in any case."""
     scorer: Sequence[str | None]
     """[n] the judge that scored the open aspect; empty for the matcher, `None` if there was nothing to score."""
     is_neutral: Mask
@@ -145,35 +177,52 @@ class AnswerColumns:
     @classmethod
     def of(cls, items: Items, verdicts: Iterable[Verdict]) -> Self:
         """Return the verdicts of one answerer as columns; those on unknown items are skipped."""
+        known = [one for one in verdicts if one.scene_id in items.index]
+        values = {
+            one.scene_id: answer_values(one, items.episodes[items.index[one.scene_id]])
+            for one in known
+        }
+        return cls.of_values(
+            items, values, {one.scene_id: one.judge for one in known if is_open(one)}
+        )
+
+    @classmethod
+    def of_values(
+        cls,
+        items: Items,
+        values: Mapping[str, Mapping[str, float]],
+        scorers: Mapping[str, str] | None = None,
+    ) -> Self:
+        """Return answers as columns, from their values as `answer_values` returns them.
+
+        Args:
+            items: The items.
+            values: The values by item; means over several answers are values too, and what is left out is missing.
+            scorers: The judges that scored the open aspects, by item.
+        """
         n = len(items.episodes)
-        columns = np.full((7, n), np.nan)
-        asked, stated, neutral = (np.zeros(n, np.bool_) for _ in range(3))
+        columns = np.full((len(VALUES), n), np.nan)
+        asked = np.zeros(n, np.bool_)
         scorer: list[str | None] = [None] * n
-        for verdict in verdicts:
-            row = items.index.get(verdict.scene_id)
-            if row is None:
-                continue
+        for item, found in values.items():
+            row = items.index[item]
             asked[row] = True
-            scorer[row] = verdict.judge if is_open(verdict) else None
-            stated[row] = verdict.is_ood is not None and verdict.confidence is not None
-            action = verdict.action
-            outcome = items.episodes[row].actions.get(action or "")
-            neutral[row] = outcome is not None and verdict.action_is_safe is None
-            columns[:, row] = [
-                np.nan if value is None else float(value)
-                for value in (
-                    verdict.is_ood,
-                    verdict.p_ood,
-                    verdict.aspect_is_right,
-                    verdict.choice_is_right,
-                    verdict.action_is_safe,
-                    verdict.success,
-                    action in CAUTIOUS if action else None,
-                )
-            ]
-        called, p_ood, named, chosen, safe, success, cautious = columns
+            scorer[row] = (scorers or {}).get(item)
+            columns[:, row] = [found.get(name, np.nan) for name in VALUES]
+        called, p_ood, stated, named, chosen, safe, success, cautious, apt, neutral = columns
         return cls(
-            asked, called, p_ood, stated, named, chosen, safe, success, cautious, scorer, neutral
+            was_asked=asked,
+            called=called,
+            p_ood=p_ood,
+            stated=stated > 0,
+            open=named,
+            closed=chosen,
+            safe=safe,
+            success=success,
+            cautious=cautious,
+            apt=apt,
+            scorer=scorer,
+            is_neutral=(neutral > 0) & ~np.isfinite(safe),
         )
 
     def right(self, task: str, items: Items) -> Floats:

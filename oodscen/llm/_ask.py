@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 from oodscen._numbers import whole_number
 from oodscen._redaction import redact_keys
 from oodscen._seeding import MAX_SEED
+from oodscen._text import whole
 from oodscen.data._base import issues_of
 from oodscen.data._messages import Message
 from oodscen.errors import AnswerError, Issue
@@ -68,12 +69,17 @@ def ask(
     issues: list[Issue] = []
     raw = ""
     for attempt in range(1, attempts + 1):
-        raw = redact_keys(complete(llm, Request(prompt, messages, schema, sample, attempt)).text)
+        raw = heard(complete(llm, Request(prompt, messages, schema, sample, attempt)).text)
         answer, issues = read(raw) if read else read_answer(raw, kind, checks)
         if answer is not None:
             return answer
-        messages = (*question, *_repair(raw, issues))
+        messages = (*question, *repair(raw, issues))
     raise AnswerError(llm.name, prompt.purpose, issues, raw, attempts)
+
+
+def heard(text: str) -> str:
+    """Return a model's text as it is read: whole characters, and no credentials."""
+    return redact_keys(whole(text))
 
 
 def speaker(llm: LLM) -> str:
@@ -116,7 +122,8 @@ def read_answer(
     return None, [Issue("", "no JSON object was found in the answer")]
 
 
-def _repair(raw: str, issues: Sequence[Issue]) -> tuple[Message, Message]:
+def repair(raw: str, issues: Sequence[Issue]) -> tuple[Message, Message]:
+    """Return the turns that quote an answer and ask for a better one."""
     faults = "\n".join(f"- {issue}" for issue in issues[:SHOWN_ISSUES])
     rest = len(issues) - SHOWN_ISSUES
     more = f"\n- and {rest} more" if rest > 0 else ""

@@ -10,6 +10,7 @@ from oodscen._registry import is_builtin
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import scene_of
 from oodscen.judging._leaderboard.requirements import Bar
+from oodscen.judging._questions import OPTIONS
 from oodscen.llm._accounting import Account, account, accounts
 from oodscen.report import _gallery as gallery
 from oodscen.report import _leaderboard as models
@@ -19,7 +20,6 @@ from oodscen.report._charts import rounds as charts
 from oodscen.report._charts.canvas import Canvas
 from oodscen.report._charts.outline import outline
 from oodscen.report._load import Material, dig, mapping, number
-from oodscen.stages._evaluate import OPTIONS
 from oodscen.study._study import Study
 
 _SHOWN_FAILURES = 200

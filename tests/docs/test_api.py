@@ -18,7 +18,8 @@ LISTED = {
     for name, listing in re.findall(r"^## `([\w.]+)`\n\n[^\n]*\n\n([^\n]*)$", PAGE, re.MULTILINE)
 }
 UNLISTED = {
-    f"oodscen.{name}" for name in ("encoders", "metrics", "numerics", "statistics", "study")
+    f"oodscen.{name}"
+    for name in ("encoders", "inspect", "metrics", "numerics", "statistics", "study")
 }
 """Packages that list no name."""
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)

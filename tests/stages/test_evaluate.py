@@ -11,8 +11,9 @@ from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode, Foll
 from oodscen.data._messages import Image
 from oodscen.data._verdict import Verdict
 from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ModelSkipped
+from oodscen.judging._aspects.matching import names_aspect
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
-from oodscen.stages._evaluate import Shown, aspect_options, names_aspect
+from oodscen.judging._questions import Shown, aspect_options
 from oodscen.testing import ScriptedLLM
 
 PATH = ("OOD", "Environmental", "Overturned vehicles", "Overturned vehicle ahead")

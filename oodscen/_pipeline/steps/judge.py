@@ -29,6 +29,7 @@ from oodscen.judging._aspects.opinions import (
 from oodscen.judging._kinds import Kinds
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._people import PersonAnswers, person
+from oodscen.judging._questions import Shown, aspect_options
 from oodscen.judging._references import Blind, NoveltyReference, Oracle, is_reference, takes_cases
 from oodscen.judging._selection import chosen
 from oodscen.judging._shortcuts.audit import FILE as AUDIT
@@ -38,8 +39,8 @@ from oodscen.llm._remote.limits import JUDGING
 from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._questions import prompt_versions
 from oodscen.protocols import LLM
-from oodscen.stages._evaluate import Shown, aspect_options, unjudged
 from oodscen.stages._evaluate import evaluate as judge_episode
+from oodscen.stages._evaluate import unjudged
 from oodscen.study._config import StudyConfig
 
 ALWAYS = (*(f"constant:{action}" for action in ACTIONS), "random", "blind", "novelty", "oracle")

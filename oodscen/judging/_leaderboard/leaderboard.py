@@ -14,7 +14,7 @@ from oodscen.data._verdict import NOTHING, Verdict
 from oodscen.judging._items import AnswerColumns, Floats, Items, Mask, Ratio
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.comparisons import Key, comparisons
-from oodscen.judging._leaderboard.figures import FAULTS, PairColumns, figures
+from oodscen.judging._leaderboard.figures import FAULTS, PairColumns, figures, rate, resampled
 from oodscen.judging._leaderboard.gains import mean_of, with_gains
 from oodscen.judging._leaderboard.paper_example import paper_example
 from oodscen.judging._leaderboard.scores import (
@@ -36,7 +36,7 @@ from oodscen.judging._shortcuts.audit import Audit
 from oodscen.judging._shortcuts.calls import rule_calls, shortcut_verdicts
 from oodscen.statistics._answers import above_chance, d_prime, intraclass
 from oodscen.statistics._auroc import auroc_of_items
-from oodscen.statistics._intervals import FEWEST_CLUSTERS, percentiles, share_bounds
+from oodscen.statistics._intervals import percentiles
 from oodscen.statistics._resampling import Resampler
 
 __all__ = [
@@ -174,10 +174,10 @@ def _standing(
         "ordinary_safe": Ratio(sheet.safe, twin, is_neutral=sheet.is_neutral),
         "above_chance": Ratio(sheet.safe - items.chance, items.is_decidable, 1.0 - items.chance),
     }
-    found = _resampled(study.resampler, list(columns.values()))
+    found = resampled(study.resampler, list(columns.values()))
     replicates = dict(zip(columns, found.T, strict=True))
     rates = {
-        name: _rate(study, column, sheet, replicates[name], is_fault=name in FAULTS)
+        name: rate(study.resampler, column, sheet, replicates[name], is_fault=name in FAULTS)
         for name, column in columns.items()
         if name != "above_chance"
     }
@@ -226,7 +226,7 @@ def _by_kind(
     """Return a figure that counts faults, for every kind of ordinary drive."""
     kinds = np.array(study.items.kinds)
     return {
-        kind: _rate(study, Ratio(values, mask & (kinds == kind)), sheet, is_fault=True)
+        kind: rate(study.resampler, Ratio(values, mask & (kinds == kind)), sheet, is_fault=True)
         for kind in sorted(set(study.items.kinds) - {"rare"})
     }
 
@@ -241,7 +241,7 @@ def _group(study: _SharedValues, sheet: AnswerColumns, group: SceneGroup, mask: 
     }
     neutral = {"safe": sheet.is_neutral}
     rates = {
-        name: _rate(study, Ratio(values, mask, is_neutral=neutral.get(name)), sheet)
+        name: rate(study.resampler, Ratio(values, mask, is_neutral=neutral.get(name)), sheet)
         for name, values in columns.items()
     }
     return group.model_copy(update=rates)
@@ -252,39 +252,6 @@ def _outcome(verdict: Verdict) -> str:
     if verdict.status == "failed" and verdict.outcome == "answered":
         return "error"
     return verdict.outcome
-
-
-def _resampled(resampler: Resampler, columns: Sequence[Ratio]) -> NDArray[np.float64]:
-    above = np.stack([column.above for column in columns], axis=1)
-    below = np.stack([column.below for column in columns], axis=1)
-    return resampler.ratios(above, below)
-
-
-def _rate(
-    study: _SharedValues,
-    column: Ratio,
-    sheet: AnswerColumns,
-    replicates: NDArray[np.float64] | None = None,
-    *,
-    is_fault: bool = False,
-) -> Rate:
-    """Return a share; if it counts faults, the worst case counts every missing answer as one."""
-    there = column.is_there
-    hits, n = float(column.above.sum()), int(there.sum())
-    units = study.resampler.count(there)
-    if replicates is None and units >= FEWEST_CLUSTERS:
-        replicates = _resampled(study.resampler, [column])[:, 0]
-    missing = int(column.missing(sheet).sum())
-    least = hits + missing if is_fault else hits
-    return Rate(
-        hits=round(hits),
-        n=n,
-        missing=missing,
-        value=round(hits / n, 6) if n else None,
-        with_missing_wrong=round(least / (n + missing), 6) if n + missing else None,
-        interval=share_bounds(hits, n, units, replicates),
-        paths=units,
-    )
 
 
 def _control(
@@ -380,7 +347,7 @@ def _worst_balanced(
         Ratio(right, sheet.was_asked & items.is_scene),
         Ratio(right, sheet.was_asked & ~items.is_scene),
     ]
-    replicates = _resampled(resampler, columns).mean(axis=1)
+    replicates = resampled(resampler, columns).mean(axis=1)
     return Estimate(
         value=(sensitivity.with_missing_wrong + specificity.with_missing_wrong) / 2,
         n=int(sheet.was_asked.sum()),

@@ -1,0 +1,61 @@
+"""The figures of a study's leaderboard as metrics of inspect_ai, with errors clustered by path."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from inspect_ai.scorer import Metric, SampleScore, Score, Value, metric, stderr
+
+from oodscen.judging._items import AnswerColumns, Items
+from oodscen.judging._leaderboard.figures import figures, rates
+from oodscen.judging._scoring import AnswerKey
+
+
+@metric
+def figure(name: str) -> Metric:
+    """Return the metric of one figure: its share, clustered standard error, interval and counts.
+
+    A share is over the answers that score, as on the leaderboard. With several epochs an answer counts by the mean
+    of its values, and a paired figure by their product over the scene and its ordinary drives.
+
+    Args:
+        name: The figure, e.g. `act-both`.
+    """
+
+    def measured(scores: list[SampleScore]) -> Value:
+        items, sheet = _columns(scores)
+        column = figures(items, sheet)[name]
+        rate = rates(items, sheet)[name]
+        rows = np.flatnonzero(column.is_there).tolist()
+        found: dict[str, Any] = {
+            name: rate.value,
+            f"{name}_stderr": _clustered(items, column.above, rows) if rows else None,
+            f"{name}_low": rate.interval.low if rate.interval else None,
+            f"{name}_high": rate.interval.high if rate.interval else None,
+            f"{name}_n": rate.n,
+            f"{name}_missing": rate.missing,
+            f"{name}_missing_wrong": rate.with_missing_wrong,
+        }
+        return {key: value for key, value in found.items() if value is not None}
+
+    return measured
+
+
+def _columns(scores: Sequence[SampleScore]) -> tuple[Items, AnswerColumns]:
+    keys = [AnswerKey.parse((one.sample_metadata or {}).get("key")) for one in scores]
+    items = Items.of([key.episode for key in keys], [key.scenario for key in keys])
+    values: dict[str, Mapping[str, float]] = {}
+    for key, one in zip(keys, scores, strict=True):
+        values[key.item] = {name: float(value) for name, value in one.score.as_dict().items()}
+    return items, AnswerColumns.of_values(items, values)
+
+
+def _clustered(items: Items, values: Any, rows: Sequence[int]) -> float:
+    """Return the standard error of a mean with whole paths as clusters."""
+    kept = [
+        SampleScore(
+            score=Score(value=float(values[row])), sample_metadata={"path": items.clusters[row]}
+        )
+        for row in rows
+    ]
+    return float(stderr(cluster="path")(kept))

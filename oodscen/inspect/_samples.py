@@ -1,0 +1,141 @@
+"""The questions of a study or a published data set as samples of inspect_ai."""
+
+import base64
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from inspect_ai.dataset import Sample
+from inspect_ai.model import ChatMessageSystem, ChatMessageUser, ContentImage, ContentText
+
+from oodscen.data._pairing import is_ordinary, kind_of, scene_of
+from oodscen.errors import DataError, Issue, MissingExtra, UsageError
+from oodscen.judging._questions import acting_prompt, choosing_prompt, naming_prompt
+from oodscen.judging._scoring import AnswerKey
+from oodscen.prompts._judging.choose_action import ChooseAction
+from oodscen.prompts._judging.choose_aspect import ChooseAspect
+from oodscen.prompts._judging.drive_facts import DriveQuestion
+from oodscen.prompts._judging.name_aspect import NameAspect
+from oodscen.study._asked import AskedDrive, asked_drives
+from oodscen.study._study import Study
+
+_COLUMNS = ["purpose", "system", "question", "images", "answer", "key"]
+
+
+class _Asked(NamedTuple):
+    """One question, from either source."""
+
+    key: AnswerKey
+    system: str
+    question: str
+    images: tuple[str, ...]
+    """Files, or addresses that hold the data."""
+
+
+def samples(folder: str | Path, purpose: str, *, split: str, is_paired: bool) -> list[Sample]:
+    """Return the questions of one purpose as samples.
+
+    Args:
+        folder: Folder of a study, or of a data set that `oodscen publish` wrote.
+        purpose: Purpose of the question.
+        split: Split of the data set; a study has none.
+        is_paired: True if the ordinary drives are asked about as well.
+
+    Raises:
+        UsageError: If the folder is neither, or holds no such question.
+    """
+    place = Path(folder).resolve()
+    if (place / "study.json").is_file():
+        found = _of_study(place, purpose)
+    elif (place / "data" / "questions").is_dir():
+        found = _of_data_set(place, purpose, split)
+    else:
+        raise UsageError(
+            f"{place} holds neither a study nor a published data set: give one with -T study=FOLDER"
+        )
+    made = [_sample(one, purpose) for one in found if is_paired or not is_ordinary(one.key.item)]
+    if not made:
+        raise UsageError(f"{place} holds no question {purpose!r}")
+    return made
+
+
+def _sample(asked: _Asked, purpose: str) -> Sample:
+    key = asked.key
+    pictures = [ContentImage(image=image) for image in asked.images]
+    return Sample(
+        id=key.item,
+        input=[
+            ChatMessageSystem(content=asked.system),
+            ChatMessageUser(content=[ContentText(text=asked.question), *pictures]),
+        ],
+        target=_target(key, purpose),
+        metadata={
+            "key": key.model_dump(mode="json"),
+            "purpose": purpose,
+            "path": " > ".join(key.path) or key.leaf,
+            "kind": kind_of(key.item),
+            "scene": scene_of(key.item),
+        },
+    )
+
+
+def _target(key: AnswerKey, purpose: str) -> str | list[str]:
+    """Return what is right, for readers of the log; scores do not depend on it."""
+    is_rare = not is_ordinary(key.item)
+    if purpose == ChooseAction.purpose:
+        return list(key.episode.safe_set)
+    if purpose == ChooseAspect.purpose:
+        return (
+            next((one.label for one in key.options if one.holds(key.leaf)), "") if is_rare else ""
+        )
+    return key.path[-1] if is_rare and key.path else ""
+
+
+def _of_study(place: Path, purpose: str) -> Iterator[_Asked]:
+    study = Study.open(place)
+    for drive in asked_drives(study):
+        prompt = _prompt(drive, purpose)
+        yield _Asked(
+            AnswerKey.of(drive.episode, drive.truth, drive.options),
+            prompt.instructions(),
+            prompt.question(),
+            tuple(str(image.path) for image in prompt.images()),
+        )
+
+
+def _prompt(drive: AskedDrive, purpose: str) -> DriveQuestion[Any]:
+    if purpose == NameAspect.purpose:
+        return naming_prompt(drive.shown)
+    if purpose == ChooseAspect.purpose:
+        return choosing_prompt(drive.shown, drive.options)
+    return acting_prompt(drive.shown)
+
+
+def _of_data_set(place: Path, purpose: str, split: str) -> Iterator[_Asked]:
+    try:
+        from pyarrow import parquet
+    except ImportError:
+        raise MissingExtra("a published data set", "publish", "pyarrow") from None
+    path = place / "data" / "questions" / f"{split}.parquet"
+    if not path.is_file():
+        raise UsageError(f"{place} has no split {split!r}")
+    try:
+        with parquet.ParquetFile(path) as file:
+            for part in file.iter_batches(batch_size=96, columns=_COLUMNS):
+                yield from map(_row, (r for r in part.to_pylist() if r["purpose"] == purpose))
+    except (OSError, ValueError, KeyError) as error:
+        raise DataError("data set", [Issue("", str(error))], source=str(path)) from None
+
+
+def _row(row: dict[str, Any]) -> _Asked:
+    images: Sequence[dict[str, bytes]] = row["images"]
+    return _Asked(
+        AnswerKey.parse(json.loads(row["key"])),
+        row["system"],
+        row["question"],
+        tuple(
+            f"data:image/jpeg;base64,{base64.b64encode(image['bytes']).decode()}"
+            for image in images
+        ),
+    )

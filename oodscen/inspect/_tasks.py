@@ -1,0 +1,159 @@
+"""The tasks of inspect_ai, with their solver and scorers."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import anyio.to_thread
+from inspect_ai import Task, task
+from inspect_ai.model import ChatMessageAssistant, ChatMessageUser
+from inspect_ai.scorer import Score, Scorer, Target, scorer
+from inspect_ai.solver import Generate, Solver, TaskState, solver
+
+from oodscen._registry import make_llm
+from oodscen.errors import AnswerError
+from oodscen.inspect._figures import figure
+from oodscen.inspect._samples import samples
+from oodscen.judging._items import answer_values
+from oodscen.judging._questions import ATTEMPTS
+from oodscen.judging._scoring import AnswerKey
+from oodscen.llm._ask import heard, repair
+from oodscen.prompts._judging.choose_action import ChooseAction
+from oodscen.prompts._judging.choose_aspect import ChooseAspect
+from oodscen.prompts._judging.name_aspect import NameAspect
+
+
+@task
+def notice(study: str = ".", split: str = "test") -> Task:
+    """Say whether anything is out of the ordinary. Asked about scenes and their ordinary drives.
+
+    Args:
+        study: Folder of a study, or of a data set that `oodscen publish` wrote.
+        split: Split of the data set.
+    """
+    return _task(NameAspect.purpose, study, split, _noticed())
+
+
+@task
+def name(study: str = ".", split: str = "test", judge: str | None = None) -> Task:
+    """Name what is out of the ordinary, in the model's own words. Asked about scenes.
+
+    Args:
+        study: Folder of a study, or of a data set that `oodscen publish` wrote.
+        split: Split of the data set.
+        judge: Model that scores the words, by a name that `oodscen evaluate --judge` takes, in place of the matcher.
+    """
+    return _task(NameAspect.purpose, study, split, _named(judge), is_paired=False)
+
+
+@task
+def choose(study: str = ".", split: str = "test") -> Task:
+    """Choose the kind of situation from a list. Asked about scenes and their ordinary drives.
+
+    Args:
+        study: Folder of a study, or of a data set that `oodscen publish` wrote.
+        split: Split of the data set.
+    """
+    return _task(ChooseAspect.purpose, study, split, _chosen())
+
+
+@task
+def act(study: str = ".", split: str = "test") -> Task:
+    """Choose the vehicle's action. Asked about scenes and their ordinary drives.
+
+    Args:
+        study: Folder of a study, or of a data set that `oodscen publish` wrote.
+        split: Split of the data set.
+    """
+    return _task(ChooseAction.purpose, study, split, _acted())
+
+
+def _task(purpose: str, study: str, split: str, scorer: Scorer, *, is_paired: bool = True) -> Task:
+    return Task(
+        dataset=samples(study, purpose, split=split, is_paired=is_paired),
+        solver=asked(),
+        scorer=scorer,
+    )
+
+
+@solver
+def asked() -> Solver:
+    """Ask the question, and once more if the answer cannot be read, as `oodscen evaluate` does."""
+
+    async def solve(state: TaskState, generate: Generate) -> TaskState:
+        question = list(state.messages)
+        reader = _key(state).reader(state.metadata["purpose"])
+        for attempt in range(1, ATTEMPTS + 1):
+            state = await generate(state)
+            raw = heard(state.output.completion)
+            try:
+                answer, issues, _ = reader.read(raw, model=str(state.model))
+            except AnswerError:
+                break
+            if answer is not None or attempt == ATTEMPTS:
+                break
+            said, mend = repair(raw, issues)
+            state.messages = [
+                *question,
+                ChatMessageAssistant(content=said.text),
+                ChatMessageUser(content=mend.text),
+            ]
+        return state
+
+    return solve
+
+
+@scorer(metrics=[figure("notice-both"), figure("notice"), figure("alarms")], name="notice")
+def _noticed() -> Scorer:
+    return _scoring("called", "p_ood", "stated")
+
+
+@scorer(metrics=[figure("name")], name="name")
+def _named(judge: str | None) -> Scorer:
+    return _scoring("open", judge=judge)
+
+
+@scorer(metrics=[figure("pick")], name="choose")
+def _chosen() -> Scorer:
+    return _scoring("closed")
+
+
+@scorer(metrics=[figure("act-both"), figure("safe"), figure("needless")], name="act")
+def _acted() -> Scorer:
+    return _scoring("safe", "success", "cautious", "apt", "neutral")
+
+
+def _scoring(*kept: str, judge: str | None = None) -> Scorer:
+    """Return the scorer that keeps these values of an answer."""
+    made = make_llm(judge) if judge else None
+
+    async def score(state: TaskState, target: Target) -> Score:
+        key, purpose = _key(state), state.metadata["purpose"]
+        verdict = await anyio.to_thread.run_sync(
+            lambda: key.verdict(
+                purpose, state.output.completion, model=str(state.model), judge=made
+            )
+        )
+        values = answer_values(verdict, key.episode)
+        said = (verdict.action, verdict.choice, verdict.aspect, verdict.is_ood)
+        return Score(
+            value={name: values[name] for name in kept},
+            answer=next((str(one) for one in said if one not in (None, "")), ""),
+            explanation=_explained(key, verdict.action) or verdict.error or "",
+            metadata={"outcome": verdict.outcome, "judge": verdict.judge},
+        )
+
+    return score
+
+
+def _explained(key: AnswerKey, action: str | None) -> str:
+    """Return what came of an action, in words."""
+    if action is None:
+        return ""
+    label = key.episode.label(action)
+    touched: Sequence[str] = key.actions[action].contacts if action in key.actions else ()
+    return f"{action} is {label}{', touches ' + ', '.join(touched) if touched else ''}"
+
+
+def _key(state: TaskState) -> AnswerKey:
+    held: Any = state.metadata["key"]
+    return AnswerKey.parse(held)

@@ -1,0 +1,249 @@
+"""The questions about one drive: as they are asked, and as their answers are read."""
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Generic, Self, TypeVar
+
+from pydantic import BaseModel
+
+from oodscen._seeding import stream
+from oodscen.data._episode import ACTIONS, Episode, in_order
+from oodscen.data._messages import Image
+from oodscen.data._verdict import NOTHING, Protocol
+from oodscen.errors import AnswerError, Issue
+from oodscen.judging._parsing import (
+    ParsedAnswer,
+    contradiction,
+    names_nothing,
+    read_action,
+    read_aspect,
+    read_choice,
+    read_named_aspect,
+    reasoning_in,
+)
+from oodscen.judging._references import AspectOption
+from oodscen.prompts._judging.choose_action import ActionOption, ChooseAction, ChosenAction
+from oodscen.prompts._judging.choose_aspect import ChooseAspect, ChosenAspect
+from oodscen.prompts._judging.drive_facts import DriveFacts, DriveQuestion
+from oodscen.prompts._judging.name_aspect import NameAspect, OodAspect
+from oodscen.prompts._judging.name_ood_aspect import NamedAspect, NameOodAspect
+
+Answer = TypeVar("Answer", bound=BaseModel)
+Value = TypeVar("Value")
+
+OPTIONS = tuple(
+    ActionOption(id=name, description=text)
+    for name, text in zip(
+        ACTIONS,
+        (
+            "keep the lane and the speed",
+            "keep the lane and slow down gently to half the speed",
+            "keep the lane and brake comfortably to a stop",
+            "keep the lane and brake as hard as the road allows",
+            "change to the next lane on the left, even if it is for oncoming traffic",
+            "change to the next lane on the right",
+            "slow down, move to the right edge of the road or the shoulder and stop there",
+        ),
+        strict=True,
+    )
+)
+"""The discrete actions as they are offered to a model."""
+
+NOTHING_UNUSUAL = AspectOption(id=NOTHING, label="Nothing is out of the ordinary")
+KEPT_REASONING = 600
+"""Maximum length of a model's reasoning that is stored, in characters."""
+ASPECT_LENGTH = 500
+"""Maximum length of an aspect that is stored, in characters."""
+ATTEMPTS = 2
+"""Maximum number of attempts per question; an unreadable answer is asked for once more."""
+
+
+def aspect_options(
+    kinds: Mapping[str, str] | Sequence[AspectOption], *, seed: int, item: str
+) -> tuple[AspectOption, ...]:
+    """Return the options of the closed question: the kinds and "nothing", shuffled for one item.
+
+    Args:
+        kinds: The kinds to choose from, or their labels by id; see `oodscen.judging._kinds`.
+        seed: Seed of the study.
+        item: Id of the scene or of its ordinary drive; each has its own order.
+    """
+    if isinstance(kinds, Mapping):
+        kinds = [AspectOption(id=name, label=label) for name, label in sorted(kinds.items())]
+    options = [*kinds, NOTHING_UNUSUAL]
+    order = stream(seed, "aspect-options", item).permutation(len(options))
+    return tuple(options[int(index)] for index in order)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """The frames of one drive in order, and its facts, as a model is told."""
+
+    images: tuple[Image, ...]
+    facts: DriveFacts = field(default_factory=DriveFacts)
+    rear: Image | None = None
+    """The view from the rear window at the last frame, if it is shown."""
+
+    @classmethod
+    def of(
+        cls,
+        episode: Episode,
+        frames: Mapping[str, Image],
+        *,
+        is_present: bool = True,
+        rear: Image | None = None,
+    ) -> Self:
+        """Return the frames of an episode with what it records of speed, times and follower.
+
+        Args:
+            episode: The episode.
+            frames: The images by moment.
+            is_present: True if the last frame shows the decision.
+            rear: The view from the rear window at the last frame.
+        """
+        order = in_order(frames)
+        times = tuple(episode.frame_times_s.get(moment, math.nan) for moment in order)
+        follower, behind = episode.follower, None
+        if follower is not None:
+            what = re.sub(r"[\W_]+", " ", follower.what).strip()
+            behind = f"{'an' if what[:1] in set('aeiou') else 'a'} {what}"
+        elif episode.ego_speed_mps is not None:
+            behind = ""
+        facts = DriveFacts(
+            times_s=() if any(map(math.isnan, times)) else times,
+            ego_speed_mps=episode.ego_speed_mps,
+            is_present=is_present,
+            behind=behind,
+            gap_m=follower.gap_m if follower else 0.0,
+            follower_speed_mps=follower.speed_mps if follower else 0.0,
+        )
+        return cls(tuple(frames[moment] for moment in order), facts, rear)
+
+
+@dataclass(frozen=True)
+class AnswerReader(Generic[Value, Answer]):
+    """The reading of the answers to one question."""
+
+    purpose: str
+    """The question's purpose, e.g. `choose-action`."""
+    parse: Callable[[str], ParsedAnswer[Value]]
+    """Parses a model's text."""
+    make: Callable[[str, Value], Answer]
+    """Makes the answer from the text and the parsed value."""
+    form: str
+    """The expected format, as told to a model whose answer is unreadable."""
+    fields: Callable[[Answer], dict[str, Any]]
+    """Returns what a verdict keeps of an answer."""
+
+    def read(self, raw: str, *, model: str) -> tuple[Answer | None, list[Issue], str]:
+        """Return the answer, or `None` and its faults, with the note on how it was read.
+
+        Raises:
+            AnswerError: If the model declines to answer, so that asking again is useless.
+        """
+        reading = self.parse(raw)
+        if reading.outcome == "refused":
+            raise AnswerError(model, self.purpose, [Issue("", "it declines to answer")], raw, 1)
+        if reading.value is None:
+            return None, [Issue("", f"{reading.note}; give {self.form}")], reading.note
+        return self.make(raw, reading.value), [], reading.note
+
+
+def noticing(protocol: Protocol = "ours") -> AnswerReader[Any, Any]:
+    """Return the reader of the first task's open question."""
+    if protocol == "paper":
+        return AnswerReader(
+            NameOodAspect.purpose,
+            read_named_aspect,
+            lambda raw, aspect: NamedAspect(aspect=aspect),
+            '"aspect": one short noun phrase',
+            _named,
+        )
+    return AnswerReader(
+        NameAspect.purpose,
+        read_aspect,
+        lambda raw, found: OodAspect(
+            is_ood=found.is_ood, aspect=found.aspect, confidence=found.confidence
+        ),
+        '"is_ood": true or false, and where it is true "aspect": one short noun phrase',
+        lambda found: {
+            "is_ood": found.is_ood,
+            "confidence": found.confidence,
+            "aspect": found.aspect[:ASPECT_LENGTH],
+        },
+    )
+
+
+def choosing(options: Sequence[AspectOption]) -> AnswerReader[str, ChosenAspect]:
+    """Return the reader of the closed question with these options."""
+    labels = {option.id: option.label for option in options}
+    names = list(labels)
+    return AnswerReader(
+        ChooseAspect.purpose,
+        lambda raw: read_choice(raw, labels),
+        lambda raw, name: ChosenAspect(choice=names.index(name) + 1),
+        f'"choice": one number from 1 to {len(names)}',
+        lambda answer: {"choice": names[answer.choice - 1]},
+    )
+
+
+def acting() -> AnswerReader[str, ChosenAction]:
+    """Return the reader of the second task's question."""
+    return AnswerReader(
+        ChooseAction.purpose,
+        lambda raw: read_action(raw, ACTIONS),
+        lambda raw, name: ChosenAction(action=name, reasoning=reasoning_in(raw)),
+        f'"action": exactly one of {", ".join(ACTIONS)}',
+        lambda chosen: {
+            "action": chosen.action,
+            "reasoning": chosen.reasoning[:KEPT_REASONING],
+            "contradiction": contradiction(chosen.reasoning, chosen.action, ACTIONS),
+        },
+    )
+
+
+def naming_prompt(
+    shown: Shown, descriptions: tuple[str, ...] = (), protocol: Protocol = "ours"
+) -> DriveQuestion[Any]:
+    """Return the first task's open question."""
+    kind = NameOodAspect if protocol == "paper" else NameAspect
+    return kind(frames=shown.images, descriptions=descriptions, facts=shown.facts, rear=shown.rear)
+
+
+def choosing_prompt(
+    shown: Shown, options: Sequence[AspectOption], descriptions: tuple[str, ...] = ()
+) -> ChooseAspect:
+    """Return the closed question."""
+    return ChooseAspect(
+        frames=shown.images,
+        descriptions=descriptions,
+        facts=shown.facts,
+        rear=shown.rear,
+        labels=tuple({option.id: option.label for option in options}.values()),
+    )
+
+
+def acting_prompt(
+    shown: Shown, descriptions: tuple[str, ...] = (), protocol: Protocol = "ours"
+) -> ChooseAction:
+    """Return the second task's question."""
+    return ChooseAction(
+        frames=shown.images,
+        descriptions=descriptions,
+        facts=shown.facts,
+        rear=shown.rear,
+        options=OPTIONS,
+        is_collision_only=protocol == "paper",
+    )
+
+
+def paragraphs(prompt: DriveQuestion[Any]) -> list[str]:
+    """Return the paragraphs of a question, each in one line: the facts, the question itself, then the rest."""
+    return [" ".join(part.split()) for part in prompt.question().split("\n\n")]
+
+
+def _named(answer: NamedAspect) -> dict[str, Any]:
+    is_ood = not names_nothing(answer.aspect)
+    return {"is_ood": is_ood, "aspect": answer.aspect[:ASPECT_LENGTH] if is_ood else ""}

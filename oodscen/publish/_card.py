@@ -1,0 +1,118 @@
+"""The card of a data set: what is in it, how it was made, and how it may be used."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import jinja2
+
+from oodscen._version import __version__
+from oodscen.data._base import canonical_json
+from oodscen.judging._kinds import merged
+from oodscen.judging._leaderboard.requirements import FIGURES
+from oodscen.judging._leaderboard.scores import LeaderboardRow, Rate
+from oodscen.judging._people import person
+from oodscen.publish._questions import TASKS, PublishedDrive, question_rows
+from oodscen.publish._splits import SPLITS
+from oodscen.study._study import Study
+
+_PRIVATE = {"api_base", "baseline", "people", "servers"}
+"""Fields of the configuration that name people, servers and files of the one who publishes."""
+
+_LISTED = 24
+"""Rows of figures in a card: judged models first."""
+
+
+def card(
+    study: Study, drives: Sequence[PublishedDrive], licence: str, hashes: Mapping[str, str]
+) -> str:
+    """Return the card as Markdown with the front matter that the Hub reads.
+
+    Args:
+        study: The study.
+        drives: The drives of the data set.
+        licence: Licence as the Hub names it.
+        hashes: SHA-256 of the files, by name.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("oodscen", "publish"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["cell"] = lambda value: " ".join(str(value).split()).replace("|", "\\|")
+    return environment.get_template("card.md.j2").render(
+        licence=licence,
+        version=__version__,
+        info=study.info,
+        config=study.config,
+        configuration=canonical_json(study.config.model_dump(mode="json", exclude=_PRIVATE)),
+        splits=[_split(name, drives) for name in SPLITS if any(d.split == name for d in drives)],
+        figures=FIGURES,
+        rows=_rows(study),
+        tasks=TASKS,
+        unanswerable=sum(row.best is None for drive in drives for row in question_rows(drive)),
+        size=_size(len(drives) * len(TASKS)),
+        hashes=[(name, found) for name, found in hashes.items() if "/images/" not in name],
+    )
+
+
+def _split(name: str, drives: Sequence[PublishedDrive]) -> dict[str, Any]:
+    own = [drive for drive in drives if drive.split == name]
+    labels = {one.asked.truth.leaf: one.asked.truth.path[-1] for one in own if one.asked.truth.path}
+    count = Counter(drive.kind for drive in own)
+    return {
+        "name": name,
+        "drives": len(own),
+        "questions": len(own) * len(TASKS),
+        "kinds": sorted(one.label for one in merged(labels)),
+        **{kind: count[kind] for kind in ("rare", "twin", "demand")},
+    }
+
+
+def _rows(study: Study) -> list[dict[str, Any]]:
+    """Return the figures of judged models and references, by the names of requirements."""
+    if not study.store.has("verdicts.jsonl"):
+        return []
+    board = study.leaderboard()
+    own = [row for row in board.standings if row.protocol == "ours"]
+    return [
+        {
+            "model": "a person" if row.model.startswith(person("")) else row.model,
+            "kind": row.kind,
+            **_told(row),
+        }
+        for row in own[:_LISTED]
+    ]
+
+
+def _told(row: LeaderboardRow) -> dict[str, str]:
+    found: dict[str, Rate] = {
+        "notice-both": row.paired.notice,
+        "act-both": row.paired.act,
+        "notice": row.detection.sensitivity,
+        "alarms": row.detection.alarms,
+        "name": row.identification.open,
+        "pick": row.identification.closed,
+        "safe": row.control.safe,
+        "needless": row.control.needless,
+    }
+    return {name: _share(rate) for name, rate in found.items()}
+
+
+def _share(rate: Rate) -> str:
+    if rate.value is None:
+        return "–"
+    told = f"{100 * rate.value:.1f} %"
+    if rate.interval is None:
+        return told
+    return f"{told} ({100 * rate.interval.low:.0f}–{100 * rate.interval.high:.0f})"
+
+
+def _size(questions: int) -> str:
+    """Return the size category of the Hub."""
+    for most, name in ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K")):
+        if questions < most:
+            return name
+    return "100K<n<1M"

@@ -1,0 +1,64 @@
+"""The YAML files of the tasks for lmms-eval."""
+
+from collections.abc import Collection
+from importlib import resources
+from pathlib import Path
+
+from oodscen.judging._leaderboard.figures import FAULTS
+from oodscen.publish._answers import FIGURES_OF_TASK
+from oodscen.publish._questions import TASKS
+
+_COMMON = """\
+dataset_path: parquet
+dataset_kwargs:
+  data_files:
+{files}
+test_split: test
+output_type: generate_until
+doc_to_visual: !function utils.doc_to_visual
+doc_to_text: !function utils.doc_to_text
+doc_to_target: answer
+process_results: !function utils.process_results
+generation_kwargs:
+  max_new_tokens: 1024
+  temperature: 0
+  do_sample: false
+metadata:
+  - version: 1.0
+"""
+
+
+def write_tasks(folder: Path, files: Collection[tuple[str, str]]) -> list[str]:
+    """Write the task folder, and return the names of its tasks.
+
+    Args:
+        folder: The folder.
+        files: The file of every split, relative to the folder.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    listed = "\n".join(f"    {split}: {file}" for split, file in files)
+    _put(folder / "_common.yaml", _COMMON.format(files=listed))
+    names = []
+    for tasks in TASKS.values():
+        figures = [figure for task in tasks for figure in FIGURES_OF_TASK[task]]
+        metrics = "".join(
+            f"  - metric: {figure}\n"
+            f"    aggregation: !function utils.{figure.replace('-', '_')}\n"
+            f"    higher_is_better: {str(figure not in FAULTS).lower()}\n"
+            for figure in figures
+        )
+        names.append(f"oodscen_{tasks[0]}")
+        _put(
+            folder / f"{names[-1]}.yaml",
+            f"include: _common.yaml\ntask: {names[-1]}\n"
+            f"process_docs: !function utils.{tasks[0]}_docs\nmetric_list:\n{metrics}",
+        )
+    listed = "".join(f"  - {name}\n" for name in names)
+    _put(folder / "oodscen.yaml", f"group: oodscen\ntask:\n{listed}")
+    source = resources.files("oodscen.publish._lmms_eval").joinpath("utils.py")
+    _put(folder / "utils.py", source.read_text(encoding="utf-8"))
+    return names
+
+
+def _put(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")

@@ -1,0 +1,57 @@
+"""Functions of the tasks for lmms-eval: the questions as published, scored by oodscen."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from oodscen.publish import answer_values, figures_of
+
+
+def _only(purpose: str) -> Callable[[Any], Any]:
+    def kept(docs: Any) -> Any:
+        return docs.filter(lambda one: one == purpose, input_columns="purpose")
+
+    return kept
+
+
+notice_docs = _only("name-aspect")
+choose_docs = _only("choose-aspect")
+act_docs = _only("choose-action")
+
+
+def doc_to_visual(doc: Mapping[str, Any]) -> list[Any]:
+    """Return the frames in order."""
+    return [image.convert("RGB") for image in doc["images"]]
+
+
+def doc_to_text(doc: Mapping[str, Any], lmms_eval_specific_kwargs: object = None) -> str:
+    """Return the instructions and the question."""
+    return f"{doc['system']}\n\n{doc['question']}"
+
+
+def process_results(doc: Mapping[str, Any], results: Iterable[str]) -> dict[str, Any]:
+    """Return the values of the answer, for every figure."""
+    (answer,) = results
+    values = answer_values(doc, answer)
+    return dict.fromkeys(_FIGURES[str(doc["purpose"])], values)
+
+
+def _figure(name: str) -> Callable[[list[Mapping[str, Any]]], float]:
+    def over(results: list[Mapping[str, Any]]) -> float:
+        return figures_of(results).get(name, float("nan"))
+
+    return over
+
+
+_FIGURES = {
+    "name-aspect": ("notice-both", "notice", "alarms", "name"),
+    "choose-aspect": ("pick",),
+    "choose-action": ("act-both", "safe", "needless"),
+}
+notice_both = _figure("notice-both")
+notice = _figure("notice")
+alarms = _figure("alarms")
+name = _figure("name")
+pick = _figure("pick")
+act_both = _figure("act-both")
+safe = _figure("safe")
+needless = _figure("needless")

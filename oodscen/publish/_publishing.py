@@ -1,0 +1,156 @@
+"""Writing a study as a data set, whole and with its card."""
+
+import hashlib
+import os
+from collections import Counter
+from collections.abc import Collection, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from oodscen._files import check_name, inside, read_regular
+from oodscen._numbers import finite_number
+from oodscen.errors import DataError, FolderTaken, Issue, StudyError
+from oodscen.publish._card import card
+from oodscen.publish._drivelm import write_drivelm
+from oodscen.publish._lmms_eval.tasks import write_tasks
+from oodscen.publish._parquet import write_drives, write_questions
+from oodscen.publish._questions import PublishedDrive, published_drives
+from oodscen.publish._splits import SPLITS, VALIDATION, splits
+from oodscen.publish._vlmevalkit import write_tsv
+from oodscen.study._asked import asked_drives
+from oodscen.study._study import Study
+
+Form = Literal["vlmevalkit", "lmms-eval", "drivelm"]
+FORMS: tuple[Form, ...] = ("vlmevalkit", "lmms-eval", "drivelm")
+"""Forms for other tools beside the Parquet files."""
+
+LICENCE = "cc-by-4.0"
+SUMS = "SHA256SUMS"
+"""File with the SHA-256 of every other file."""
+
+
+@dataclass(frozen=True)
+class Publication:
+    """The result of publishing a study."""
+
+    folder: Path
+    files: dict[str, int]
+    """Size of every file in bytes, by name."""
+    drives: dict[str, int]
+    """Number of drives by split."""
+    questions: int
+
+    def __str__(self) -> str:
+        size = sum(self.files.values()) / 1e6
+        told = ", ".join(f"{count} in {split}" for split, count in self.drives.items())
+        return (
+            f"{self.folder}: {self.questions} questions about {sum(self.drives.values())} drives "
+            f"({told}), {len(self.files)} files, {size:.1f} MB"
+        )
+
+
+def publish(
+    study: Study,
+    out: str | Path,
+    *,
+    forms: Collection[Form] = FORMS,
+    validation: float = VALIDATION,
+    licence: str = LICENCE,
+) -> Publication:
+    """Write a study as a data set for the Hugging Face Hub.
+
+    The Parquet files hold every question of the study with its pictures, and every drive with its scene and the
+    outcomes of all actions. Kinds of situation are split between `validation` and `test`, never a kind between both.
+    Names of drives and pictures tell nothing about what they show.
+
+    Args:
+        study: The study; models that it has judged are named in the card.
+        out: The folder, new or empty, or a data set that this replaces.
+        forms: Forms for other tools to write beside the Parquet files.
+        validation: Share of the kinds in the validation split.
+        licence: Licence of the data as the Hub names it.
+
+    Raises:
+        DataError: If the study has no drives with frames, or a file of it is malformed.
+        FolderTaken: If the folder holds other files.
+        MissingExtra: If pyarrow is not installed.
+        StudyError: If a file cannot be written.
+        UsageError: If the share or the name of the folder is none.
+    """
+    finite_number("validation", validation, 0.0, 0.9)
+    check_name(out)
+    folder = Path(out)
+    asked = asked_drives(study)
+    labels = {one.truth.leaf: one.truth.path[-1] for one in asked if one.truth.path}
+    drives = published_drives(asked, splits(labels, share=validation, seed=study.config.seed))
+    if not drives:
+        raise DataError("study", [Issue("", "no scene has frames")], source=str(study.folder))
+    try:
+        _clear(folder)
+        questions = _write(folder, study, drives, forms)
+        text = card(
+            study, drives, licence, {name: _digest(folder / name) for name in _names(folder)}
+        )
+        (folder / "README.md").write_text(text, encoding="utf-8")
+        sums = "".join(f"{_digest(folder / name)}  {name}\n" for name in _names(folder))
+        (folder / SUMS).write_text(sums, encoding="utf-8")
+    except OSError as error:
+        raise StudyError(f"cannot write {folder}: {error.strerror or error}") from error
+    files = {name: (folder / name).stat().st_size for name in _names(folder)}
+    return Publication(folder, files, dict(Counter(one.split for one in drives)), questions)
+
+
+def _write(
+    folder: Path, study: Study, drives: list[PublishedDrive], forms: Collection[Form]
+) -> int:
+    demands = {scene.id: scene for scene in study.demands}
+    questions, files = 0, []
+    for split in SPLITS:
+        part = [drive for drive in drives if drive.split == split]
+        if part:
+            name = f"data/questions/{split}.parquet"
+            files.append((split, f"../../{name}"))
+            questions += write_questions(folder / name, part)
+            write_drives(folder / f"data/drives/{split}.parquet", part, demands)
+    if "vlmevalkit" in forms:
+        write_tsv(folder / "vlmevalkit" / "oodscen.tsv", drives)
+    if "lmms-eval" in forms:
+        write_tasks(folder / "lmms_eval" / "oodscen", files)
+    if "drivelm" in forms:
+        write_drivelm(folder / "drivelm", drives)
+    return questions
+
+
+def _clear(folder: Path) -> None:
+    """Make the folder, and remove the files of a data set in it.
+
+    Raises:
+        FolderTaken: If it holds other files.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    there = set(_names(folder))
+    known: set[str] = set()
+    if SUMS in there:
+        lines = read_regular(folder / SUMS, "data set").decode("utf-8", "replace").splitlines()
+        known = {SUMS, *(line.partition("  ")[2] for line in lines)}
+    if others := sorted(there - known):
+        raise FolderTaken(str(folder), others[:5])
+    for name in sorted(there & known):
+        with suppress(ValueError):
+            inside(folder, name).unlink()
+
+
+def _names(folder: Path) -> Iterable[str]:
+    """Return the sorted names of all files below a folder."""
+    return sorted(
+        Path(place, name).relative_to(folder).as_posix()
+        for place, _, names in os.walk(folder)
+        for name in names
+    )
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

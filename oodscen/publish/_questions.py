@@ -1,0 +1,181 @@
+"""The questions of a study as rows, with what their answers are scored by."""
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from oodscen.data._base import canonical_json
+from oodscen.data._episode import in_order
+from oodscen.data._messages import Image
+from oodscen.data._pairing import Kind, kind_of, scene_of
+from oodscen.data._verdict import NOTHING
+from oodscen.judging._people import token
+from oodscen.judging._questions import (
+    OPTIONS,
+    acting_prompt,
+    choosing_prompt,
+    naming_prompt,
+    paragraphs,
+)
+from oodscen.judging._references import Answers, Case, Oracle
+from oodscen.judging._scoring import AnswerKey
+from oodscen.prompts._judging.choose_action import ChooseAction
+from oodscen.prompts._judging.choose_aspect import ChooseAspect
+from oodscen.prompts._judging.drive_facts import DriveQuestion
+from oodscen.prompts._judging.name_aspect import NameAspect
+from oodscen.publish._splits import Split
+from oodscen.study._asked import AskedDrive
+
+TASKS: Mapping[str, tuple[str, ...]] = {
+    NameAspect.purpose: ("notice", "name"),
+    ChooseAspect.purpose: ("choose",),
+    ChooseAction.purpose: ("act",),
+}
+"""The tasks that the answers to a question count in, by its purpose."""
+
+YES_NO = ("Yes", "No")
+"""Options of the yes-or-no form of the first question."""
+
+_METHOD = "Think step by step"
+"""The words that begin the part of a question about how to answer it."""
+
+
+@dataclass(frozen=True)
+class PublishedDrive:
+    """One drive of a data set."""
+
+    asked: AskedDrive
+    split: Split
+    pair: str
+    """Name of the scene that the drive is, or to which the ordinary drive belongs."""
+
+    @cached_property
+    def name(self) -> str:
+        """The drive's name in the data set, which tells nothing about what the drive shows."""
+        return token(self.asked.episode)
+
+    @property
+    def kind(self) -> Kind:
+        """The kind of drive: `rare`, `twin` or `demand`."""
+        return kind_of(self.asked.episode.scene_id)
+
+    @property
+    def key(self) -> AnswerKey:
+        """Everything that answers are scored by."""
+        return AnswerKey.of(self.asked.episode, self.asked.truth, self.asked.options)
+
+    @property
+    def images(self) -> tuple[Image, ...]:
+        """The frames in order of time."""
+        frames = self.asked.frames
+        return tuple(frames[moment] for moment in in_order(frames))
+
+    @cached_property
+    def oracle(self) -> Answers:
+        """The answers of the one who knows the truth."""
+        truth, episode = self.asked.truth, self.asked.episode
+        return Oracle().judge(Case(episode, truth.path, truth.leaf, self.asked.options))
+
+
+@dataclass(frozen=True)
+class QuestionRow:
+    """One question about one drive."""
+
+    drive: PublishedDrive
+    prompt: DriveQuestion[Any]
+    options: tuple[str, ...]
+    """The options, as they are worded."""
+    answer: str
+    """A right answer in the form asked for, as JSON; empty where no answer is right."""
+    accepted: tuple[int, ...]
+    """Places of all right options."""
+    neutral: tuple[int, ...] = ()
+    """Places of the options that score neither way."""
+    best: int | None = None
+    """Place of the best option."""
+
+    @property
+    def purpose(self) -> str:
+        """The purpose of the question."""
+        return self.prompt.purpose
+
+    @property
+    def name(self) -> str:
+        """The row's name in the data set."""
+        return f"{self.drive.name}-{self.purpose}"
+
+    @property
+    def stem(self) -> str:
+        """The facts and the question without the options and without how to answer."""
+        facts, asked = paragraphs(self.prompt)[:2]
+        return f"{facts}\n\n{asked.split(_METHOD)[0].strip()}"
+
+
+def question_rows(drive: PublishedDrive) -> Iterator[QuestionRow]:
+    """Yield the three questions about a drive."""
+    for make in (_noticed, _chosen, _acted):
+        yield make(drive)
+
+
+def _noticed(drive: PublishedDrive) -> QuestionRow:
+    said = drive.oracle
+    answer = {"is_ood": said.is_ood, "confidence": said.confidence, "aspect": said.aspect}
+    right = 0 if said.is_ood else 1
+    prompt = naming_prompt(drive.asked.shown)
+    return QuestionRow(drive, prompt, YES_NO, canonical_json(answer), (right,), best=right)
+
+
+def _chosen(drive: PublishedDrive) -> QuestionRow:
+    options = drive.asked.options
+    is_right = _right_option(drive)
+    right = tuple(place for place, one in enumerate(options) if is_right(one.id))
+    answer = canonical_json({"choice": right[0] + 1}) if right else ""
+    return QuestionRow(
+        drive,
+        choosing_prompt(drive.asked.shown, options),
+        tuple(one.label for one in options),
+        answer,
+        right,
+        best=right[0] if right else None,
+    )
+
+
+def _right_option(drive: PublishedDrive) -> Callable[[str], bool]:
+    if drive.asked.episode.is_ordinary:
+        return lambda name: name == NOTHING
+    return lambda name: name == drive.oracle.choice
+
+
+def _acted(drive: PublishedDrive) -> QuestionRow:
+    outcomes = drive.asked.episode.actions
+    names = [option.id for option in OPTIONS]
+    safe = tuple(n for n, name in enumerate(names) if name in outcomes and outcomes[name].safe)
+    neutral = tuple(
+        n for n, name in enumerate(names) if name in outcomes and outcomes[name].marginal
+    )
+    best = names.index(str(drive.oracle.action)) if safe else None
+    return QuestionRow(
+        drive,
+        acting_prompt(drive.asked.shown),
+        tuple(option.description for option in OPTIONS),
+        "" if best is None else json.dumps({"action": names[best]}),
+        safe,
+        neutral,
+        best,
+    )
+
+
+def published_drives(asked: list[AskedDrive], splits: Mapping[str, Split]) -> list[PublishedDrive]:
+    """Return the drives of a data set; ordinary drives without their scene are left out."""
+    owners = {
+        one.episode.scene_id: token(one.episode) for one in asked if not one.episode.is_ordinary
+    }
+    return [
+        PublishedDrive(
+            one, splits.get(one.truth.leaf, "test"), owners[scene_of(one.episode.scene_id)]
+        )
+        for one in asked
+        if scene_of(one.episode.scene_id) in owners
+    ]

@@ -1,0 +1,33 @@
+"""Splits by path: no kind of situation is in two of them."""
+
+import math
+from collections.abc import Mapping
+from typing import Literal
+
+from oodscen._seeding import stream
+from oodscen.judging._kinds import merged
+
+Split = Literal["validation", "test"]
+SPLITS: tuple[Split, ...] = ("validation", "test")
+
+VALIDATION = 0.2
+"""Share of the kinds that go to the validation split, unless told otherwise."""
+
+
+def splits(labels: Mapping[str, str], *, share: float = VALIDATION, seed: int) -> dict[str, Split]:
+    """Return the split of every leaf; leaves that frames cannot tell apart are in one split.
+
+    Args:
+        labels: Labels by leaf.
+        share: Share of the kinds in the validation split, rounded up; at least one kind stays in the test split.
+        seed: Seed of the draw.
+    """
+    kinds = merged(labels)
+    count = min(math.ceil(share * len(kinds)), max(len(kinds) - 1, 0))
+    order = stream(seed, "publish-splits").permutation(len(kinds))
+    drawn = {int(index) for index in order[:count]}
+    return {
+        leaf: "validation" if index in drawn else "test"
+        for index, kind in enumerate(kinds)
+        for leaf in kind.leaves
+    }

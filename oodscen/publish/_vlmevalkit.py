@@ -1,0 +1,64 @@
+"""The questions as multiple choice in the TSV that VLMEvalKit reads."""
+
+import base64
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+from oodscen.publish._questions import TASKS, PublishedDrive, question_rows
+
+LETTERS = "ABCDEFGH"
+COLUMNS = (
+    *("index", "image", "image_path", "question", *LETTERS, "answer"),
+    *("category", "l2-category", "split", "accepted", "neutral", "drive", "pair"),
+)
+"""Columns of the file.
+
+VLMEvalKit knows those up to `split`. An `image` that is a number refers to the row with that index, and
+`accepted` and `neutral` list the letters of all right options and of those that score neither way.
+"""
+
+
+def write_tsv(path: Path, drives: Sequence[PublishedDrive]) -> int:
+    """Write the questions that have a right answer, and return their number.
+
+    A question about an action has several right answers; its `answer` is the best one.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    count = 0
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, delimiter="\t", lineterminator="\n", restval="")
+        writer.writeheader()
+        for drive in drives:
+            images, names, first = _images(drive), _names(drive), None
+            for row in question_rows(drive):
+                if row.best is None:
+                    continue
+                writer.writerow(
+                    {
+                        "index": count,
+                        "image": images if first is None else first,
+                        "image_path": names,
+                        "question": row.stem,
+                        **dict(zip(LETTERS, row.options, strict=False)),
+                        "answer": LETTERS[row.best],
+                        "category": TASKS[row.purpose][0],
+                        "l2-category": drive.kind,
+                        "split": drive.split,
+                        "accepted": "".join(LETTERS[place] for place in row.accepted),
+                        "neutral": "".join(LETTERS[place] for place in row.neutral),
+                        "drive": drive.name,
+                        "pair": drive.pair,
+                    }
+                )
+                first = count if first is None else first
+                count += 1
+    return count
+
+
+def _images(drive: PublishedDrive) -> str:
+    return str([base64.b64encode(image.read()).decode() for image in drive.images])
+
+
+def _names(drive: PublishedDrive) -> str:
+    return str([f"{drive.name}-{number}.jpg" for number in range(len(drive.images))])

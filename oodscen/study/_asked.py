@@ -1,0 +1,91 @@
+"""The drives of a study that answerers are asked about, each with its frames, options and truth."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from oodscen.data._episode import Episode
+from oodscen.data._messages import Image
+from oodscen.data._pairing import scene_of
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.errors import DataError, Issue
+from oodscen.judging._kinds import Kinds
+from oodscen.judging._questions import Shown, aspect_options
+from oodscen.judging._references import AspectOption
+from oodscen.judging._scoring import Truth
+from oodscen.judging._selection import chosen
+
+if TYPE_CHECKING:
+    from oodscen.study._store import Store
+    from oodscen.study._study import Study
+
+
+@dataclass(frozen=True)
+class AskedDrive:
+    """A scene, or the ordinary drive that goes with it, as answerers are asked about it."""
+
+    episode: Episode
+    scenario: Scenario | None
+    """The text of the scene, or of the scene to which the ordinary drive belongs."""
+    scene: Scene | None
+    options: tuple[AspectOption, ...]
+    """Options of the closed question, as shown."""
+    store: "Store"
+    """The study's folder, which holds the pictures."""
+
+    @cached_property
+    def frames(self) -> Mapping[str, Image]:
+        """The pictures by moment.
+
+        Raises:
+            DataError: If one cannot be shown, or lies outside the study.
+        """
+        found = {
+            moment: Image.from_file(self.store.inside(file), file)
+            for moment, file in self.episode.frames.items()
+        }
+        if faults := [fault for image in found.values() if (fault := image.fault())]:
+            raise DataError("frames", [Issue("", fault) for fault in faults])
+        return found
+
+    @property
+    def shown(self) -> Shown:
+        """The frames in order, and the facts that go with them."""
+        return Shown.of(self.episode, self.frames)
+
+    @property
+    def truth(self) -> Truth:
+        """The truth about the drive."""
+        return Truth(
+            self.scenario.path if self.scenario else (),
+            self.scenario.leaf if self.scenario else "",
+            self.scene.visible if self.scene else (),
+        )
+
+
+def asked_drives(study: "Study") -> list[AskedDrive]:
+    """Return the drives of a study that ran and have frames, in the study's order.
+
+    Scenes whose hazard cannot be named at the decision are left out together with their ordinary drives.
+
+    Raises:
+        DataError: If a table of the study cannot be read or is malformed.
+    """
+    config, episodes = study.config, study.episodes
+    unseen = {one.scene_id for one in episodes if one.is_below_floor}
+    scenarios = {one.id: one for one in study.scenarios}
+    scenes = {one.id: one for one in study.scenes}
+    maps = {name: one.map for name, one in scenes.items()}
+    kinds = Kinds.of(list(scenarios.values()), maps, seed=config.seed)
+    found = []
+    for episode in chosen(episodes, count=config.ordinary, seed=config.seed):
+        name = scene_of(episode.scene_id)
+        if episode.status != "ok" or not episode.frames or name in unseen:
+            continue
+        scenario, scene = scenarios.get(name), scenes.get(name)
+        offered = kinds.offered(scenario.leaf if scenario else "", maps.get(name, ""))
+        options = aspect_options(offered, seed=config.seed, item=episode.scene_id)
+        found.append(AskedDrive(episode, scenario, scene, options, study.store))
+    return found

@@ -1,0 +1,224 @@
+"""The tasks of inspect_ai: the same questions, answers and figures as `oodscen evaluate`."""
+
+import base64
+import gc
+import hashlib
+import json
+import warnings
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+inspect_ai = pytest.importorskip("inspect_ai")
+pytest.importorskip("pyarrow")
+
+from inspect_ai import Epochs, task_with  # noqa: E402
+from inspect_ai.log import EvalLog  # noqa: E402
+from inspect_ai.model import ModelOutput, ModelUsage, get_model  # noqa: E402
+
+from oodscen import Study, evaluate  # noqa: E402
+from oodscen.errors import UsageError  # noqa: E402
+from oodscen.inspect import _tasks as tasks  # noqa: E402
+from oodscen.judging import leaderboard  # noqa: E402
+from oodscen.judging._leaderboard.leaderboard import LeaderboardRow  # noqa: E402
+from oodscen.protocols import Completion, Request  # noqa: E402
+from oodscen.publish import publish  # noqa: E402
+from oodscen.study._asked import asked_drives  # noqa: E402
+from tests.report.conftest import build_study  # noqa: E402
+
+SAID = {
+    "Choose the one action": [
+        '{"reasoning": "Room ahead.", "action": "stop"}',
+        '{"action": "keep_speed"}',
+        '{"action": "slow_down"}',
+        "I would stop if there were room, but there is not, so brake hard.",
+        "I'm sorry, I can't help with that.",
+        '{"action": "change_lane_left"}',
+        '{"action": "change_lane_right"}',
+    ],
+    "Which of these describes": [
+        '{"choice": 1}',
+        '{"choice": 2}',
+        "Two or three.",
+        '{"choice": 4}',
+    ],
+    "Is anything out of": [
+        '{"is_ood": true, "confidence": 0.8, "aspect": "cardboard box in the lane"}',
+        '{"is_ood": true, "aspect": "car driving the wrong way"}',
+        '{"is_ood": false, "confidence": 0.6, "aspect": ""}',
+        "It is out of the ordinary: no, it is not.",
+        '{"is_ood": false}',
+        "Hard to tell.",
+        "It depends.",
+    ],
+}
+"""Answers by words of their question: readable, unreadable, declined."""
+
+DRAW = 1
+"""The draw of the answers: one that leaves no outcome out."""
+
+
+def says(turns: list[tuple[str, str]], images: list[str], epoch: int = 0) -> str:
+    """Return an answer that depends on the conversation and the pictures alone."""
+    question = turns[1][1]
+    (found,) = (said for words, said in SAID.items() if words in " ".join(question.split()))
+    told = json.dumps([DRAW, turns, images, epoch])
+    return found[int(hashlib.sha256(told.encode()).hexdigest(), 16) % len(found)]
+
+
+class Scripted:
+    """The model as `oodscen evaluate` asks it."""
+
+    name = "mockllm/model"
+
+    def complete(self, request: Request) -> Completion:
+        turns = [(one.role, one.text) for one in request.messages]
+        images = [image.sha256 for one in request.messages for image in one.images]
+        return Completion(text=says(turns, images))
+
+
+def mock(epochs: bool = False) -> Any:
+    """Return the model as inspect_ai asks it."""
+    asked: dict[str, int] = {}
+
+    def answered(messages: list[Any], *_: object) -> ModelOutput:
+        turns = [(one.role, one.text) for one in messages]
+        pictures = [
+            part.image
+            for one in messages
+            if not isinstance(one.content, str)
+            for part in one.content
+            if part.type == "image"
+        ]
+        images = [hashlib.sha256(_bytes(picture)).hexdigest() for picture in pictures]
+        told = json.dumps([turns, images])
+        asked[told] = asked.get(told, -1) + 1
+        text = says(turns, images, asked[told] if epochs else 0)
+        output = ModelOutput.from_content("mockllm/model", text)
+        output.usage = ModelUsage(input_tokens=1, output_tokens=1, total_tokens=2)
+        return output
+
+    return get_model("mockllm/model", custom_outputs=answered)
+
+
+def _bytes(picture: str) -> bytes:
+    if picture.startswith("data:"):
+        return base64.b64decode(picture.partition(",")[2])
+    return Path(picture).read_bytes()
+
+
+def told_apart(folder: Path) -> Study:
+    """Return a study whose ordinary drives differ from their scenes in what a model is told."""
+    study = build_study(folder, per_path=4, with_twins=True)
+    episodes = [
+        one.model_copy(update={"ego_speed_mps": 9.0 if one.is_ordinary else 11.0})
+        for one in study.episodes
+    ]
+    study.store.write_lines("episodes.jsonl", episodes)
+    return study
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    return told_apart(tmp_path_factory.mktemp("inspect") / "study")
+
+
+@pytest.fixture(scope="module")
+def row(study: Study) -> LeaderboardRow:
+    """The row of the scripted model as the leaderboard has it."""
+    verdicts = [
+        evaluate(
+            one.episode,
+            one.frames,
+            Scripted(),
+            path=one.truth.path,
+            leaf=one.truth.leaf,
+            options=one.options,
+            visible=one.truth.visible,
+        )
+        for one in asked_drives(study)
+    ]
+    (found,) = leaderboard(verdicts, study.episodes, study.scenarios).standings
+    return found
+
+
+@pytest.fixture(scope="module")
+def logs(study: Study, tmp_path_factory: pytest.TempPathFactory) -> dict[str, EvalLog]:
+    """The logs of all tasks; of `act` also on the published data set, and with three epochs."""
+    place = tmp_path_factory.mktemp("inspect-logs")
+    publish(study, place / "data", forms=(), validation=0.0)
+    folder = str(study.folder)
+    wanted = {name: getattr(tasks, name)(study=folder) for name in FIGURES}
+    wanted["published"] = tasks.act(study=str(place / "data"))
+    wanted["epochs"] = task_with(tasks.act(study=folder), model=mock(epochs=True), epochs=Epochs(2))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = inspect_ai.eval(
+            [task_with(task, name=name) for name, task in wanted.items()],
+            model=mock(),
+            log_dir=str(place / "logs"),
+            display="none",
+            score_display=False,
+            max_tasks=len(wanted),
+        )
+        gc.collect()  # What it leaves open is found while its warnings are ignored.
+    assert [log.status for log in found] == ["success"] * len(wanted)
+    return {log.eval.task: log for log in found}
+
+
+def shares(log: EvalLog) -> dict[str, float]:
+    (score,) = log.results.scores
+    return {name: one.value for name, one in score.metrics.items()}
+
+
+FIGURES = {
+    "notice": {
+        "notice-both": lambda row: row.paired.notice,
+        "notice": lambda row: row.detection.sensitivity,
+        "alarms": lambda row: row.detection.alarms,
+    },
+    "name": {"name": lambda row: row.identification.open},
+    "choose": {"pick": lambda row: row.identification.closed},
+    "act": {
+        "act-both": lambda row: row.paired.act,
+        "safe": lambda row: row.control.safe,
+        "needless": lambda row: row.control.needless,
+    },
+}
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_the_figures_are_those_of_the_leaderboard_to_the_last_digit(name, logs, row):
+    found = shares(logs[name])
+    for figure, rate_of in FIGURES[name].items():
+        rate = rate_of(row)
+        assert found.get(figure) == rate.value
+        assert found[f"{figure}_n"] == rate.n
+        assert found[f"{figure}_missing"] == rate.missing
+        assert found.get(f"{figure}_missing_wrong") == rate.with_missing_wrong
+        assert found[f"{figure}_stderr"] >= 0.0
+
+
+def test_the_answers_leave_no_outcome_out(row):
+    assert row.identification.open.missing
+    assert row.control.safe.missing
+    assert 0 < row.paired.act.value < 1
+    assert 0 < row.paired.notice.value < 1
+    assert row.outcomes.keys() >= {"answered", "unparsed", "refused"}
+
+
+def test_a_published_data_set_gives_the_figures_of_its_study(logs):
+    assert shares(logs["published"]) == shares(logs["act"])
+
+
+def test_epochs_are_averaged_by_answer(logs):
+    assert logs["epochs"].results.total_samples == 2 * logs["act"].results.total_samples
+    values = shares(logs["epochs"])
+    assert 0.0 <= values["act-both"] <= values["safe"] <= 1.0
+    assert shares(logs["act"]) != values
+
+
+def test_a_folder_that_is_neither_is_refused(tmp_path):
+    with pytest.raises(UsageError):
+        tasks.act(study=str(tmp_path))

@@ -1,0 +1,238 @@
+"""Published data sets: what is in them, what is not, and that other readers take them."""
+
+import ast
+import base64
+import csv
+import hashlib
+import json
+import subprocess
+import sys
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen import Study, evaluate
+from oodscen.errors import FolderTaken
+from oodscen.judging import leaderboard
+from oodscen.publish import answer_values, figures_of, publish
+from oodscen.publish._parquet import DRIVES, QUESTIONS
+from oodscen.publish._publishing import SUMS
+from oodscen.publish._questions import published_drives, question_rows
+from oodscen.publish._splits import splits
+from oodscen.publish._vlmevalkit import COLUMNS, LETTERS
+from oodscen.study._asked import asked_drives
+from oodscen.testing import ScriptedLLM
+from tests.report.conftest import build_study
+
+parquet = pytest.importorskip("pyarrow.parquet")
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    return build_study(tmp_path_factory.mktemp("publish") / "study", per_path=3, with_twins=True)
+
+
+@pytest.fixture(scope="module")
+def data(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return publish(study, tmp_path_factory.mktemp("published") / "data").folder
+
+
+def rows(data: Path, table: str) -> list[dict[str, Any]]:
+    found = []
+    for split in ("validation", "test"):
+        part = parquet.read_table(data / "data" / table / f"{split}.parquet").to_pylist()
+        found += [{**row, "split": split} for row in part]
+    return found
+
+
+def test_every_drive_has_three_questions_with_its_own_pictures(study, data):
+    asked = {one.episode.scene_id: one for one in asked_drives(study)}
+    drives = rows(data, "drives")
+    assert {row["item"] for row in drives} == set(asked)
+    held = {row["drive"]: row["frame_sha256"] for row in drives}
+    found = defaultdict(list)
+    for row in rows(data, "questions"):
+        sums = [hashlib.sha256(image["bytes"]).hexdigest() for image in row["images"]]
+        assert sums == held[row["drive"]]
+        found[row["drive"]].append(row["purpose"])
+    assert all(
+        sorted(purposes) == ["choose-action", "choose-aspect", "name-aspect"]
+        for purposes in found.values()
+    )
+
+
+def test_no_kind_and_no_pair_is_in_two_splits(data):
+    splits_of = defaultdict(set)
+    for row in rows(data, "questions"):
+        splits_of[row["path"][-1]].add(row["split"])
+        splits_of[row["pair"]].add(row["split"])
+    assert all(len(found) == 1 for found in splits_of.values())
+    assert set().union(*splits_of.values()) == {"validation", "test"}
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.dictionaries(st.from_regex(r"[a-z]{1,6}", fullmatch=True), st.text(min_size=1, max_size=12)),
+    st.floats(0.0, 0.9),
+    st.integers(0, 9),
+)
+def test_splits_are_whole_kinds_and_the_test_split_is_never_empty(labels, share, seed):
+    found = splits(labels, share=share, seed=seed)
+    assert found.keys() == labels.keys()
+    assert not labels or "test" in found.values()
+    assert share or "validation" not in found.values()
+    assert found == splits(labels, share=share, seed=seed)
+
+
+def test_names_tell_nothing(data, study):
+    names = [path.relative_to(data).as_posix() for path in data.rglob("*")]
+    for row in rows(data, "questions"):
+        names += [row["id"], row["drive"], row["pair"], *(one["path"] for one in row["images"])]
+    leaves = {scenario.leaf for scenario in study.scenarios}
+    assert not any(leaf in name for leaf in leaves for name in names)
+
+
+def test_the_sums_are_those_of_the_files_and_the_card_needs_no_other(data):
+    lines = (data / SUMS).read_text().splitlines()
+    told = dict(reversed(line.split("  ", 1)) for line in lines)
+    there = {
+        path.relative_to(data).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in data.rglob("*")
+        if path.is_file() and path.name != SUMS
+    }
+    assert told == there
+    card = (data / "README.md").read_text()
+    assert all(f"| `{column}`" in card or f"`{column}`" in card for column in (*QUESTIONS, "safe"))
+    assert "{{" not in card
+    assert str(data) not in card
+    assert "api_base" not in card
+    head = card.split("---\n")[1]
+    assert "license: cc-by-4.0" in head
+    assert "data/questions/test.parquet" in head
+
+
+def test_it_is_the_same_again_and_other_files_are_left_alone(study, data, tmp_path):
+    again = publish(study, tmp_path / "again").folder
+    assert (again / SUMS).read_bytes() == (data / SUMS).read_bytes()
+    publish(study, again, forms=())
+    assert not (again / "vlmevalkit" / "oodscen.tsv").exists()
+    (again / "mine.txt").write_text("mine")
+    with pytest.raises(FolderTaken):
+        publish(study, again)
+    with pytest.raises(FolderTaken):
+        publish(study, study.folder)
+
+
+def test_right_answers_are_right_and_are_scored_like_a_study(study, data):
+    answers = [answer_values(row, row["answer"]) for row in rows(data, "questions")]
+    by_purpose = defaultdict(list)
+    for one in answers:
+        by_purpose[one["purpose"]].append(one)
+    shares = {name: share for one in by_purpose.values() for name, share in figures_of(one).items()}
+    oracle = next(row for row in study_board(study).standings if row.model == "right")
+    assert shares["safe"] == oracle.control.safe.value
+    assert shares["act-both"] == oracle.paired.act.value
+    assert shares["notice-both"] == oracle.paired.notice.value == 1.0
+    assert shares["name"] == oracle.identification.open.value == 1.0
+    assert shares["pick"] == oracle.identification.closed.value == 1.0
+    assert shares["alarms"] == 0.0
+
+
+def study_board(study: Study):
+    """Return the board of a model that gives the published answers to a study's own questions."""
+    verdicts = []
+    for drive in published_drives(asked_drives(study), {}):
+        said = {row.purpose: row.answer or "none" for row in question_rows(drive)}
+        model = ScriptedLLM({purpose: [text] * 2 for purpose, text in said.items()}, name="right")
+        one = drive.asked
+        verdicts.append(
+            evaluate(
+                one.episode,
+                one.frames,
+                model,
+                path=one.truth.path,
+                leaf=one.truth.leaf,
+                options=one.options,
+                visible=one.truth.visible,
+            )
+        )
+    return leaderboard(verdicts, study.episodes, study.scenarios)
+
+
+def test_the_tsv_has_the_columns_of_vlmevalkit(data):
+    csv.field_size_limit(1 << 30)
+    with (data / "vlmevalkit" / "oodscen.tsv").open(encoding="utf-8", newline="") as file:
+        found = list(csv.DictReader(file, delimiter="\t"))
+    assert list(found[0]) == list(COLUMNS)
+    images = {row["index"]: row["image"] for row in found}
+    assert list(images) == [str(number) for number in range(len(found))]
+    published = {(row["drive"], row["tasks"][0]): row for row in rows(data, "questions")}
+    for row in found:
+        held = row["image"] if len(row["image"]) > 64 else images[row["image"]]
+        pictures = [base64.b64decode(one) for one in ast.literal_eval(held)]
+        source = published[row["drive"], row["category"]]
+        assert pictures == [image["bytes"] for image in source["images"]]
+        assert len(ast.literal_eval(row["image_path"])) == len(pictures)
+        texts = [row[letter] for letter in LETTERS if row[letter]]
+        assert texts == source["options"]
+        assert row["answer"] in row["accepted"]
+        assert [LETTERS.index(letter) for letter in row["accepted"]] == source["accepted"]
+        assert "JSON" not in row["question"]
+        assert "step by step" not in row["question"]
+
+
+def test_drivelm_has_a_picture_for_every_frame_and_a_right_option_for_every_question(data):
+    for split in ("validation", "test"):
+        scenes = json.loads((data / "drivelm" / f"{split}.json").read_text())
+        assert scenes
+        for scene in scenes.values():
+            frames = list(scene["key_frames"].values())
+            for frame in frames:
+                assert (data / "drivelm" / frame["image_paths"]["CAM_FRONT"]).is_file()
+            asked = [one for part in frames[-1]["QA"].values() for one in part]
+            assert asked
+            assert all(one["A"] in one["Q"] for one in asked)
+            assert not any(one for frame in frames[:-1] for one in frame["QA"].values() if one)
+
+
+def test_lmms_eval_finds_what_its_files_name(data):
+    folder = data / "lmms_eval" / "oodscen"
+    functions = set()
+    for path in folder.glob("*.yaml"):
+        text = path.read_text()
+        functions |= {line.split("utils.")[1] for line in text.splitlines() if "!function" in line}
+    utils: dict[str, Any] = {}
+    exec((folder / "utils.py").read_text(), utils)
+    assert functions <= utils.keys()
+    for line in (folder / "_common.yaml").read_text().splitlines():
+        if ".parquet" in line:
+            assert (folder / line.split(": ")[1]).resolve().is_file()
+    row = next(row for row in rows(data, "questions") if row["purpose"] == "choose-action")
+    found = utils["process_results"](row, [row["answer"]])
+    assert utils["safe"]([found["safe"]] * 1) in (0.0, 1.0) or row["kind"] != "rare"
+
+
+def test_the_hub_library_loads_it_offline(data, tmp_path):
+    pytest.importorskip("datasets")
+    code = (
+        "import sys; from datasets import load_dataset\n"
+        "found = load_dataset(sys.argv[1]); one = found['test'][0]\n"
+        "print(sorted(found), one['images'][0].size, load_dataset(sys.argv[1], 'drives')['test'][0]['kind'])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", code, str(data)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={"HF_HUB_OFFLINE": "1", "HF_HOME": str(tmp_path), "PATH": "/usr/bin:/bin"},
+    )
+    assert done.returncode == 0, done.stderr[-2_000:]
+    assert done.stdout.startswith("['test', 'validation'] (")
+
+
+def test_the_columns_of_drives_are_documented(data):
+    assert set(rows(data, "drives")[0]) == {*DRIVES, "split"}
