@@ -63,7 +63,10 @@ def pytest_configure(config: pytest.Config) -> None:
     from oodscen.pytest_plugin import _fixtures
     from oodscen.pytest_plugin._session import DrivingSession
 
-    config.pluginmanager.register(DrivingSession(config, folder), SESSION)
+    session = DrivingSession(config, folder)
+    if config.getoption("markers", False):
+        session.register_marks()
+    config.pluginmanager.register(session, SESSION)
     config.pluginmanager.register(_fixtures, "oodscen-fixtures")
 
 

@@ -148,14 +148,16 @@ class DrivingSession:
     def _registered(self) -> set[str]:
         return set()
 
-    @pytest.hookimpl(tryfirst=True)
-    def pytest_cmdline_main(self, config: pytest.Config) -> None:
-        """Register the marks of the scenes for `pytest --markers`."""
-        if config.getoption("markers", False):
-            try:
-                _ = self.parameters
-            except OodscenError as error:
-                raise pytest.UsageError(plain(str(error))) from None
+    def register_marks(self) -> None:
+        """Register the marks of the scenes, for `pytest --markers`.
+
+        Raises:
+            pytest.UsageError: If the study cannot be read.
+        """
+        try:
+            _ = self.parameters
+        except OodscenError as error:
+            raise pytest.UsageError(plain(str(error))) from None
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
         """Make one test per scene of every test that uses one."""
