@@ -291,5 +291,7 @@ def _maker(driver: MakeDriver | str) -> tuple[MakeDriver, str]:
             "drive() takes what makes a driver, since every drive needs a fresh one: give the class, or a function"
         )
     if not callable(driver):
-        raise UsageError(f"drive() takes a class or function that makes a driver, not {driver!r:.200}")
+        raise UsageError(
+            f"drive() takes a class or function that makes a driver, not {driver!r:.200}"
+        )
     return driver, getattr(driver, "__name__", type(driver).__name__)

@@ -65,13 +65,13 @@ def study(tmp_path_factory):
     scenes = [
         scene.model_copy(update={"id": "box-001", "scenario_id": "box-001"}),
         scene.model_copy(update={"id": "box-002", "scenario_id": "box-002", "horizon_s": 6.0}),
-        scene.model_copy(
-            update={"id": "kerb-001", "scenario_id": "kerb-001", "actors": (beside,)}
-        ),
+        scene.model_copy(update={"id": "kerb-001", "scenario_id": "kerb-001", "actors": (beside,)}),
     ]
     labels = {"box": "Box in the lane", "kerb": "Box at the kerb"}
     scenarios = [
-        Scenario(id=one.id, text=f"A box, {one.id}.", leaf=leaf, path=("Root", "Boxes", labels[leaf]))
+        Scenario(
+            id=one.id, text=f"A box, {one.id}.", leaf=leaf, path=("Root", "Boxes", labels[leaf])
+        )
         for one in scenes
         for leaf in (one.id.partition("-")[0],)
     ]
