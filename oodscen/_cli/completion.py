@@ -25,14 +25,12 @@ def completion(shell: str) -> None:
     click.echo(click.style(script.source(), reset=False), nl=False)
 
 
-class ComponentName(click.ParamType):
+class ComponentName(click.types.StringParamType):
     """The name of a component; installed ones are offered for completion.
 
     Args:
         kind: The kind of component, e.g. `simulator`.
     """
-
-    name = "text"
 
     def __init__(self, kind: str) -> None:
         self.kind = kind
