@@ -1,7 +1,9 @@
 """A toy stack's repository: its tests run inside pytest, with the plugin."""
 
 import json
+import re
 import shutil
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -11,6 +13,8 @@ from oodscen import Scenario, Study, make_simulator, simulate
 from oodscen.testing import example_scene
 
 pytest_plugins = ["pytester"]
+
+ROOT = Path(__file__).parents[2]
 
 STACK = """
 from oodscen.driving import action_driver
@@ -232,3 +236,23 @@ def test_a_setting_names_the_study_and_processes_share_the_scenes(session, study
     assert result.ret == 0
     assert (pytester.path / "known.json").read_bytes() == alone
     result.stdout.fnmatch_lines([f"Stack, scenes: * of {len(study.scenes)} safe, *"])
+
+
+def test_the_example_of_the_docs_runs(study, pytester, monkeypatch):
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    shutil.copytree(ROOT / "examples" / "driving_ci", pytester.path, dirs_exist_ok=True)
+    shutil.copytree(study.folder, pytester.path / "study")
+    code = re.search(r"```py\n.*?\n\n\n(.*?)```", (ROOT / "docs" / "ci.md").read_text(), re.DOTALL)
+    assert (pytester.path / "tests" / "test_stack.py").read_text().endswith(code[1])
+    pytester.syspathinsert()
+    plugin = (
+        "-p",
+        "oodscen.pytest_plugin._hooks",
+        "-W",
+        "ignore::pytest.PytestAssertRewriteWarning",
+    )
+    write = pytester.runpytest_inprocess(*plugin, "--oodscen-baseline-mode=write")
+    assert write.ret == 0
+    again = pytester.runpytest_inprocess(*plugin)
+    assert again.ret == 0
+    again.stdout.fnmatch_lines(["*baseline.json: 0 regressions, 0 new failures*"])
