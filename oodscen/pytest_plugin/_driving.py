@@ -61,7 +61,7 @@ class Scenes:
 
     def plan(self, scene: Scene, simulator: Simulator) -> DrivePlan:
         """Return the plan of a scene's drives in a simulator."""
-        key = (scene.id, id(simulator))
+        key = (scene.digest(), id(simulator))  # The plan holds the simulator: its id stays its own.
         if key not in self._plans:
             self._plans[key] = DrivePlan(scene, simulator, self.seed)
         return self._plans[key]
@@ -215,6 +215,7 @@ class Drive:
         item = self._scene if scene is None else scene
         is_its_twin = item.id == twin_id(self._scene.id)
         plan = self._plan if is_its_twin else self._scenes.plan(item, self._simulator)
+        is_clear = is_its_twin and plan.is_clear  # Before the drive, whose end is pictured.
         made_from = (self._scene if is_its_twin else item).digest()
         label = name or label
         try:
@@ -230,7 +231,7 @@ class Drive:
         catalogue = self._simulator.catalogue()
         result = drive_result(item, states, catalogue, label, plan.steps, self._simulator.dt)
         if is_its_twin:
-            needless = is_needless(result, plan.is_clear)
+            needless = is_needless(result, is_clear)
             result = result.model_copy(update={"brakes_needlessly": needless})
         known = self._scenes.texts.get(scene_of(item.id))
         result = result.model_copy(update={"made_from": made_from})
@@ -253,12 +254,13 @@ class Drive:
             camera: Camera of the frame; by default the ego's dash camera.
         """
         last, folder = self.drives[-1], self._scenes.pictures
-        if folder is None or last.pictures:
-            return last
+        end = last.states[-1]
+        if folder is None or last.pictures or self._simulator.observe().time != end.time:
+            return last  # A simulator that was used since shows another moment.
         from oodscen.stages._video import birds_eye
 
         try:
-            above = birds_eye(last.states[-1], last.scene, self._simulator.catalogue())
+            above = birds_eye(end, last.scene, self._simulator.catalogue())
             shown = {"frame": self._simulator.render(camera or Camera()).rgb, "plan": above}
         except OodscenError:
             return last

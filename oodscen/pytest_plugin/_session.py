@@ -53,15 +53,11 @@ class DrivingSession:
         self._changes: dict[str, Change] = {}
         self._known: dict[str, KnownTest] = {}
         self._drives: dict[str, DriveResult] = {}
+        self._fault = ""
         try:
             self._bars = self._requirement(setting(config, "oodscen_require"))
             self._per_path = _count(setting(config, "oodscen_per_path"))
-            if self._file is None and self._mode != "compare":
-                raise UsageError(f"--oodscen-baseline-mode {self._mode} needs --oodscen-baseline")
-            needs_none = self._mode == "write" or self._file is None
-            if self._mode == "update" and self._file is not None:
-                needs_none = not self._file.exists()
-            self._baseline = Baseline() if needs_none or not self._file else Baseline.at(self._file)
+            self._baseline = self._outcomes()
         except OodscenError as error:
             raise pytest.UsageError(plain(str(error))) from None
 
@@ -73,6 +69,16 @@ class DrivingSession:
         from oodscen.judging._leaderboard.requirements import parse_requirement
 
         return parse_requirement(text, DRIVE_FIGURES)
+
+    def _outcomes(self) -> Baseline:
+        """Return the known outcomes; none yet if they are to be written."""
+        if self._file is None:
+            if self._mode != "compare":
+                raise UsageError(f"--oodscen-baseline-mode {self._mode} needs --oodscen-baseline")
+            return Baseline()
+        if self._mode == "write" or (self._mode == "update" and not self._file.exists()):
+            return Baseline()
+        return Baseline.at(self._file)
 
     # -------------------------------------------------------------- scenes
 
@@ -278,16 +284,23 @@ class DrivingSession:
         is_whole = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
         if hasattr(self._config, "workerinput") or not is_whole or not self._known:
             return
-        if self._file is not None and self._mode != "compare":
-            self._baseline.with_tests(self._known).write(self._file)
-        if self._bars:
-            from oodscen.judging._drive_requirements import drive_requirements
-
-            self._grades = drive_requirements(
-                self._drives.values(), self.study.scenarios, self._bars, seed=self.study.config.seed
-            )
-            if not self._grades or any(one.grade != "meets" for one in self._grades):
+        try:
+            if self._file is not None and self._mode != "compare":
+                self._baseline.with_tests(self._known).write(self._file)
+            if self._bars and not self._is_met():
                 session.exitstatus = pytest.ExitCode.TESTS_FAILED
+        except OodscenError as error:  # The other hooks still have their reports to write.
+            self._fault = f"oodscen: {error}"
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def _is_met(self) -> bool:
+        """Grade the stacks, and return whether there are any and all meet the requirement."""
+        from oodscen.judging._drive_requirements import drive_requirements
+
+        self._grades = drive_requirements(
+            self._drives.values(), self.study.scenarios, self._bars, seed=self.study.config.seed
+        )
+        return bool(self._grades) and all(one.grade == "meets" for one in self._grades)
 
     def pytest_report_header(self) -> str:
         """Return the line about the study at the top of the report."""
@@ -295,7 +308,8 @@ class DrivingSession:
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
         """Print the stacks' figures, their grades, and what changed since the baseline."""
-        lines = [*self._figures(), *map(str, self._grades), *self._compared()]
+        lines = [*self._figures(), *map(str, self._grades)]
+        lines += [self._fault] if self._fault else self._compared()
         if self._bars and self._known and not self._grades:
             lines.append("no stack drove, so none can meet the requirement")
         if lines:

@@ -10,6 +10,10 @@ import pytest
 
 import oodscen.pytest_plugin._fixtures  # noqa: F401  # Sessions in this process share the module.
 from oodscen import Scenario, Study, make_simulator, simulate
+from oodscen._display import png
+from oodscen.driving import action_driver
+from oodscen.protocols import Camera
+from oodscen.stages._drive import DrivePlan, drive_states
 from oodscen.testing import example_scene
 
 pytest_plugins = ["pytester"]
@@ -158,8 +162,23 @@ def test_an_error_of_the_stack_is_shown_as_its_own(session):
 def test_needless_braking_in_a_twin_fails_with_pictures(session, pytester):
     result = session("Cautious", "-k", "test_twin", "--oodscen-pictures=shown")
     result.stdout.fnmatch_lines(["*braking hard although keeping the speed is safe*"])
-    assert all("~twin" in path.name for path in (pytester.path / "shown").iterdir())
-    assert any((pytester.path / "shown").iterdir())
+    frames = sorted((pytester.path / "shown").glob("*~twin*.frame.png"))
+    assert len(frames) == len(list((pytester.path / "shown").iterdir())) / 2 > 0
+    with make_simulator("flat") as simulator:
+        plan = DrivePlan(example_scene(), simulator, 0)
+        driver, camera = action_driver("emergency_brake"), Camera()
+        for _ in drive_states(plan.twin, driver, simulator, 0, plan.steps, camera):
+            pass
+        assert frames[0].read_bytes() == png(simulator.render(camera).rgb)
+
+
+def test_a_baseline_that_cannot_be_written_fails_the_session(session, pytester):
+    (pytester.path / "file").write_text("")
+    write = ("--oodscen-baseline=file/known.json", "--oodscen-baseline-mode=write")
+    result = session("RuleBasedDriver", *write, "--junitxml=junit.xml", "-k", "kerb")
+    assert result.ret == pytest.ExitCode.TESTS_FAILED
+    result.stdout.fnmatch_lines(["oodscen: cannot write *known.json*"])
+    assert (pytester.path / "junit.xml").exists()
 
 
 def test_only_regressions_fail_against_a_baseline(session, pytester):
