@@ -30,7 +30,7 @@ package: $(READY)
 	$(BIN)/python -m tools.check_package dist $(EXTRAS)
 
 clean:
-	rm -rf .venv $(OUT)
+	rm -rf .venv dist $(OUT)
 
 $(READY): pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv

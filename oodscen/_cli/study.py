@@ -174,7 +174,9 @@ def run(
 ) -> None:
     """Run the whole pipeline into the folder OUT, or continue a stopped run.
 
-    `oodscen init` writes a file for --config, which can hold every option; options given here win. Models judged by earlier runs of `oodscen evaluate` are kept. The exit code is 1 if items failed, and 3 if
+    `oodscen init` writes a file for --config, which can hold every option; options given here win.
+
+    Models judged by earlier runs of `oodscen evaluate` are kept. The exit code is 1 if items failed, and 3 if
     a cap or an unreachable server stopped the run; run the same command to continue.
     """
     from oodscen._pipeline import Extras, RunOptions, estimate, run_study

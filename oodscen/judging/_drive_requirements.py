@@ -74,7 +74,7 @@ def _graded(
 def _columns(figure: str, drives: Sequence[DriveResult]) -> tuple[Floats, Mask]:
     """Return the [n] values of a figure, NaN if there is none, and the [n] drives that lack theirs."""
     values = np.full(len(drives), np.nan)
-    missing = np.zeros(len(drives), np.bool)
+    missing = np.zeros(len(drives), np.bool_)
     both = drives_and_passes(drives)
     driven = {scene_of(one.scene_id) for one in drives if one.is_twin}
     simple: dict[str, tuple[bool, Callable[[DriveResult], bool | None]]] = {
