@@ -96,7 +96,7 @@ class Driven:
 
     @property
     def outcome(self) -> str:
-        """What happened, in a few words."""
+        """The outcome of the drive in a few words."""
         one = self.result
         end = f"after {one.seconds:.2f} s at {float(self.states[-1].speeds[0]):.1f} m/s"
         if one.collisions:

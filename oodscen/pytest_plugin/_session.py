@@ -91,7 +91,7 @@ class DrivingSession:
 
     @cached_property
     def scenes(self) -> "Scenes":
-        """What the drives of the session share."""
+        """The texts, plans and folder that the drives of the session share."""
         from oodscen.pytest_plugin._driving import Scenes
 
         return Scenes(self.study, self.study.config.seed, self._pictures())
