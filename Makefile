@@ -5,7 +5,7 @@ OUT ?= out
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test lint bench package clean
 
 demo: $(READY)
 	$(BIN)/oodscen run $(OUT)
@@ -17,13 +17,20 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy oodscen adapters/oodscen_pybullet adapters/oodscen_carla
+	$(BIN)/mypy examples/*.py
+	cd examples/driving_ci && ../../$(BIN)/mypy --config-file ../../pyproject.toml stack.py tests/test_stack.py
 	$(BIN)/lint-imports --no-cache
 
 bench: $(READY)
 	status=0; for file in benchmarks/[a-z]*.py; do $(BIN)/python $$file --json || status=1; done; exit $$status
 
+# EXTRAS="plots tables" installs these extras too, each alone in a fresh environment.
+package: $(READY)
+	$(BIN)/pip install --quiet -c constraints.txt -e '.[release]'
+	$(BIN)/python -m tools.check_package dist $(EXTRAS)
+
 clean:
-	rm -rf .venv $(OUT)
+	rm -rf .venv dist $(OUT)
 
 $(READY): pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv

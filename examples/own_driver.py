@@ -2,6 +2,7 @@
 
 from oodscen import drive, make_simulator
 from oodscen.driving import action_driver
+from oodscen.protocols import Control, Observation, State
 from oodscen.stages import RuleBasedDriver
 from oodscen.testing import example_scene
 
@@ -13,12 +14,12 @@ class Watchful:
         self.driver = action_driver("keep_speed")
         self.brakes = False
 
-    def look(self, state):
+    def look(self, state: State) -> None:
         """Brake for good when the gap ahead becomes small."""
         if not self.brakes and state.gaps[1:].min(initial=float("inf")) < 15.0:
             self.driver, self.brakes = action_driver("emergency_brake"), True
 
-    def act(self, observation):
+    def act(self, observation: Observation) -> Control:
         """Return the control for the next step."""
         return self.driver.act(observation)
 

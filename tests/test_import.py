@@ -6,6 +6,7 @@ import sys
 import pytest
 
 HEAVY = ("torch", "litellm", "numba", "pybullet", "cv2", "sentence_transformers", "matplotlib")
+COMMON = ("pydantic", "numpy", "jinja2")
 
 # The modules of `oodscen.inspect` are imported by inspect_ai alone, which need not be there.
 EVERYTHING = """
@@ -18,8 +19,12 @@ for found in pkgutil.walk_packages(oodscen.__path__, "oodscen."):
 
 @pytest.mark.parametrize(
     ("code", "unwanted"),
-    [("", (*HEAVY, "pydantic", "numpy", "jinja2")), (EVERYTHING, HEAVY)],
-    ids=["oodscen", "every module"],
+    [
+        ("", (*HEAVY, *COMMON)),
+        ("import oodscen.pytest_plugin._hooks", (*HEAVY, *COMMON)),
+        (EVERYTHING, HEAVY),
+    ],
+    ids=["oodscen", "plugin of pytest", "every module"],
 )
 def test_importing_loads_nothing_heavy(code, unwanted):
     script = f"import sys, oodscen\n{code}\nprint([m for m in {unwanted} if m in sys.modules])"

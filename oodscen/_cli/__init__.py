@@ -18,17 +18,21 @@ import click
 
 from oodscen._cli import (
     claims,
+    completion,
     components,
+    configuration,
     driving,
     interchange,
     judging,
     measuring,
     pruning,
     publishing,
+    show,
     stages,
     study,
     tree,
 )
+from oodscen._cli.help import COMMANDS, sections_of
 from oodscen._cli.output import drop_output, say, shortened
 from oodscen._redaction import redact
 from oodscen._text import one_line, plain, whole
@@ -58,6 +62,14 @@ class _CommandGroup(click.Group):
                 say(f"oodscen: cannot write the output: {error.strerror or error}", err=True)
             drop_output()
             sys.exit(1)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands under what they are for."""
+        for title, names in sections_of(COMMANDS, self.commands, "Further commands").items():
+            with formatter.section(title):
+                limit = formatter.width - 6 - max(map(len, names))
+                rows = [(name, self.commands[name].get_short_help_str(limit)) for name in names]
+                formatter.write_dl(rows)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         for word in args:
@@ -170,6 +182,8 @@ def main(context: click.Context, debug: bool) -> None:
 
 for _command in (
     study.run,
+    configuration.init,
+    show.show,
     stages.grow,
     stages.redteam,
     pruning.prune,
@@ -192,5 +206,6 @@ for _command in (
     tree.tree,
     components.plugins,
     components.doctor,
+    completion.completion,
 ):
     main.add_command(_command)

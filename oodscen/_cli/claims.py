@@ -54,6 +54,7 @@ def check_claims(
     from oodscen import Scenario, Scene, make_llm, make_simulator
     from oodscen.claims._faithfulness import check_text
     from oodscen.driving import check_scene
+    from oodscen.llm._accounting import Ledger
 
     texts, faulty = {}, []
     for number, scenario in _values(Scenario, scenarios):
@@ -61,12 +62,13 @@ def check_claims(
             texts[scenario.id] = scenario.text
         else:
             faulty.append(Unjudged(id=f"{scenarios.name}:{number}", faults=scenario))
-    model = make_llm(llm, seed=seed, api_base=api_base)
+    ledger = Ledger()
+    model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
     catalogue = make_simulator(simulator).catalogue()
     measure = things_encoder(encoder)
     rows: list[Data] = [*faulty]
     staged = list(_values(Scene, scenes))
-    for number, scene in tracked(staged, "check-claims", len(staged)):
+    for number, scene in tracked(staged, "check-claims", len(staged), ledger):
         if not isinstance(scene, Scene):
             rows.append(Unjudged(id=f"{scenes.name}:{number}", faults=scene))
             continue

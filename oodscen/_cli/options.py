@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from oodscen._cli.completion import ComponentName
 from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.paths import OutputName
 from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
@@ -34,6 +35,7 @@ def _options(*decorators: Callable[[Command], Command]) -> Callable[[Command], C
 llm_options = _options(
     click.option(
         "--llm",
+        type=ComponentName("llm"),
         default=DEFAULT_LLM,
         show_default=True,
         help="Model: a litellm name, builtin, or replay:FILE.",
@@ -49,12 +51,14 @@ seed_option = click.option(
 )
 simulator_option = click.option(
     "--simulator",
+    type=ComponentName("simulator"),
     default=DEFAULT_SIMULATOR,
     show_default=True,
     help="Simulator: a registered name, or module:attr.",
 )
 things_option = click.option(
     "--encoder",
+    type=ComponentName("encoder"),
     default=DEFAULT_ENCODER,
     show_default=True,
     help="Text encoder that compares the things of a text with the actors said to show them; `none` compares words "

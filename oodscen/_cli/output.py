@@ -299,7 +299,14 @@ def bars(note: object = "") -> AbstractContextManager[Progress]:
     return reporting(sys.stderr.isatty(), note)
 
 
-def tracked(items: Iterable[Item], stage: str, total: int) -> Iterator[Item]:
-    """Yield items, counted by a progress bar on standard error, if that is a terminal."""
-    with bars() as told:
+def tracked(items: Iterable[Item], stage: str, total: int, note: object = "") -> Iterator[Item]:
+    """Yield items, counted by a progress bar on standard error, if that is a terminal.
+
+    Args:
+        items: The items.
+        stage: The words before the bar.
+        total: Number of items.
+        note: Shown after the bar as text.
+    """
+    with bars(note) as told:
         yield from counted(items, stage, total, told)

@@ -12,6 +12,7 @@ from oodscen.errors import UsageError
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Catalogue
+    from oodscen.llm._accounting import Ledger
     from oodscen.protocols import LLM
     from oodscen.stages._prune.decisions import PruneDecision
     from oodscen.tree._scenario_tree import ScenarioTree
@@ -61,25 +62,27 @@ def prune(
     """
     from oodscen import ScenarioTree, make_llm
     from oodscen._registry import make_catalogue
+    from oodscen.llm._accounting import Ledger
     from oodscen.stages._prune.decisions import all_decisions, pruned
     from oodscen.stages._prune.restoration import restoration
     from oodscen.stages._prune.side_by_side import compare
 
     grown = ScenarioTree.load(tree)
-    model = make_llm(llm, seed=seed, api_base=api_base)
+    ledger = Ledger()
+    model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
     offered = {name: make_catalogue(name) for name in catalogues or (simulator,)}
     if len(offered) > 1:
         if decisions or restore:
             raise UsageError(
                 "--decisions and --restore need a single catalogue; for several, use --json"
             )
-        judged = {name: _judged(model, one, grown, exact) for name, one in offered.items()}
+        judged = {name: _judged(model, one, grown, exact, ledger) for name, one in offered.items()}
         found = compare(grown, offered, judged)
         words = found.model_dump_json(indent=2) if as_json else str(found)
         say(words) if out is None else write(out, words)
         return
     (catalogue,) = offered.values()
-    answers = _judged(model, catalogue, grown, exact)
+    answers = _judged(model, catalogue, grown, exact, ledger)
     if decisions is not None:
         write_lines(decisions, all_decisions(grown, answers))
     if restore is not None:
@@ -91,9 +94,10 @@ def prune(
 
 
 def _judged(
-    model: "LLM", catalogue: "Catalogue", tree: "ScenarioTree", exact: bool
+    model: "LLM", catalogue: "Catalogue", tree: "ScenarioTree", exact: bool, ledger: "Ledger"
 ) -> "list[PruneDecision]":
     from oodscen import Pruner
 
     pruner = Pruner(model, catalogue, substitutes=not exact)
-    return list(tracked(pruner.decisions(tree), f"prune {pruner.name}", len(tree.leaves)))
+    decisions = pruner.decisions(tree)
+    return list(tracked(decisions, f"prune {pruner.name}", len(tree.leaves), ledger))

@@ -52,9 +52,12 @@ _SIMULATED = ("study.json", "episodes.jsonl", "frames", "traces", "videos")
 def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None) -> None:
     """Grow the initial scenario tree."""
     from oodscen import TreeGrower, make_llm
+    from oodscen.llm._accounting import Ledger
 
-    grower = TreeGrower(make_llm(llm, seed=seed, api_base=api_base), nodes=nodes)
-    with bars() as told:
+    ledger = Ledger()
+    model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
+    grower = TreeGrower(model, nodes=nodes)
+    with bars(ledger) as told:
         tree = grower.run(progress=told)
     write(out, tree.to_json())
 
@@ -99,13 +102,16 @@ def redteam(
 ) -> None:
     """Extend the tree in the file TREE by red teaming."""
     from oodscen import RedTeamer, ScenarioTree, make_llm
+    from oodscen.llm._accounting import Ledger
     from oodscen.stages._redteam.saturation import saturation
 
     grown = ScenarioTree.load(tree)
     most = paper.ITERATIONS if budget is None else budget
+    ledger = Ledger()
+    asked: dict[str, Any] = {"seed": seed, "api_base": api_base, "log": ledger.add}
     teamer = RedTeamer(
-        make_llm(llm, seed=seed, api_base=api_base),
-        make_llm(red_llm, seed=seed, api_base=api_base) if red_llm else None,
+        make_llm(llm, **asked),
+        make_llm(red_llm, **asked) if red_llm else None,
         iterations=most if iterations is None else iterations,
         closed_loop=not open_loop,
         encoder=None if open_loop else things_encoder(encoder),
@@ -115,7 +121,7 @@ def redteam(
         },
     )
     played = []
-    for item in tracked(teamer.rounds(grown), "redteam", teamer.options.iterations):
+    for item in tracked(teamer.rounds(grown), "redteam", teamer.options.iterations, ledger):
         grown = grown.apply(*item.edits)
         played.append(item)
     if log is not None:
@@ -186,9 +192,11 @@ def describe(
     """
     from oodscen import Describer, ScenarioTree, make_encoder, make_llm
     from oodscen.baselines import load_baseline
+    from oodscen.llm._accounting import Ledger
     from oodscen.metrics._metrics import Metrics
 
-    model = make_llm(llm, seed=seed, api_base=api_base)
+    ledger = Ledger()
+    model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
     measure = make_encoder(encoder) if encoder else None
     is_chosen = candidates > 1 or band is not None
     ordinary = load_baseline(baseline) if baseline else None
@@ -205,7 +213,7 @@ def describe(
     paths = ScenarioTree.load(tree).paths
     scenarios: list[Scenario] = []
     failures: list[OodscenError] = []
-    for leaf, path in tracked(paths.items(), "describe", len(paths)):
+    for leaf, path in tracked(paths.items(), "describe", len(paths), ledger):
         try:
             scenarios += describer.path(leaf, path, per_path)
         except (LLMError, UsageError) as error:
@@ -249,8 +257,10 @@ def augment(
     from oodscen import Augmenter, make_llm, make_simulator
     from oodscen.data._scenario import Scenario
     from oodscen.driving._sight.staging_advice import AdvisingCheck
+    from oodscen.llm._accounting import Ledger
 
-    model = make_llm(llm, seed=seed, api_base=api_base)
+    ledger = Ledger()
+    model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
     augmenter = Augmenter(
         model,
         make_simulator(simulator).catalogue(),
@@ -260,7 +270,7 @@ def augment(
     )
     items = read_lines(Scenario, scenarios)
     scenes: list[Scene] = []
-    for scenario in tracked(items, "augment", len(items)):
+    for scenario in tracked(items, "augment", len(items), ledger):
         try:
             scenes.append(augmenter.run(scenario))
         except LLMError as error:

@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from oodscen import _paper as paper
+from oodscen._cli.completion import ComponentName
+from oodscen._cli.configuration import RUN_SECTIONS, config_option
+from oodscen._cli.help import SectionedCommand
 from oodscen._cli.numbers import FINITE
 from oodscen._cli.options import (
     extras_options,
@@ -44,8 +47,9 @@ if TYPE_CHECKING:
     from oodscen.judging._leaderboard.requirements import RequirementResult
 
 
-@click.command()
+@click.command(cls=SectionedCommand, sections=RUN_SECTIONS)
 @click.argument("out", type=PathName(file_okay=False, path_type=Path))
+@config_option
 @llm_options
 @click.option("--red-llm", help="Model that imagines scenarios.  [default: --llm]")
 @click.option(
@@ -70,6 +74,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--encoder",
+    type=ComponentName("encoder"),
     default=DEFAULT_ENCODER,
     show_default=True,
     help="Text encoder: a registered name, or module:attr.",
@@ -168,6 +173,8 @@ def run(
     **choices: Any,
 ) -> None:
     """Run the whole pipeline into the folder OUT, or continue a stopped run.
+
+    `oodscen init` writes a file for --config, which can hold every option; options given here win.
 
     Models judged by earlier runs of `oodscen evaluate` are kept. The exit code is 1 if items failed, and 3 if
     a cap or an unreachable server stopped the run; run the same command to continue.
@@ -271,6 +278,7 @@ def evaluate(
     from oodscen._pipeline.dropping import drop_models
     from oodscen.judging._leaderboard.leaderboard import Leaderboard
     from oodscen.judging._leaderboard.requirements import parse_requirement
+    from oodscen.llm._accounting import Ledger
     from oodscen.study._config import StudyConfig
     from oodscen.study._study import Study
 
@@ -303,11 +311,13 @@ def evaluate(
     limits = limits_from(choices)
     study = before
     if vlms or judge or answers or is_paper or is_wider:
-        with bars() as progress:
+        ledger = Ledger()
+        with bars(ledger) as progress:
             study = run_study(
                 out,
                 StudyConfig.parse(config.model_dump() | changes).judging_too(config),
                 progress=progress,
+                ledger=ledger,
                 limits=limits,
                 workers=os.cpu_count() or 1,
                 retry=retry_failed,

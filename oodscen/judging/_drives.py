@@ -1,6 +1,6 @@
 """Results by driver: outcomes, conflicts, headway, progress and comfort, paired with the twins."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from operator import attrgetter
 from typing import ClassVar, Literal
 
@@ -143,12 +143,12 @@ def drive_board(
         scenarios: The scenarios, which give the path of each scene; without them the scene's id gives it.
         seed: Seed of the resampling.
     """
-    paths = {one.id: " > ".join(one.path) for one in scenarios}
+    paths = paths_of(scenarios)
     grouped: dict[str, list[DriveResult]] = {}
     for one in results:
         grouped.setdefault(one.driver, []).append(one)
     sums = _Sums(paths, seed_number(seed))
-    yardstick = _sound(grouped.get(RULE_BASED, ()))
+    yardstick = drives_and_passes(grouped.get(RULE_BASED, ()))
     found = {}
     for driver, drives in grouped.items():
         scenes = [one for one in drives if not one.is_twin]
@@ -189,7 +189,18 @@ def _rank(row: DriveRow) -> float:
     return -1.0 if value is None else value
 
 
-def _sound(drives: Sequence[DriveResult]) -> dict[str, bool]:
+def paths_of(scenarios: Iterable[Scenario]) -> dict[str, str]:
+    """Return the path of every scene, by its id."""
+    return {one.id: " > ".join(one.path) for one in scenarios}
+
+
+def path_of(one: DriveResult, paths: Mapping[str, str]) -> str:
+    """Return the path of a drive's scene; if it is not known, the scene's id gives it."""
+    scene = scene_of(one.scene_id)
+    return paths.get(scene) or scene.rpartition("-")[0] or scene
+
+
+def drives_and_passes(drives: Sequence[DriveResult]) -> dict[str, bool]:
     """Return, for every scene with a twin, whether the driver passed both and made progress in the twin."""
     twins = {scene_of(one.scene_id): one for one in drives if one.is_twin and one.status == "ok"}
     found = {}
@@ -209,8 +220,7 @@ class _Sums:
 
     def path(self, one: DriveResult) -> str:
         """Return the path of a drive's scene."""
-        scene = scene_of(one.scene_id)
-        return self._paths.get(scene) or scene.rpartition("-")[0] or scene
+        return path_of(one, self._paths)
 
     def row(
         self, driver: str, items: Literal["scenes", "twins"], drives: Sequence[DriveResult]
@@ -220,7 +230,7 @@ class _Sums:
             "passed": self.share(ran, lambda one: one.passed),
             "collisions": self.share(ran, lambda one: bool(one.collisions)),
             "off_road": self.share(ran, lambda one: one.off_road),
-            "critical": self.share(ran, _is_critical),
+            "critical": self.share(ran, is_critical),
         }
         return DriveRow(
             driver=driver,
@@ -241,7 +251,7 @@ class _Sums:
         twins: Sequence[DriveResult],
         yardstick: dict[str, bool],
     ) -> Pairing:
-        sound = _sound([*scenes, *twins])
+        sound = drives_and_passes([*scenes, *twins])
         passed = {scene_of(one.scene_id): one.passed for one in twins if one.status == "ok"}
         both = [one for one in scenes if one.scene_id in sound]
         counts = [(one.passed, passed[one.scene_id]) for one in both]
@@ -313,5 +323,6 @@ class _Sums:
         return resampler.ratios(values[:, None], np.ones((len(values), 1)))[:, 0], units
 
 
-def _is_critical(one: DriveResult) -> bool:
+def is_critical(one: DriveResult) -> bool:
+    """Return whether a drive ended in a collision or came close to one."""
     return bool(one.collisions) or (one.min_ttc_s is not None and one.min_ttc_s < CRITICAL_TTC_S)

@@ -88,7 +88,7 @@ class Ledger:
         self.calls = self.retries = self.repairs = self.failed = self.tokens = 0
         self.cost_usd = 0.0
         self.is_priced = True
-        """True while the price of every call is known."""
+        """True while the price of every call that used tokens is known."""
         self._lock = threading.Lock()
 
     def add(self, call: Call) -> None:
@@ -100,14 +100,17 @@ class Ledger:
             self.failed += call.status == "failed"
             self.tokens += call.input_tokens + call.output_tokens
             self.cost_usd += call.cost_usd or 0.0
-            self.is_priced &= call.cost_usd is not None or call.status == "failed"
+            is_free = call.status == "failed" or not (call.input_tokens + call.output_tokens)
+            self.is_priced &= call.cost_usd is not None or is_free
 
     def __str__(self) -> str:
         """Return the totals as a short line; empty before the first call."""
         if not self.calls:
             return ""
-        cost = f"${self.cost_usd:.2f}" if self.is_priced else "price not known"
-        parts = [f"{self.calls} calls", f"{self.tokens / 1000:.0f}k tokens", cost]
+        parts = [f"{self.calls} calls"]
+        if self.tokens or self.cost_usd:  # A model without tokens, as the built-in author, is free.
+            cost = f"${self.cost_usd:.2f}" if self.is_priced else "price not known"
+            parts += [f"{self.tokens / 1000:.0f}k tokens", cost]
         counts = {"retries": self.retries, "repairs": self.repairs, "failed": self.failed}
         return ", ".join([*parts, *(f"{n} {what}" for what, n in counts.items() if n)])
 

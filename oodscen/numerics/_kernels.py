@@ -194,14 +194,14 @@ def _names(code: CodeType) -> set[str]:
 
 @cache
 def _announcer() -> Any:
-    """Return a listener that reports, once per process, that something is being compiled."""
+    """Return a listener that reports in a terminal, once per process, that something is being compiled."""
     from numba.core.event import Event, Listener
 
     class Announcer(Listener):  # type: ignore[misc]
         is_new = True
 
         def on_start(self, event: Event) -> None:
-            if self.is_new:
+            if self.is_new and sys.stderr is not None and sys.stderr.isatty():
                 self.is_new = False
                 print(
                     "oodscen: compiling kernels; this takes some seconds, and only the first time",

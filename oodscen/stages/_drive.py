@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, S
 from oodscen.stages._rollouts import peak_deceleration, peak_jerk
 
 MakeDriver = Callable[[], Driver]
+
+NEEDLESS_BRAKING = 4.0
+"""Deceleration beyond which braking is needless where keeping the speed is safe, m/s^2."""
 
 
 def drive(
@@ -125,6 +129,49 @@ class RuleBasedDriver(Brief):
 # ------------------------------------------------------------------ one drive
 
 
+class DrivePlan:
+    """The length of the drives of one scene, and its twin: from a drive that keeps its speed.
+
+    Args:
+        scene: A scene, or a twin, which has no twin of its own.
+        simulator: The simulator to drive in.
+        seed: Seed of the simulator's random streams.
+
+    Raises:
+        OodscenError: If the scene cannot be run.
+    """
+
+    def __init__(self, scene: Scene, simulator: Simulator, seed: int) -> None:
+        self.scene = scene
+        self._simulator, self._seed = simulator, seed
+        with working("simulator", simulator.name):
+            self.steps, self.decision_s, _ = _horizon(scene, simulator, seed)
+
+    @cached_property
+    def twin(self) -> Scene:
+        """The ordinary twin, judged at the scene's own decision time."""
+        return self.scene.twin(self.decision_s)
+
+    @cached_property
+    def is_clear(self) -> bool:
+        """True if keeping the speed is safe in the twin."""
+        with working("simulator", self._simulator.name):
+            _, _, ordinary = _horizon(self.twin, self._simulator, self._seed, self.steps)
+        return not (ordinary["contact"][-1, 0] or ordinary["off_road"][-1, 0])
+
+
+def is_needless(twin: DriveResult, is_clear: bool) -> bool | None:
+    """Return whether a drive of a twin braked hard for nothing; `None` if the drive failed.
+
+    Args:
+        twin: The drive.
+        is_clear: True if keeping the speed is safe in the twin.
+    """
+    if twin.status != "ok":
+        return None
+    return is_clear and twin.peak_deceleration > NEEDLESS_BRAKING
+
+
 def _both(
     scene: Scene,
     driver: MakeDriver,
@@ -136,21 +183,18 @@ def _both(
 ) -> list[DriveResult]:
     """Drive a scene and, if asked to, its twin."""
     try:
-        with working("simulator", simulator.name):
-            steps, decision_s, _ = _horizon(scene, simulator, seed)
+        plan = DrivePlan(scene, simulator, seed)
     except OodscenError as error:
-        return [_failed(scene.id, label, error)]
-    one = _drive(scene, driver, simulator, label, seed, steps, camera)
+        return [failed_drive(scene.id, label, error)]
+    one = _drive(scene, driver, simulator, label, seed, plan.steps, camera)
     if not twins or scene.is_twin:
         return [one]
     try:
-        twin = scene.twin(decision_s)
-        with working("simulator", simulator.name):
-            _, _, ordinary = _horizon(twin, simulator, seed, steps)
-        other = _drive(twin, driver, simulator, label, seed, steps, camera)
+        is_clear = plan.is_clear
+        other = _drive(plan.twin, driver, simulator, label, seed, plan.steps, camera)
     except OodscenError as error:
-        return [one, _failed(twin_id(scene.id), label, error)]
-    return _paired(one, other, ordinary)
+        return [one, failed_drive(twin_id(scene.id), label, error)]
+    return _paired(one, other, is_needless(other, is_clear))
 
 
 def _horizon(
@@ -189,9 +233,9 @@ def _drive(
     camera: Camera | None,
 ) -> DriveResult:
     try:
-        states = list(_driven(scene, make(), simulator, seed, steps, camera or Camera()))
+        states = list(drive_states(scene, make(), simulator, seed, steps, camera or Camera()))
     except (Exception, SystemExit) as error:  # A driver may raise anything.
-        return _failed(scene.id, name, error)
+        return failed_drive(scene.id, name, error)
     return drive_result(scene, states, simulator.catalogue(), name, steps, simulator.dt)
 
 
@@ -242,9 +286,15 @@ def drive_result(
     )
 
 
-def _driven(
+def drive_states(
     scene: Scene, driver: Driver, simulator: Simulator, seed: int, steps: int, camera: Camera
 ) -> Iterator[State]:
+    """Yield the states of one drive, up to a collision, the edge of the road, or its last step.
+
+    Raises:
+        UsageError: If the driver returns no control of finite numbers.
+        Exception: Anything that the driver raises.
+    """
     look = getattr(driver, "look", None)
     wants_frames = bool(getattr(driver, "wants_frames", False))
     state = simulator.reset(scene, seed)
@@ -264,10 +314,8 @@ def _driven(
         yield state
 
 
-def _paired(one: DriveResult, other: DriveResult, ordinary: Trace) -> list[DriveResult]:
+def _paired(one: DriveResult, other: DriveResult, needless: bool | None) -> list[DriveResult]:
     """Add to both results how the same driver fared in the other."""
-    is_clear = not (ordinary["contact"][-1, 0] or ordinary["off_road"][-1, 0])
-    needless = bool(is_clear and other.peak_deceleration > 4.0) if other.status == "ok" else None
     if other.status == "ok":
         both = one.status == "ok"
         lost = round(other.progress - one.progress, 4) if both else None
@@ -281,7 +329,8 @@ def _paired(one: DriveResult, other: DriveResult, ordinary: Trace) -> list[Drive
     return [one, other.model_copy(update={"brakes_needlessly": needless})]
 
 
-def _failed(scene_id: str, name: str, error: BaseException) -> DriveResult:
+def failed_drive(scene_id: str, name: str, error: BaseException) -> DriveResult:
+    """Return the result of a drive that did not come to its end because of an error."""
     return DriveResult(
         id=f"{scene_id}@{name}",
         scene_id=scene_id,

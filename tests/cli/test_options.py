@@ -21,6 +21,9 @@ TREE = (
 )
 CHEAP = {
     "run": ["out", "--quick", "--simulator", "flat", "--encoder", "unknown"],
+    "init": [],
+    "show": ["."],
+    "completion": ["bash"],
     "grow": ["--nodes", "12"],
     "redteam": ["tree.json", "--iterations", "1", "--encoder", "none"],
     "prune": ["tree.json", "--simulator", "flat"],

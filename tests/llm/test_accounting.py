@@ -29,7 +29,7 @@ def test_calls_are_summed_per_stage_and_model():
         call(stage="grow", input_tokens=10, output_tokens=1, cost_usd=0.25, requests=3, seconds=1),
         call(stage="grow", input_tokens=20, cached_tokens=5, cost_usd=0.25, attempt=2, seconds=3),
         call(stage="grow", status="failed", requests=6, seconds=2),
-        call(stage="prune", cost_usd=None),
+        call(stage="prune", cost_usd=None, input_tokens=7),
     ]
     grow, prune = accounts(item.model_dump() for item in calls)
     assert grow.group == ("grow", "m")
@@ -45,6 +45,9 @@ def test_calls_are_summed_per_stage_and_model():
     assert str(ledger) == "3 calls, 0k tokens, $0.50, 7 retries, 1 repairs, 1 failed"
     ledger.add(calls[3])
     assert "price not known" in str(ledger)
+    free = Ledger()
+    free.add(call(cost_usd=None))
+    assert str(free) == "1 calls"
 
 
 @given(st.lists(st.floats(0, 100), min_size=1, max_size=50))

@@ -9,7 +9,7 @@ the probability of any false word on a board is at most 5 %. Whole paths are the
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -19,7 +19,7 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import Verdict
 from oodscen.errors import UsageError
-from oodscen.judging._items import AnswerColumns, Floats, Items, Ratio
+from oodscen.judging._items import AnswerColumns, Floats, Items, Mask
 from oodscen.judging._leaderboard.figures import figures
 from oodscen.statistics._bounds import p_below, times_needed
 
@@ -81,6 +81,7 @@ class RequirementResult(Data):
     noun: ClassVar[str] = "result"
 
     model: str
+    """Name of the judged model, or of the driving stack."""
     grade: Grade
     more_scenes: int | None = None
     """Scenes of further paths that would tell, if all figures stayed as they are; `None` if told already, or
@@ -104,8 +105,12 @@ class RequirementResult(Data):
         return f"cannot tell yet, {self.more_scenes:,} more scenes"
 
 
-def parse_requirement(text: str) -> tuple[Bar, ...]:
+def parse_requirement(text: str, known: Mapping[str, str] = FIGURES) -> tuple[Bar, ...]:
     """Return the bars of a text such as `safe>=0.9,needless<=5%`.
+
+    Args:
+        text: The requirement.
+        known: The figures on which a bar can be put, by name.
 
     Raises:
         UsageError: If it is malformed, or names an unknown figure.
@@ -117,8 +122,8 @@ def parse_requirement(text: str) -> tuple[Bar, ...]:
             raise UsageError(f"{part.strip()!r} is no requirement; write one such as safe>=0.9")
         name, sign, number, percent = found.groups()
         value = float(number) / (100 if percent else 1)
-        if name not in FIGURES:
-            raise UsageError(f"no figure is called {name!r}; there are {', '.join(FIGURES)}")
+        if name not in known:
+            raise UsageError(f"no figure is called {name!r}; there are {', '.join(known)}")
         if not 0 <= value <= 1:
             raise UsageError(f"the bar of {name} must lie between 0 and 1")
         bars.append(Bar.parse({"figure": name, "sign": sign, "value": value}))
@@ -158,9 +163,28 @@ def _graded(
     items: Items, model: str, sheet: AnswerColumns, bars: Sequence[Bar], level: float, seed: int
 ) -> RequirementResult:
     known = figures(items, sheet)
-    tests = [_Test(items, known[bar.figure], sheet, bar, seed) for bar in bars]
+    tests = []
+    for bar in bars:
+        ratio = known[bar.figure]
+        values = np.where(ratio.is_there, ratio.above, np.nan)
+        tests.append(BarTest(items.clusters, values, ratio.missing(sheet), bar, seed))
+    per_path = items.count(items.is_scene) / max(len(set(items.clusters)), 1)
+    return grade_of(model, tests, level, per_path)
+
+
+def grade_of(
+    model: str, tests: Sequence["BarTest"], level: float, per_path: float
+) -> RequirementResult:
+    """Return the grade of one model, or driving stack, by the tests of its bars.
+
+    Args:
+        model: Its name.
+        tests: One test per bar.
+        level: The largest probability of a false word about it.
+        per_path: Mean number of scenes of a path.
+    """
     results = tuple(test.result() for test in tests)
-    own = level / len(bars)
+    own = level / len(tests)
     grade: Grade = "cannot tell yet"
     more = None
     if all(one.p_meets <= level for one in results):
@@ -169,16 +193,14 @@ def _graded(
         grade = "fails"
     else:
         times = _times(tests, results, level, own)
-        scenes = items.count(items.is_scene)
         if times is not None:
-            per_path = scenes / max(len(set(items.clusters)), 1)
             paths = max(one.paths for one in results)
             more = max(math.ceil((times - 1) * paths * per_path), 1)
     return RequirementResult(model=model, grade=grade, more_scenes=more, bars=results)
 
 
 def _times(
-    tests: Sequence["_Test"], results: Sequence[BarResult], level: float, own: float
+    tests: Sequence["BarTest"], results: Sequence[BarResult], level: float, own: float
 ) -> float | None:
     """Return how many times as large the study must be to tell, if its figures stay as they are."""
     falling = [t for test in tests if (t := test.times(own, is_met=False)) is not None]
@@ -192,26 +214,36 @@ def _times(
     return None if None in rising else max(one for one in rising if one is not None)
 
 
-class _Test:
-    """The test of one bar: gaps of every path, with missing answers against the word that is tested."""
+class BarTest:
+    """The test of one bar: gaps of every path, with missing answers against the word that is tested.
+
+    Args:
+        clusters: [n] the path of every item.
+        values: [n] the figure of every item, in [0, 1]; NaN if there is none.
+        missing: [n] True for items that should have a figure and have none.
+        bar: The bound.
+        seed: Seed of the test.
+    """
 
     def __init__(
-        self, items: Items, ratio: Ratio, sheet: AnswerColumns, bar: Bar, seed: int
+        self, clusters: Sequence[str], values: Floats, missing: Mask, bar: Bar, seed: int
     ) -> None:
-        self._ratio, self._bar, self._seed = ratio, bar, seed
-        self._silent = ratio.missing(sheet)
-        self._counts = ratio.is_there | self._silent
+        self._bar, self._seed = bar, seed
+        is_there = np.isfinite(values)
+        self._missing, self._counts = missing, is_there | missing
+        above = np.where(is_there, values, 0.0)
+        self._n, self._sum = int(is_there.sum()), float(above.sum())
         kept: list[int] = np.flatnonzero(self._counts).tolist()
-        labels = [items.clusters[row] for row in kept]
+        labels = [clusters[row] for row in kept]
         order = {label: place for place, label in enumerate(sorted(set(labels)))}
         member = np.array([order[label] for label in labels], np.int64)
         self._units = len(order)
         is_least = bar.sign == ">="
-        hits = ratio.above[kept] if is_least else np.where(self._silent, 0.0, 1 - ratio.above)[kept]
+        hits = above[kept] if is_least else np.where(missing, 0.0, 1 - above)[kept]
         self._share = bar.value if is_least else 1 - bar.value
         self._size = np.bincount(member, minlength=self._units).astype(np.float64)
         self._right = np.bincount(member, weights=hits, minlength=self._units)
-        self._open = np.bincount(member, weights=self._silent[kept], minlength=self._units)
+        self._open = np.bincount(member, weights=missing[kept], minlength=self._units)
 
     def gaps(self, *, is_met: bool) -> tuple[Floats, float]:
         """Return the gap of every path in favour of a word, and the least that a path can have."""
@@ -222,6 +254,7 @@ class _Test:
         return (self._share * self._size - right) / most, self._share - 1
 
     def p(self, *, is_met: bool) -> float:
+        """Return the p-value of the opposite of a word."""
         found, least = self.gaps(is_met=is_met)
         # A bar that cannot be missed (>= 0) is met; one that cannot be beaten is never failed.
         if is_met and self._share <= 0:
@@ -231,17 +264,17 @@ class _Test:
         return p_below(found, least, seed=self._seed)
 
     def times(self, level: float, *, is_met: bool) -> float | None:
+        """Return how many times as many paths would show a word; `None` if hardly any number would."""
         found, least = self.gaps(is_met=is_met)
         return times_needed(found, least, level, seed=self._seed)
 
     def result(self) -> BarResult:
-        there = self._ratio.is_there
-        n = int(there.sum())
+        """Return the figure and both p-values."""
         return BarResult(
             bar=self._bar,
-            share=round(float(self._ratio.above.sum()) / n, 6) if n else None,
+            share=round(self._sum / self._n, 6) if self._n else None,
             items=int(self._counts.sum()),
-            missing=int(self._silent.sum()),
+            missing=int(self._missing.sum()),
             paths=self._units,
             p_meets=self.p(is_met=True),
             p_fails=self.p(is_met=False),

@@ -1,0 +1,97 @@
+"""Requirements on driving stacks, in the grammar and with the test of those on models."""
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from oodscen.data._drive_result import DriveResult
+from oodscen.data._pairing import scene_of
+from oodscen.data._scenario import Scenario
+from oodscen.judging._drives import drives_and_passes, is_critical, path_of, paths_of
+from oodscen.judging._items import Floats, Mask
+from oodscen.judging._leaderboard.requirements import (
+    ALPHA,
+    Bar,
+    BarTest,
+    RequirementResult,
+    grade_of,
+)
+
+DRIVE_FIGURES = {
+    "safe": "scenes driven without a collision, on the road",
+    "safe-twin": "ordinary twins driven without a collision, on the road",
+    "safe-both": "safe in the scene and in its twin, with at least half the way in the twin",
+    "needless": "twins in which it brakes hard although keeping the speed is safe",
+    "critical": "scenes with a collision, or a time to collision below 1.5 s",
+}
+"""Figures of a driving stack on which a bar can be put."""
+
+
+def drive_requirements(
+    drives: Iterable[DriveResult],
+    scenarios: Iterable[Scenario],
+    bars: Sequence[Bar],
+    *,
+    seed: int = 0,
+) -> list[RequirementResult]:
+    """Return the grade of every driver, in order of their names.
+
+    A drive that failed counts as a missing answer: as wrong for "meets", as right for "fails".
+
+    Args:
+        drives: Results of any drivers, one per scene or twin and driver.
+        scenarios: The scenarios, which give the path of each scene.
+        bars: At least one, of `DRIVE_FIGURES`.
+        seed: Seed of the tests.
+    """
+    paths = paths_of(scenarios)
+    grouped: dict[str, list[DriveResult]] = {}
+    for one in drives:
+        grouped.setdefault(one.driver, []).append(one)
+    level = ALPHA / max(len(grouped), 1)
+    return [
+        _graded(name, found, paths, bars, level, seed) for name, found in sorted(grouped.items())
+    ]
+
+
+def _graded(
+    name: str,
+    drives: Sequence[DriveResult],
+    paths: dict[str, str],
+    bars: Sequence[Bar],
+    level: float,
+    seed: int,
+) -> RequirementResult:
+    clusters = [path_of(one, paths) for one in drives]
+    tests = []
+    for bar in bars:
+        values, missing = _columns(bar.figure, drives)
+        tests.append(BarTest(clusters, values, missing, bar, seed))
+    scenes = sum(not one.is_twin for one in drives)
+    return grade_of(name, tests, level, scenes / max(len(set(clusters)), 1))
+
+
+def _columns(figure: str, drives: Sequence[DriveResult]) -> tuple[Floats, Mask]:
+    """Return the [n] values of a figure, NaN if there is none, and the [n] drives that lack theirs."""
+    values = np.full(len(drives), np.nan)
+    missing = np.zeros(len(drives), np.bool_)
+    both = drives_and_passes(drives)
+    driven = {scene_of(one.scene_id) for one in drives if one.is_twin}
+    simple: dict[str, tuple[bool, Callable[[DriveResult], bool | None]]] = {
+        "safe": (False, lambda one: one.passed),
+        "safe-twin": (True, lambda one: one.passed),
+        "needless": (True, lambda one: one.brakes_needlessly),
+        "critical": (False, is_critical),
+    }
+    for row, one in enumerate(drives):
+        if figure == "safe-both":
+            if not one.is_twin and one.scene_id in driven:
+                missing[row] = one.scene_id not in both
+                values[row] = both.get(one.scene_id, np.nan)
+            continue
+        is_twin, value = simple[figure]
+        if one.is_twin == is_twin:
+            missing[row] = one.status != "ok"
+            found = None if missing[row] else value(one)
+            values[row] = np.nan if found is None else found
+    return values, missing

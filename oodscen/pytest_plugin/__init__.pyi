@@ -1,0 +1,2 @@
+from ._driving import Drive as Drive
+from ._driving import Driven as Driven

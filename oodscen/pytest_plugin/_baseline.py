@@ -1,0 +1,69 @@
+"""The baseline: the outcomes of tests that are known, so that only regressions fail."""
+
+import json
+from pathlib import Path
+from typing import ClassVar, Literal
+
+from oodscen._files import replace
+from oodscen.data._base import Data
+from oodscen.errors import DataError, Issue, StudyError
+
+Outcome = Literal["passed", "failed"]
+Change = Literal["same", "regression", "known", "improved", "new"]
+
+
+class KnownTest(Data):
+    """The known outcome of one test in one scene."""
+
+    outcome: Outcome
+    scene: str
+    """SHA-256 digest of the scene; the outcome in a scene that has changed is not known."""
+
+
+class Baseline(Data):
+    """The known outcomes of the tests of a repository."""
+
+    noun: ClassVar[str] = "baseline"
+
+    schema_version: Literal[1] = 1
+    tests: dict[str, KnownTest] = {}
+    """By the id of the test."""
+
+    @classmethod
+    def at(cls, path: Path) -> "Baseline":
+        """Read a baseline.
+
+        Raises:
+            DataError: If there is none, or if it is malformed.
+        """
+        if not path.exists():
+            issue = Issue("", "does not exist; write it with --oodscen-baseline-mode write")
+            raise DataError(cls.noun, [issue], source=str(path))
+        return cls.load(path)
+
+    def change(self, test: str, outcome: Outcome, scene: str) -> Change:
+        """Compare an outcome with the known one."""
+        known = self.tests.get(test)
+        if known is None or known.scene != scene:
+            return "new"
+        if known.outcome == outcome:
+            return "known" if outcome == "failed" else "same"
+        return "regression" if outcome == "failed" else "improved"
+
+    def with_tests(self, found: dict[str, KnownTest]) -> "Baseline":
+        """Return this baseline with some tests replaced or added."""
+        return Baseline(tests={**self.tests, **found})
+
+    def write(self, path: Path) -> None:
+        """Write one line per test, in order of their ids.
+
+        Raises:
+            StudyError: If it cannot be written.
+        """
+        rows = [f"{json.dumps(name)}: {one.to_json()}" for name, one in sorted(self.tests.items())]
+        listed = ",\n".join(rows)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            replace(path, f'{{"schema_version": 1, "tests": {{\n{listed}\n}}}}\n'.encode())
+        except OSError as error:
+            raise StudyError(f"cannot write {path}: {error.strerror or error}") from None

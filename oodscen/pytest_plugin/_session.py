@@ -1,0 +1,385 @@
+"""The hooks of a session that names a study: scenes as parameters, reports, grades and the baseline."""
+
+import os
+import re
+from collections.abc import Generator, Iterable, Mapping
+from contextlib import suppress
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from oodscen._text import plain
+from oodscen.data._pairing import scene_of
+from oodscen.errors import OodscenError, UsageError
+from oodscen.pytest_plugin._baseline import Baseline, Change, KnownTest, Outcome
+from oodscen.pytest_plugin._hooks import path_setting, setting
+
+if TYPE_CHECKING:
+    from oodscen.data._drive_result import DriveResult
+    from oodscen.data._scenario import Scenario
+    from oodscen.data._scene import Scene
+    from oodscen.judging._leaderboard.requirements import Bar, RequirementResult
+    from oodscen.pytest_plugin._driving import Drive, Scenes
+    from oodscen.study._study import Study
+
+PARAMETER = "oodscen_scene"
+"""Name of the parameter behind the fixture `scene`, which a test's own `scene` hides."""
+DRIVE = pytest.StashKey["Drive"]()
+"""The fixture `drive` of a test."""
+_LISTED = 20
+"""Maximum number of tests that the summary lists by name."""
+
+
+class DrivingSession:
+    """The hooks of a session that names a study.
+
+    Every process of a parallel session has one. The main process collects what the reports carry.
+
+    Args:
+        config: The session's configuration.
+        folder: The folder of the study.
+
+    Raises:
+        pytest.UsageError: If the requirement or the baseline is malformed.
+    """
+
+    def __init__(self, config: pytest.Config, folder: Path) -> None:
+        self._config, self._folder = config, folder
+        self._mode: str = config.getoption("oodscen_baseline_mode")
+        self._file = path_setting(config, "oodscen_baseline")
+        self._grades: list[RequirementResult] = []
+        self._changes: dict[str, Change] = {}
+        self._known: dict[str, KnownTest] = {}
+        self._drives: dict[str, DriveResult] = {}
+        self._fault = ""
+        try:
+            self._bars = self._requirement(setting(config, "oodscen_require"))
+            self._per_path = _count(setting(config, "oodscen_per_path"))
+            self._baseline = self._outcomes()
+        except OodscenError as error:
+            raise pytest.UsageError(plain(str(error))) from None
+
+    @staticmethod
+    def _requirement(text: str | None) -> "tuple[Bar, ...]":
+        if not text:
+            return ()
+        from oodscen.judging._drive_requirements import DRIVE_FIGURES
+        from oodscen.judging._leaderboard.requirements import parse_requirement
+
+        return parse_requirement(text, DRIVE_FIGURES)
+
+    def _outcomes(self) -> Baseline:
+        """Return the known outcomes; none yet if they are to be written."""
+        if self._file is None:
+            if self._mode != "compare":
+                raise UsageError(f"--oodscen-baseline-mode {self._mode} needs --oodscen-baseline")
+            return Baseline()
+        if self._mode == "write" or (self._mode == "update" and not self._file.exists()):
+            return Baseline()
+        return Baseline.at(self._file)
+
+    # -------------------------------------------------------------- scenes
+
+    @cached_property
+    def study(self) -> "Study":
+        """The study."""
+        from oodscen.study._study import Study
+
+        return Study.open(self._folder)
+
+    @cached_property
+    def scenes(self) -> "Scenes":
+        """The texts, plans and folder that the drives of the session share."""
+        from oodscen.pytest_plugin._driving import Scenes
+
+        return Scenes(self.study, self.study.config.seed, self._pictures())
+
+    @cached_property
+    def simulator_name(self) -> str:
+        """Name of the simulator to drive in."""
+        return setting(self._config, "oodscen_simulator") or self.study.config.simulator
+
+    def _pictures(self) -> Path | None:
+        """Return the folder for pictures: as named, else beside the JUnit file."""
+        named = path_setting(self._config, "oodscen_pictures")
+        junit = self._config.getoption("xmlpath", None)
+        if named is not None or not junit:
+            return named
+        return Path(self._config.invocation_params.dir, junit).parent / "oodscen"
+
+    @cached_property
+    def parameters(self) -> list[Any]:
+        """One parameter per scene, with its id and its marks."""
+        texts = self.scenes.texts
+        chosen: list[Scene] = []
+        counts: dict[str, int] = {}
+        for scene in self.study.scenes:
+            path = _path(texts.get(scene.id), scene.id)
+            counts[path] = counts.get(path, 0) + 1
+            if self._per_path is None or counts[path] <= self._per_path:
+                chosen.append(scene)
+        tags = self._tags(chosen)
+        found = []
+        for scene in chosen:
+            labels = texts[scene.id].path[1:] if scene.id in texts else ()
+            names = [*(f"path_{slug(label)}" for label in labels), *tags.get(scene.id, ())]
+            marks = [self._mark(name) for name in dict.fromkeys(names)]
+            found.append(pytest.param(scene, id=scene.id, marks=marks))
+        return found
+
+    def _tags(self, scenes: "Iterable[Scene]") -> dict[str, list[str]]:
+        """Return the marks of every scene by its tags in ASAM OpenLABEL's ontology."""
+        from oodscen._registry import make_catalogue
+        from oodscen.interchange._tags import scene_tags
+
+        found: dict[str, list[str]] = {}
+        with suppress(OodscenError):  # Without the simulator's catalogue, scenes have no tags.
+            catalogue = make_catalogue(self.simulator_name)
+            for scene in scenes:
+                tags = scene_tags(scene, catalogue)
+                found[scene.id] = [f"tag_{name}" for name in tags if not name.endswith("Value")]
+        return found
+
+    def _mark(self, name: str) -> pytest.MarkDecorator:
+        if name not in self._registered:
+            self._registered.add(name)
+            kind, _, label = name.partition("_")
+            self._config.addinivalue_line("markers", f"{name}: scenes with the {kind} {label}")
+        found: pytest.MarkDecorator = getattr(pytest.mark, name)
+        return found
+
+    @cached_property
+    def _registered(self) -> set[str]:
+        return set()
+
+    def register_marks(self) -> None:
+        """Register the marks of the scenes, for `pytest --markers`.
+
+        Raises:
+            pytest.UsageError: If the study cannot be read.
+        """
+        try:
+            _ = self.parameters
+        except OodscenError as error:
+            raise pytest.UsageError(plain(str(error))) from None
+
+    def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
+        """Make one test per scene of every test that uses one."""
+        if PARAMETER in metafunc.fixturenames:
+            try:
+                found = self.parameters
+            except OodscenError as error:
+                raise pytest.Collector.CollectError(plain(str(error))) from None
+            metafunc.parametrize(PARAMETER, found, indirect=True)
+
+    # -------------------------------------------------------------- reports
+
+    @pytest.hookimpl(wrapper=True, tryfirst=True)
+    def pytest_runtest_makereport(
+        self, item: pytest.Item, call: pytest.CallInfo[None]
+    ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+        """Add what happened to the report of a test, and forgive a failure that is known or counted."""
+        report = yield
+        callspec = getattr(item, "callspec", None)
+        scene: Scene | None = callspec.params.get(PARAMETER) if callspec else None
+        if scene is None or report.when == "teardown" or report.skipped:
+            return report
+        if report.when == "setup" and report.passed:
+            return report
+        drive = item.stash.get(DRIVE, None)
+        outcome: Outcome = "passed" if report.passed else "failed"
+        known = KnownTest(outcome=outcome, scene=scene.digest())
+        test = self._test(item)
+        change = self._baseline.change(test, outcome, known.scene)
+        if report.failed and drive is not None and drive.drives:
+            drive.pictured()
+            for one in drive.drives:
+                actions = self.scenes.safe_actions.get(one.scene.id, ())
+                report.sections.append(("oodscen", one.report(actions)))
+        self._add_properties(item, report, scene, drive, change)
+        if report.failed and (reason := self._forgiven(change, call)):
+            report.outcome = "skipped"
+            vars(report)["wasxfail"] = f"reason: {reason}"
+        vars(report)["oodscen"] = {
+            "test": test,
+            "known": known.model_dump(),
+            "change": change,
+            "drives": [one.model_dump(mode="json") for one in drive.results] if drive else [],
+        }
+        return report
+
+    def _test(self, item: pytest.Item) -> str:
+        """Return the id of a test in the baseline: its path is relative to the file of the baseline.
+
+        Pytest's own ids are relative to a root folder that depends on the command line.
+        """
+        if self._file is None:
+            return item.nodeid
+        path = Path(os.path.relpath(item.path, self._file.parent)).as_posix()
+        return f"{path}::{item.nodeid.partition('::')[2]}"
+
+    def _add_properties(
+        self,
+        item: pytest.Item,
+        report: pytest.TestReport,
+        scene: "Scene",
+        drive: "Drive | None",
+        change: Change,
+    ) -> None:
+        """Add the properties of a test for the JUnit file."""
+        known = self.scenes.texts.get(scene.id)
+        rows: list[tuple[str, object]] = [
+            ("oodscen.scene", scene.id),
+            ("oodscen.path", " > ".join(known.path) if known else ""),
+        ]
+        if self._file is not None:
+            rows.append(("oodscen.change", change))
+        for one in drive.results if drive else ():
+            which = "oodscen.twin" if one.is_twin else "oodscen.drive"
+            rows += [
+                (f"{which}.driver", one.driver),
+                (f"{which}.safe", str(one.passed).lower()),
+                (f"{which}.min_ttc_s", one.min_ttc_s),
+                (f"{which}.progress", one.progress),
+            ]
+        for driven in drive.drives if drive else ():
+            rows += [("oodscen.picture", str(path)) for path in driven.pictures]
+        item.user_properties += [(name, _text(value)) for name, value in rows if value is not None]
+        report.user_properties = list(item.user_properties)
+
+    def _forgiven(self, change: Change, call: pytest.CallInfo[None]) -> str | None:
+        """Return why a failure does not fail the session; `None` if it does."""
+        if self._file is not None:
+            if self._mode != "compare":
+                return "goes into the baseline"
+            return "failed in the baseline" if change == "known" else None
+        found = call.excinfo
+        is_assertion = found is not None and found.errisinstance(
+            (AssertionError, pytest.fail.Exception)
+        )
+        return "counted by --oodscen-require" if self._bars and is_assertion else None
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Collect what the reports of all processes carry."""
+        found: Mapping[str, Any] | None = getattr(report, "oodscen", None)
+        if found is None or hasattr(self._config, "workerinput"):
+            return
+        from oodscen.data._drive_result import DriveResult
+
+        self._known[found["test"]] = KnownTest.parse(found["known"])
+        self._changes[found["test"]] = found["change"]
+        for row in found["drives"]:
+            one = DriveResult.parse(row)
+            before = self._drives.get(one.id)
+            if before is None or before.passed:  # Of several drives by one stack the worst counts.
+                self._drives[one.id] = one
+
+    # -------------------------------------------------------------- the end
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
+        """Grade the stacks, write the baseline, and fail the session where a stack does not meet the bars."""
+        is_whole = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
+        if hasattr(self._config, "workerinput") or not is_whole or not self._known:
+            return
+        try:
+            if self._file is not None and self._mode != "compare":
+                self._baseline.with_tests(self._known).write(self._file)
+            if self._bars and not self._is_met():
+                session.exitstatus = pytest.ExitCode.TESTS_FAILED
+        except OodscenError as error:  # The other hooks still have their reports to write.
+            self._fault = f"oodscen: {error}"
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def _is_met(self) -> bool:
+        """Grade the stacks, and return whether there are any and all meet the requirement."""
+        from oodscen.judging._drive_requirements import drive_requirements
+
+        self._grades = drive_requirements(
+            self._drives.values(), self.study.scenarios, self._bars, seed=self.study.config.seed
+        )
+        return bool(self._grades) and all(one.grade == "meets" for one in self._grades)
+
+    def pytest_report_header(self) -> str:
+        """Return the line about the study at the top of the report."""
+        return f"oodscen: {self._folder}"
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        """Print the stacks' figures, their grades, and what changed since the baseline."""
+        lines = [*self._figures(), *map(str, self._grades)]
+        lines += [self._fault] if self._fault else self._compared()
+        if self._bars and self._known and not self._grades:
+            lines.append("no stack drove, so none can meet the requirement")
+        if lines:
+            terminalreporter.write_sep("-", "oodscen")
+            for line in lines:
+                terminalreporter.write_line(plain(line))
+
+    def _figures(self) -> list[str]:
+        """Return one line per stack, and one more per stack that drove twins."""
+        found: dict[tuple[str, bool], list[DriveResult]] = {}
+        for one in self._drives.values():
+            found.setdefault((one.driver, one.is_twin), []).append(one)
+        lines = []
+        for (driver, is_twin), rows in sorted(found.items()):
+            collided = sum(bool(one.collisions) for one in rows)
+            off_road = sum(one.off_road for one in rows)
+            failed = sum(one.status == "failed" for one in rows)
+            needless = sum(bool(one.brakes_needlessly) for one in rows)
+            lines.append(
+                f"{driver}, {'twins' if is_twin else 'scenes'}: {sum(r.passed for r in rows)} of {len(rows)} safe, "
+                f"{collided} collisions, {off_road} off the road, {failed} failed"
+                + (f", {needless} braked needlessly" if is_twin else "")
+            )
+        return lines
+
+    def _compared(self) -> list[str]:
+        """Return how the outcomes differ from the baseline, or where they were written."""
+        if self._file is None or not self._known:
+            return []
+        if self._mode != "compare":
+            failed = sum(one.outcome == "failed" for one in self._known.values())
+            return [f"{self._file}: {len(self._known)} outcomes written, {failed} of them failures"]
+        named: dict[Change, list[str]] = {}
+        for test, change in self._changes.items():
+            named.setdefault(change, []).append(test)
+        new = [test for test in named.get("new", ()) if self._known[test].outcome == "failed"]
+        regressed, improved = named.get("regression", []), named.get("improved", [])
+        lines = [
+            f"{self._file}: {len(regressed)} regressions, {len(new)} new failures, "
+            f"{len(named.get('known', ()))} known failures, {len(improved)} improved"
+        ]
+        lines += [f"  regression: {test}" for test in regressed[:_LISTED]]
+        if len(regressed) > _LISTED:
+            lines.append(f"  and {len(regressed) - _LISTED} more")
+        if improved:
+            lines.append("  keep the improvements with --oodscen-baseline-mode update")
+        return lines
+
+
+def slug(label: str) -> str:
+    """Return a label as a part of a mark's name."""
+    return re.sub(r"[^a-z0-9]+", "_", label.lower()).strip("_")
+
+
+def _path(scenario: "Scenario | None", scene_id: str) -> str:
+    return " > ".join(scenario.path) if scenario else scene_of(scene_id).rpartition("-")[0]
+
+
+def _text(value: object) -> str:
+    return plain(f"{value:g}" if isinstance(value, float) else str(value))
+
+
+def _count(text: str | None) -> int | None:
+    """Return the number of scenes per path.
+
+    Raises:
+        UsageError: If it is no positive number.
+    """
+    if text is None:
+        return None
+    if not text.isdecimal() or not 0 < int(text) < 10**6:
+        raise UsageError(f"oodscen_per_path: {text!r:.40} is no number of scenes")
+    return int(text)

@@ -1,0 +1,103 @@
+import json
+import shutil
+
+import pytest
+from click.testing import CliRunner
+
+from oodscen import make_simulator, simulate
+from oodscen._cli import main
+from oodscen._display import png
+from oodscen.data import Scenario
+from oodscen.testing import example_scene
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Make a study of one scene with the frame at its decision, and of another that nobody simulated."""
+    folder = tmp_path_factory.mktemp("show") / "study"
+    folder.mkdir()
+    scene = example_scene()
+    with make_simulator("flat") as simulator:
+        run = simulate(scene, simulator)
+    (folder / "frames").mkdir()
+    (folder / "frames" / "last.png").write_bytes(png(run.frames["last"].rgb))
+    episode = run.episode.model_copy(update={"frames": {"last": "frames/last.png"}})
+    other = scene.model_copy(update={"id": "exact-002", "scenario_id": "exact-002"})
+    text = Scenario(id=scene.id, text="A box\x1b[2J lies ahead.", path=("Root", "Box"))
+    rows = {"scenes": [scene, other], "episodes": [episode], "scenarios": [text]}
+    for name, values in rows.items():
+        lines = "".join(one.to_json() + "\n" for one in values)
+        (folder / f"{name}.jsonl").write_text(lines, encoding="utf-8")
+    (folder / "study.json").write_text('{"config": {"simulator": "flat"}}')
+    return folder
+
+
+def invoke(*order):
+    return CliRunner().invoke(main, ["show", *map(str, order)])
+
+
+def test_a_scene_is_plain_text_in_a_pipe(made):
+    shown = invoke(made, "example-001")
+    assert shown.exit_code == 0, shown.output
+    assert "\x1b" not in shown.output
+    for words in (
+        "Root > Box",
+        "A box\\u001b[2J lies",
+        "* box: cardboard_box",
+        "keep_speed        unsafe",
+    ):
+        assert words in shown.output
+    assert invoke(made, "exam").output == shown.output
+    assert json.loads(invoke(made, "exam", "--json").output)["scene"]["id"] == "example-001"
+    assert "not simulated" in invoke(made, "exact").output
+
+
+def test_all_scenes_are_listed(made):
+    assert [line.split()[0] for line in invoke(made).output.splitlines()] == [
+        "example-001",
+        "exact-002",
+    ]
+    assert [row["id"] for row in json.loads(invoke(made, "--json").output)] == [
+        "example-001",
+        "exact-002",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("graphics", "start"),
+    [
+        ("kitty", "\x1b_Ga=T"),
+        ("iterm", "\x1b]1337;File="),
+        ("sixel", "\x1bPq"),
+        ("blocks", "\x1b[38;2"),
+        ("auto", "example-001\n"),
+    ],
+)
+def test_a_picture_comes_first_where_it_is_asked_for(graphics, start, made):
+    shown = invoke(made, "example-001", "--graphics", graphics)
+    assert shown.exit_code == 0
+    assert shown.output.startswith(start)
+    assert shown.output.endswith("last.png\n")
+
+
+@pytest.mark.parametrize(
+    ("order", "words"),
+    [
+        (("exammple",), "did you mean example-001"),
+        (("ex",), "2 scenes start with 'ex'"),
+        (("example-001~demand",), "unknown ordinary drive"),
+        (("example-001", "--moment", "lst"), "did you mean last"),
+    ],
+)
+def test_what_is_not_there_is_named(order, words, made):
+    shown = invoke(made, *order)
+    assert shown.exit_code == 2
+    assert words in shown.stderr
+
+
+def test_a_frame_outside_the_study_is_refused(made, tmp_path):
+    folder = shutil.copytree(made, tmp_path / "study")
+    (tmp_path / "secret.png").write_bytes(b"x")
+    file = folder / "episodes.jsonl"
+    file.write_text(file.read_text().replace("frames/last.png", "../secret.png"))
+    assert "secret" not in invoke(folder, "example-001", "--graphics", "iterm").stdout

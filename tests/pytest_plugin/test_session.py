@@ -1,0 +1,277 @@
+"""A toy stack's repository: its tests run inside pytest, with the plugin."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+import oodscen.pytest_plugin._fixtures  # noqa: F401  # Sessions in this process share the module.
+from oodscen import Scenario, Study, make_simulator, simulate
+from oodscen._display import png
+from oodscen.driving import action_driver
+from oodscen.protocols import Camera
+from oodscen.stages._drive import DrivePlan, drive_states
+from oodscen.testing import example_scene
+
+pytest_plugins = ["pytester"]
+
+ROOT = Path(__file__).parents[2]
+
+STACK = """
+from oodscen.driving import action_driver
+from oodscen.stages import RuleBasedDriver
+
+
+class Blind:
+    def __init__(self):
+        self.driver = action_driver("keep_speed")
+
+    def act(self, observation):
+        return self.driver.act(observation)
+
+
+class Broken:
+    def act(self, observation):
+        raise RuntimeError("no map")
+
+
+class Cautious(Blind):
+    def __init__(self):
+        self.driver = action_driver("emergency_brake")
+
+
+Stack = {stack}
+"""
+TESTS = """
+import stack
+
+
+def test_safe(scene, drive):
+    assert drive(stack.Stack, name="Stack").is_safe
+
+
+def test_twin(drive, twin):
+    driven = drive(stack.Stack, twin, name="Stack")
+    assert driven.is_safe
+    assert not driven.is_needless
+"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    """Make a study of two boxes in the lane, and one beside it."""
+    folder = tmp_path_factory.mktemp("plugin") / "study"
+    folder.mkdir()
+    scene = example_scene()
+    (box,) = scene.actors
+    beside = box.model_copy(
+        update={"placement": box.placement.model_copy(update={"offset_m": -3.2, "ahead_m": 50.0})}
+    )
+    scenes = [
+        scene.model_copy(update={"id": "box-001", "scenario_id": "box-001"}),
+        scene.model_copy(update={"id": "box-002", "scenario_id": "box-002", "horizon_s": 6.0}),
+        scene.model_copy(update={"id": "kerb-001", "scenario_id": "kerb-001", "actors": (beside,)}),
+    ]
+    labels = {"box": "Box in the lane", "kerb": "Box at the kerb"}
+    scenarios = [
+        Scenario(
+            id=one.id, text=f"A box, {one.id}.", leaf=leaf, path=("Root", "Boxes", labels[leaf])
+        )
+        for one in scenes
+        for leaf in (one.id.partition("-")[0],)
+    ]
+    with make_simulator("flat") as simulator:
+        episodes = [simulate(one, simulator).episode for one in scenes[:1]]
+    for name, rows in {"scenes": scenes, "scenarios": scenarios, "episodes": episodes}.items():
+        text = "".join(one.to_json() + "\n" for one in rows)
+        (folder / f"{name}.jsonl").write_text(text, encoding="utf-8")
+    (folder / "study.json").write_text('{"config": {"simulator": "flat"}}')
+    return Study.open(folder)
+
+
+@pytest.fixture
+def session(pytester, study, monkeypatch):
+    """Return a function that runs the tests of a stack, with the options that it is given."""
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    pytester.makeini("[pytest]\naddopts = --strict-markers -p oodscen.pytest_plugin._hooks\n")
+    pytester.makepyfile(test_stack=TESTS)
+    pytester.syspathinsert()
+
+    def run(stack, *options, named=True):
+        pytester.makepyfile(stack=STACK.format(stack=stack))
+        shutil.rmtree(pytester.path / "__pycache__", ignore_errors=True)
+        words = [f"--oodscen={study.folder}"] if named else []
+        strict = ("-W", "error", "-W", "ignore::pytest.PytestAssertRewriteWarning")
+        return pytester.runpytest_inprocess(*strict, *words, *options)
+
+    return run
+
+
+def test_a_stack_that_keeps_its_speed_fails_and_the_report_tells_why(session, study, pytester):
+    result = session("Blind", "--junitxml=reports/junit.xml", "-k", "test_safe")
+    scene, known = study.scenes[0], study.scenarios[0]
+    assert result.ret == pytest.ExitCode.TESTS_FAILED
+    result.stdout.fnmatch_lines(
+        [
+            f"*False = <Stack in {scene.id}: touches * m/s>.is_safe",
+            f"scene *{scene.id}",
+            f"path *{known.path[-1]}",
+            f"text *{known.text}",
+            "outcome *touches*",
+            "safe here *",
+            "before * s * m/s * m from *",
+            "last frame */reports/oodscen/*.frame.png",
+            "plan view */reports/oodscen/*.plan.png",
+            "Stack, scenes: *",
+        ]
+    )
+    cases = ElementTree.parse(pytester.path / "reports" / "junit.xml").iter("testcase")
+    said = [{one.get("name"): one.get("value") for one in case.iter("property")} for case in cases]
+    assert [one["oodscen.scene"] for one in said] == [scene.id for scene in study.scenes]
+    assert said[0]["oodscen.drive.safe"] == "false"
+    assert said[0]["oodscen.path"] == " > ".join(known.path)
+    assert said[0]["oodscen.picture"].endswith(".plan.png")
+
+
+def test_scenes_have_readable_ids_and_marks(session, study):
+    def collected(*options):
+        found = session("Blind", "--collect-only", "-q", "-k", "test_safe", *options).outlines
+        return [line.partition("::")[2] for line in found if "::" in line]
+
+    box, other, kerb = (f"test_safe[{one.id}]" for one in study.scenes)
+    assert collected() == [box, other, kerb]
+    assert collected("-m", "path_box_in_the_lane") == [box, other]
+    assert collected("-m", "path_boxes and not path_box_in_the_lane") == [kerb]
+    assert collected("-m", "tag_RoadTypeMinor") == [box, other, kerb]
+    assert collected("--oodscen-per-path=1") == [box, kerb]
+    marks = session("Blind", "--markers").stdout.str()
+    assert "path_box_at_the_kerb:" in marks
+    assert "tag_RoadTypeMinor:" in marks
+
+
+def test_an_error_of_the_stack_is_shown_as_its_own(session):
+    result = session("Broken", "-k", "test_safe", "--oodscen-require=safe>=0.5")
+    assert result.ret == pytest.ExitCode.TESTS_FAILED
+    result.stdout.fnmatch_lines(["*RuntimeError: no map", "Stack, scenes: 0 of 3 *3 failed"])
+    assert result.parseoutcomes()["failed"] == 3
+
+
+def test_needless_braking_in_a_twin_fails_with_pictures(session, pytester):
+    result = session("Cautious", "-k", "test_twin", "--oodscen-pictures=shown")
+    result.stdout.fnmatch_lines(["*braking hard although keeping the speed is safe*"])
+    frames = sorted((pytester.path / "shown").glob("*~twin*.frame.png"))
+    assert len(frames) == len(list((pytester.path / "shown").iterdir())) / 2 > 0
+    with make_simulator("flat") as simulator:
+        plan = DrivePlan(example_scene(), simulator, 0)
+        driver, camera = action_driver("emergency_brake"), Camera()
+        for _ in drive_states(plan.twin, driver, simulator, 0, plan.steps, camera):
+            pass
+        assert frames[0].read_bytes() == png(simulator.render(camera).rgb)
+
+
+def test_a_baseline_that_cannot_be_written_fails_the_session(session, pytester):
+    (pytester.path / "file").write_text("")
+    write = ("--oodscen-baseline=file/known.json", "--oodscen-baseline-mode=write")
+    result = session("RuleBasedDriver", *write, "--junitxml=junit.xml", "-k", "kerb")
+    assert result.ret == pytest.ExitCode.TESTS_FAILED
+    result.stdout.fnmatch_lines(["oodscen: cannot write *known.json*"])
+    assert (pytester.path / "junit.xml").exists()
+
+
+def test_only_regressions_fail_against_a_baseline(session, pytester):
+    baseline = "--oodscen-baseline=known.json"
+    write = session("Blind", baseline, "--oodscen-baseline-mode=write")
+    assert write.ret == 0
+    rows = json.loads((pytester.path / "known.json").read_text())["tests"]
+    failed = [name for name, row in rows.items() if row["outcome"] == "failed"]
+    assert failed
+    assert {name.partition("::")[0] for name in rows} == {"test_stack.py"}
+
+    same = session("Blind", baseline)
+    assert (same.ret, same.parseoutcomes()["xfailed"]) == (0, len(failed))
+
+    worse = session("Cautious", baseline)
+    assert worse.ret == pytest.ExitCode.TESTS_FAILED
+    worse.stdout.fnmatch_lines(["* regressions, 0 new failures, *", "  regression: *test_twin*"])
+
+    better = session("RuleBasedDriver", baseline)
+    assert better.ret == 0
+    better.stdout.fnmatch_lines(["*0 regressions*improved", "*baseline-mode update"])
+    session("RuleBasedDriver", baseline, "--oodscen-baseline-mode=update", "-k", "test_safe")
+    updated = json.loads((pytester.path / "known.json").read_text())["tests"]
+    assert updated.keys() == rows.keys()
+    assert sum(row["outcome"] == "failed" for row in updated.values()) < len(failed)
+    assert session("Blind", baseline).ret == pytest.ExitCode.TESTS_FAILED
+
+
+def test_a_requirement_counts_failures_instead_of_failing_each(session):
+    result = session("Blind", "--oodscen-require=safe>=0")
+    assert result.ret == 0
+    assert "xfailed" in result.parseoutcomes()
+    short = session("Blind", "--oodscen-require=safe>=0.99")
+    assert short.ret == pytest.ExitCode.TESTS_FAILED
+    short.stdout.fnmatch_lines(["Stack: * (safe *)"])
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--oodscen-require=safe"], "is no requirement"),
+        (["--oodscen-require=notice>=0.5"], "no figure is called 'notice'"),
+        (["--oodscen-baseline=none.json"], "does not exist"),
+        (["--oodscen-baseline=test_stack.py"], "malformed baseline"),
+        (["--oodscen-baseline-mode=update"], "needs --oodscen-baseline"),
+        (["--oodscen-baseline", "../none.json"], "write --oodscen-baseline=../none.json"),
+        (["-o", "oodscen_per_path=few"], "is no number of scenes"),
+    ],
+)
+def test_a_wrong_option_is_one_line(session, options, words):
+    result = session("Blind", *options)
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    assert words in result.stderr.str()
+    assert "Traceback" not in result.stderr.str()
+
+
+def test_without_a_study_nothing_is_added(session, pytester):
+    assert session("Blind", "--fixtures", named=False).stdout.str().count("oodscen_scene") == 0
+    lost = session("Blind", "--oodscen-require=safe>=1", named=False)
+    assert "needs a study" in lost.stderr.str()
+    (pytester.path / "empty").mkdir()
+    assert "holds no study" in session("Blind", "--oodscen=empty", named=False).stderr.str()
+
+
+def test_a_setting_names_the_study_and_processes_share_the_scenes(session, study, pytester):
+    pytester.makeini(
+        "[pytest]\naddopts = -p oodscen.pytest_plugin._hooks -p xdist.plugin\n"
+        f"oodscen = {study.folder}\noodscen_baseline = known.json\n"
+    )
+    write = ["--oodscen-baseline-mode=write", "-k", "test_safe"]
+    session("Blind", *write, named=False)
+    alone = (pytester.path / "known.json").read_bytes()
+    result = session("Blind", *write, "-n", "1", named=False)
+    assert result.ret == 0
+    assert (pytester.path / "known.json").read_bytes() == alone
+    result.stdout.fnmatch_lines([f"Stack, scenes: * of {len(study.scenes)} safe, *"])
+
+
+def test_the_example_of_the_docs_runs(study, pytester, monkeypatch):
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    shutil.copytree(ROOT / "examples" / "driving_ci", pytester.path, dirs_exist_ok=True)
+    shutil.copytree(study.folder, pytester.path / "study")
+    code = re.search(r"```py\n.*?\n\n\n(.*?)```", (ROOT / "docs" / "ci.md").read_text(), re.DOTALL)
+    assert (pytester.path / "tests" / "test_stack.py").read_text().endswith(code[1])
+    pytester.syspathinsert()
+    plugin = (
+        "-p",
+        "oodscen.pytest_plugin._hooks",
+        "-W",
+        "ignore::pytest.PytestAssertRewriteWarning",
+    )
+    write = pytester.runpytest_inprocess(*plugin, "--oodscen-baseline-mode=write")
+    assert write.ret == 0
+    again = pytester.runpytest_inprocess(*plugin)
+    assert again.ret == 0
+    again.stdout.fnmatch_lines(["*baseline.json: 0 regressions, 0 new failures*"])

