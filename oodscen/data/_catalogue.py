@@ -71,6 +71,14 @@ class BehaviourKind(Data):
     parameters: dict[str, BehaviourParameter] = {}
     needs_other: bool = False
     """True if `Behaviour.other` must name the actor that carries, tows or owns this one."""
+    like: str = ""
+    """For a behaviour of the simulator's own: id of the most similar built-in one, which stands in for it
+    wherever no simulator runs, as in the checks of a scene. Empty for a built-in behaviour."""
+
+    @property
+    def built_in(self) -> str:
+        """Id of the built-in behaviour that this one is, or that stands in for it."""
+        return self.like or self.id
 
 
 class RoadMap(Data):
@@ -132,6 +140,9 @@ class Catalogue(Data):
     behaviours: tuple[BehaviourKind, ...]
     maps: tuple[RoadMap, ...]
     weather: WeatherRange
+    camera: Literal["dash", "top"] = "dash"
+    """The pictures that the simulator draws: `dash` for views forward from the ego, with any `Camera`; `top`
+    for views straight down only, such as `Camera.above()`."""
 
     def asset(self, name: str) -> Asset:
         """Return an asset by id; raises `KeyError` if it is unknown."""

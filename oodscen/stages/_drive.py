@@ -19,7 +19,16 @@ from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import OodscenError, UsageError
-from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, State
+from oodscen.protocols import (
+    Camera,
+    Control,
+    Driver,
+    Looks,
+    Observation,
+    Simulator,
+    State,
+    WantsFrames,
+)
 from oodscen.stages._rollouts import peak_deceleration, peak_jerk
 
 MakeDriver = Callable[[], Driver]
@@ -245,8 +254,8 @@ def drive_result(
 def _driven(
     scene: Scene, driver: Driver, simulator: Simulator, seed: int, steps: int, camera: Camera
 ) -> Iterator[State]:
-    look = getattr(driver, "look", None)
-    wants_frames = bool(getattr(driver, "wants_frames", False))
+    wants_frames = isinstance(driver, WantsFrames) and bool(driver.wants_frames)
+    looking = driver if isinstance(driver, Looks) else None
     state = simulator.reset(scene, seed)
     yield state
     for _ in range(steps):
@@ -255,8 +264,8 @@ def _driven(
         observation = simulator.observe()
         if wants_frames:
             observation = replace(observation, frame=simulator.render(camera))
-        if look:
-            look(state)
+        if looking:
+            looking.look(state)
         control = driver.act(observation)
         if not isinstance(control, Control) or not control.is_finite:
             raise UsageError(f"act() returned {control!r:.200}, not a Control of finite numbers")

@@ -13,7 +13,7 @@ from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
 from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import OodscenError, SceneError, SpawnError, UnknownComponent
-from oodscen.protocols import Camera, Control, Frame, Simulator, State
+from oodscen.protocols import Camera, Control, Frame, Simulator, Snapshots, State
 from oodscen.testing._appearance import appearance_faults, weather_faults
 from oodscen.testing._contact import gap_fault
 from oodscen.testing._isolation import leak_faults, process_faults
@@ -367,18 +367,17 @@ class _Check:
 
     def check_snapshot(self, simulator: Simulator, scene: Scene) -> None:
         """Check that a run from a restored snapshot repeats the original run, if snapshots are offered."""
-        take, put = (getattr(simulator, name, None) for name in ("snapshot", "restore"))
-        if take is None or put is None:
+        if not isinstance(simulator, Snapshots):
             return
         simulator.reset(scene, 1)
         for _ in range(10):
             simulator.step(Control(acceleration=-1.0, steering=0.01))
-        kept = take()
+        kept = simulator.snapshot()
         runs = []
         for _ in range(2):
             states = [simulator.step(Control(steering=-0.02)) for _ in range(20)]
             runs.append([state.fingerprint() for state in states])
-            put(kept)
+            simulator.restore(kept)
         self.that(runs[0] == runs[1], "snapshot: what follows a restored snapshot differs")
 
     # ------------------------------------------------------------------ frames and refusals
