@@ -118,7 +118,7 @@ class BaseSimulator(Brief, ABC):
             raise SceneError(scene.id, issues)
         return load_corridor(scene.map, catalogue), catalogue
 
-    def _shown(self, seen: Published) -> State:
+    def _keep_state(self, seen: Published) -> State:
         """Return the state with what was measured, and keep it."""
         world = self.world
         arrays = (seen.poses, seen.speeds, seen.gaps, seen.accelerations, seen.places)

@@ -112,7 +112,7 @@ class DynamicSimulator(BaseSimulator):
         self._fire(world, -1.0)
         world.set_poses(*self._measured())
         self._world = world
-        return self._shown(world.publish())
+        return self._keep_state(world.publish())
 
     def step(self, control: Control) -> State:
         """Advance by exactly one `dt`.
@@ -125,7 +125,7 @@ class DynamicSimulator(BaseSimulator):
         self.move(checked(control))
         world.follow(*self._measured())
         self._fire(world, before)
-        return self._shown(world.publish())
+        return self._keep_state(world.publish())
 
     def observe(self) -> Observation:
         """Return the driver's observation of the current state."""
@@ -198,7 +198,7 @@ class RestorableSimulator(DynamicSimulator):
         """Return to an earlier state of the current scene; the run then repeats exactly."""
         self.world.restore(snapshot.world)
         self.resume(snapshot.saved)
-        return self._shown(self.world.publish())
+        return self._keep_state(self.world.publish())
 
 
 def _rounded(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -165,4 +165,4 @@ class KinematicSimulator(BaseSimulator):
         if near:
             for row, distance in zip(near, self.gaps(near), strict=True):
                 gaps[row] = max(LEAST_M, round(float(distance), 4))
-        return self._shown(seen)
+        return self._keep_state(seen)
