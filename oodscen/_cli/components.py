@@ -28,9 +28,15 @@ def plugins(as_json: bool) -> None:
 @click.argument("name", required=False)
 @click.option("--api-base", help="Address of an OpenAI-compatible server, for llm NAME.")
 @click.option("--quick", is_flag=True, help="Run only the checks of a simulator that take seconds.")
+@click.option("--states-only", is_flag=True, help="Allow pixels that differ from run to run.")
 @json_option
 def doctor(
-    what: str | None, name: str | None, api_base: str | None, quick: bool, as_json: bool
+    what: str | None,
+    name: str | None,
+    api_base: str | None,
+    quick: bool,
+    states_only: bool,
+    as_json: bool,
 ) -> None:
     """Check the installation, or one component.
 
@@ -54,7 +60,9 @@ def doctor(
         findings = examine()
     else:
         with bars() as progress:
-            findings = examine_simulator(what, is_quick=quick, progress=progress)
+            findings = examine_simulator(
+                what, is_quick=quick, states_only=states_only, progress=progress
+            )
     if as_json:
         say(json.dumps([finding._asdict() for finding in findings], indent=2))
     else:

@@ -117,8 +117,10 @@ class RoadMap(Data):
 class WeatherRange(Data):
     """The range of weather that a simulator can show."""
 
-    min_sun_elevation_deg: float = -90.0
-    """Lowest sun elevation; above -6 if the simulator has no night."""
+    min_sun_elevation_deg: float = 0.0
+    """Lowest sun elevation; -90 with night, 0 with dusk, more for daylight only."""
+    sun_is_drawn: bool = True
+    """False if every sun looks alike, as in a simulator without shade: no scene can be about the sun."""
     min_fog_visual_range_m: float = 10_000.0
     """Shortest visual range in fog, m; 10 km if the simulator has no fog."""
     precipitation: tuple[Literal["none", "rain", "snow"], ...] = ("none",)
@@ -200,6 +202,11 @@ class Catalogue(Data):
                 Issue(f"hazard.weather.{i.path}", i.message)
                 for i in self._check_weather(scene.hazard.weather)
             ]
+        if scene.hazard.weather is not None and not self.weather.sun_is_drawn:
+            suns = (scene.weather.sun_elevation_deg, scene.hazard.weather.sun_elevation_deg)
+            if suns[0] != suns[1]:
+                message = f"must be {suns[0]:g} as in the scene: the simulator draws every sun alike"
+                issues.append(Issue("hazard.weather.sun_elevation_deg", message))
         for index, actor in enumerate(scene.actors):
             issues += self._check_actor(f"actors[{index}]", actor)
         for key, ordinary in scene.hazard.actors.items():
