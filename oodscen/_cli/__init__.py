@@ -190,5 +190,6 @@ for _command in (
     tree.tree,
     components.plugins,
     components.doctor,
+    components.new,
 ):
     main.add_command(_command)

@@ -23,6 +23,26 @@ def plugins(as_json: bool) -> None:
         say(f"{row['kind']:10} {row['name']:22} {row['source']:55} {row['state']}")
 
 
+@click.group()
+def new() -> None:
+    """Write the beginnings of a package of your own."""
+
+
+@new.command()
+@click.argument("name")
+@click.option("--into", default=".", help="Folder in which the package's folder is made.")
+def adapter(name: str, into: str) -> None:
+    """Write a package with a simulator adapter that passes `doctor --quick`, and its tests.
+
+    NAME is the simulator's name; the package is oodscen_NAME. Replace its dynamics and pictures by those of
+    the simulator that you connect.
+    """
+    from oodscen.testing._new.writing import write_adapter
+
+    for path in write_adapter(name, into):
+        say(f"wrote {path}")
+
+
 @click.command()
 @click.argument("what", required=False)
 @click.argument("name", required=False)

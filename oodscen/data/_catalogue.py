@@ -205,7 +205,9 @@ class Catalogue(Data):
         if scene.hazard.weather is not None and not self.weather.sun_is_drawn:
             suns = (scene.weather.sun_elevation_deg, scene.hazard.weather.sun_elevation_deg)
             if suns[0] != suns[1]:
-                message = f"must be {suns[0]:g} as in the scene: the simulator draws every sun alike"
+                message = (
+                    f"must be {suns[0]:g} as in the scene: the simulator draws every sun alike"
+                )
                 issues.append(Issue("hazard.weather.sun_elevation_deg", message))
         for index, actor in enumerate(scene.actors):
             issues += self._check_actor(f"actors[{index}]", actor)
