@@ -200,6 +200,18 @@ class Camera:
             finite_number(f"camera: {name}", getattr(self, name))
 
 
+def camera_for(catalogue: Catalogue, camera: Camera | None = None) -> Camera:
+    """Return a camera that a simulator can draw with.
+
+    Args:
+        catalogue: The simulator's catalogue.
+        camera: The wanted camera; a simulator that sees from above only keeps its size.
+    """
+    if catalogue.camera == "top" and (camera is None or camera.pitch_deg != 90.0):
+        return Camera.above(camera.width, camera.height) if camera else Camera.above()
+    return camera or Camera()
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Frame(Brief):
     """One camera picture with depth and instance ids."""
@@ -389,7 +401,7 @@ class ChecksScenes(Protocol):
     def check(self, scene: Scene) -> Sequence[Issue]:
         """Return the reasons, each with its path in the scene; empty if the scene can be run.
 
-        May be called without a `reset`, and must not disturb a run.
+        May be called without a `reset` and from several threads, and must not disturb a run.
         """
         ...
 

@@ -15,7 +15,7 @@ from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import SceneError, SimulatorError, UsageError
-from oodscen.protocols import Camera, Control, Frame, Observation, State
+from oodscen.protocols import Camera, ChecksScenes, Control, Frame, Observation, State
 
 
 class BaseSimulator(Brief, ABC):
@@ -114,6 +114,8 @@ class BaseSimulator(Brief, ABC):
         self._world = self._state = None
         catalogue = self.catalogue()
         issues = staging_issues(scene, catalogue)
+        if not issues and isinstance(self, ChecksScenes):
+            issues = list(self.check(scene))
         if issues:
             raise SceneError(scene.id, issues)
         return load_corridor(scene.map, catalogue), catalogue

@@ -28,6 +28,7 @@ from oodscen.protocols import (
     Simulator,
     State,
     WantsFrames,
+    camera_for,
 )
 from oodscen.stages._rollouts import peak_deceleration, peak_jerk
 
@@ -198,7 +199,8 @@ def _drive(
     camera: Camera | None,
 ) -> DriveResult:
     try:
-        states = list(_driven(scene, make(), simulator, seed, steps, camera or Camera()))
+        camera = camera_for(simulator.catalogue(), camera)
+        states = list(_driven(scene, make(), simulator, seed, steps, camera))
     except (Exception, SystemExit) as error:  # A driver may raise anything.
         return _failed(scene.id, name, error)
     return drive_result(scene, states, simulator.catalogue(), name, steps, simulator.dt)

@@ -29,7 +29,15 @@ from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._sight.visibility import is_noticeable
 from oodscen.driving._trace import Course, Trace, concatenated
 from oodscen.errors import MissingExtra, UnknownComponent
-from oodscen.protocols import Camera, Control, Frame, Simulator, Snapshots, State
+from oodscen.protocols import (
+    Camera,
+    Control,
+    Frame,
+    Simulator,
+    Snapshots,
+    State,
+    camera_for,
+)
 from oodscen.stages._rollouts import Rollouts, Trials, fingerprint
 from oodscen.stages._video import birds_eye
 from oodscen.stages._visibility import sighting
@@ -116,7 +124,7 @@ def simulate(
         scene: The scene to run.
         simulator: The simulator to run it in.
         seed: Seed of the simulator's random streams.
-        camera: By default the ego's dash camera.
+        camera: By default the ego's dash camera, or one above it if the simulator sees from there only.
         actions: The actions to roll out.
         render: Render the three frames.
         traces: Keep the ground truth of every action's rollout.
@@ -163,7 +171,7 @@ def _simulated(
     states, controls, fired = approach(scene, simulator, seed, going_back)
     decided = states[-1]
     digest, decision_s = fingerprint(states), round(decided.time, 6)
-    shown = (camera or Camera()) if render else None
+    shown = camera_for(simulator.catalogue(), camera) if render else None
     if is_paper:
         whole = [*controls, *_blind(scene, simulator, states[-1])]
         frames, states = _shown_again(scene, simulator, seed, whole, shown, moments)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import simulate
-from oodscen.data._scene import Trigger
+from oodscen.data._scene import Ego, Trigger
 from oodscen.driving import (
     DynamicSimulator,
     KinematicWorld,
@@ -15,9 +15,10 @@ from oodscen.driving import (
     within_grip,
 )
 from oodscen.driving._sight.placement import staging_issues
-from oodscen.errors import SceneError, SimulatorError, UsageError
-from oodscen.protocols import Camera, Control, Simulator, Snapshots
-from oodscen.testing import FlatSimulator, flat_frame
+from oodscen.driving._sight.staging_advice import AdvisingCheck
+from oodscen.errors import Issue, SceneError, SimulatorError, UsageError
+from oodscen.protocols import Camera, ChecksScenes, Control, Simulator, Snapshots
+from oodscen.testing import FlatSimulator, example_scene, flat_frame
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
 CAR = scene(
@@ -207,3 +208,21 @@ def test_a_behaviour_of_its_own_runs_by_the_one_that_it_is_like() -> None:
     engine.reset(staged, 0)
     assert engine.staged.bodies[1].behaviour == "mobil"
     assert engine.staged.bodies[1].speed > 0.0
+
+
+def test_a_simulator_refuses_scenes_by_its_own_check() -> None:
+    class Choosy(Engine):
+        def check(self, scene):
+            slow = scene.ego.speed < 5.0
+            return [Issue("ego.speed", "is too slow for this engine")] if slow else []
+
+    assert isinstance(Choosy(), ChecksScenes)
+    assert not isinstance(Engine(), ChecksScenes)
+    Choosy().reset(CAR, 0)
+    slow = scene(speed=3.0)
+    with pytest.raises(SceneError, match="too slow for this engine"):
+        Choosy().reset(slow, 0)
+    staged = example_scene().model_copy(update={"ego": Ego(speed=4.0)})
+    check = AdvisingCheck(Choosy())
+    assert [issue.path for issue in check(staged, CATALOGUE)] == ["ego.speed"]
+    assert not AdvisingCheck(Engine())(staged, CATALOGUE)

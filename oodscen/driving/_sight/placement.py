@@ -10,6 +10,7 @@ from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies, overlapping, touch, truth_issues
 from oodscen.errors import DataError, Issue, UnknownComponent
+from oodscen.protocols import camera_for
 
 DT = 0.05
 """Seconds per step of the trial run."""
@@ -44,7 +45,7 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     if not issues:
         last = len(path) - 1
         moments = dict(zip(MOMENTS, (path[0], path[last // 2], path[last]), strict=True))
-        issues = truth_issues(scene, corridor, moments)
+        issues = truth_issues(scene, corridor, moments, camera=camera_for(catalogue))
     if issues or scene.is_ordinary:
         return issues
     twin = scene.twin(round(last * DT, 6))

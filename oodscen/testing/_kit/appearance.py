@@ -1,5 +1,7 @@
 """Parts about looks: every asset in every state, and the extremes of the weather, show when rendered."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from oodscen.data._catalogue import Asset, Catalogue
@@ -42,6 +44,8 @@ def _shown(probe: Probe, asset: Asset, state: str) -> list[str]:
     away = max(_NEAREST_M, 0.5 * asset.length + 3.0 + 0.9 * size)
     actor = probe.still(asset, ahead=away).model_copy(update={"state": state})
     scene, camera = probe.scene(actor), probe.camera(240, 180)
+    if probe.is_top:
+        camera = replace(camera, x=away, z=asset.height + max(8.0, 1.2 * size))
     first = probe.simulator.reset(scene, 0)
     frame = probe.simulator.render(camera)
     cast = bodies(scene, probe.catalogue, first.poses)
@@ -50,7 +54,7 @@ def _shown(probe: Probe, asset: Asset, state: str) -> list[str]:
     silhouette = area(clipped(outline, camera.width, camera.height))
     mask = frame.ids == 2
     pixels = int(mask.sum())
-    if pixels < max(4.0 if not probe.is_top else 1.0, LEAST_SHARE * silhouette):
+    if pixels < max(4.0, LEAST_SHARE * silhouette):
         return [f"fills {pixels} pixels of about {silhouette:.0f}, {away:.0f} m ahead"]
     faults = []
     if int(frame.ids.max(initial=0)) > 2:
