@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from pydantic import field_validator
 
 from oodscen._display import Brief, png
+from oodscen._field_docs import with_fields
 from oodscen._numbers import finite_number, whole_number
 from oodscen._text import whole
 from oodscen.data._base import Data
@@ -157,6 +158,7 @@ MAX_SIZE = 8192
 """Maximum pixels along a side of a picture."""
 
 
+@with_fields
 @dataclass(frozen=True)
 class Camera:
     """A pinhole camera that moves with the ego and looks forward or, with a pitch, downwards.
@@ -212,6 +214,7 @@ def camera_for(catalogue: Catalogue, camera: Camera | None = None) -> Camera:
     return camera or Camera()
 
 
+@with_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class Frame(Brief):
     """One camera picture with depth and instance ids."""
@@ -230,6 +233,7 @@ class Frame(Brief):
         return png(self.rgb)
 
 
+@with_fields
 @dataclass(frozen=True)
 class Control:
     """The ego's control input for one step. The simulator limits it to what the tyres can transmit."""
@@ -248,6 +252,7 @@ class Control:
             return False
 
 
+@with_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class State(Brief):
     """The world after a step. Row 0 of every array is the ego."""
@@ -409,6 +414,7 @@ class ChecksScenes(Protocol):
 # ------------------------------------------------------------------ drivers
 
 
+@with_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class Observation(Brief):
     """The input of a driver. Offsets are from the centre of the lane in which the ego started."""

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from pydantic import Field
 
+from oodscen._field_docs import with_fields
 from oodscen.data._base import Data
 from oodscen.data._scene import Actor, Scene, Weather
 from oodscen.errors import Issue, close_matches
@@ -21,6 +22,7 @@ FLAT_M = 0.08
 """Maximum height of things that lie flat on the road, m: others can drive over and stand on them."""
 
 
+@with_fields
 class Asset(Data):
     """A kind of object that can be placed in a scene."""
 
@@ -49,6 +51,7 @@ class Asset(Data):
         return self.height < FLAT_M or shown in self.passable
 
 
+@with_fields
 class BehaviourParameter(Data):
     """A numeric parameter of a behaviour."""
 
@@ -58,6 +61,7 @@ class BehaviourParameter(Data):
     description: str = ""
 
 
+@with_fields
 class BehaviourKind(Data):
     """A behaviour that actors can have."""
 
@@ -81,6 +85,7 @@ class BehaviourKind(Data):
         return self.like or self.id
 
 
+@with_fields
 class RoadMap(Data):
     """A road network and the ego's starting point on it."""
 
@@ -114,6 +119,7 @@ class RoadMap(Data):
     """Landmarks known to be on its roads, for maps without a file to search."""
 
 
+@with_fields
 class WeatherRange(Data):
     """The range of weather that a simulator can show."""
 

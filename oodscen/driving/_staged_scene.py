@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
+from oodscen._field_docs import with_fields
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.bodies import GRAVITY, MAX_DRIVE, MAX_STEERING, WHEELBASE
@@ -24,6 +25,7 @@ _ON_ROAD = -1e9
 """A height for bodies without one, m: no body is ever measured below the road."""
 
 
+@with_fields
 @dataclass(frozen=True)
 class StagedBody:
     """One body of a scene at its start."""

@@ -19,7 +19,7 @@ class Finding(NamedTuple):
     """One broken promise."""
 
     subject: str
-    """What breaks it: `behaviour fall of cone`, `asset car brake`; may be empty."""
+    """The thing that breaks it: `behaviour fall of cone`, `asset car brake`; may be empty."""
     message: str
 
 

@@ -1,4 +1,4 @@
-"""What every part of the conformance check is given: the simulator, its catalogue and scenes to try."""
+"""The input of every part of the conformance check: the simulator, its catalogue and scenes to try."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -4,6 +4,7 @@ import ast
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -60,3 +61,9 @@ def test_nothing_is_overwritten(tmp_path) -> None:
     write_adapter("mine", tmp_path)
     with pytest.raises(UsageError, match="exists already"):
         write_adapter("mine", tmp_path)
+
+
+def test_the_documentation_shows_the_adapter_that_is_written() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "adapters.md").read_text("utf-8")
+    source = Path(sys.modules[MySimulator.__module__].__file__ or "").read_text("utf-8")
+    assert f"```python\n{source}```\n" in page
