@@ -12,7 +12,7 @@ from oodscen.errors import UnknownComponent, UsageError
 from oodscen.protocols import Simulator
 from oodscen.testing._kit import appearance, measures, motion, pictures, runs, vocabulary
 from oodscen.testing._kit.findings import Finding, Findings, NotApplicable, PartResult, report
-from oodscen.testing._kit.isolation import leak_faults, process_faults
+from oodscen.testing._kit.isolation import NEEDS_GUARD, leak_faults, process_faults
 from oodscen.testing._kit.probe import Factory, Probe, clear_day
 from oodscen.testing._kit.samples import plain_scene
 
@@ -128,10 +128,7 @@ def examine_parts(
         if part not in PARTS:
             raise UnknownComponent("part", part, PARTS)
     if is_worker():
-        raise UsageError(
-            "the module of the simulator checks it when it is imported, also in the fresh process of the "
-            "part 'process': put that call under: if __name__ == '__main__':"
-        )
+        raise UsageError(NEEDS_GUARD)
     wanted = [part for part in _PARTS if part in parts and (not quick or part in QUICK)]
     factory = partial(make_simulator, simulator) if isinstance(simulator, str) else simulator
     results: list[PartResult] = []

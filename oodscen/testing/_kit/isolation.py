@@ -5,6 +5,7 @@ import hashlib
 import importlib
 import os
 import pickle
+import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor
 
@@ -20,6 +21,12 @@ LEAK_BYTES = 8 * 2**20
 """Maximum growth of resident memory over all watched resets that does not count as a leak."""
 LEAK_FILES = 2
 """Maximum growth of the number of open files that does not count as a leak."""
+
+NEEDS_GUARD = (
+    "the module of the simulator checks it when it is imported, also in the fresh process of the part "
+    "'process': put that call under: if __name__ == '__main__':"
+)
+"""The finding about a script without a main guard."""
 
 _BLOCKS = 5
 _SEED = 3
@@ -47,6 +54,8 @@ def process_faults(
             f"a fresh process cannot import {source!r}; give a class of a module of its own, or its "
             "name as module:attr"
         )
+    if _is_being_imported(source):
+        return [Finding("", NEEDS_GUARD)]
     here = {scene.id: run_digest(simulator, scene, camera) for scene in scenes}
     try:
         with Processes(1) as pool:
@@ -145,6 +154,13 @@ def open_files() -> int:
         return len(os.listdir("/proc/self/fd"))
     except OSError:
         return 0
+
+
+def _is_being_imported(source: Callable[[], Simulator] | str) -> bool:
+    """Return whether the simulator's module is being imported; no other thread can then use it."""
+    name = source.partition(":")[0] if isinstance(source, str) else source.__module__
+    spec = getattr(sys.modules.get(name), "__spec__", None)
+    return bool(getattr(spec, "_initializing", False))
 
 
 def _travels(source: Callable[[], Simulator] | str) -> bool:
