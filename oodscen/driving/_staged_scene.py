@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from oodscen._display import Brief
 from oodscen._field_docs import with_fields
+from oodscen._numbers import finite_number
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.bodies import GRAVITY, MAX_DRIVE, MAX_STEERING, WHEELBASE
@@ -197,7 +198,12 @@ def within_grip(control: Control, speed: float, friction: float) -> Control:
         control: The driver's control.
         speed: The ego's speed, m/s.
         friction: Friction scale of the road; 1 is dry asphalt.
+
+    Raises:
+        UsageError: If speed or friction is no finite number from 0.
     """
+    speed = finite_number("speed", speed, 0.0, 1e6)
+    friction = finite_number("friction", friction, 0.0, 100.0)
     grip = friction * GRAVITY
     angle = min(max(control.steering, -MAX_STEERING), MAX_STEERING)
     along = min(max(control.acceleration, -2.0 * grip), min(MAX_DRIVE, grip))
