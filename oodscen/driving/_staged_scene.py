@@ -200,9 +200,9 @@ def within_grip(control: Control, speed: float, friction: float) -> Control:
         friction: Friction scale of the road; 1 is dry asphalt.
 
     Raises:
-        UsageError: If speed or friction is no finite number from 0.
+        UsageError: If speed or friction is no finite number.
     """
-    speed = finite_number("speed", speed, 0.0, 1e6)
+    speed = finite_number("speed", speed, -1e6, 1e6)
     friction = finite_number("friction", friction, 0.0, 100.0)
     grip = friction * GRAVITY
     angle = min(max(control.steering, -MAX_STEERING), MAX_STEERING)
