@@ -37,30 +37,41 @@ def examine() -> list[CheckResult]:
 
 
 def examine_simulator(
-    name: str, *, is_quick: bool = False, progress: Progress | bool | None = None
+    name: str,
+    *,
+    is_quick: bool = False,
+    states_only: bool = False,
+    progress: Progress | bool | None = None,
 ) -> list[CheckResult]:
-    """Run the conformance check on one simulator; one finding per fault.
+    """Run the conformance check on one simulator.
 
     Args:
         name: A registered name, or `module:attr`.
         is_quick: Skip the slow parts.
+        states_only: Do not compare pictures of repeated runs.
         progress: True for a progress bar, or a callable; it counts the parts.
+
+    Returns:
+        One finding per fault, or one that the protocol is kept; then those parts that do not apply.
 
     Raises:
         UsageError: If there is no such simulator.
     """
     from oodscen._registry import make_simulator
-    from oodscen.testing._check import PARTS, QUICK, check_simulator
+    from oodscen.testing._check import examine_parts
 
     with working("simulator", name):
         make_simulator(name).close()
-    parts = QUICK if is_quick else PARTS
-    try:
-        check_simulator(name, parts=parts, progress=progress)
-    except AssertionError as error:
-        faults = str(error).split("\n  - ")[1:]
-        return [CheckResult(f"simulator {name}", False, fault) for fault in faults]
-    return [CheckResult(f"simulator {name}", True, f"keeps the protocol ({', '.join(parts)})")]
+    results = examine_parts(name, quick=is_quick, states_only=states_only, progress=progress)
+    what = f"simulator {name}"
+    found = [CheckResult(what, False, line) for result in results for line in result.lines()]
+    idle = {result.part: result.inapplicable for result in results if result.inapplicable}
+    if not found:
+        held = ", ".join(result.part for result in results if result.part not in idle)
+        found.append(CheckResult(what, True, f"keeps the protocol ({held})"))
+    return found + [
+        CheckResult(what, True, f"{part} does not apply: {reason}") for part, reason in idle.items()
+    ]
 
 
 WANTED = {"hazards": 220, "families": 30, "staged": 90}

@@ -37,6 +37,11 @@ _START = (
 _is_worker = False
 
 
+def is_worker() -> bool:
+    """Return whether this process is a worker."""
+    return _is_worker
+
+
 def is_importable(name: str) -> bool:
     """Return whether worker processes can import a component by name; they cannot import scripts and notebooks."""
     return not name.startswith("__main__:")

@@ -2,9 +2,11 @@
 
 An `LLM` turns a request into text, an `Encoder` turns texts into vectors, a `Simulator` turns a
 scene into states and frames, and a `Driver` turns observations into controls. Implementations are
-plain classes with these members; no base class is required. Most simulators are shorter as
-subclasses of `oodscen.driving.KinematicSimulator`. Members that a docstring calls optional are looked
-up by name and may be missing.
+plain classes with these members; no base class is required. Simulators are shorter as subclasses of
+`oodscen.driving.DynamicSimulator`, if they own motion, or of `KinematicSimulator`, if they only draw.
+
+What a simulator or driver may be able to do in addition has a protocol of its own: `Snapshots`,
+`Rehearses`, `ChecksScenes`, `Looks`, `WantsFrames`. An object has the ability if it has the members.
 
 Units are SI: metres, seconds, radians, unless a name ends in `_deg`. Axes are those of ISO 8855: x
 forward, y to the left, z up; angles and curvatures are positive to the left (counter-clockwise).
@@ -21,12 +23,14 @@ from numpy.typing import NDArray
 from pydantic import field_validator
 
 from oodscen._display import Brief, png
+from oodscen._field_docs import with_fields
 from oodscen._numbers import finite_number, whole_number
 from oodscen._text import whole
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._messages import Image, Message
 from oodscen.data._scene import Scene
+from oodscen.errors import Issue
 
 if TYPE_CHECKING:
     from oodscen.prompts._base import Prompt
@@ -34,18 +38,23 @@ if TYPE_CHECKING:
 __all__ = [
     "LLM",
     "Camera",
+    "ChecksScenes",
     "Completion",
     "Control",
     "Driver",
     "Encoder",
     "Frame",
     "Image",
+    "Looks",
     "Message",
     "Observation",
+    "Rehearses",
     "Request",
     "Simulator",
+    "Snapshots",
     "State",
     "Usage",
+    "WantsFrames",
 ]
 
 # ------------------------------------------------------------------ language models
@@ -149,9 +158,13 @@ MAX_SIZE = 8192
 """Maximum pixels along a side of a picture."""
 
 
+@with_fields
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera on the ego; pixels are square."""
+    """A pinhole camera that moves with the ego, looking forward unless `pitch_deg` or `yaw_deg` turns it.
+
+    Pixels are square. Positions are relative to the centre of the ego's footprint and turn with its yaw.
+    """
 
     width: int = 640
     height: int = 480
@@ -167,6 +180,20 @@ class Camera:
     """Pitch, degrees, downwards positive."""
     yaw_deg: float = 0.0
     """Direction relative to the ego's heading, degrees, left positive; 0 looks forward, 180 back."""
+
+    @classmethod
+    def above(
+        cls, width: int = 640, height: int = 480, *, x: float = 12.0, z: float = 60.0
+    ) -> "Camera":
+        """Return a camera that looks straight down; the ego's direction is up in its pictures.
+
+        Args:
+            width: Width of the picture, pixels.
+            height: Height of the picture, pixels.
+            x: Distance of the picture's middle ahead of the ego's centre, m.
+            z: Height above the road, m; the picture's width shows 1.15 times as many metres.
+        """
+        return cls(width, height, 60.0, x, 0.0, z, 90.0)
 
     def __post_init__(self) -> None:
         for name in ("width", "height"):
@@ -185,6 +212,19 @@ class Camera:
         return Camera(self.width, self.height, x=-2.0, z=1.2, pitch_deg=4.0, yaw_deg=180.0)
 
 
+def camera_for(catalogue: Catalogue, camera: Camera | None = None) -> Camera:
+    """Return a camera that a simulator can draw with.
+
+    Args:
+        catalogue: The simulator's catalogue.
+        camera: The wanted camera; a simulator that sees from above only keeps its size.
+    """
+    if catalogue.camera == "top" and (camera is None or camera.pitch_deg != 90.0):
+        return Camera.above(camera.width, camera.height) if camera else Camera.above()
+    return camera or Camera()
+
+
+@with_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class Frame(Brief):
     """One camera picture with depth and instance ids."""
@@ -203,6 +243,7 @@ class Frame(Brief):
         return png(self.rgb)
 
 
+@with_fields
 @dataclass(frozen=True)
 class Control:
     """The ego's control input for one step. The simulator limits it to what the tyres can transmit."""
@@ -221,6 +262,7 @@ class Control:
             return False
 
 
+@with_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class State(Brief):
     """The world after a step. Row 0 of every array is the ego."""
@@ -263,12 +305,7 @@ class Simulator(Protocol):
     The same scene, seed and controls give the same bytes, whatever ran before. Nothing expensive
     starts before the first `reset`. `step`, `render` and `observe` follow a `reset`.
 
-    Optional members: `snapshot()`, which returns the state of all motion as plain data, and
-    `restore(snapshot)`, which returns to it within the same scene and returns the `State`. Without
-    both, every action is tried by resetting and repeating the approach. `rehearse(action, seconds, *,
-    reaction_s, friction, speed)`, which returns whether an action begun now by a driver with this
-    reaction time, on a road with this share of the friction and at this share of the ego's speed,
-    touches nothing and stays on the road; without it, only the reaction time is varied.
+    Abilities that a simulator may have in addition: `Snapshots`, `Rehearses` and `ChecksScenes`.
     """
 
     name: str
@@ -322,9 +359,72 @@ class Simulator(Protocol):
     ) -> None: ...
 
 
+@runtime_checkable
+class Snapshots(Protocol):
+    """A simulator that can return to an earlier step of the current scene.
+
+    Without it, every action is tried by resetting and repeating the approach.
+    """
+
+    def snapshot(self) -> Any:
+        """Return the current state of all motion as plain data."""
+        ...
+
+    def restore(self, snapshot: Any) -> State:
+        """Return to a snapshot of the current scene; the same controls then give the same bytes."""
+        ...
+
+
+@runtime_checkable
+class Rehearses(Protocol):
+    """A simulator that can try an action for other drivers and on other roads.
+
+    Without it, only the reaction time is varied when an action is judged.
+    """
+
+    def rehearse(
+        self,
+        action: str,
+        seconds: float,
+        *,
+        reaction_s: float,
+        friction: float = 1.0,
+        speed: float = 1.0,
+    ) -> bool:
+        """Return whether an action, begun now, touches nothing and stays on the road.
+
+        The simulator stays in its current state.
+
+        Args:
+            action: Id of a discrete action.
+            seconds: Time for which the action is watched, s.
+            reaction_s: Time for which the driver keeps lane and speed first, s.
+            friction: Share of the scene's friction.
+            speed: Share of the ego's current speed at which it drives on.
+        """
+        ...
+
+
+@runtime_checkable
+class ChecksScenes(Protocol):
+    """A simulator that can tell why it will not run a scene as it is meant.
+
+    Scenes are first checked on the kinematic world, in which behaviours of the simulator's own are
+    replaced by those that they are like. This check follows.
+    """
+
+    def check(self, scene: Scene) -> Sequence[Issue]:
+        """Return the reasons, each with its path in the scene; empty if the scene can be run.
+
+        May be called without a `reset` and from several threads, and must not disturb a run.
+        """
+        ...
+
+
 # ------------------------------------------------------------------ drivers
 
 
+@with_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class Observation(Brief):
     """The input of a driver. Offsets are from the centre of the lane in which the ego started."""
@@ -364,10 +464,26 @@ class Observation(Brief):
 class Driver(Protocol):
     """Controls the ego in one episode; every episode gets a new driver.
 
-    Optional members: `wants_frames`, true to get a camera picture with every observation, and
-    `look(state)`, which is called before `act` with the true state, for drivers that cheat.
+    Abilities that a driver may have in addition: `Looks` and `WantsFrames`.
     """
 
     def act(self, observation: Observation) -> Control:
         """Return the control for the next step."""
         ...
+
+
+@runtime_checkable
+class Looks(Protocol):
+    """A driver that is shown the true state, as if it had perfect perception."""
+
+    def look(self, state: State) -> None:
+        """Receive the state; called before every `act`."""
+        ...
+
+
+@runtime_checkable
+class WantsFrames(Protocol):
+    """A driver that may ask for pictures."""
+
+    wants_frames: bool
+    """True to get the camera's picture with every observation."""

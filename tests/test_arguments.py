@@ -21,7 +21,7 @@ from oodscen.llm import Limits
 from oodscen.llm._call_log import LoggedLLM
 from oodscen.llm._replay import RecordingLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
-from oodscen.protocols import Image
+from oodscen.protocols import Control, Image
 from oodscen.testing import FlatSimulator, ScriptedLLM, example_scene
 
 PAGE = Path(__file__).parents[1].joinpath("docs", "api.md").read_text(encoding="utf-8")
@@ -43,6 +43,7 @@ GIVEN: dict[str, Any] = {
     "catalogue": FLAT,
     "category": "vehicle",
     "claims": (),
+    "control": Control(),
     "corridor": load_corridor(FLAT.maps[0]),
     "decision": Trigger(),
     "description": "a thing",
@@ -100,7 +101,7 @@ OWN: dict[str, dict[str, Any]] = {
 }
 SKIPPED = {"run_study", "check_simulator", "write_report", "load_controls", "publish"}
 """What runs for long, or reads large files, whatever it is given."""
-INNER = {"Control", "Corridor", "Frame", "Observation", "Request", "State"}
+INNER = {"Control", "Corridor", "Frame", "Observation", "Request", "StagedBody", "State"}
 """Values of the inner loop, made once a step and not checked."""
 
 

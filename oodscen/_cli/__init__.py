@@ -207,5 +207,6 @@ for _command in (
     components.plugins,
     components.doctor,
     completion.completion,
+    components.new,
 ):
     main.add_command(_command)

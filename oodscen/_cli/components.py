@@ -23,14 +23,40 @@ def plugins(as_json: bool) -> None:
         say(f"{row['kind']:10} {row['name']:22} {row['source']:55} {row['state']}")
 
 
+@click.group()
+def new() -> None:
+    """Write the beginnings of a package of your own."""
+
+
+@new.command()
+@click.argument("name")
+@click.option("--into", default=".", help="Folder in which the package's folder is made.")
+def adapter(name: str, into: str) -> None:
+    """Write a package with a simulator adapter that passes `doctor --quick`, and its tests.
+
+    NAME is the simulator's name; the package is oodscen_NAME. Replace its dynamics and pictures by those of
+    the simulator that you connect.
+    """
+    from oodscen.testing._new.writing import write_adapter
+
+    for path in write_adapter(name, into):
+        say(f"wrote {path}")
+
+
 @click.command()
 @click.argument("what", required=False)
 @click.argument("name", required=False)
 @click.option("--api-base", help="Address of an OpenAI-compatible server, for llm NAME.")
 @click.option("--quick", is_flag=True, help="Run only the checks of a simulator that take seconds.")
+@click.option("--states-only", is_flag=True, help="Allow pixels that differ from run to run.")
 @json_option
 def doctor(
-    what: str | None, name: str | None, api_base: str | None, quick: bool, as_json: bool
+    what: str | None,
+    name: str | None,
+    api_base: str | None,
+    quick: bool,
+    states_only: bool,
+    as_json: bool,
 ) -> None:
     """Check the installation, or one component.
 
@@ -54,7 +80,9 @@ def doctor(
         findings = examine()
     else:
         with bars() as progress:
-            findings = examine_simulator(what, is_quick=quick, progress=progress)
+            findings = examine_simulator(
+                what, is_quick=quick, states_only=states_only, progress=progress
+            )
     if as_json:
         say(json.dumps([finding._asdict() for finding in findings], indent=2))
     else:

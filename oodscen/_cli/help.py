@@ -14,7 +14,7 @@ COMMANDS: Sections = {
     "Run one stage": ("grow", "redteam", "prune", "describe", "augment", "simulate"),
     "Check and measure texts and scenes": ("check-claims", "score"),
     "Exchange scenes with other tools": ("export", "publish", "import", "verdict", "vary"),
-    "Set up": ("doctor", "plugins", "completion"),
+    "Set up": ("doctor", "plugins", "new", "completion"),
 }
 
 

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-from oodscen._pipeline.models import Models
+from oodscen._pipeline.models import Models, is_asked
 from oodscen._pipeline.options import RunOptions
 from oodscen._redaction import redact
 from oodscen._registry import make_encoder, make_simulator
@@ -15,7 +15,7 @@ from oodscen.baselines import load_baseline
 from oodscen.baselines._baseline import Baseline
 from oodscen.data._base import Data
 from oodscen.encoders._cached import CachedEncoder
-from oodscen.errors import StudyError
+from oodscen.errors import StudyError, UsageError
 from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study
 
@@ -52,6 +52,12 @@ class Context:
             UsageError: For an unknown component, a missing extra, or an unusable file of ordinary texts.
         """
         self.simulator = make_simulator(self.config.simulator)
+        asked = [name for name in self.config.vlms if is_asked(name)]
+        if asked and self.simulator.catalogue().camera == "top":
+            raise UsageError(
+                f"the simulator {self.config.simulator!r} draws views from above only, and models are asked about "
+                f"the view of a driver: leave out --vlm {asked[0]}, or choose another simulator"
+            )
         self.encoder = CachedEncoder(make_encoder(self.config.encoder))
         self.llm = self.models.author(self.config.llm)
         self.red_llm = self.models.author(self.config.red_llm or self.config.llm)

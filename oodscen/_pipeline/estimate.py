@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from oodscen._files import temporary_folder
-from oodscen._pipeline.models import Models
+from oodscen._pipeline.models import Models, is_asked
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._pipeline.sweep import check_workers
-from oodscen._registry import is_builtin, make_llm
+from oodscen._registry import make_llm
 from oodscen.data._episode import moments
 from oodscen.data._messages import Image, Message
 from oodscen.data._pairing import twin_id
@@ -75,9 +75,7 @@ def estimate(
     with temporary_folder() as folder:
         _copy(study, Path(folder))
         names = {config.llm, config.red_llm or config.llm, *filter(None, [config.fallback])}
-        asked = {
-            name: _PricedAuthor(name, config.seed, prices) for name in names if _is_asked(name)
-        }
+        asked = {name: _PricedAuthor(name, config.seed, prices) for name in names if is_asked(name)}
         pipeline = Pipeline(folder, config, RunOptions(models=asked))
         try:
             pipeline.prepare()
@@ -87,7 +85,7 @@ def estimate(
         texts = pipeline.write_texts().scenarios
         scenes = pipeline.stage(texts)
         lines = [line for line in calls.lines("calls.jsonl") if line["model"] in asked]
-        if config.rarity_llm is not None and _is_asked(config.rarity_llm):
+        if config.rarity_llm is not None and is_asked(config.rarity_llm):
             model = _PricedAuthor(config.rarity_llm, config.seed, prices)
             lines += [
                 model.line(Request(prompt, prompt.messages(), prompt.answer_schema()), "metrics")
@@ -95,7 +93,7 @@ def estimate(
                 for _ in range(DRAWS)
             ]
         judged = {line["id"] for line in calls.lines("verdicts.jsonl")}
-        for name in filter(_is_asked, config.vlms):
+        for name in filter(is_asked, config.vlms):
             model = _PricedAuthor(name, config.seed, prices)
             lines += [
                 model.line(request)
@@ -112,11 +110,6 @@ def _items(scene_id: str, config: StudyConfig) -> tuple[str, ...]:
     if not config.demands:
         return (scene_id, twin_id(scene_id))
     return (scene_id, *ordinary_drives(scene_id, seed=config.seed)[: config.ordinary])
-
-
-def _is_asked(name: str) -> bool:
-    """Return whether a name belongs to an external model, which is asked for its answers."""
-    return not is_builtin(name) and name.partition(":")[0] not in ("constant", "random", "replay")
 
 
 def _copy(study: Study, target: Path) -> None:

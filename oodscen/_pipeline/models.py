@@ -15,6 +15,11 @@ ANSWERS = "answers.jsonl"
 """The recording of a study; questions answered in it are not asked again."""
 
 
+def is_asked(name: str) -> bool:
+    """Return whether a name belongs to an external model, which is asked for its answers."""
+    return not is_builtin(name) and name.partition(":")[0] not in ("constant", "random", "replay")
+
+
 class Models:
     """Makes the models that a study asks, each of them once.
 

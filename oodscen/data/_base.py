@@ -27,6 +27,9 @@ else:
             except ValidationError as error:
                 raise DataError(cls.noun, issues_of(error)) from None
 
+    # `help` takes the docstring of a class with a metaclass from there, and would show the metaclass's.
+    type.__setattr__(_Constructor, "__doc__", type.__dict__["__doc__"])
+
     class _Model(BaseModel, metaclass=_Constructor):
         noun: ClassVar[str] = "value"
 

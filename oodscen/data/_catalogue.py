@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from pydantic import Field
 
+from oodscen._field_docs import with_fields
 from oodscen.data._base import Data
 from oodscen.data._scene import Actor, Scene, Weather
 from oodscen.errors import Issue, close_matches
@@ -21,6 +22,7 @@ FLAT_M = 0.08
 """Maximum height of things that lie flat on the road, m: others can drive over and stand on them."""
 
 
+@with_fields
 class Asset(Data):
     """A kind of object that can be placed in a scene."""
 
@@ -49,6 +51,7 @@ class Asset(Data):
         return self.height < FLAT_M or shown in self.passable
 
 
+@with_fields
 class BehaviourParameter(Data):
     """A numeric parameter of a behaviour."""
 
@@ -58,6 +61,7 @@ class BehaviourParameter(Data):
     description: str = ""
 
 
+@with_fields
 class BehaviourKind(Data):
     """A behaviour that actors can have."""
 
@@ -71,8 +75,17 @@ class BehaviourKind(Data):
     parameters: dict[str, BehaviourParameter] = {}
     needs_other: bool = False
     """True if `Behaviour.other` must name the actor that carries, tows or owns this one."""
+    like: str = ""
+    """For a behaviour of the simulator's own: id of the most similar built-in one, which stands in for it
+    wherever no simulator runs, as in the checks of a scene. Empty for a built-in behaviour."""
+
+    @property
+    def built_in(self) -> str:
+        """Id of the built-in behaviour that this one is, or that stands in for it."""
+        return self.like or self.id
 
 
+@with_fields
 class RoadMap(Data):
     """A road network and the ego's starting point on it."""
 
@@ -106,11 +119,14 @@ class RoadMap(Data):
     """Landmarks known to be on its roads, for maps without a file to search."""
 
 
+@with_fields
 class WeatherRange(Data):
     """The range of weather that a simulator can show."""
 
-    min_sun_elevation_deg: float = -90.0
-    """Lowest sun elevation; above -6 if the simulator has no night."""
+    min_sun_elevation_deg: float = 0.0
+    """Lowest sun elevation; -90 with night, 0 with dusk, more for daylight only."""
+    sun_is_drawn: bool = True
+    """False if every sun looks alike, as in a simulator without shade: no scene can be about the sun."""
     min_fog_visual_range_m: float = 10_000.0
     """Shortest visual range in fog, m; 10 km if the simulator has no fog."""
     precipitation: tuple[Literal["none", "rain", "snow"], ...] = ("none",)
@@ -132,6 +148,9 @@ class Catalogue(Data):
     behaviours: tuple[BehaviourKind, ...]
     maps: tuple[RoadMap, ...]
     weather: WeatherRange
+    camera: Literal["dash", "top"] = "dash"
+    """The pictures that the simulator draws: `dash` for views forward from the ego, with any `Camera`; `top`
+    for views straight down only, such as `Camera.above()`."""
 
     def asset(self, name: str) -> Asset:
         """Return an asset by id; raises `KeyError` if it is unknown."""
@@ -189,6 +208,13 @@ class Catalogue(Data):
                 Issue(f"hazard.weather.{i.path}", i.message)
                 for i in self._check_weather(scene.hazard.weather)
             ]
+        if scene.hazard.weather is not None and not self.weather.sun_is_drawn:
+            suns = (scene.weather.sun_elevation_deg, scene.hazard.weather.sun_elevation_deg)
+            if suns[0] != suns[1]:
+                message = (
+                    f"must be {suns[0]:g} as in the scene: the simulator draws every sun alike"
+                )
+                issues.append(Issue("hazard.weather.sun_elevation_deg", message))
         for index, actor in enumerate(scene.actors):
             issues += self._check_actor(f"actors[{index}]", actor)
         for key, ordinary in scene.hazard.actors.items():

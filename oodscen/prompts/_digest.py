@@ -225,7 +225,11 @@ def _seen_along(road: RoadMap, catalogue: Catalogue) -> tuple[tuple[Landmark, ..
 
 def _weather_line(catalogue: Catalogue) -> str:
     weather = catalogue.weather
-    parts = ["night" if weather.min_sun_elevation_deg < -6 else "no night"]
+    lowest = weather.min_sun_elevation_deg
+    sun = "" if lowest < -6 else f" (sun at {lowest:g} degrees or higher)"
+    parts = ["no night" + sun if sun else "night"]
+    if not weather.sun_is_drawn:
+        parts.append("every sun looks alike: neither dusk nor glare")
     fog = weather.min_fog_visual_range_m
     parts.append(f"fog down to {fog:g} m visual range" if fog < 5_000 else "no fog")
     falling = [kind for kind in weather.precipitation if kind != "none"]

@@ -17,7 +17,7 @@ from oodscen.driving._roads.projection import places
 from oodscen.driving._sight.scene_checks import bodies
 from oodscen.driving._sight.visibility import Eye, area, clipped
 from oodscen.errors import MissingExtra
-from oodscen.protocols import Camera, Frame, State
+from oodscen.protocols import Camera, Frame, State, camera_for
 
 CLASSES: dict[str, int] = {
     "sky": 0,
@@ -146,7 +146,7 @@ def annotate(
         catalogue: The simulator's catalogue.
         camera: The camera that rendered the frame; by default the ego's dash camera.
     """
-    camera = camera or Camera()
+    camera = camera_for(catalogue, camera)
     cast = bodies(scene, catalogue, state.poses)
     eye = Eye(camera, cast[0].solid)
     extents = _extents(frame.ids, len(cast))
@@ -210,7 +210,7 @@ def semantic_map(
         catalogue: The simulator's catalogue.
         camera: The camera that rendered the frame; by default the ego's dash camera.
     """
-    camera = camera or Camera()
+    camera = camera_for(catalogue, camera)
     cast = bodies(scene, catalogue, state.poses)
     assets = {asset.id: asset for asset in catalogue.assets}
     table = [CLASSES["scenery"], CLASSES["ego"]]

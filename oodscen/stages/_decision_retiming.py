@@ -16,7 +16,7 @@ from oodscen.driving._sight.decision_view import drawn
 from oodscen.driving._sight.scene_checks import bodies
 from oodscen.driving._sight.staging_advice import LATEST_S, LOOK_S
 from oodscen.errors import OodscenError
-from oodscen.protocols import Camera, Simulator, State
+from oodscen.protocols import Camera, Simulator, State, camera_for
 from oodscen.stages._restage import Attempt, Restaging, changed, contradiction
 from oodscen.stages._simulate import Simulated, approach, simulate
 from oodscen.stages._visibility import sighting
@@ -73,7 +73,9 @@ def retimed(
             how += f"approach speed {scene.ego.speed:g} -> {slowed.ego.speed:g} m/s, "
         whys: list[str] = []
         try:
-            for variant, distance in _later(slowed, simulator, seed, camera or Camera()):
+            for variant, distance in _later(
+                slowed, simulator, seed, camera_for(simulator.catalogue(), camera)
+            ):
                 probe = simulate(
                     variant, simulator, seed=seed, render=False, reaction=reaction
                 ).episode

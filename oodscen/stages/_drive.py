@@ -20,7 +20,17 @@ from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import OodscenError, UsageError
-from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, State
+from oodscen.protocols import (
+    Camera,
+    Control,
+    Driver,
+    Looks,
+    Observation,
+    Simulator,
+    State,
+    WantsFrames,
+    camera_for,
+)
 from oodscen.stages._rollouts import peak_deceleration, peak_jerk
 
 MakeDriver = Callable[[], Driver]
@@ -233,7 +243,8 @@ def _drive(
     camera: Camera | None,
 ) -> DriveResult:
     try:
-        states = list(drive_states(scene, make(), simulator, seed, steps, camera or Camera()))
+        camera = camera_for(simulator.catalogue(), camera)
+        states = list(drive_states(scene, make(), simulator, seed, steps, camera))
     except (Exception, SystemExit) as error:  # A driver may raise anything.
         return failed_drive(scene.id, name, error)
     return drive_result(scene, states, simulator.catalogue(), name, steps, simulator.dt)
@@ -295,8 +306,8 @@ def drive_states(
         UsageError: If the driver returns no control of finite numbers.
         Exception: Anything that the driver raises.
     """
-    look = getattr(driver, "look", None)
-    wants_frames = bool(getattr(driver, "wants_frames", False))
+    wants_frames = isinstance(driver, WantsFrames) and bool(driver.wants_frames)
+    looking = driver if isinstance(driver, Looks) else None
     state = simulator.reset(scene, seed)
     yield state
     for _ in range(steps):
@@ -305,8 +316,8 @@ def drive_states(
         observation = simulator.observe()
         if wants_frames:
             observation = replace(observation, frame=simulator.render(camera))
-        if look:
-            look(state)
+        if looking:
+            looking.look(state)
         control = driver.act(observation)
         if not isinstance(control, Control) or not control.is_finite:
             raise UsageError(f"act() returned {control!r:.200}, not a Control of finite numbers")

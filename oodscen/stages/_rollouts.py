@@ -13,7 +13,7 @@ from oodscen.driving._motion.actions import is_available
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import UsageError
-from oodscen.protocols import Control, Observation, Simulator, State
+from oodscen.protocols import Control, Observation, Rehearses, Simulator, Snapshots, State
 
 JERK_S = 0.2
 """Interval over which a change of acceleration is measured, in seconds."""
@@ -88,10 +88,9 @@ class Rollouts:
         self.trace = trace
         self.course = course
         self.trials = trials
-        self.rehearse = getattr(simulator, "rehearse", None)
-        self.restore = getattr(simulator, "restore", None)
-        snapshot = getattr(simulator, "snapshot", None)
-        self.snapshot = snapshot() if snapshot and self.restore else None
+        self.rehearse = simulator.rehearse if isinstance(simulator, Rehearses) else None
+        self.restore = simulator.restore if isinstance(simulator, Snapshots) else None
+        self.snapshot = simulator.snapshot() if isinstance(simulator, Snapshots) else None
 
     def outcome(self, action: str) -> tuple[ActionOutcome, Trace | None, bool]:
         """Return the outcome and trace of an action, and whether the approach was the same as before."""

@@ -29,7 +29,15 @@ from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._sight.visibility import is_noticeable
 from oodscen.driving._trace import Course, Trace, concatenated
 from oodscen.errors import MissingExtra, UnknownComponent
-from oodscen.protocols import Camera, Control, Frame, Simulator, State
+from oodscen.protocols import (
+    Camera,
+    Control,
+    Frame,
+    Simulator,
+    Snapshots,
+    State,
+    camera_for,
+)
 from oodscen.stages._rollouts import Rollouts, Trials, fingerprint
 from oodscen.stages._video import birds_eye
 from oodscen.stages._visibility import sighting
@@ -116,7 +124,7 @@ def simulate(
         scene: The scene to run.
         simulator: The simulator to run it in.
         seed: Seed of the simulator's random streams.
-        camera: By default the ego's dash camera.
+        camera: By default the ego's dash camera, or one above it if the simulator sees from there only.
         actions: The actions to roll out.
         render: Render the three frames.
         traces: Keep the ground truth of every action's rollout.
@@ -157,12 +165,13 @@ def _simulated(
     moments: Sequence[str],
 ) -> Simulated:
     is_paper = trials.collisions_only
-    can_go_back = scene.is_ordinary and not is_paper and _Snapshots.can(simulator)
-    going_back = _Snapshots(simulator) if can_go_back else None
+    going_back = None
+    if scene.is_ordinary and not is_paper and isinstance(simulator, Snapshots):
+        going_back = _Steps(simulator)
     states, controls, fired = approach(scene, simulator, seed, going_back)
     decided = states[-1]
     digest, decision_s = fingerprint(states), round(decided.time, 6)
-    shown = (camera or Camera()) if render else None
+    shown = camera_for(simulator.catalogue(), camera) if render else None
     if is_paper:
         whole = [*controls, *_blind(scene, simulator, states[-1])]
         frames, states = _shown_again(scene, simulator, seed, whole, shown, moments)
@@ -293,17 +302,12 @@ def _steps_shown(last: int, moments: Sequence[str] = MOMENTS) -> dict[str, int]:
     return {moment: int(last * share_of(moment)) for moment in moments}
 
 
-class _Snapshots:
+class _Steps:
     """Returns to the steps of one approach in a simulator with snapshots."""
 
     def __init__(self, simulator: Any) -> None:
         self.simulator = simulator
         self.kept: list[Any] = []
-
-    @staticmethod
-    def can(simulator: Simulator) -> bool:
-        """Return whether the simulator can restore snapshots."""
-        return hasattr(simulator, "snapshot") and hasattr(simulator, "restore")
 
     def keep(self) -> None:
         """Take a snapshot of the current step."""
@@ -342,7 +346,7 @@ def _shows_hazard(
 
 
 def approach(
-    scene: Scene, simulator: Simulator, seed: int, snapshots: _Snapshots | None = None
+    scene: Scene, simulator: Simulator, seed: int, snapshots: _Steps | None = None
 ) -> tuple[list[State], list[Control], bool]:
     """Drive blindly until the decision's trigger fires, a collision or leaving the road, or the time limit.
 

@@ -21,7 +21,7 @@ from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError
-from oodscen.protocols import MAX_SIZE, Camera, Driver, Simulator, State
+from oodscen.protocols import MAX_SIZE, Camera, Driver, Simulator, State, camera_for
 
 View = Literal["ego", "bird", "both"]
 VIEWS: tuple[View, ...] = ("ego", "bird", "both")
@@ -240,7 +240,7 @@ def record(
     now: Driver = Cruise() if driver is None or isinstance(driver, str) else driver
     catalogue = simulator.catalogue()
     corridor = load_corridor(scene.map, catalogue)
-    camera = camera or Camera()
+    camera = camera_for(catalogue, camera)
     state = simulator.reset(scene, seed_number(seed))
     finite_number("fps", fps, 0.1, 1.0 / simulator.dt + 1e-9)
     if Path(path).suffix.lower() != ".mp4":

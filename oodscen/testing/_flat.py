@@ -91,19 +91,40 @@ class FlatSimulator(KinematicSimulator):
     def draw(self, camera: Camera) -> Frame:
         """Cast one ray through the centre of every pixel."""
         assert self._road is not None
-        view = _FlatView(camera, self._poses[0])
-        depth = np.full((camera.height, camera.width), np.inf)
-        ids = np.zeros((camera.height, camera.width), dtype=np.int32)
-        colour = np.empty((camera.height, camera.width, 3))
-        colour[:] = _sky(self._weather)
-        _paint_ground(view, self._road, self.world.ego.s, colour, depth)
-        if self._weather.precipitation == "snow":
-            colour[np.isfinite(depth)] *= 0.45
-            colour[np.isfinite(depth)] += 0.5
-        for row in range(1, len(self._assets)):
-            _paint_box(view, self._assets[row], self._poses[row], row + 1, colour, depth, ids)
-        rgb = _lit(colour, depth, view, self._weather)
-        return Frame(rgb=rgb, depth=depth.astype(np.float32), ids=ids)
+        return flat_frame(camera, self._road, self._weather, self._assets, self._poses)
+
+
+def flat_frame(
+    camera: Camera,
+    road: Corridor,
+    weather: Weather,
+    assets: Sequence[Asset],
+    poses: Sequence[Sequence[float]] | Floats,
+) -> Frame:
+    """Draw a scene as shaded boxes on a plane, for simulators that draw nothing themselves.
+
+    Args:
+        camera: The camera, relative to the ego.
+        road: The scene's road.
+        weather: The scene's weather.
+        assets: The assets of all bodies, the ego's first.
+        poses: x, y, z and yaw of all bodies, in the same order; the ego's box is not drawn.
+    """
+    rows = [list(map(float, pose)) for pose in poses]
+    view = _FlatView(camera, rows[0])
+    depth = np.full((camera.height, camera.width), np.inf)
+    ids = np.zeros((camera.height, camera.width), dtype=np.int32)
+    colour = np.empty((camera.height, camera.width, 3))
+    colour[:] = _sky(weather)
+    s, _ = road.locate(rows[0][0], rows[0][1])
+    _paint_ground(view, road, s, colour, depth)
+    if weather.precipitation == "snow":
+        colour[np.isfinite(depth)] *= 0.45
+        colour[np.isfinite(depth)] += 0.5
+    for row in range(1, len(assets)):
+        _paint_box(view, assets[row], rows[row], row + 1, colour, depth, ids)
+    rgb = _lit(colour, depth, view, weather)
+    return Frame(rgb=rgb, depth=depth.astype(np.float32), ids=ids)
 
 
 class _FlatView:

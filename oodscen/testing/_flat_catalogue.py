@@ -84,6 +84,7 @@ FLAT_CATALOGUE = Catalogue(
     behaviours=BEHAVIOURS,
     maps=SHIPPED_MAPS,
     weather=WeatherRange(
+        min_sun_elevation_deg=-90.0,
         min_fog_visual_range_m=20.0,
         precipitation=("none", "rain", "snow"),
         max_precipitation_mm_h=50.0,

@@ -14,7 +14,7 @@ from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies, floating, overlapping
 from oodscen.driving._sight.visibility import Eye
 from oodscen.errors import Issue, SceneError
-from oodscen.protocols import Camera, Frame, Simulator
+from oodscen.protocols import Camera, Frame, Simulator, camera_for
 from oodscen.stages._simulate import Simulated, simulate
 
 FOGGY_M = 400.0
@@ -57,7 +57,7 @@ def check_truth(
     Returns:
         One issue per fault, with its path in the scene; empty if everything is true.
     """
-    camera = camera or Camera()
+    camera = camera_for(simulator.catalogue(), camera)
     try:
         simulated = simulate(scene, simulator, seed=seed, camera=camera)
     except SceneError as error:

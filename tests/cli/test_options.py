@@ -48,6 +48,7 @@ CHEAP = {
     "vary": ["empty", "--simulator", "flat"],
     "plugins": [],
     "doctor": ["knowledge", "empty"],
+    "new adapter": ["mine"],
     "tree show": ["tree.json"],
     "tree diff": ["tree.json", "tree.json"],
     "tree merge": ["tree.json", "tree.json"],

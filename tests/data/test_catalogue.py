@@ -211,3 +211,21 @@ def test_what_lies_flat_or_stands_open_can_be_passed(height, state, opens_first)
         states=states, passable=("open",),
     )  # fmt: skip
     assert gate.is_passable(state) == (height < FLAT_M or (state or states[0]) == "open")
+
+
+def test_no_scene_is_about_a_sun_that_is_not_drawn() -> None:
+    low = Weather(sun_elevation_deg=10.0)
+    scene = Scene(
+        id="s",
+        scenario_id="s",
+        map=CATALOGUE.maps[0].id,
+        ego=Ego(speed=5.0),
+        weather=low,
+        hazard=Hazard(weather=Weather()),
+        decision=Trigger(value=1.0),
+    )
+    path = "hazard.weather.sun_elevation_deg"
+    for is_drawn in (True, False):
+        sun = CATALOGUE.weather.model_copy(update={"sun_is_drawn": is_drawn})
+        issues = CATALOGUE.model_copy(update={"weather": sun}).check(scene)
+        assert (path in [issue.path for issue in issues]) is not is_drawn

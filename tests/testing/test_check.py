@@ -10,11 +10,12 @@ from oodscen.data._scene import Weather
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import SpawnError, UnknownComponent
 from oodscen.protocols import Control, Frame, State
-from oodscen.testing import check_simulator
-from oodscen.testing._check import PARTS, QUICK
+from oodscen.testing import check_simulator, simulator_checks
+from oodscen.testing._check import PARTS, QUICK, examine_parts
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
-from oodscen.testing._isolation import process_faults
+from oodscen.testing._kit.findings import Finding, NotApplicable, PartResult
+from oodscen.testing._kit.isolation import process_faults
 from tests.driving.staging import actor, scene
 
 SMALL = FLAT_CATALOGUE.model_copy(
@@ -210,14 +211,69 @@ def test_a_result_that_depends_on_the_process_is_found(tmp_path, monkeypatch) ->
     with FlatSimulator() as simulator:
         assert process_faults(simulator, "flat", scenes) == []
     faults = process_faults(_Fixed(), "process_bound:Bound", scenes)
-    assert faults == ["scene test: another result in a fresh process"]
+    assert faults == [Finding("scene test", "another result in a fresh process")]
 
 
-def test_what_a_fresh_process_cannot_import_is_left_out_with_a_warning() -> None:
+def test_what_a_fresh_process_cannot_import_does_not_apply() -> None:
     with FlatSimulator() as simulator:
         for source in (lambda: FlatSimulator(), "__main__:Mine"):
-            with pytest.warns(UserWarning, match="'process' is left out"):
-                assert process_faults(simulator, source, []) == []
+            with pytest.raises(NotApplicable, match="cannot import"):
+                process_faults(simulator, source, [])
+
+
+def test_a_script_without_a_main_guard_is_named(tmp_path, monkeypatch) -> None:
+    (tmp_path / "unguarded.py").write_text(
+        "from oodscen.testing import FlatSimulator, check_simulator\n\n\n"
+        "class Mine(FlatSimulator):\n    pass\n\n\n"
+        "check_simulator('unguarded:Mine', parts=('process',))\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with FlatSimulator() as simulator:
+        faults = process_faults(simulator, "unguarded:Mine", [scene(map="residential_two_lane")])
+    assert ["if __name__ == '__main__'" in fault.message for fault in faults] == [True]
+
+
+def test_findings_that_are_alike_are_one_line() -> None:
+    alike = tuple(Finding(f"behaviour {n}", f"is {n} m off") for n in range(9))
+    lines = PartResult("motion", (*alike, Finding("", "is late"))).lines()
+    assert lines == [
+        "motion: 9 behaviours (0, 1, 2, 3, 4, 5 and 3 more): is 0 m off",
+        "motion: is late",
+    ]
+
+
+def test_every_part_is_one_named_check() -> None:
+    checks = simulator_checks(Small)
+    assert [str(check) for check in checks] == list(PARTS)
+    assert [str(check) for check in simulator_checks(Small, quick=True)] == list(QUICK)
+    named = {str(check): check for check in checks}
+    named["catalogue"]()
+    with pytest.raises(AssertionError, match="controls: left must be positive"):
+        {str(check): check for check in simulator_checks(SteersRight)}["controls"]()
+
+
+class Noisy(Small):
+    noise = np.random.default_rng(0)
+
+    def draw(self, camera):
+        frame = super().draw(camera)
+        noise = self.noise.integers(0, 3, frame.rgb.shape, dtype=np.uint8)
+        return dataclasses.replace(frame, rgb=np.minimum(frame.rgb, 250) + noise)
+
+
+def test_pixels_that_do_not_repeat_pass_when_only_states_count() -> None:
+    with pytest.raises(AssertionError, match="another result"):
+        check_simulator(Noisy, parts=("determinism",))
+    check_simulator(Noisy, parts=QUICK, states_only=True)
+
+
+def test_what_cannot_be_tried_says_why() -> None:
+    plain = type("Plain", (Small,), {"snapshot": None, "restore": None})
+    results = {one.part: one for one in examine_parts(plain, parts=("snapshot", "catalogue"))}
+    assert results["snapshot"].inapplicable
+    assert results["snapshot"].holds
+    assert not results["catalogue"].inapplicable
 
 
 class _Fixed(FlatSimulator):
@@ -246,7 +302,7 @@ class _Fixed(FlatSimulator):
         (SteersRight, ["left must be positive"]),
         (Reuses, ["a later step changed an earlier state"]),
         (Swallows, ["asset adult", "pixels"]),
-        (Sunny, ["lowest sun: looks like a clear day"]),
+        (Sunny, ["lowest sun", "looks like a clear day"]),
         (Hoards, ["MiB of memory behind"]),
         (KeepsFiles, ["open files behind"]),
         (Floating, ["no finite depth"]),

@@ -3,10 +3,16 @@ import math
 import numpy as np
 import pytest
 
+from oodscen import StudyConfig, run_study, simulate
+from oodscen.data._catalogue import WeatherRange
 from oodscen.data._scene import Weather
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
+from oodscen.errors import UsageError
 from oodscen.protocols import Camera
+from oodscen.testing import check_simulator, example_scene
 from oodscen.testing._flat import FlatSimulator, _transmittance
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
+from oodscen.testing._kit.samples import plain_scene
 from tests.driving.staging import actor, scene
 
 CAMERA = Camera(width=160, height=120, pitch_deg=0.0)
@@ -99,3 +105,35 @@ def test_transmittance_is_koschmieders_law() -> None:
 def test_something_at_the_bumper_is_drawn() -> None:
     frame = render(scene(actor("a", "truck", ahead=7.5)), Camera(width=64, height=48))
     assert (frame.ids == 2).mean() > 0.3
+
+
+class FromAbove(FlatSimulator):
+    """Draws views straight down only."""
+
+    name = "above"
+
+    def catalogue(self):
+        weather = WeatherRange(min_sun_elevation_deg=-90.0, min_fog_visual_range_m=150.0)
+        return super().catalogue().model_copy(update={"camera": "top", "weather": weather})
+
+    def draw(self, camera):
+        assert camera.pitch_deg == 90.0
+        return super().draw(camera)
+
+
+def test_a_simulator_that_sees_from_above_keeps_the_protocol() -> None:
+    parts = ("appearance", "weather", "frames", "pictures", "determinism")
+    road = FLAT_CATALOGUE.map("urban_avenue")
+    check_simulator(FromAbove, parts=parts, scenes=[plain_scene(FLAT_CATALOGUE, road)])
+
+
+def test_an_episode_from_above_has_frames_from_above() -> None:
+    episode = simulate(example_scene(), FromAbove()).episode
+    assert episode.hazard_visible
+    assert "stop" in episode.safe_set
+
+
+def test_models_are_not_asked_about_a_drivers_view_that_is_none(tmp_path) -> None:
+    config = StudyConfig.quick(simulator=f"{__name__}:FromAbove", encoder="hash", vlms=("gpt-4o",))
+    with pytest.raises(UsageError, match="views from above only"):
+        run_study(tmp_path / "out", config)

@@ -43,7 +43,7 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     augmenter = Augmenter(
         run.llm,
         run.simulator.catalogue(),
-        check=AdvisingCheck(),
+        check=AdvisingCheck(run.simulator),
         context=run.config.context,
         encoder=run.encoder,
     )

@@ -164,7 +164,8 @@ class KinematicWorld(Brief):
         for row, actor in enumerate(scene.actors, start=1):
             kind = kinds[actor.behaviour.name]
             defaults = {name: one.default for name, one in kind.parameters.items()}
-            self._place(row, actor, {**defaults, **actor.behaviour.parameters}, seed)
+            parameters = {**defaults, **actor.behaviour.parameters}
+            self._place(row, actor, kind.built_in, parameters, seed)
         for row in order:
             self._attach(row)
         see_paths(self._situation)
@@ -303,6 +304,19 @@ class KinematicWorld(Brief):
         finally:
             self._state[:] = start
 
+    def follow(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
+        """Advance by one `dt`, in which all bodies have moved to measured poses.
+
+        Args:
+            poses: [n, 4] x, y, z and yaw, rows as in `ids`.
+            speeds: [n] along the headings, m/s.
+        """
+        before = self.speeds()
+        self.set_poses(poses, speeds)
+        self._state[:, col.ACCELERATION] = (self.speeds() - before) / self.dt
+        self.step_count += 1
+        pull_triggers(self._situation, self.time)
+
     def set_poses(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
         """Move all bodies to measured poses.
 
@@ -351,8 +365,10 @@ class KinematicWorld(Brief):
         stand_on_road(self._situation, 0)
         stand_in_world(self._situation, 0)
 
-    def _place(self, row: int, actor: Actor, parameters: Mapping[str, float], seed: int) -> None:
-        road, place, name = self.corridor, actor.placement, actor.behaviour.name
+    def _place(
+        self, row: int, actor: Actor, name: str, parameters: Mapping[str, float], seed: int
+    ) -> None:
+        road, place = self.corridor, actor.placement
         lane = neighbour_strip(road, self.lane, place.lane)
         target = lane
         if "lanes" in parameters:

@@ -10,6 +10,7 @@ from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies, overlapping, touch, truth_issues
 from oodscen.errors import DataError, Issue, UnknownComponent
+from oodscen.protocols import camera_for
 
 DT = 0.05
 """Seconds per step of the trial run."""
@@ -44,7 +45,7 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     if not issues:
         last = len(path) - 1
         moments = dict(zip(MOMENTS, (path[0], path[last // 2], path[last]), strict=True))
-        issues = truth_issues(scene, corridor, moments)
+        issues = truth_issues(scene, corridor, moments, camera=camera_for(catalogue))
     if issues or scene.is_ordinary:
         return issues
     twin = scene.twin(round(last * DT, 6))
@@ -57,11 +58,14 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
 def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     """Return issues of a scene's vocabulary and placement, without simulating it."""
     issues = catalogue.check(scene)
+    kinds = {kind.id: kind for kind in catalogue.behaviours}
     issues += [
-        Issue(f"{path}.behaviour.name", f"the kinematic world cannot do {actor.behaviour.name!r}")
+        Issue(
+            f"{path}.behaviour.name",
+            f"the catalogue does not say which built-in behaviour {actor.behaviour.name!r} is like",
+        )
         for path, actor in _all_actors(scene)
-        if actor.behaviour.name not in BEHAVE
-        and not any(issue.path == f"{path}.behaviour.name" for issue in issues)
+        if (kind := kinds.get(actor.behaviour.name)) is not None and kind.built_in not in BEHAVE
     ]
     try:
         corridor = load_corridor(scene.map, catalogue)
@@ -127,10 +131,7 @@ def _place_issues(
             f"{place.offset_m:g} m is beside the map; here it reaches from {low:.1f} to {high:.1f}"
         )
         return [*issues, Issue(f"{path}.placement.offset_m", message)]
-    moves = actor.behaviour.name in MOVES_BEFORE_TRIGGER or actor.behaviour.name in (
-        "pull_out",
-        "reverse",
-    )
+    moves = kind.built_in in MOVES_BEFORE_TRIGGER or kind.built_in in ("pull_out", "reverse")
     strip = corridor.strip_at(s, min(t, left - 1e-6))
     beneath = "none" if strip is None else corridor.strips[strip].kind
     is_on_road = beneath in DRIVABLE or corridor.is_drivable(s, t, t)

@@ -11,10 +11,10 @@ from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.decision_view import drawn
 from oodscen.driving._sight.placement import APPROACH_S, check_scene
-from oodscen.driving._sight.scene_checks import CAMERA, PlacedBody, bodies
+from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye
 from oodscen.errors import Issue
-from oodscen.protocols import Camera, State
+from oodscen.protocols import Camera, ChecksScenes, Simulator, State, camera_for
 
 LATEST_S = 6.0
 """Greatest delay of a decision, s."""
@@ -23,7 +23,7 @@ LOOK_S = 0.2
 
 
 def visibility_issues(
-    scene: Scene, catalogue: Catalogue, *, camera: Camera = CAMERA
+    scene: Scene, catalogue: Catalogue, *, camera: Camera | None = None
 ) -> list[Issue]:
     """Return why a viewer cannot name the hazard of a scene at its decision, and what would do.
 
@@ -34,13 +34,14 @@ def visibility_issues(
     Args:
         scene: A scene that `check_scene` accepts.
         catalogue: The simulator's catalogue.
-        camera: The camera on the ego.
+        camera: The camera on the ego; by default one that the simulator can draw with.
 
     Returns:
         At most one issue, at the actor that is easiest to name.
     """
     if scene.is_ordinary or not scene.hazard.actors:
         return []
+    camera = camera_for(catalogue, camera)
     corridor = load_corridor(scene.map, catalogue)
     world = KinematicWorld(corridor, scene, catalogue, 0)
     driver = Cruise()
@@ -145,19 +146,26 @@ def _state(world: KinematicWorld) -> State:
 
 
 class AdvisingCheck:
-    """`check_scene`, and once per scene the advice of `visibility_issues`.
+    """`check_scene`, the simulator's own check, and once per scene the advice of `visibility_issues`.
 
     A hazard that cannot be named is no reason to refuse a scene for good: the first valid staging of every
     scene is told of it, later ones are accepted.
     """
 
-    def __init__(self) -> None:
-        """Start with no scene advised."""
+    def __init__(self, simulator: Simulator | None = None) -> None:
+        """Start with no scene advised.
+
+        Args:
+            simulator: The simulator that will run the scenes.
+        """
+        self._own = simulator if isinstance(simulator, ChecksScenes) else None
         self._advised: set[str] = set()
 
     def __call__(self, scene: Scene, catalogue: Catalogue) -> list[Issue]:
         """Return the faults of a scene; if it has none, the advice, unless it was given before."""
         issues = check_scene(scene, catalogue)
+        if not issues and self._own is not None:
+            issues = list(self._own.check(scene))
         if issues or scene.id in self._advised:
             return issues
         self._advised.add(scene.id)

@@ -16,7 +16,7 @@ from oodscen.driving._motion.boxes import Box, gap
 from oodscen.errors import SceneError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
 from oodscen.testing._check import PARTS, check_simulator
-from oodscen.testing._samples import plain_scene
+from oodscen.testing._kit.samples import plain_scene
 
 MakeActor = Callable[..., Actor]
 MakeScene = Callable[..., Scene]

@@ -28,12 +28,12 @@ def sample_scene(
         ego=Ego(speed=speed, lane=lane),
         weather=weather or Weather(),
         actors=actors,
-        hazard=Hazard(weather=Weather()),
+        hazard=Hazard(weather=weather or Weather()),
         decision=Trigger(kind="time", value=1.0),
     )
 
 
-def plain_scene(catalogue: Catalogue, road: RoadMap) -> Scene:
+def plain_scene(catalogue: Catalogue, road: RoadMap, weather: Weather | None = None) -> Scene:
     """Return a scene with a moving actor, if the catalogue has one."""
     kinds = {kind.id: kind for kind in catalogue.behaviours}
     actors = []
@@ -50,7 +50,7 @@ def plain_scene(catalogue: Catalogue, road: RoadMap) -> Scene:
                     behaviour=Behaviour(name=name),
                 )
             )
-    scene = sample_scene(road, tuple(actors))
+    scene = sample_scene(road, tuple(actors), weather=weather)
     return scene.model_copy(update={"id": f"check-{road.id}"})
 
 
@@ -62,14 +62,16 @@ def follow_lane(observation: Observation) -> Control:
     return Control(0.0, math.atan(observation.wheelbase * bend))
 
 
-def run_bytes(simulator: Simulator, scene: Scene, *, seed: int) -> list[bytes]:
-    """Return the bytes of a run: all states, and the frames at its beginning and end."""
+def run_bytes(
+    simulator: Simulator, scene: Scene, camera: Camera | None = SMALL, *, seed: int
+) -> list[bytes]:
+    """Return the bytes of a run: all states, and with a camera the frames at its beginning and end."""
     trace = [simulator.reset(scene, seed).fingerprint()]
-    trace += frame_bytes(simulator.render(SMALL))
+    trace += frame_bytes(simulator.render(camera)) if camera else []
     for step in range(STEPS):
         control = Control(0.5 if step < 20 else -3.0, 0.01 if step % 8 < 4 else -0.01)
         trace.append(simulator.step(control).fingerprint())
-    return trace + frame_bytes(simulator.render(SMALL))
+    return trace + (frame_bytes(simulator.render(camera)) if camera else [])
 
 
 def frame_bytes(frame: Frame) -> list[bytes]:

@@ -5,70 +5,89 @@ import hashlib
 import importlib
 import os
 import pickle
-import warnings
+import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor
 
 from oodscen._processes import Processes, is_importable
 from oodscen._registry import make_simulator
 from oodscen.data._scene import Scene
-from oodscen.protocols import Simulator
-from oodscen.testing._samples import SMALL, run_bytes
+from oodscen.errors import UsageError
+from oodscen.protocols import Camera, Simulator
+from oodscen.testing._kit.findings import Finding, NotApplicable
+from oodscen.testing._kit.samples import SMALL, run_bytes
 
 LEAK_BYTES = 8 * 2**20
 """Maximum growth of resident memory over all watched resets that does not count as a leak."""
 LEAK_FILES = 2
 """Maximum growth of the number of open files that does not count as a leak."""
 
+NEEDS_GUARD = (
+    "the module of the simulator checks it when it is imported, also in the fresh process of the part "
+    "'process': put that call under: if __name__ == '__main__':"
+)
+"""The finding about a script without a main guard."""
+
 _BLOCKS = 5
 _SEED = 3
 
 
 def process_faults(
-    simulator: Simulator, source: Callable[[], Simulator] | str, scenes: Sequence[Scene]
-) -> list[str]:
+    simulator: Simulator,
+    source: Callable[[], Simulator] | str,
+    scenes: Sequence[Scene],
+    camera: Camera | None = SMALL,
+) -> list[Finding]:
     """Repeat scenes in a fresh process, in another order, and return those with different results.
 
     Args:
         simulator: An open simulator.
-        source: Makes another one. If a fresh process cannot import it, the check is skipped with a warning.
+        source: Makes another one.
         scenes: The scenes to run.
+        camera: The camera of the frames; without one, only states are compared.
+
+    Raises:
+        NotApplicable: If a fresh process cannot import the simulator.
     """
     if not _travels(source):
-        warnings.warn(
-            f"the part 'process' is left out: a fresh process cannot import {source!r}; give a class of "
-            "a module of its own, or its name as module:attr",
-            stacklevel=2,
+        raise NotApplicable(
+            f"a fresh process cannot import {source!r}; give a class of a module of its own, or its "
+            "name as module:attr"
         )
-        return []
-    here = {scene.id: run_digest(simulator, scene) for scene in scenes}
+    if _is_being_imported(source):
+        return [Finding("", NEEDS_GUARD)]
+    here = {scene.id: run_digest(simulator, scene, camera) for scene in scenes}
     try:
         with Processes(1) as pool:
-            there = pool.submit(run_digests, source, tuple(scenes)[::-1]).result()
-    except BrokenExecutor as error:
-        return [f"process: the simulator does not work in a fresh process: {error}"]
+            there = pool.submit(run_digests, source, tuple(scenes)[::-1], camera).result()
+    except (BrokenExecutor, UsageError) as error:
+        return [Finding("", f"the simulator does not work in a fresh process: {error}")]
     return [
-        f"scene {name}: another result in a fresh process"
+        Finding(f"scene {name}", "another result in a fresh process")
         for name, digest in here.items()
         if there[name] != digest
     ]
 
 
-def run_digest(simulator: Simulator, scene: Scene) -> str:
+def run_digest(simulator: Simulator, scene: Scene, camera: Camera | None = SMALL) -> str:
     """Return the SHA-256 of a short run: all states, and the frames at its beginning and end."""
     digest = hashlib.sha256()
-    for part in run_bytes(simulator, scene, seed=_SEED):
+    for part in run_bytes(simulator, scene, camera, seed=_SEED):
         digest.update(part)
     return digest.hexdigest()
 
 
-def run_digests(source: Callable[[], Simulator] | str, scenes: Sequence[Scene]) -> dict[str, str]:
+def run_digests(
+    source: Callable[[], Simulator] | str, scenes: Sequence[Scene], camera: Camera | None = SMALL
+) -> dict[str, str]:
     """Open a simulator and return the digest of each scene's run, by scene id."""
     with make_simulator(source) if isinstance(source, str) else source() as simulator:
-        return {scene.id: run_digest(simulator, scene) for scene in scenes}
+        return {scene.id: run_digest(simulator, scene, camera) for scene in scenes}
 
 
-def leak_faults(simulator: Simulator, scenes: Sequence[Scene], resets: int) -> list[str]:
+def leak_faults(
+    simulator: Simulator, scenes: Sequence[Scene], resets: int, camera: Camera = SMALL
+) -> list[Finding]:
     """Load scenes many times and report whether memory or open files grow.
 
     The first fifth of the resets warms up caches. After that the minimum of each fifth is compared, which a
@@ -78,24 +97,28 @@ def leak_faults(simulator: Simulator, scenes: Sequence[Scene], resets: int) -> l
         simulator: An open simulator.
         scenes: The first two are loaded in turn.
         resets: Number of resets.
+        camera: The camera of an occasional frame.
     """
     gc.collect()
     # Objects from before are not the simulator's leaks, and collecting them takes long.
     gc.freeze()
     try:
-        memory, files = _use(simulator, scenes[:2], resets)
+        memory, files = _use(simulator, scenes[:2], resets, camera)
     finally:
         gc.unfreeze()
     faults = []
     if memory[-1] - memory[0] > LEAK_BYTES:
         grown = (memory[-1] - memory[0]) / 2**20
-        faults.append(f"leaks: {resets} resets leave {grown:.1f} MiB of memory behind")
+        faults.append(Finding("", f"{resets} resets leave {grown:.1f} MiB of memory behind"))
     if files[-1] - files[0] > LEAK_FILES:
-        faults.append(f"leaks: {resets} resets leave {files[-1] - files[0]} open files behind")
+        grown_files = files[-1] - files[0]
+        faults.append(Finding("", f"{resets} resets leave {grown_files} open files behind"))
     return faults
 
 
-def _use(simulator: Simulator, turn: Sequence[Scene], resets: int) -> tuple[list[int], list[int]]:
+def _use(
+    simulator: Simulator, turn: Sequence[Scene], resets: int, camera: Camera
+) -> tuple[list[int], list[int]]:
     """Return the minimum memory and the number of open files of each fifth but the first."""
     memory: list[int] = []
     files: list[int] = []
@@ -104,7 +127,7 @@ def _use(simulator: Simulator, turn: Sequence[Scene], resets: int) -> tuple[list
         for index in range(max(1, resets // _BLOCKS)):
             simulator.reset(turn[index % len(turn)], index % 3)
             if index % 8 == 0:
-                simulator.render(SMALL)
+                simulator.render(camera)
             if index % 8 == 7 or index < 2:
                 gc.collect()
                 used.append(resident_bytes())
@@ -131,6 +154,13 @@ def open_files() -> int:
         return len(os.listdir("/proc/self/fd"))
     except OSError:
         return 0
+
+
+def _is_being_imported(source: Callable[[], Simulator] | str) -> bool:
+    """Return whether the simulator's module is being imported; no other thread can then use it."""
+    name = source.partition(":")[0] if isinstance(source, str) else source.__module__
+    spec = getattr(sys.modules.get(name), "__spec__", None)
+    return bool(getattr(spec, "_initializing", False))
 
 
 def _travels(source: Callable[[], Simulator] | str) -> bool:

@@ -1,0 +1,410 @@
+"""Forty simulators with one defect each: what the author of an adapter can get wrong.
+
+Every defect is a subclass of the flat simulator, which keeps the protocol. Its first docstring line names it.
+"""
+
+import math
+import random
+from dataclasses import replace
+
+import numpy as np
+
+from oodscen.data._scene import Scene, Trigger
+from oodscen.protocols import Camera, Control, Frame, Observation, State
+from oodscen.testing import FlatSimulator
+
+
+class Defective(FlatSimulator):
+    """A flat simulator whose inputs and outputs can be altered."""
+
+    scene: Scene | None = None
+
+    def altered_scene(self, scene: Scene) -> Scene:
+        return scene
+
+    def altered_state(self, state: State) -> State:
+        return state
+
+    def altered_observation(self, seen: Observation) -> Observation:
+        return seen
+
+    def altered_frame(self, frame: Frame, camera: Camera) -> Frame:
+        return frame
+
+    def altered_camera(self, camera: Camera) -> Camera:
+        return camera
+
+    def reset(self, scene, seed):
+        self.scene = scene
+        state = super().reset(self.altered_scene(scene), seed)
+        return self.altered_state(state)
+
+    def step(self, control):
+        return self.altered_state(super().step(control))
+
+    def restore(self, snapshot):
+        return self.altered_state(super().restore(snapshot))
+
+    def observe(self):
+        return self.altered_observation(super().observe())
+
+    def render(self, camera):
+        return self.altered_frame(super().render(self.altered_camera(camera)), camera)
+
+
+def _acting(scene: Scene, **changes: object) -> Scene:
+    """Return a scene with changes to the behaviours of all actors."""
+    actors = tuple(
+        one.model_copy(update={"behaviour": one.behaviour.model_copy(update=changes)})
+        for one in scene.actors
+    )
+    return scene.model_copy(update={"actors": actors})
+
+
+# ------------------------------------------------------------------ motion
+
+
+class TriggersNeverFire(Defective):
+    def altered_scene(self, scene):
+        return _acting(scene, trigger=Trigger(value=500.0))
+
+
+class TriggersFireEarly(Defective):
+    def altered_scene(self, scene):
+        actors = tuple(
+            one.model_copy(
+                update={
+                    "behaviour": one.behaviour.model_copy(
+                        update={"trigger": _doubled(one.behaviour.trigger)}
+                    )
+                }
+            )
+            for one in scene.actors
+        )
+        return scene.model_copy(update={"actors": actors})
+
+
+def _doubled(trigger: Trigger) -> Trigger:
+    is_time = trigger.kind == "time"
+    return trigger if is_time else trigger.model_copy(update={"value": 1.5 * trigger.value})
+
+
+class VehiclesFrozen(Defective):
+    def altered_scene(self, scene):
+        return _acting(scene, name="stand", parameters={}, other=None)
+
+
+class StartsAtTwenty(Defective):
+    def altered_scene(self, scene):
+        actors = []
+        for one in scene.actors:
+            known = self.catalogue().behaviours
+            kind = next((each for each in known if each.id == one.behaviour.name), None)
+            if (
+                kind is not None
+                and "speed" in kind.parameters
+                and one.behaviour.name == "follow_lane"
+            ):
+                behaviour = one.behaviour.model_copy(update={"parameters": {"speed": 20.0}})
+                one = one.model_copy(update={"behaviour": behaviour})
+            actors.append(one)
+        return scene.model_copy(update={"actors": tuple(actors)})
+
+
+class ParametersIgnored(Defective):
+    def altered_scene(self, scene):
+        return _acting(scene, parameters={})
+
+
+class DriftsToTheWrongSide(Defective):
+    def altered_scene(self, scene):
+        actors = []
+        for one in scene.actors:
+            if one.behaviour.name == "drift" and one.placement.lane > 0:
+                behaviour = one.behaviour.model_copy(update={"parameters": {"lateral": -0.5}})
+                one = one.model_copy(update={"behaviour": behaviour})
+            actors.append(one)
+        return scene.model_copy(update={"actors": tuple(actors)})
+
+
+class NobodyReacts(Defective):
+    def altered_scene(self, scene):
+        actors = tuple(
+            one.model_copy(
+                update={"behaviour": one.behaviour.model_copy(update={"name": "run_red"})}
+            )
+            if one.behaviour.name == "follow_lane"
+            else one
+            for one in scene.actors
+        )
+        actors = tuple(
+            one.model_copy(
+                update={
+                    "behaviour": one.behaviour.model_copy(
+                        update={
+                            "parameters": {
+                                name: value
+                                for name, value in one.behaviour.parameters.items()
+                                if name == "speed"
+                            }
+                            or {"speed": 10.0}
+                        }
+                    )
+                }
+            )
+            if one.behaviour.name == "run_red"
+            else one
+            for one in actors
+        )
+        return scene.model_copy(update={"actors": actors})
+
+
+class RestoreForgetsTriggers(Defective):
+    def restore(self, snapshot):
+        super().restore(snapshot)
+        self.world._state[1:, 9] = -1.0
+        return self._publish()
+
+
+class BrakesAtThirtyPercent(Defective):
+    def step(self, control):
+        weak = 0.3 * control.acceleration if control.acceleration < 0.0 else control.acceleration
+        return super().step(Control(weak, control.steering))
+
+
+class SteersTwiceAsMuch(Defective):
+    def step(self, control):
+        return super().step(Control(control.acceleration, 2.0 * control.steering))
+
+
+class FrictionIgnored(Defective):
+    def altered_scene(self, scene):
+        return scene.model_copy(
+            update={"weather": scene.weather.model_copy(update={"friction": 1.0})}
+        )
+
+    def altered_observation(self, seen):
+        assert self.scene is not None
+        return replace(seen, friction=self.scene.weather.friction)
+
+
+class StopsAtContact(Defective):
+    def step(self, control):
+        if self.state().contacts and self.world.ego.speed > 0.0:
+            self.world._state[0, 6] = 0.0
+        return super().step(control)
+
+
+class TwoStepsAtOnce(Defective):
+    def step(self, control):
+        self.world.step(control)
+        self.world.step_count -= 1
+        return super().step(control)
+
+
+class UnseededNoise(Defective):
+    def step(self, control):
+        return super().step(
+            Control(control.acceleration, control.steering + random.gauss(0.0, 1e-3))
+        )
+
+
+class RenderingMoves(Defective):
+    def render(self, camera):
+        self.world._state[0, 0] += 0.01
+        return super().render(camera)
+
+
+# ------------------------------------------------------------------ states
+
+
+def _posed(state: State, **columns: object) -> State:
+    poses = state.poses.copy()
+    for name, change in columns.items():
+        column = "xyza".index(name)
+        poses[:, column] = change(poses[:, column])  # type: ignore[operator]
+    return replace(state, poses=poses)
+
+
+class YawMirrored(Defective):
+    def altered_state(self, state):
+        return _posed(state, a=lambda yaw: 0.3 - yaw)
+
+
+class YawInDegrees(Defective):
+    def altered_state(self, state):
+        return _posed(state, a=np.degrees)
+
+
+class MetreAboveTheRoad(Defective):
+    def altered_state(self, state):
+        return _posed(state, z=lambda z: z + 1.0)
+
+
+class ActorsMirrored(Defective):
+    def altered_scene(self, scene):
+        actors = tuple(
+            one.model_copy(
+                update={
+                    "placement": one.placement.model_copy(
+                        update={"offset_m": -one.placement.offset_m}
+                    )
+                }
+            )
+            for one in scene.actors
+        )
+        return scene.model_copy(update={"actors": actors})
+
+
+class ActorsFiveMetresOff(Defective):
+    def altered_scene(self, scene):
+        actors = tuple(
+            one.model_copy(
+                update={
+                    "placement": one.placement.model_copy(
+                        update={"ahead_m": one.placement.ahead_m + 5.0}
+                    )
+                }
+            )
+            for one in scene.actors
+        )
+        return scene.model_copy(update={"actors": actors})
+
+
+class GapsBetweenCentres(Defective):
+    def altered_state(self, state):
+        away = np.linalg.norm(state.poses[:, :2] - state.poses[0, :2], axis=1)
+        return replace(state, gaps=np.where(np.isfinite(state.gaps), away, np.inf))
+
+
+class NeverOffRoad(Defective):
+    def altered_state(self, state):
+        return replace(state, off_road=False)
+
+
+class PlacesSwapped(Defective):
+    def altered_state(self, state):
+        return replace(state, places=state.places[:, ::-1].copy())
+
+
+class AccelerationsOf99(Defective):
+    def altered_state(self, state):
+        return replace(state, accelerations=np.full_like(state.speeds, 99.0))
+
+
+class SpeedsInKilometresPerHour(Defective):
+    def altered_state(self, state):
+        return replace(state, speeds=3.6 * state.speeds)
+
+    def altered_observation(self, seen):
+        return replace(seen, speed=3.6 * seen.speed)
+
+
+class OneStepLate(Defective):
+    before: State | None = None
+
+    def altered_state(self, state):
+        late = state if self.before is None or state.step == 0 else self.before
+        self.before = state
+        return replace(late, step=state.step, time=state.time)
+
+
+# ------------------------------------------------------------------ observations
+
+
+class WrongWheelbase(Defective):
+    def altered_observation(self, seen):
+        return replace(seen, wheelbase=1.5 * seen.wheelbase)
+
+
+class OffsetToTheRight(Defective):
+    def altered_observation(self, seen):
+        return replace(seen, offset_m=-seen.offset_m)
+
+
+class NoCurvature(Defective):
+    def altered_observation(self, seen):
+        return replace(seen, curvature=0.0)
+
+
+class LanesSwapped(Defective):
+    def altered_observation(self, seen):
+        return replace(seen, lane_left_m=seen.lane_right_m, lane_right_m=seen.lane_left_m)
+
+
+class RoadsideOneLaneOver(Defective):
+    def altered_observation(self, seen):
+        return replace(seen, roadside_m=-2.75)
+
+
+class AnySpeedInCurves(Defective):
+    def altered_observation(self, seen):
+        return replace(seen, curve_speed=math.inf)
+
+
+# ------------------------------------------------------------------ pictures
+
+
+class ColoursFlipped(Defective):
+    def altered_frame(self, frame, camera):
+        return replace(frame, rgb=frame.rgb[:, ::-1].copy())
+
+
+class BodiesRoadGrey(Defective):
+    def altered_frame(self, frame, camera):
+        rgb = frame.rgb.copy()
+        rgb[frame.ids > 1] = (76, 76, 82)
+        return replace(frame, rgb=rgb)
+
+
+class FieldOfViewIgnored(Defective):
+    def altered_camera(self, camera):
+        return replace(camera, fov_deg=60.0)
+
+
+class PitchIgnored(Defective):
+    def altered_camera(self, camera):
+        return replace(camera, pitch_deg=2.0)
+
+
+class PlaceIgnored(Defective):
+    def altered_camera(self, camera):
+        return replace(camera, x=0.6, y=0.0, z=1.4)
+
+
+class DepthAlongTheRay(Defective):
+    def altered_frame(self, frame, camera):
+        focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
+        u = (np.arange(camera.width) + 0.5 - 0.5 * camera.width) / focal
+        v = (np.arange(camera.height) + 0.5 - 0.5 * camera.height) / focal
+        longer = np.sqrt(1.0 + u[None, :] ** 2 + v[:, None] ** 2)
+        return replace(frame, depth=(frame.depth * longer).astype(np.float32))
+
+
+class IdsSwapped(Defective):
+    def altered_frame(self, frame, camera):
+        most = len(self.world.ids)
+        ids = np.where(frame.ids > 1, most + 2 - frame.ids, frame.ids)
+        return replace(frame, ids=ids.astype(np.int32))
+
+
+class FogHalfAsThick(Defective):
+    def altered_scene(self, scene):
+        weather = scene.weather
+        if weather.fog_visual_range_m < 5_000.0:
+            weather = weather.model_copy(
+                update={"fog_visual_range_m": 2.0 * weather.fog_visual_range_m}
+            )
+        return scene.model_copy(update={"weather": weather})
+
+    def altered_observation(self, seen):
+        assert self.scene is not None
+        return replace(seen, visual_range_m=min(10_000.0, self.scene.weather.fog_visual_range_m))
+
+
+DEFECTS = tuple(
+    one
+    for one in globals().values()
+    if isinstance(one, type) and issubclass(one, Defective) and one is not Defective
+)
+"""All defects, in the order of this file."""

@@ -1,0 +1,56 @@
+"""Docstrings of classes that list their fields, so that `help` shows units and shapes."""
+
+import ast
+import inspect
+import textwrap
+from typing import TypeVar
+
+Class = TypeVar("Class", bound=type)
+
+
+def with_fields(cls: Class) -> Class:
+    """Let the docstring of a class list its fields with the strings under them.
+
+    Python keeps no string under a field. The class's source is read when the docstring is, and not when the class
+    is made.
+    """
+    type.__setattr__(cls, "__doc__", _Docstring(cls.__doc__ or ""))
+    return cls
+
+
+class _Docstring:
+    """A docstring that is completed when it is read."""
+
+    def __init__(self, given: str) -> None:
+        self.given = given
+        self.whole: str | None = None
+
+    def __get__(self, instance: object, owner: type) -> str:
+        if self.whole is None:
+            listed = "\n".join(_fields(owner))
+            self.whole = self.given
+            if listed:
+                indented = textwrap.indent(listed, "    ")
+                self.whole = f"{self.given.rstrip()}\n\n    Attributes:\n{indented}\n    "
+        return self.whole
+
+
+def _fields(cls: type) -> list[str]:
+    """Return a line for every public field of a class's source that has a type, with the string under it."""
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(cls)))
+    except (OSError, TypeError, SyntaxError):
+        return []
+    body = tree.body[0].body if isinstance(tree.body[0], ast.ClassDef) else []
+    lines = []
+    for node, after in zip(body, [*body[1:], None], strict=True):
+        if not isinstance(node, ast.AnnAssign) or not isinstance(node.target, ast.Name):
+            continue
+        if node.target.id.startswith("_") or "ClassVar" in ast.unparse(node.annotation):
+            continue
+        said = ""
+        if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
+            said = ": " + " ".join(str(after.value.value).split())
+        default = f" = {ast.unparse(node.value)}" if node.value is not None else ""
+        lines.append(f"    {node.target.id} ({ast.unparse(node.annotation)}{default}){said}")
+    return lines

@@ -1,0 +1,152 @@
+"""The common base of the base classes for simulators: catalogue, life cycle and road of a scene."""
+
+import math
+from abc import ABC, abstractmethod
+from types import TracebackType
+from typing import ClassVar, Self
+
+from oodscen._display import Brief
+from oodscen.data._catalogue import BehaviourKind, Catalogue, RoadMap
+from oodscen.data._scene import Scene
+from oodscen.driving._motion.behaviours import BEHAVIOURS
+from oodscen.driving._motion.world import KinematicWorld, Published
+from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._sight.placement import staging_issues
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
+from oodscen.errors import SceneError, SimulatorError, UsageError
+from oodscen.protocols import Camera, ChecksScenes, Control, Frame, Observation, State
+
+
+class BaseSimulator(Brief, ABC):
+    """Everything about a simulator that does not depend on who owns the motion."""
+
+    BEHAVIOURS: ClassVar[tuple[BehaviourKind, ...]] = BEHAVIOURS
+    """The behaviours of the kinematic world, for the catalogue."""
+    MAPS: ClassVar[tuple[RoadMap, ...]] = SHIPPED_MAPS
+    """The shipped maps, for the catalogue."""
+    _repr_fields: ClassVar[tuple[str, ...]] = ("name", "dt")
+
+    name: str
+    """The simulator's name in reports and records."""
+    dt: float = 0.05
+    """Seconds per step."""
+
+    def __init__(self) -> None:
+        self._world: KinematicWorld | None = None
+        self._state: State | None = None
+
+    # ------------------------------------------------------------------ for the adapter
+
+    @abstractmethod
+    def catalogue(self) -> Catalogue:
+        """Return the simulator's vocabulary: static, cheap to call again, without starting anything."""
+
+    @abstractmethod
+    def draw(self, camera: Camera) -> Frame:
+        """Render the camera's view; `ids` as in `Frame`: row r of the poses has id r + 1."""
+
+    def release(self) -> None:
+        """Release all resources; a later `reset` may acquire them again. May be called twice."""
+
+    # ------------------------------------------------------------------ the protocol
+
+    @property
+    def world(self) -> KinematicWorld:
+        """The kinematic world of the current scene.
+
+        Raises:
+            SimulatorError: Before the first `reset` or after `close`.
+        """
+        if self._world is None:
+            raise SimulatorError(f"{self.name}: call reset before anything else")
+        return self._world
+
+    @property
+    def corridor(self) -> Corridor:
+        """The road of the current scene."""
+        return self.world.corridor
+
+    @abstractmethod
+    def reset(self, scene: Scene, seed: int) -> State:
+        """Load a scene. The same scene and seed give the same bytes, whatever ran before.
+
+        Raises:
+            SceneError: If the catalogue or the road refuses the scene.
+            SpawnError: If an actor cannot be placed.
+        """
+
+    def render(self, camera: Camera) -> Frame:
+        """Render the current state."""
+        _ = self.world
+        return self.draw(camera)
+
+    def observe(self) -> Observation:
+        """Return the driver's observation of the current state."""
+        return self.world.observe()
+
+    def state(self) -> State:
+        """Return the current state again."""
+        if self._state is None:
+            raise SimulatorError(f"{self.name}: call reset before anything else")
+        return self._state
+
+    def close(self) -> None:
+        """Release all resources; may be called twice."""
+        self._world = self._state = None
+        self.release()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    # ------------------------------------------------------------------ internals
+
+    def _opened(self, scene: Scene) -> tuple[Corridor, Catalogue]:
+        """Forget the last scene, and return the road and the catalogue of one that can be staged."""
+        self._world = self._state = None
+        catalogue = self.catalogue()
+        issues = staging_issues(scene, catalogue)
+        if not issues and isinstance(self, ChecksScenes):
+            issues = list(self.check(scene))
+        if issues:
+            raise SceneError(scene.id, issues)
+        return load_corridor(scene.map, catalogue), catalogue
+
+    def _keep_state(self, seen: Published) -> State:
+        """Return the state with what was measured, and keep it."""
+        world = self.world
+        arrays = (seen.poses, seen.speeds, seen.gaps, seen.accelerations, seen.places)
+        for array in arrays:
+            array.setflags(write=False)
+        self._state = State(
+            world.step_count,
+            world.time,
+            world.ids,
+            seen.poses,
+            seen.speeds,
+            seen.gaps,
+            seen.is_off_road,
+            seen.accelerations,
+            seen.places,
+        )
+        return self._state
+
+
+def checked(control: Control) -> Control:
+    """Return a control if it is finite.
+
+    Raises:
+        UsageError: If it is not, which means that its driver is broken.
+    """
+    for name, value in (("acceleration", control.acceleration), ("steering", control.steering)):
+        if not math.isfinite(value):
+            raise UsageError(f"control: {name} must be finite, not {value}")
+    return control

@@ -1,0 +1,234 @@
+"""A scene on its road, for simulators that own motion: starting places, and measures of any places."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._display import Brief
+from oodscen._field_docs import with_fields
+from oodscen._numbers import finite_number
+from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._scene import Actor, Scene
+from oodscen.driving._motion.bodies import GRAVITY, MAX_DRIVE, MAX_STEERING, WHEELBASE
+from oodscen.driving._motion.world import KinematicWorld
+from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.protocols import Control, Observation, State
+
+Floats = NDArray[np.float64]
+
+_ON_ROAD = -1e9
+"""A height for bodies without one, m: no body is ever measured below the road."""
+
+
+@with_fields
+@dataclass(frozen=True)
+class StagedBody:
+    """One body of a scene at its start."""
+
+    id: str
+    """`ego`, or the actor's id."""
+    asset: Asset
+    """Its size and kind."""
+    state: str
+    """One of the asset's states; empty if it has none."""
+    pose: tuple[float, float, float, float]
+    """x, y, z of the footprint's centre on the ground, m, and yaw, rad."""
+    speed: float
+    """Speed along the heading at the start, m/s; 0 for behaviours that stand until their trigger."""
+    lane: int
+    """Index in `Corridor.strips` of the lane in which it is placed."""
+    goal_lane: int
+    """Index of the lane that it may change to; `lane` if its behaviour changes none."""
+    direction: int
+    """+1 if it travels with the ego, -1 against it."""
+    behaviour: str = ""
+    """Id of its behaviour; empty for the ego."""
+    parameters: Mapping[str, float] | None = None
+    """All parameters of the behaviour, with the catalogue's defaults; `None` for the ego."""
+    actor: Actor | None = None
+    """Its entry in the scene; `None` for the ego."""
+
+
+class LaneCentreline(NamedTuple):
+    """The middle of one driving lane, in its direction of travel."""
+
+    strip: int
+    """Index in `Corridor.strips`."""
+    direction: int
+    """+1 for a lane in the ego's direction, -1 for an oncoming one."""
+    points: Floats
+    """[n, 2] x and y, m."""
+    widths: Floats
+    """[n] width of the lane at the points, m; 0 where it does not exist."""
+
+
+class StagedScene(Brief):
+    """A scene on its road: the bodies at their start, and measures of the places that they move to.
+
+    Poses are [n, 4]: x, y, z of the footprint's centre on the ground, m, and yaw, rad; rows as in `ids`. A
+    simulator without heights may give [n, 3]: x, y and yaw, for bodies that stand on the road.
+    """
+
+    _repr_fields = ("ids",)
+
+    def __init__(
+        self, scene: Scene, catalogue: Catalogue, seed: int = 0, *, dt: float = 0.05
+    ) -> None:
+        """Place all bodies at the start.
+
+        Args:
+            scene: A scene that `check_scene` accepts.
+            catalogue: The simulator's catalogue.
+            seed: The episode's seed.
+            dt: Seconds per step.
+        """
+        self.scene = scene
+        self.catalogue = catalogue
+        self.corridor: Corridor = load_corridor(scene.map, catalogue)
+        """The road: `point`, `locate`, `centre`, `edges`, `heading`, `bend` and `is_drivable` tell its geometry."""
+        self._world = KinematicWorld(self.corridor, scene, catalogue, seed, dt=dt)
+        self.ids = self._world.ids
+        """`ego`, then the actors in the scene's order."""
+        self.bodies = tuple(self._body(row) for row in range(len(self.ids)))
+        """All bodies at their start, in the order of `ids`."""
+
+    @cached_property
+    def lanes(self) -> tuple[LaneCentreline, ...]:
+        """Centrelines of all driving lanes from right to left, every two metres."""
+        return lane_centrelines(self.corridor)
+
+    def places(self, poses: Floats) -> Floats:
+        """Return s along the corridor and t to its left of every body, m: [n, 2]."""
+        return self._at(poses).publish().places
+
+    def gaps(self, poses: Floats) -> Floats:
+        """Return the gaps between the ego's box and the others', as in `State.gaps`: [n], m."""
+        return self._at(poses).publish().gaps
+
+    def off_road(self, poses: Floats) -> bool:
+        """Return whether any part of the ego's footprint is beside the drivable road."""
+        return self._at(poses).publish().is_off_road
+
+    def observation(self, state: State) -> Observation:
+        """Return the ego driver's observation of a state."""
+        self._world.set_poses(state.poses, state.speeds)
+        return replace(self._world.observe(), time=state.time)
+
+    def _at(self, poses: Floats) -> KinematicWorld:
+        whole = with_heights(poses, len(self.ids))
+        self._world.set_poses(whole, np.zeros(len(whole)))
+        return self._world
+
+    def _body(self, row: int) -> StagedBody:
+        world, (name, asset, state) = self._world, self._world.bodies()[row]
+        x, y, z, yaw = map(float, world.poses()[row])
+        lane, goal = world.lanes(name)
+        actor = self.scene.actors[row - 1] if row else None
+        parameters = None
+        if actor is not None:
+            known = self.catalogue.behaviour(actor.behaviour.name).parameters
+            defaults = {key: one.default for key, one in known.items()}
+            parameters = {**defaults, **actor.behaviour.parameters}
+        return StagedBody(
+            id=name,
+            asset=asset,
+            state=state,
+            pose=(x, y, z, yaw),
+            speed=float(world.speeds()[row]),
+            lane=lane if row else world.lane,
+            goal_lane=goal if row else world.lane,
+            direction=1 if self.corridor.alignment(world.motion(name).s, yaw) >= 0.0 else -1,
+            behaviour=actor.behaviour.name if actor else "",
+            parameters=parameters,
+            actor=actor,
+        )
+
+
+def observation_of(state: State, scene: Scene, catalogue: Catalogue) -> Observation:
+    """Return the ego driver's observation of a state of any simulator.
+
+    `StagedScene.observation` does the same faster for many states of one scene.
+
+    Args:
+        state: The state.
+        scene: Its scene.
+        catalogue: The simulator's catalogue.
+    """
+    return StagedScene(scene, catalogue).observation(state)
+
+
+def lane_centrelines(corridor: Corridor, *, spacing_m: float = 2.0) -> tuple[LaneCentreline, ...]:
+    """Return the middle of every driving lane of a road, from right to left.
+
+    Args:
+        corridor: The road.
+        spacing_m: Distance between the points along the road's reference line, m.
+    """
+    count = max(2, math.ceil(corridor.length / spacing_m) + 1)
+    along = np.linspace(0.0, corridor.length, count)
+    x, y, cos, sin = (
+        np.interp(along, corridor.s, values)
+        for values in (corridor.x, corridor.y, corridor.cos, corridor.sin)
+    )
+    lines = []
+    for index in corridor.driving:
+        strip = corridor.strips[index]
+        right, left = (np.interp(along, corridor.s, edge) for edge in (strip.right, strip.left))
+        t = 0.5 * (right + left)
+        points = np.stack([x - t * sin, y + t * cos], axis=1)
+        direction = -1 if strip.direction < 0 else 1
+        lines.append(
+            LaneCentreline(index, direction, points[::direction], (left - right)[::direction])
+        )
+    return tuple(lines)
+
+
+def within_grip(control: Control, speed: float, friction: float) -> Control:
+    """Return the part of the ego's control that motor, wheels and tyres can follow.
+
+    The kinematic world drives its ego by this friction circle (Rajamani 2012, chapters 2 and 13).
+
+    Args:
+        control: The driver's control.
+        speed: The ego's speed, m/s.
+        friction: Friction scale of the road; 1 is dry asphalt.
+
+    Raises:
+        UsageError: If speed or friction is no finite number.
+    """
+    speed = finite_number("speed", speed, -1e6, 1e6)
+    friction = finite_number("friction", friction, 0.0, 100.0)
+    grip = friction * GRAVITY
+    angle = min(max(control.steering, -MAX_STEERING), MAX_STEERING)
+    along = min(max(control.acceleration, -2.0 * grip), min(MAX_DRIVE, grip))
+    curvature = math.sin(math.atan(0.5 * math.tan(angle))) / (0.5 * WHEELBASE)
+    total = math.hypot(along, speed * speed * curvature)
+    if total > grip:
+        along *= grip / total
+    left = math.sqrt(max(0.0, grip * grip - along * along))
+    if speed * speed * abs(curvature) > left:
+        curvature = math.copysign(left / (speed * speed), curvature)
+        angle = math.atan(2.0 * math.tan(math.asin(0.5 * WHEELBASE * curvature)))
+    return Control(along, angle)
+
+
+def with_heights(poses: Floats, count: int) -> Floats:
+    """Return poses with z; bodies without one stand on the road.
+
+    Raises:
+        ValueError: If the poses have another shape or are not finite.
+    """
+    given = np.asarray(poses, dtype=np.float64)
+    if given.shape not in ((count, 3), (count, 4)):
+        raise ValueError(f"poses of shape {given.shape}, not ({count}, 4) or ({count}, 3)")
+    if not np.isfinite(given).all():
+        raise ValueError("poses that are not finite")
+    if given.shape == (count, 4):
+        return given
+    return np.insert(given, 2, _ON_ROAD, axis=1)

@@ -1,0 +1,138 @@
+"""Parts about looks: every asset in every state, and the extremes of the weather, show when rendered."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._scene import Scene, Weather
+from oodscen.driving._sight.scene_checks import bodies
+from oodscen.driving._sight.visibility import Eye, area, clipped
+from oodscen.errors import OodscenError
+from oodscen.protocols import Frame
+from oodscen.testing._kit.findings import NotApplicable
+from oodscen.testing._kit.pictures import share_inside
+from oodscen.testing._kit.probe import Probe, clear_day
+from oodscen.testing._truth import FOGGY_M, RANGE_TOLERANCE, measured_visual_range
+
+LEAST_SHARE = 0.02
+"""Minimum share of its box's silhouette that an asset must fill: ladders and wires are thin."""
+INSIDE = 0.7
+"""Minimum share of its pixels within that silhouette: mirrors and drawbars stand out."""
+
+_NEAREST_M = 6.0
+_FOG_M = 60.0
+_OVERCAST = 0.9
+
+
+def check_appearance(probe: Probe) -> None:
+    """Render every asset in every state and find those that do not show.
+
+    Each must fill some of its box's silhouette with its id, at a depth within the box, and
+    nothing else may have an id.
+    """
+    for asset in probe.catalogue.assets:
+        for state in asset.states or ("",):
+            what = f"asset {asset.id} {state}".rstrip()
+            with probe.findings.trying(what):
+                for fault in _shown(probe, asset, state):
+                    probe.findings.add(what, fault)
+
+
+def _shown(probe: Probe, asset: Asset, state: str) -> list[str]:
+    size = max(asset.length, asset.width, 1.2 * asset.height)
+    away = max(_NEAREST_M, 0.5 * asset.length + 3.0 + 0.9 * size)
+    actor = probe.still(asset, ahead=away).model_copy(update={"state": state})
+    scene, camera = probe.scene(actor), probe.camera(240, 180)
+    if probe.is_top:
+        camera = replace(camera, x=away, z=asset.height + max(8.0, 1.2 * size))
+    first = probe.simulator.reset(scene, 0)
+    frame = probe.simulator.render(camera)
+    cast = bodies(scene, probe.catalogue, first.poses)
+    eye = Eye(camera, cast[0].solid)
+    outline = eye.silhouette(cast[1].solid)
+    silhouette = area(clipped(outline, camera.width, camera.height))
+    mask = frame.ids == 2
+    pixels = int(mask.sum())
+    if pixels < max(4.0, LEAST_SHARE * silhouette):
+        return [f"fills {pixels} pixels of about {silhouette:.0f}, {away:.0f} m ahead"]
+    faults = []
+    if int(frame.ids.max(initial=0)) > 2:
+        faults.append("other ids than the ego's and its own are in the frame")
+    if share_inside(mask, outline) < INSIDE:
+        faults.append("is drawn beside its box")
+    depths = [eye.to_camera(corner)[2] for corner in cast[1].solid.corners()]
+    depth = float(np.median(frame.depth[mask]))
+    if not min(depths) - 1.0 <= depth <= max(depths) + 1.0:
+        faults.append(f"has a depth of {depth:.1f} m, not {min(depths):.1f} to {max(depths):.1f} m")
+    return faults
+
+
+def check_weather(probe: Probe) -> None:
+    """Render the extremes of the catalogue's weather, which must look unlike a clear day; measure its fog."""
+    wanted = extremes(probe.catalogue)
+    if not wanted:
+        raise NotApplicable("the catalogue offers one weather only")
+    car = next(
+        (one for one in probe.catalogue.assets if one.category == "vehicle"),
+        probe.catalogue.assets[0],
+    )
+    actor = probe.still(car, ahead=18.0)
+    clear = _frame(probe, probe.scene(actor))
+    for name, weather in wanted.items():
+        what = name
+        try:
+            frame = _frame(probe, probe.scene(actor, weather=weather))
+        except OodscenError as error:
+            probe.findings.add(what, str(error))
+            continue
+        if len(np.unique(frame.rgb.reshape(-1, 3), axis=0)) < 4:
+            probe.findings.add(what, "the frame is blank")
+        change = np.abs(frame.rgb.astype(np.int16) - clear.rgb.astype(np.int16)).mean()
+        if weather.friction == 1.0 and change < 1.0:
+            probe.findings.add(what, "looks like a clear day")
+        if not np.array_equal(frame.ids, clear.ids):
+            agree = float((frame.ids == clear.ids).mean())
+            if agree < 0.999:
+                probe.findings.add(what, f"changes the ids of {1.0 - agree:.1%} of the pixels")
+    _check_fog(probe)
+
+
+def _check_fog(probe: Probe) -> None:
+    """Measure the visual range of a fog, from the contrast of two pictures."""
+    wanted = max(_FOG_M, probe.catalogue.weather.min_fog_visual_range_m)
+    if wanted > FOGGY_M or probe.is_top:
+        return
+    camera, frames = probe.camera(320, 240), []
+    for visual_range in (wanted, 10_000.0):
+        weather = probe.clear.model_copy(
+            update={"fog_visual_range_m": visual_range, "cloud_cover": _OVERCAST}
+        )
+        probe.simulator.reset(probe.scene(weather=weather), 0)
+        frames.append(probe.simulator.render(camera))
+    found = measured_visual_range(frames[0], frames[1], camera)
+    if found is not None and abs(found - wanted) > RANGE_TOLERANCE * wanted:
+        message = f"the visual range is {found:.0f} m in the picture, {wanted:.0f} m in the scene"
+        probe.findings.add("fog", message)
+
+
+def extremes(catalogue: Catalogue) -> dict[str, Weather]:
+    """Return the weather at the limits of the catalogue's range."""
+    limits, clear = catalogue.weather, clear_day(catalogue)
+    changes: dict[str, dict[str, object]] = {}
+    if limits.sun_is_drawn and limits.min_sun_elevation_deg < 45.0:
+        changes["lowest sun"] = {"sun_elevation_deg": limits.min_sun_elevation_deg}
+    if limits.min_fog_visual_range_m < 10_000.0:
+        changes["thickest fog"] = {"fog_visual_range_m": limits.min_fog_visual_range_m}
+    for kind in limits.precipitation:
+        if kind != "none":
+            most = limits.max_precipitation_mm_h
+            changes[f"heaviest {kind}"] = {"precipitation": kind, "precipitation_mm_h": most}
+    if limits.min_friction < 1.0:
+        changes["least friction"] = {"friction": limits.min_friction}
+    return {name: clear.model_copy(update=change) for name, change in changes.items()}
+
+
+def _frame(probe: Probe, scene: Scene) -> Frame:
+    probe.simulator.reset(scene, 0)
+    return probe.simulator.render(probe.camera(240, 180))

@@ -1,0 +1,94 @@
+"""Findings of the conformance check, and their report."""
+
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+_NAMED = 6
+"""Maximum number of subjects that a line names."""
+_NOUNS = frozenset({"actor", "asset", "behaviour", "camera", "map", "scene", "trigger"})
+"""First words of subjects that can be counted; their plural ends in s."""
+
+
+class NotApplicable(Exception):
+    """Raised by a part that has nothing to try, with the reason."""
+
+
+class Finding(NamedTuple):
+    """One broken promise."""
+
+    subject: str
+    """The thing that breaks it: `behaviour fall of cone`, `asset car brake`; may be empty."""
+    message: str
+
+
+class PartResult(NamedTuple):
+    """The result of one part of the check."""
+
+    part: str
+    findings: tuple[Finding, ...]
+    """Broken promises; empty if the part holds or does not apply."""
+    inapplicable: str = ""
+    """Why there was nothing to try; empty if the part was tried."""
+
+    @property
+    def holds(self) -> bool:
+        """Return whether nothing was found."""
+        return not self.findings
+
+    def lines(self) -> list[str]:
+        """Return the findings in words, those alike on one line."""
+        groups: dict[str, list[Finding]] = {}
+        for finding in self.findings:
+            groups.setdefault(re.sub(r"\d+(\.\d+)?", "#", finding.message), []).append(finding)
+        return [_line(self.part, group) for group in groups.values()]
+
+
+def _line(part: str, group: list[Finding]) -> str:
+    subjects = list(dict.fromkeys(one.subject for one in group if one.subject))
+    message = group[0].message
+    if not subjects:
+        return f"{part}: {message}"
+    if len(subjects) == 1:
+        return f"{part}: {subjects[0]}: {message}"
+    words = [subject.partition(" ") for subject in subjects]
+    noun, rest = words[0][0], subjects
+    if noun in _NOUNS and all(one[0] == noun and one[2] for one in words):
+        rest, counted = [one[2] for one in words], f"{len(words)} {noun}s"
+    else:
+        counted = f"{len(words)} times"
+    more = f" and {len(rest) - _NAMED} more" if len(rest) > _NAMED else ""
+    return f"{part}: {counted} ({', '.join(rest[:_NAMED])}{more}): {message}"
+
+
+def report(results: Iterable[PartResult]) -> list[str]:
+    """Return all findings in words."""
+    return [line for result in results for line in result.lines()]
+
+
+class Findings:
+    """Collects findings, so that one run reports all of them."""
+
+    def __init__(self) -> None:
+        self.found: list[Finding] = []
+
+    def add(self, subject: str, message: str) -> None:
+        """Record a finding."""
+        self.found.append(Finding(subject, message))
+
+    def that(self, holds: object, subject: str, message: str) -> None:
+        """Record a finding if the condition does not hold."""
+        if not holds:
+            self.add(subject, message)
+
+    @contextmanager
+    def trying(self, subject: str) -> Iterator[None]:
+        """Record an exception as a finding instead of stopping."""
+        try:
+            yield
+        except NotApplicable:
+            raise
+        except (Exception, SystemExit) as error:
+            said = " ".join(str(error).split())
+            self.add(subject, f"{type(error).__name__}: {said}" if said else type(error).__name__)

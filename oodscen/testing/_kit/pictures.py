@@ -1,0 +1,314 @@
+"""Part about pictures: colours, ids and depth agree with each other, with the state and with the camera."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._catalogue import Asset
+from oodscen.data._scene import Scene
+from oodscen.driving._sight.scene_checks import PlacedBody, bodies
+from oodscen.driving._sight.visibility import Eye, area, clipped
+from oodscen.protocols import Camera, Control, Frame
+from oodscen.testing._kit.findings import NotApplicable
+from oodscen.testing._kit.probe import Probe
+from oodscen.testing._kit.shapes import frame_faults
+
+INSIDE = 0.9
+"""Least share of a body's pixels within its box's silhouette, which is widened by `MARGIN_PX`."""
+MARGIN_PX = 3.0
+EXTENT = 0.55
+"""Least extent of a box-like body's pixels across and down, as a share of its silhouette's."""
+DEPTH = 0.06
+"""Relative tolerance of the ground's depth."""
+CHANGED = 12
+"""Difference of a colour that counts as a change, of 255."""
+CONTRAST = 12.0
+"""Least distance between the mean colours of a body and of the road, of 441."""
+
+_LEAST_PX = 30
+
+Mask = NDArray[np.bool_]
+
+
+def check_frames(probe: Probe) -> None:
+    """Check shapes, types and visible content, and that the tallest asset appears where it stands."""
+    size = max(probe.catalogue.assets, key=lambda asset: asset.width * asset.height)
+    scene = probe.scene(probe.still(size, ahead=20.0))
+    probe.simulator.reset(scene, 0)
+    for camera in (probe.camera(), probe.camera(64, 64)):
+        frame = probe.simulator.render(camera)
+        for fault in frame_faults(frame, camera, 2):
+            probe.findings.add("", fault)
+        is_shown = bool((frame.ids == 2).any())
+        probe.findings.that(is_shown, f"asset {size.id}", "20 m ahead has no pixel with id 2")
+
+
+def check_pictures(probe: Probe) -> None:
+    """Check pictures against ids, depth, state and the camera's parameters."""
+    for part in (
+        _check_cameras,
+        _check_colours,
+        _check_roads,
+        _check_order,
+        _check_leftovers,
+        _check_rendering,
+    ):
+        with probe.findings.trying(part.__name__.removeprefix("_check_")):
+            try:
+                part(probe)
+            except NotApplicable:
+                continue
+
+
+def cameras(probe: Probe) -> dict[str, Camera]:
+    """Return cameras that differ from the plain one in one parameter each."""
+    plain = probe.camera(240, 180)
+    varied = {
+        "the plain camera": plain,
+        "another size": replace(plain, width=200, height=240),
+        "another field of view": replace(plain, fov_deg=90.0),
+        "another height": replace(plain, z=plain.z + (30.0 if probe.is_top else 1.6)),
+        "a place further ahead": replace(plain, x=plain.x + 4.0),
+        "a place to the left": replace(plain, y=1.5),
+    }
+    if not probe.is_top:
+        varied["another pitch"] = replace(plain, pitch_deg=plain.pitch_deg + 10.0)
+    return varied
+
+
+def _boxes(probe: Probe) -> tuple[Asset, ...]:
+    """Return two assets whose shapes are nearly their boxes."""
+    asset = probe.asset_for("vehicle", "object", "work_zone")
+    return (asset, asset)
+
+
+def _check_cameras(probe: Probe) -> None:
+    """Check that bodies and ground appear where the camera's parameters put them, also after some steps."""
+    one, other = _boxes(probe)
+    scene = probe.scene(
+        probe.still(one, id="near", ahead=16.0, offset=3.2, heading=20.0),
+        probe.still(other, id="far", ahead=26.0, offset=-2.8),
+        speed=6.0,
+    )
+    state = probe.simulator.reset(scene, 0)
+    for name, camera in cameras(probe).items():
+        frame = probe.simulator.render(camera)
+        cast = bodies(scene, probe.catalogue, state.poses)
+        for fault in [
+            *place_faults(frame, camera, cast),
+            *_ground_faults(probe, frame, camera, cast),
+        ]:
+            probe.findings.add(f"camera with {name}" if name != "the plain camera" else name, fault)
+    for _ in range(round(1.0 / probe.simulator.dt)):
+        state = probe.simulator.step(Control(0.0, 0.04))
+    camera = probe.camera(240, 180)
+    cast = bodies(scene, probe.catalogue, state.poses)
+    for fault in place_faults(probe.simulator.render(camera), camera, cast):
+        probe.findings.add("after a second", fault)
+
+
+def place_faults(frame: Frame, camera: Camera, cast: Sequence[PlacedBody]) -> list[str]:
+    """Return how the pixels and depths of box-like bodies differ from their silhouettes."""
+    eye, faults = Eye(camera, cast[0].solid), []
+    for row, body in enumerate(cast[1:], start=2):
+        outline = eye.silhouette(body.solid)
+        shown = clipped(outline, camera.width, camera.height)
+        if area(shown) < _LEAST_PX:
+            continue
+        mask = frame.ids == row
+        if mask.sum() < 0.3 * area(shown):
+            faults.append(
+                f"shows {int(mask.sum())} of about {area(shown):.0f} pixels of {body.id!r}"
+            )
+            continue
+        if share_inside(mask, outline) < INSIDE:
+            faults.append(f"shows {body.id!r} beside its place or too large")
+            continue
+        for name, places, wanted in (
+            ("wide", np.nonzero(mask)[1], [u for u, _ in shown]),
+            ("high", np.nonzero(mask)[0], [v for _, v in shown]),
+        ):
+            extent, full = float(np.ptp(places)) + 1.0, max(wanted) - min(wanted)
+            if extent < EXTENT * full - 2.0:
+                faults.append(f"shows {body.id!r} {extent:.0f} pixels {name}, not {full:.0f}")
+                break
+        depths = [eye.to_camera(corner)[2] for corner in body.solid.corners()]
+        depth = float(np.median(frame.depth[mask]))
+        if not min(depths) - 0.3 <= depth <= max(depths) + 0.3:
+            low, high = min(depths), max(depths)
+            faults.append(
+                f"gives {body.id!r} a depth of {depth:.1f} m, not {low:.1f} to {high:.1f}"
+            )
+    return faults
+
+
+def share_inside(mask: Mask, outline: Sequence[tuple[float, float]]) -> float:
+    """Return the share of a body's pixels within the bounds of an outline."""
+    rows, columns = np.nonzero(mask)
+    us, vs = [u for u, _ in outline], [v for _, v in outline]
+    inside = (columns + 1.0 > min(us) - MARGIN_PX) & (columns < max(us) + MARGIN_PX)
+    inside &= (rows + 1.0 > min(vs) - MARGIN_PX) & (rows < max(vs) + MARGIN_PX)
+    return float(inside.mean()) if len(rows) else 0.0
+
+
+def _ground_faults(
+    probe: Probe, frame: Frame, camera: Camera, cast: Sequence[PlacedBody]
+) -> list[str]:
+    """Compare the depth of the road with that of a plane, along the optical axis."""
+    eye = Eye(camera, cast[0].solid)
+    u = (np.arange(camera.width) + 0.5 - 0.5 * camera.width) / eye.focal
+    v = (np.arange(camera.height) + 0.5 - 0.5 * camera.height) / eye.focal
+    fall = eye.forward[2] + v[:, None] * eye.down[2] + u[None, :] * eye.right[2]
+    with np.errstate(divide="ignore"):
+        wanted = np.where(fall < -1e-3, -camera.z / fall, np.inf)
+    x = eye.place[0] + wanted * (eye.forward[0] + u * eye.right[0] + v[:, None] * eye.down[0])
+    y = eye.place[1] + wanted * (eye.forward[1] + u * eye.right[1] + v[:, None] * eye.down[1])
+    near = (wanted < 45.0 + camera.z) & (frame.ids == 0)
+    if near.sum() < 100:
+        return []
+    rows, columns = (places[:: max(1, len(places) // 400)] for places in np.nonzero(near))
+    road = probe.staged(probe.scene()).corridor
+    on_road = [
+        road.strip_at(*road.locate(float(x[r, c]), float(y[r, c]), float(road.start + 20.0)))
+        in road.driving
+        for r, c in zip(rows, columns, strict=True)
+    ]
+    rows, columns = rows[on_road], columns[on_road]
+    if len(rows) < 20:
+        return []
+    off = np.abs(frame.depth[rows, columns] / wanted[rows, columns] - 1.0)
+    if float((off <= DEPTH).mean()) < 0.75:
+        row = int(np.argsort(off)[len(off) // 2])
+        told, right = (one[rows[row], columns[row]] for one in (frame.depth, wanted))
+        return [f"gives the road a depth of {told:.1f} m, not {right:.1f}"]
+    return []
+
+
+# ------------------------------------------------------------------ colours
+
+
+def _check_colours(probe: Probe) -> None:
+    """Check that the picture changes where a body is, and that bodies differ from the road."""
+    camera = probe.camera(240, 180)
+    probe.simulator.reset(probe.scene(), 0)
+    empty = probe.simulator.render(camera)
+    tried, dull = 0, []
+    for index, asset in enumerate(_telling(probe)):
+        ahead = 12.0 + 0.5 * asset.length
+        probe.simulator.reset(
+            probe.scene(probe.still(asset, ahead=ahead, offset=2.2 if index % 2 else -2.2)), 0
+        )
+        frame = probe.simulator.render(camera)
+        mask = frame.ids == 2
+        if mask.sum() < _LEAST_PX:
+            continue
+        tried += 1
+        difference = np.abs(frame.rgb.astype(np.int16) - empty.rgb.astype(np.int16)).max(axis=2)
+        changed = difference >= CHANGED
+        inside, outside = float(changed[mask].mean()), float(changed[~mask].mean())
+        if inside < 0.4 or inside < 1.5 * outside:
+            what = (
+                f"the picture changes in {inside:.0%} of its pixels and {outside:.0%} of the others"
+            )
+            probe.findings.add(f"asset {asset.id}", what)
+        ground = frame.rgb[_road_pixels(probe, camera)].astype(np.float64)
+        if len(ground):
+            away = float(np.linalg.norm(frame.rgb[mask].mean(axis=0) - np.median(ground, axis=0)))
+            if away < CONTRAST:
+                dull.append(asset.id)
+    if tried >= 2 and len(dull) > 0.5 * tried:
+        probe.findings.add("", f"most bodies have the colour of the road: {', '.join(dull[:6])}")
+
+
+def _telling(probe: Probe) -> list[Asset]:
+    """Return up to six assets of different categories that are large enough to see."""
+    firsts: dict[str, Asset] = {}
+    for asset in probe.catalogue.assets:
+        if asset.height > 0.4 and asset.width > 0.3:
+            firsts.setdefault(asset.category, asset)
+    return list(firsts.values())[:6]
+
+
+def _road_pixels(probe: Probe, camera: Camera) -> tuple[slice, slice]:
+    """Return a patch of the lane right in front of the ego."""
+    if probe.is_top:
+        low = int(0.60 * camera.height)
+        return slice(low, low + 8), slice(camera.width // 2 - 4, camera.width // 2 + 4)
+    return slice(int(0.8 * camera.height), int(0.92 * camera.height)), slice(
+        int(0.42 * camera.width), int(0.58 * camera.width)
+    )
+
+
+def _check_roads(probe: Probe) -> None:
+    """Check that the picture turns with the ego."""
+    camera = probe.camera()
+    probe.simulator.reset(probe.scene(speed=8.0), 0)
+    first = probe.simulator.render(camera).rgb.astype(np.int16)
+    for _ in range(round(2.0 / probe.simulator.dt)):
+        probe.simulator.step(Control(0.0, 0.1))
+    last = probe.simulator.render(camera).rgb.astype(np.int16)
+    change = float(np.abs(last - first).mean())
+    probe.findings.that(change > 1.0, "", "the picture does not change while the ego turns away")
+
+
+# ------------------------------------------------------------------ order, leftovers, side effects
+
+
+def _check_order(probe: Probe) -> None:
+    """Check that the nearer of two bodies hides the other."""
+    if probe.is_top:
+        raise NotApplicable("nothing is behind anything from above")
+    asset, _ = _boxes(probe)
+    near = 10.0 + 0.5 * asset.length
+    scene = probe.scene(
+        probe.still(asset, id="far", ahead=near + asset.length + 8.0),
+        probe.still(asset, id="near", ahead=near),
+    )
+    probe.simulator.reset(scene, 0)
+    # Level and as low as the body's middle, so that its box hides all of the other's.
+    camera = replace(probe.camera(240, 180), z=0.5 * asset.height, pitch_deg=0.0)
+    frame = probe.simulator.render(camera)
+    far, close = (int((frame.ids == row).sum()) for row in (2, 3))
+    is_hidden = far <= 0.35 * close
+    probe.findings.that(
+        is_hidden, "", f"a hidden body shows {far} pixels, the one before it {close}"
+    )
+    if frame.unhidden is not None:
+        told = int(frame.unhidden[1])
+        what = f"unhidden counts {told} pixels of a hidden body, of which {far} show"
+        probe.findings.that(told > far or far > 0.3 * close, "", what)
+
+
+def _check_leftovers(probe: Probe) -> None:
+    """Check that a scene leaves nothing behind."""
+    camera, empty = probe.camera(), probe.scene()
+    probe.simulator.reset(empty, 0)
+    before = probe.simulator.render(camera)
+    asset, _ = _boxes(probe)
+    probe.simulator.reset(probe.scene(probe.still(asset, ahead=14.0)), 0)
+    probe.simulator.render(camera)
+    probe.simulator.reset(empty, 0)
+    after = probe.simulator.render(camera)
+    left = int((after.ids > 1).sum())
+    probe.findings.that(left == 0, "", f"{left} pixels of a body of the scene before are shown")
+    apart = np.abs(after.rgb.astype(np.int16) - before.rgb.astype(np.int16)).max(axis=2)
+    changed = float((apart >= 2 * CHANGED).mean())
+    probe.findings.that(changed < 0.02, "", f"{changed:.0%} of the picture show the scene before")
+
+
+def _check_rendering(probe: Probe) -> None:
+    """Check that rendering does not change the run."""
+    scene: Scene = probe.scenes[0]
+    runs = []
+    for renders in (False, True):
+        state = probe.simulator.reset(scene, 0)
+        prints = [state.fingerprint()]
+        for step in range(12):
+            if renders and step % 4 == 0:
+                probe.simulator.render(probe.camera(64, 48))
+                probe.simulator.observe()
+            prints.append(probe.simulator.step(Control(0.0, 0.01)).fingerprint())
+        runs.append(prints)
+    probe.findings.that(runs[0] == runs[1], "", "rendering changes the run")

@@ -1,0 +1,182 @@
+"""The input of every part of the conformance check: the simulator, its catalogue and scenes to try."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+from oodscen.data._catalogue import Asset, Catalogue, Category, RoadMap
+from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather
+from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._staged_scene import StagedScene
+from oodscen.protocols import Camera, Control, Observation, Simulator, State
+from oodscen.testing._kit.findings import Findings, NotApplicable
+from oodscen.testing._kit.samples import STEPS, sample_scene
+
+Factory = Callable[[], Simulator]
+
+
+@dataclass
+class Probe:
+    """One simulator under test."""
+
+    simulator: Simulator
+    catalogue: Catalogue
+    factory: Factory
+    source: Factory | str
+    scenes: Sequence[Scene]
+    """Scenes whose runs are repeated."""
+    states_only: bool = False
+    """The pixels of the simulator do not repeat: compare states only."""
+    resets: int = 200
+    findings: Findings = field(default_factory=Findings)
+
+    @property
+    def is_top(self) -> bool:
+        """Return whether the simulator draws views from above only."""
+        return self.catalogue.camera == "top"
+
+    @cached_property
+    def clear(self) -> Weather:
+        """The clearest day that the catalogue offers."""
+        return clear_day(self.catalogue)
+
+    @cached_property
+    def road(self) -> RoadMap:
+        """The plainest map: straight and wide, if there is such a one."""
+        return plainest(self.catalogue)
+
+    @cached_property
+    def widest(self) -> RoadMap:
+        """The map with the most lanes."""
+        return max(self.catalogue.maps, key=lambda road: road.lanes + road.oncoming_lanes)
+
+    def camera(self, width: int = 160, height: int = 120) -> Camera:
+        """Return the camera of the simulator's kind."""
+        return Camera.above(width, height) if self.is_top else Camera(width, height)
+
+    def scene(
+        self,
+        *actors: Actor,
+        road: RoadMap | None = None,
+        lane: int = 0,
+        speed: float = 8.0,
+        weather: Weather | None = None,
+    ) -> Scene:
+        """Return a scene on a clear day, on the plainest road by default."""
+        weather = weather or self.clear
+        return sample_scene(road or self.road, actors, lane=lane, speed=speed, weather=weather)
+
+    def staged(self, scene: Scene, seed: int = 0) -> StagedScene:
+        """Return the scene with what the library measures in it."""
+        return StagedScene(scene, self.catalogue, seed, dt=self.simulator.dt)
+
+    def asset_for(self, *categories: Category) -> Asset:
+        """Return the first asset of some categories that blocks the way, or the first of any.
+
+        Raises:
+            NotApplicable: If there is none.
+        """
+        for category in categories:
+            for asset in self.catalogue.assets:
+                if asset.category == category and not asset.is_passable():
+                    return asset
+        raise NotApplicable(f"the catalogue has no {' or '.join(categories)}")
+
+    def doing(self, name: str, **options: Any) -> Actor:
+        """Return an actor with a behaviour; the options are those of `acting`.
+
+        Raises:
+            NotApplicable: If the catalogue lacks the behaviour, or assets for it.
+        """
+        kinds = {kind.id: kind for kind in self.catalogue.behaviours}
+        if name not in kinds:
+            raise NotApplicable(f"the catalogue has no behaviour {name!r}")
+        return self.acting(self.asset_for(*kinds[name].categories), name, **options)
+
+    def acting(
+        self,
+        asset: Asset,
+        name: str,
+        *,
+        id: str = "a",
+        ahead: float = 35.0,
+        lane: int = 0,
+        offset: float = 0.0,
+        heading: float = 0.0,
+        trigger: Trigger | None = None,
+        other: str | None = None,
+        parameters: Mapping[str, float] = MappingProxyType({}),
+    ) -> Actor:
+        """Return an asset with a behaviour."""
+        return Actor(
+            id=id,
+            asset=asset.id,
+            placement=Placement(ahead_m=ahead, lane=lane, offset_m=offset, heading_deg=heading),
+            behaviour=Behaviour(
+                name=name,
+                trigger=trigger or Trigger(value=0.5),
+                parameters=dict(parameters),
+                other=other,
+            ),
+        )
+
+    def still(
+        self,
+        asset: Asset,
+        *,
+        id: str = "a",
+        ahead: float = 20.0,
+        offset: float = 0.0,
+        heading: float = 0.0,
+    ) -> Actor:
+        """Return an asset that stands."""
+        place = Placement(ahead_m=ahead, offset_m=offset, heading_deg=heading)
+        return Actor(id=id, asset=asset.id, placement=place)
+
+    def states(
+        self,
+        scene: Scene,
+        control: Callable[[Observation], Control] = lambda _: Control(),
+        *,
+        seed: int = 0,
+        steps: int = STEPS,
+    ) -> Iterator[State]:
+        """Reset to a scene and yield its states; the control is computed between them."""
+        yield self.simulator.reset(scene, seed)
+        for _ in range(steps):
+            yield self.simulator.step(control(self.simulator.observe()))
+
+    def run(
+        self,
+        scene: Scene,
+        control: Callable[[Observation], Control] = lambda _: Control(),
+        *,
+        seed: int = 0,
+        steps: int = STEPS,
+    ) -> list[State]:
+        """Return the states of a run."""
+        return list(self.states(scene, control, seed=seed, steps=steps))
+
+
+def clear_day(catalogue: Catalogue) -> Weather:
+    """Return the clearest day that a catalogue offers."""
+    return Weather(sun_elevation_deg=max(45.0, catalogue.weather.min_sun_elevation_deg))
+
+
+def plainest(catalogue: Catalogue) -> RoadMap:
+    """Return the map that is straight and wide, if there is such a one."""
+    return max(
+        catalogue.maps,
+        key=lambda road: (is_straight(road), not road.landmarks, road.lanes + road.oncoming_lanes),
+    )
+
+
+def is_straight(road: RoadMap) -> bool:
+    """Return whether the first 200 m of a road are straight and level."""
+    corridor = load_corridor(road)
+    near = (corridor.s >= corridor.start - 20.0) & (corridor.s <= corridor.start + 200.0)
+    heights = corridor.z[near]
+    bends = abs(corridor.curvature[near]).max(initial=0.0)
+    return bool(bends < 1e-4 and heights.max() - heights.min() < 0.2)

@@ -1,0 +1,131 @@
+"""Parts about whole runs: they repeat, obey the controls, go back, and refuse what cannot be staged."""
+
+from collections.abc import Callable
+
+from oodscen.data._scene import Behaviour, Scene
+from oodscen.errors import SceneError, SpawnError, UnknownComponent
+from oodscen.protocols import ChecksScenes, Control, Snapshots
+from oodscen.testing._kit.findings import NotApplicable
+from oodscen.testing._kit.probe import Probe
+from oodscen.testing._kit.samples import run_bytes
+
+
+def check_determinism(probe: Probe) -> None:
+    """Check that a run repeats to the byte: again, after another scene, and in a new simulator."""
+    camera = None if probe.states_only else probe.camera()
+    first = [run_bytes(probe.simulator, scene, camera, seed=3) for scene in probe.scenes]
+    with probe.factory() as other:
+        for scene, expected in list(zip(probe.scenes, first, strict=True))[::-1]:
+            again = run_bytes(probe.simulator, scene, camera, seed=3)
+            fresh = run_bytes(other, scene, camera, seed=3)
+            what = f"scene {scene.id}"
+            probe.findings.that(
+                again == expected, what, "another result after other scenes had run"
+            )
+            probe.findings.that(fresh == expected, what, "another result from a fresh simulator")
+
+
+def check_controls(probe: Probe) -> None:
+    """Check that the ego obeys its control, left is positive, and the observation agrees."""
+    scene, ends = probe.scene(speed=8.0), {}
+    for name, control in (
+        ("coasting", Control()),
+        ("accelerating", Control(acceleration=1.0)),
+        ("braking", Control(acceleration=-6.0)),
+        ("steering left", Control(steering=0.03)),
+        ("steering right", Control(steering=-0.03)),
+    ):
+        state = probe.run(scene, _always(control))[-1]
+        ends[name] = probe.simulator.observe()
+        speed = float(state.speeds[0])
+        agrees = abs(ends[name].speed - speed) < 1e-6 and abs(ends[name].time - state.time) < 1e-6
+        probe.findings.that(agrees, "", f"after {name} observation and state disagree")
+    faster = ends["accelerating"].speed > ends["coasting"].speed > ends["braking"].speed
+    probe.findings.that(faster, "", "accelerating and braking do not change the speed so")
+    probe.findings.that(ends["braking"].speed >= 0.0, "", "braking makes the ego reverse")
+    left, right = ends["steering left"].offset_m, ends["steering right"].offset_m
+    is_left = left > ends["coasting"].offset_m > right
+    probe.findings.that(is_left, "", "left must be positive")
+
+
+def _always(control: Control) -> Callable[[object], Control]:
+    return lambda _: control
+
+
+def check_snapshot(probe: Probe) -> None:
+    """Check that a run from a restored snapshot repeats the original run.
+
+    Snapshots are taken before and after a trigger fires, and restored in another order and twice.
+    """
+    simulator = probe.simulator
+    if not isinstance(simulator, Snapshots):
+        raise NotApplicable("has no snapshot() and restore()")
+    scenes = [*probe.scenes[:1], *_triggered_scenes(probe)]
+    for scene in scenes:
+        simulator.reset(scene, 1)
+        kept, states, after = {}, [], {}
+        for step in range(60):
+            if step in (5, 30):
+                kept[step] = simulator.snapshot()
+            states.append(simulator.step(_weaving(step)).fingerprint())
+        for step in (5, 30, 5):
+            simulator.restore(kept[step])
+            after[step] = [
+                simulator.step(_weaving(later)).fingerprint() for later in range(step, 60)
+            ]
+            is_same = after[step] == states[step:]
+            what = "what follows a restored snapshot differs"
+            probe.findings.that(is_same, f"scene {scene.id}", what)
+            if not is_same:
+                break
+        simulator.reset(scene, 1)
+        began = simulator.snapshot()
+        for step in range(10):
+            simulator.step(_weaving(step))
+        state = simulator.restore(began)
+        at_start = getattr(state, "step", None) == 0
+        probe.findings.that(at_start, "", "restore() does not return the restored state")
+
+
+def _triggered_scenes(probe: Probe) -> list[Scene]:
+    """Return a scene in which an actor acts between the two snapshots, if the catalogue has one."""
+    for name in ("pull_out", "cut_in", "cross_road", "dart", "hard_brake", "stall", "reverse"):
+        try:
+            scene = probe.scene(probe.doing(name), road=probe.widest)
+        except NotApplicable:
+            continue
+        return [scene.model_copy(update={"id": f"check-{name}"})]
+    return []
+
+
+def _weaving(step: int) -> Control:
+    return Control(-0.5, 0.01 if step % 8 < 4 else -0.02)
+
+
+def check_refusals(probe: Probe) -> None:
+    """Check that impossible scenes raise typed errors and that the next scene still runs."""
+    box = probe.still(probe.catalogue.assets[0], ahead=30.0)
+    good = probe.scene(box)
+    unknown = box.model_copy(update={"asset": "no-such-asset"})
+    double = box.model_copy(update={"id": "b"})
+    strange = box.model_copy(update={"behaviour": Behaviour(name="no-such-behaviour")})
+    for what, scene in (
+        ("an unknown asset", probe.scene(unknown)),
+        ("an unknown behaviour", probe.scene(strange)),
+        ("an unknown map", good.model_copy(update={"map": "no-such-map"})),
+        ("a lane that is not there", probe.scene(lane=6)),
+        ("two bodies in one place", probe.scene(box, double)),
+    ):
+        try:
+            probe.simulator.reset(scene, 0)
+        except (SceneError, SpawnError, UnknownComponent):
+            pass
+        except Exception as error:
+            name = type(error).__name__
+            probe.findings.add("", f"{what} is refused by a {name}, not a SceneError")
+        else:
+            probe.findings.add("", f"{what} is not refused")
+        probe.simulator.reset(good, 0)
+    if isinstance(probe.simulator, ChecksScenes):
+        issues = probe.simulator.check(good)
+        probe.findings.that(not issues, "", f"check() refuses a plain scene: {list(issues)[:1]}")

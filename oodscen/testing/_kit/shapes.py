@@ -1,0 +1,89 @@
+"""Shapes, types and ranges of what a simulator returns."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from oodscen.data._scene import Scene
+from oodscen.protocols import Camera, Frame, State
+from oodscen.testing._kit.probe import Probe
+
+
+def state_faults(probe: Probe, scene: Scene, state: State, step: int) -> list[str]:
+    """Return what is wrong with the form of a state: ids, shapes, types, finite values, time."""
+    return list(_state_faults(scene, state, step, probe.simulator.dt))
+
+
+def _state_faults(scene: Scene, state: State, step: int, dt: float) -> Iterator[str]:
+    ids = ("ego", *(actor.id for actor in scene.actors))
+    count = len(ids)
+    if not isinstance(state, State):
+        yield f"returned a {type(state).__name__}, not a State"
+        return
+    if state.ids != ids:
+        yield f"ids are {state.ids}, not {ids}"
+    is_formed = True
+    for name, array, shape in (
+        ("poses", state.poses, (count, 4)),
+        ("speeds", state.speeds, (count,)),
+        ("gaps", state.gaps, (count,)),
+        ("accelerations", state.accelerations, (count,)),
+        ("places", state.places, (count, 2)),
+    ):
+        if array is None:
+            if name not in ("accelerations", "places"):
+                is_formed = False
+                yield f"{name} is None"
+            continue
+        if np.shape(array) != shape or np.asarray(array).dtype != np.float64:
+            is_formed = False
+            kind = getattr(array, "dtype", type(array).__name__)
+            yield f"{name} is {kind} {np.shape(array)}, not float64 {shape}"
+    if not is_formed:
+        return
+    if not (np.isfinite(state.poses).all() and np.isfinite(state.speeds).all()):
+        yield "poses or speeds are not finite"
+    if not (state.gaps >= 0.0).all():
+        yield "a gap is negative or not a number"
+    if not math.isinf(float(state.gaps[0])):
+        yield "the ego's own gap must be infinite"
+    if state.step != step:
+        yield f"step is {state.step}, not {step}"
+    if not abs(state.time - step * dt) < 1e-6:
+        yield f"time is {state.time} after {step} steps"
+
+
+def frame_faults(frame: Frame, camera: Camera, bodies: int) -> list[str]:
+    """Return what is wrong with the form of a picture of a scene with some bodies, the ego included."""
+    return list(_frame_faults(frame, camera, bodies))
+
+
+def _frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
+    size = (camera.height, camera.width)
+    is_formed = True
+    for name, array, shape, kind in (
+        ("rgb", frame.rgb, (*size, 3), np.uint8),
+        ("depth", frame.depth, size, np.float32),
+        ("ids", frame.ids, size, np.int32),
+    ):
+        if np.shape(array) != shape or np.asarray(array).dtype != kind:
+            is_formed = False
+            yield f"{name} is {array.dtype} {array.shape}, not {np.dtype(kind)} {shape}"
+    if not is_formed:
+        return
+    colours = len(np.unique(frame.rgb.reshape(-1, 3), axis=0))
+    if colours < 4:
+        yield f"the picture is blank ({colours} colours)"
+    if not ((frame.ids >= 0).all() and (frame.ids <= bodies).all()):
+        yield "ids are not 0 (scenery), 1 (ego) or 2 + the actor's index"
+    if not (frame.depth > 0.0).all():
+        yield "depth must be positive, infinite for the sky"
+    if not np.isfinite(frame.depth).any():
+        yield "nothing has a finite depth"
+    if not np.isfinite(frame.depth[frame.ids > 0]).all():
+        yield "a pixel of a body has no finite depth"
+    if frame.unhidden is not None:
+        counts = np.bincount(frame.ids.ravel(), minlength=bodies + 1)[1 : bodies + 1]
+        if frame.unhidden.shape != (bodies,) or not (frame.unhidden >= counts).all():
+            yield "unhidden must count at least the visible pixels of each body"

@@ -1,0 +1,164 @@
+"""Parts about the catalogue: everything listed can be loaded, placed and run."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
+from oodscen.data._scene import Actor, Scene
+from oodscen.driving._motion.behaviours import BEHAVE
+from oodscen.driving._roads.building import load_corridor
+from oodscen.errors import OodscenError, SpawnError
+from oodscen.testing._kit.contact import gap_fault
+from oodscen.testing._kit.findings import NotApplicable
+from oodscen.testing._kit.probe import Probe
+from oodscen.testing._kit.samples import follow_lane
+from oodscen.testing._kit.shapes import state_faults
+
+
+def check_catalogue(probe: Probe) -> None:
+    """Check that the catalogue is static data without duplicates, and that its weather has a clear day."""
+    catalogue, found = probe.catalogue, probe.findings
+    found.that(probe.simulator.catalogue() == catalogue, "", "differs from one call to the next")
+    copy = Catalogue.parse(catalogue.to_json())
+    found.that(copy == catalogue, "", "changes when it is written and read as JSON")
+    for noun, names in (
+        ("asset", [asset.id for asset in catalogue.assets]),
+        ("behaviour", [kind.id for kind in catalogue.behaviours]),
+        ("map", [road.id for road in catalogue.maps]),
+    ):
+        for name in sorted({name for name in names if names.count(name) > 1}):
+            found.add(f"{noun} {name}", "occurs more than once")
+    for kind in catalogue.behaviours:
+        if kind.built_in not in BEHAVE:
+            what = "is no built-in behaviour, and `like` names none that stands in for it"
+            found.add(f"behaviour {kind.id}", what)
+        for name, parameter in kind.parameters.items():
+            inside = parameter.minimum <= parameter.default <= parameter.maximum
+            found.that(inside, f"behaviour {kind.id}", f"the default of {name} is out of range")
+
+
+def check_maps(probe: Probe) -> None:
+    """Check that every map's entry matches its file and that all its lanes can be driven."""
+    for road in probe.catalogue.maps:
+        with probe.findings.trying(f"map {road.id}"):
+            _check_map(probe, road)
+
+
+def _check_map(probe: Probe, road: RoadMap) -> None:
+    corridor, found, where = load_corridor(road), probe.findings, f"map {road.id}"
+    ego_lanes = len(corridor.ego_lanes)
+    oncoming = len(corridor.driving) - ego_lanes
+    ahead = corridor.length - corridor.start
+    has_shoulder = any(strip.kind == "shoulder" for strip in corridor.strips)
+    found.that(ego_lanes == road.lanes, where, f"has {ego_lanes} lanes, not {road.lanes}")
+    found.that(
+        oncoming == road.oncoming_lanes,
+        where,
+        f"has {oncoming} oncoming lanes, not {road.oncoming_lanes}",
+    )
+    found.that(ahead >= road.length_m, where, f"only {ahead:.0f} m lie ahead of the start")
+    found.that(not road.has_shoulder or has_shoulder, where, "says it has a shoulder, has none")
+    for lane in range(ego_lanes):
+        drive(probe, probe.scene(road=road, lane=lane, speed=road.speed_limit), where)
+
+
+def check_assets(probe: Probe) -> None:
+    """Check that every asset can be placed, in every state."""
+    catalogue = probe.catalogue
+    road = max(catalogue.maps, key=lambda road: road.length_m)
+    wanted = [(asset, state) for asset in catalogue.assets for state in (asset.states or ("",))]
+    group: list[Actor] = []
+    position, limit = 12.0, min(280.0, road.length_m - 20.0)
+    for index, (asset, state) in enumerate(wanted):
+        room = 0.5 * max(asset.length, asset.width) + 1.0
+        if position + 2.0 * room > limit and group:
+            _reset(probe, probe.scene(*group, road=road))
+            group, position = [], 12.0
+        actor = probe.still(asset, id=f"a{index}", ahead=position + room)
+        group.append(actor.model_copy(update={"state": state}))
+        position += 2.0 * room
+    _reset(probe, probe.scene(*group, road=road))
+
+
+def _reset(probe: Probe, scene: Scene) -> None:
+    """Load one scene; record the actors that it refuses."""
+    names = {actor.id: f"{actor.asset} {actor.state}".strip() for actor in scene.actors}
+    try:
+        state = probe.simulator.reset(scene, 0)
+    except SpawnError as error:
+        probe.findings.add(f"asset {names.get(error.actor, error.actor)}", str(error))
+    except OodscenError as error:
+        probe.findings.add(f"assets {', '.join(sorted(set(names.values())))}", str(error))
+    else:
+        for fault in state_faults(probe, scene, state, 0):
+            probe.findings.add("assets", fault)
+
+
+def check_behaviours(probe: Probe) -> None:
+    """Check that every behaviour runs with its defaults, for an asset of each of its categories."""
+    if not probe.catalogue.behaviours:
+        raise NotApplicable("the catalogue has no behaviour")
+    for kind in probe.catalogue.behaviours:
+        with probe.findings.trying(f"behaviour {kind.id}"):
+            _check_behaviour(probe, kind)
+
+
+def _check_behaviour(probe: Probe, kind: BehaviourKind) -> None:
+    assets = assets_for(probe, kind)
+    probe.findings.that(assets, f"behaviour {kind.id}", "no asset has one of its categories")
+    for asset in assets:
+        actors = cast_for(probe, kind, asset)
+        if actors is None:
+            message = "needs a vehicle that carries, tows or owns it, and the catalogue has none"
+            probe.findings.add(f"behaviour {kind.id}", message)
+            return
+        what = f"behaviour {kind.id} of {asset.id}"
+        with probe.findings.trying(what):
+            drive(probe, probe.scene(*actors, road=probe.widest, speed=5.0), what)
+
+
+def assets_for(probe: Probe, kind: BehaviourKind) -> list[Asset]:
+    """Return one asset of each category that can have a behaviour."""
+    firsts = {asset.category: asset for asset in reversed(probe.catalogue.assets)}
+    return [firsts[category] for category in kind.categories if category in firsts]
+
+
+def cast_for(
+    probe: Probe, kind: BehaviourKind, asset: Asset, *, lane: int = 0, ahead: float = 35.0
+) -> tuple[Actor, ...] | None:
+    """Return an asset with a behaviour, and the vehicle that it belongs to if it needs one.
+
+    Returns:
+        `None` if there is no such vehicle.
+    """
+    parameters = {}
+    if "lanes" in kind.parameters:
+        parameters["lanes"] = 1.0 if len(load_corridor(probe.widest).driving) > 1 else 0.0
+    if not kind.needs_other:
+        return (probe.acting(asset, kind.id, lane=lane, ahead=ahead, parameters=parameters),)
+    vehicle = next((one for one in probe.catalogue.assets if one.category == "vehicle"), None)
+    if vehicle is None:
+        return None
+    actor = probe.acting(asset, kind.id, ahead=ahead, other="owner", parameters=parameters)
+    return (actor, probe.still(vehicle, id="owner", ahead=ahead + 6.0))
+
+
+def drive(probe: Probe, scene: Scene, what: str) -> None:
+    """Run a scene for some steps and check every state."""
+    states = []
+    kept = b""
+    for step, state in enumerate(probe.states(scene, follow_lane)):
+        states.append(state)
+        kept = kept or state.fingerprint()
+        faults = state_faults(probe, scene, state, step)
+        for fault in faults:
+            probe.findings.add(what, fault)
+        if faults:
+            return
+    fault = gap_fault(states, scene, probe.catalogue)
+    probe.findings.that(not fault, what, fault)
+    is_kept = states[0].fingerprint() == kept
+    probe.findings.that(is_kept, what, "a later step changed an earlier state")
+    still = all(np.array_equal(a.poses[0], b.poses[0]) for a, b in pairwise(states))
+    probe.findings.that(not still, what, "the ego does not move")

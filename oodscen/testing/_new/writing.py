@@ -1,0 +1,62 @@
+"""Writing a new adapter's package from the files of this folder."""
+
+import keyword
+import re
+from importlib.resources import files
+from pathlib import Path
+
+from oodscen._files import check_name
+from oodscen.errors import UsageError
+
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
+
+
+def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
+    """Write a package with an adapter that passes the conformance check, and its tests.
+
+    Args:
+        name: The simulator's name, in lower case with underscores; the package is `oodscen_NAME`.
+        folder: The folder in which the package's folder is made.
+
+    Returns:
+        The written files.
+
+    Raises:
+        UsageError: If the name is no such name, or the files cannot be written or exist.
+    """
+    if not _NAME.fullmatch(name) or keyword.iskeyword(name):
+        raise UsageError(
+            f"{name[:60]!r} cannot be the name of a simulator: use small letters, digits and underscores, "
+            "e.g. my_simulator"
+        )
+    package = f"oodscen_{name}"
+    target = Path(folder) / package
+    check_name(target)
+    words = {
+        "MySimulator": "".join(part.capitalize() for part in name.split("_")) + "Simulator",
+        "my_simulator": name,
+        "my_package": package,
+        "my-package": package.replace("_", "-"),
+    }
+    texts = {
+        "README.md": "README.md",
+        "pyproject.toml": "pyproject.toml",
+        "adapter.py": f"{package}/__init__.py",
+        "test_adapter.py.txt": f"tests/test_{name}.py",
+    }
+    written = []
+    try:
+        target.mkdir(parents=True)
+        for source, relative in texts.items():
+            text = files("oodscen.testing._new").joinpath(source).read_text("utf-8")
+            for word, replacement in words.items():
+                text = text.replace(word, replacement)
+            path = target / relative
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+            written.append(path)
+    except FileExistsError as error:
+        raise UsageError(f"{target} exists already") from error
+    except OSError as error:
+        raise UsageError(f"cannot write {target}: {error.strerror or error}") from error
+    return tuple(written)

@@ -1,0 +1,69 @@
+"""The written package passes its own tests, and its simulator the quick check."""
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from oodscen.errors import UsageError
+from oodscen.testing import check_simulator
+from oodscen.testing._new.adapter import MySimulator
+from oodscen.testing._new.writing import write_adapter
+
+
+def test_the_example_keeps_the_protocol() -> None:
+    check_simulator(MySimulator, resets=20, parts=("appearance", "motion", "measures", "pictures"))
+
+
+def test_the_written_package_passes_its_tests(tmp_path) -> None:
+    written = write_adapter("road_runner2", tmp_path)
+    folder = tmp_path / "oodscen_road_runner2"
+    assert all(path.is_relative_to(folder) for path in written)
+    for path in written:
+        text = path.read_text("utf-8")
+        assert "my_" not in text.lower()
+        assert "mysim" not in text.lower()
+    code = (folder / "oodscen_road_runner2" / "__init__.py").read_text("utf-8")
+    assert "class RoadRunner2Simulator(RestorableSimulator)" in code
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n", "0"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-500:]
+
+
+def test_the_adapter_is_short() -> None:
+    source = sys.modules[MySimulator.__module__].__file__ or ""
+    with open(source, encoding="utf-8") as file:
+        text = file.read()
+    ast.parse(text)
+    lines = [
+        line for line in text.splitlines() if line.strip() and not line.strip().startswith("#")
+    ]
+    assert len(lines) < 200
+
+
+@pytest.mark.parametrize("name", ["", "A", "1a", "a-b", "../a", "class", "a" * 99, "a\nb", "ä"])
+def test_strange_names_are_refused(name, tmp_path) -> None:
+    with pytest.raises(UsageError):
+        write_adapter(name, tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_nothing_is_overwritten(tmp_path) -> None:
+    write_adapter("mine", tmp_path)
+    with pytest.raises(UsageError, match="exists already"):
+        write_adapter("mine", tmp_path)
+
+
+def test_the_documentation_shows_the_adapter_that_is_written() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "adapters.md").read_text("utf-8")
+    source = Path(sys.modules[MySimulator.__module__].__file__ or "").read_text("utf-8")
+    assert f"```python\n{source}```\n" in page
