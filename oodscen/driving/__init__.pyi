@@ -1,3 +1,5 @@
+from ._drivers.r157 import R157Driver as R157Driver
+from ._drivers.rss import RSSDriver as RSSDriver
 from ._kinematic_simulator import KinematicSimulator as KinematicSimulator
 from ._motion.actions import action_driver as action_driver
 from ._motion.world import KinematicWorld as KinematicWorld

@@ -15,6 +15,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
+from oodscen.driving._drivers.following import followed
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._trace import Course, Trace
@@ -71,9 +72,8 @@ def drive(
 class RuleBasedDriver(Brief):
     """Keeps its lane, follows the actor ahead, and brakes hard when it gets close.
 
-    The intelligent-driver model (Treiber, Hennecke and Helbing, "Congested traffic states in empirical
-    observations and microscopic simulations", 2000) with emergency braking below a time to collision. It
-    knows the true positions of all actors: a stack with perfect perception and no plan but to follow.
+    The intelligent driver model with emergency braking below a time to collision. It knows the true
+    positions of all actors: a stack with perfect perception and no plan but to follow.
     """
 
     headway_s = 1.5
@@ -113,12 +113,15 @@ class RuleBasedDriver(Brief):
         speed = observation.speed
         if self._closing > 0 and self._gap / self._closing < self.emergency_ttc_s:
             return replace(control, acceleration=-8.0)
-        wanted = self.standing_m + max(
-            0.0, speed * self.headway_s + speed * self._closing / (2.0 * self.comfortable)
+        acceleration = followed(
+            speed,
+            self._desired,
+            self._gap,
+            self._closing,
+            headway_s=self.headway_s,
+            standing_m=self.standing_m,
+            comfortable=self.comfortable,
         )
-        ratio = wanted / max(self._gap, 0.1)
-        free = (speed / self._desired) ** 4
-        acceleration = self.comfortable * (1.0 - free - ratio * ratio)
         return replace(control, acceleration=max(-8.0, min(control.acceleration, acceleration)))
 
 
