@@ -354,8 +354,9 @@ class Observation(Brief):
 class Driver(Protocol):
     """Controls the ego in one episode; every episode gets a new driver.
 
-    Optional members: `wants_frames`, true to get a camera picture with every observation, and
-    `look(state)`, which is called before `act` with the true state, for drivers that cheat.
+    Optional members: `wants_frames`, true to get a camera picture with every observation; `camera`, the
+    camera that takes it, by default the dash camera; and `look(state)`, which is called before `act`
+    with the true state, for drivers that cheat.
     """
 
     def act(self, observation: Observation) -> Control:

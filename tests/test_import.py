@@ -9,9 +9,12 @@ HEAVY = ("torch", "litellm", "numba", "pybullet", "cv2", "sentence_transformers"
 
 EVERYTHING = """
 import importlib, pkgutil
+from contextlib import suppress
+from oodscen.errors import MissingExtra
 for found in pkgutil.walk_packages(oodscen.__path__, "oodscen."):
     if found.name != "oodscen.__main__":
-        importlib.import_module(found.name)
+        with suppress(MissingExtra):
+            importlib.import_module(found.name)
 """
 
 

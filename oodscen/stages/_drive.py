@@ -41,8 +41,9 @@ def drive(
 
     The driver controls the ego all the way; the scene's decision point only determines how long the drive
     lasts. A driver with a method `look(state)` is given the state before every step; one with a true
-    attribute `wants_frames` finds the camera image in its observations. A scene that cannot be run, or a
-    driver that raises, gives a failed result, and the other drives continue.
+    attribute `wants_frames` finds the camera image in its observations, taken by its `camera` if it has
+    one. A scene that cannot be run, or a driver that raises, gives a failed result, and the other drives
+    continue.
 
     Args:
         scenes: Scenes to drive; twins among them are driven as they are.
@@ -51,7 +52,7 @@ def drive(
         name: The driver's name in the results; by default the name of its class.
         seed: Seed of the simulator's random streams.
         twins: Drive the twins as well, right after their scenes.
-        camera: Camera for drivers that want frames; by default the ego's dash camera.
+        camera: Camera for drivers that want frames; by default the driver's own, or the ego's dash camera.
         progress: True for a progress bar, or a callable; it counts the scenes.
 
     Returns:
@@ -140,7 +141,7 @@ def _both(
     """Drive a scene and, if asked to, its twin."""
     try:
         with working("simulator", simulator.name):
-            steps, decision_s, _ = _horizon(scene, simulator, seed)
+            steps, decision_s, _ = horizon(scene, simulator, seed)
     except OodscenError as error:
         return [_failed(scene.id, label, error)]
     one = _drive(scene, driver, simulator, label, seed, steps, camera)
@@ -149,17 +150,24 @@ def _both(
     try:
         twin = scene.twin(decision_s)
         with working("simulator", simulator.name):
-            _, _, ordinary = _horizon(twin, simulator, seed, steps)
+            _, _, ordinary = horizon(twin, simulator, seed, steps)
         other = _drive(twin, driver, simulator, label, seed, steps, camera)
     except OodscenError as error:
         return [one, _failed(twin_id(scene.id), label, error)]
     return _paired(one, other, ordinary)
 
 
-def _horizon(
+def horizon(
     scene: Scene, simulator: Simulator, seed: int, steps: int | None = None
 ) -> tuple[int, float, Trace]:
-    """Return a scene's duration in steps, its decision time, and the trace of a blind drive."""
+    """Return a scene's duration in steps, its decision time, and the trace of a blind drive.
+
+    Args:
+        scene: The scene or twin.
+        simulator: The simulator; it is left at the end of the blind drive.
+        seed: Seed of the simulator's random streams.
+        steps: The duration, if it is known from the scene of a twin.
+    """
     state = simulator.reset(scene, seed)
     corridor = load_corridor(scene.map, simulator.catalogue())
     driver = Cruise()
@@ -192,7 +200,7 @@ def _drive(
     camera: Camera | None,
 ) -> DriveResult:
     try:
-        states = list(_driven(scene, make(), simulator, seed, steps, camera or Camera()))
+        states = list(_driven(scene, make(), simulator, seed, steps, camera))
     except (Exception, SystemExit) as error:  # A driver may raise anything.
         return _failed(scene.id, name, error)
     return drive_result(scene, states, simulator.catalogue(), name, steps, simulator.dt)
@@ -246,10 +254,11 @@ def drive_result(
 
 
 def _driven(
-    scene: Scene, driver: Driver, simulator: Simulator, seed: int, steps: int, camera: Camera
+    scene: Scene, driver: Driver, simulator: Simulator, seed: int, steps: int, camera: Camera | None
 ) -> Iterator[State]:
     look = getattr(driver, "look", None)
     wants_frames = bool(getattr(driver, "wants_frames", False))
+    camera = camera or getattr(driver, "camera", None) or Camera()
     state = simulator.reset(scene, seed)
     yield state
     for _ in range(steps):
