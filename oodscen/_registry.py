@@ -31,6 +31,12 @@ KINDS = {
     "driver": "oodscen.drivers",
 }
 """Entry-point group of each kind of component."""
+DRIVERS = {
+    "rule-based": "oodscen.stages._drive:RuleBasedDriver",
+    "r157": "oodscen.driving._drivers.r157:R157Driver",
+    "rss": "oodscen.driving._drivers.rss:RSSDriver",
+}
+"""The built-in reference drivers by name."""
 
 DEFAULT_SIMULATOR = "pybullet"
 DEFAULT_CATALOGUES = ("carla-0.9.16",)
@@ -63,7 +69,10 @@ def _installed(places: tuple[tuple[str, int], ...]) -> EntryPoints:
 
 def names(kind: str) -> dict[str, EntryPoint]:
     """Return the registered entry points of a kind, by name; nothing is imported."""
-    return {point.name: point for point in sorted(entry_points(group=KINDS[kind]))}
+    found = {point.name: point for point in sorted(entry_points(group=KINDS[kind]))}
+    if kind == "driver":
+        found |= {name: EntryPoint(name, at, KINDS[kind]) for name, at in DRIVERS.items()}
+    return found
 
 
 def find(kind: str, name: str) -> Callable[..., Any]:

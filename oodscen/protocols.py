@@ -464,7 +464,8 @@ class Observation(Brief):
 class Driver(Protocol):
     """Controls the ego in one episode; every episode gets a new driver.
 
-    Abilities that a driver may have in addition: `Looks` and `WantsFrames`.
+    Abilities that a driver may have in addition: `Looks` and `WantsFrames`. One that wants frames may name its
+    `camera`; by default the dash camera takes them.
     """
 
     def act(self, observation: Observation) -> Control:

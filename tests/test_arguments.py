@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterator
 from contextlib import suppress
+from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -109,6 +110,8 @@ def public() -> Iterator[tuple[str, Any]]:
     """Yield what can be called of the names on the page, once each."""
     seen = set()
     for package in re.findall(r"^## `([\w.]+)`$", PAGE, re.MULTILINE):
+        if package == "oodscen.gymnasium" and find_spec("gymnasium") is None:
+            continue
         module = importlib.import_module(package)
         for name in module.__all__ if package != "oodscen.errors" else ():
             found = getattr(module, name)

@@ -11,9 +11,12 @@ COMMON = ("pydantic", "numpy", "jinja2")
 # The modules of `oodscen.inspect` are imported by inspect_ai alone, which need not be there.
 EVERYTHING = """
 import importlib, pkgutil
+from contextlib import suppress
+from oodscen.errors import MissingExtra
 for found in pkgutil.walk_packages(oodscen.__path__, "oodscen."):
     if found.name != "oodscen.__main__" and not found.name.startswith("oodscen.inspect."):
-        importlib.import_module(found.name)
+        with suppress(MissingExtra):
+            importlib.import_module(found.name)
 """
 
 

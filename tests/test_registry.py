@@ -205,3 +205,12 @@ def test_an_encoder_with_a_cache_encodes_a_text_once(tmp_path):
     assert make_encoder(plain) is plain
     assert (cached.encode(["a", "b", "a"]) == plain.encode(["a", "b", "a"])).all()
     assert make_encoder(plain, cache=tmp_path).path.parent == tmp_path
+
+
+def test_reference_drivers_have_names():
+    assert {"rule-based", "r157", "rss"} <= set(names("driver"))
+    for name in registry.DRIVERS:
+        made = registry.driver_maker(name)
+        assert made() is not made()
+    with pytest.raises(UnknownComponent, match="rule-based"):
+        registry.driver_maker("rule_based")

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     "--driver",
     "drivers",
     multiple=True,
-    help="Driver: rule-based, or a module:attr that creates one; repeatable.  [default: rule-based]",
+    help="Driver: rule-based, r157 (the careful human driver of UN Regulation 157), rss, or a module:attr that "
+    "creates one; repeatable.  [default: rule-based]",
 )
 @click.option("--limit", type=click.IntRange(min=1), help="Drive at most this many scenes.")
 @json_option
@@ -36,7 +37,6 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     from oodscen.data._pairing import scene_of
     from oodscen.judging._drives import current, drive_board, remarks
     from oodscen.report._render import write_report
-    from oodscen.stages._drive import RuleBasedDriver
     from oodscen.stages._drive import drive as drive_scenes
     from oodscen.study._study import Study
 
@@ -45,7 +45,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     staged, scenarios = study.scenes, study.scenarios
     scenes = staged[:limit]
     names = drivers or ("rule-based",)
-    makers = [(n, RuleBasedDriver if n == "rule-based" else driver_maker(n)) for n in names]
+    makers = [(name, driver_maker(name)) for name in names]
     before = study.drives
     found = {row.id: row for row in current(before, staged)}
     seed = study.config.seed

@@ -1,4 +1,4 @@
-"""Driving without a simulator: roads, the kinematic world, behaviours and discrete actions."""
+"""Driving without a simulator: roads, the kinematic world, behaviours, discrete actions and drivers."""
 
 import lazy_loader
 

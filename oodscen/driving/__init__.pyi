@@ -1,3 +1,5 @@
+from ._drivers.r157 import R157Driver as R157Driver
+from ._drivers.rss import RSSDriver as RSSDriver
 from ._dynamic_simulator import DynamicSimulator as DynamicSimulator
 from ._dynamic_simulator import RestorableSimulator as RestorableSimulator
 from ._kinematic_simulator import KinematicSimulator as KinematicSimulator

@@ -243,6 +243,26 @@ def concatenated(traces: Mapping[str, Trace]) -> "pa.Table":
     return pa.concat_tables(tables)
 
 
+def least_time_to_collision(before: State | None, state: State, course: Course) -> float:
+    """Return the least time to collision of the ego with any body, s; infinite without one.
+
+    Args:
+        before: The state before, for the velocities; without it they are along the headings.
+        state: The state.
+        course: The course of its scene.
+    """
+    bodies = _BodyTracks.of([state], course)
+    vx, vy = bodies.speed * bodies.prints.cos, bodies.speed * bodies.prints.sin
+    if before is not None:
+        moved = (state.poses[:, :2] - before.poses[:, :2]) / (state.time - before.time)
+        vx, vy = moved.T[:, None, :]
+    if state.places is not None:
+        s = state.places[None, :, 0]
+    else:
+        s = places(course.corridor, bodies.x, bodies.y)[0]
+    return float(_times_to_collision(bodies, course, vx, vy, s)[0, 1:].min(initial=np.inf))
+
+
 class _BodyTracks(NamedTuple):
     """The bodies of consecutive states: arrays [steps, bodies], but for `time`."""
 

@@ -16,6 +16,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
+from oodscen.driving._drivers.following import followed
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._trace import Course, Trace
@@ -54,8 +55,9 @@ def drive(
 
     The driver controls the ego all the way; the scene's decision point only determines how long the drive
     lasts. A driver with a method `look(state)` is given the state before every step; one with a true
-    attribute `wants_frames` finds the camera image in its observations. A scene that cannot be run, or a
-    driver that raises, gives a failed result, and the other drives continue.
+    attribute `wants_frames` finds the camera image in its observations, taken by its `camera` if it has
+    one. A scene that cannot be run, or a driver that raises, gives a failed result, and the other drives
+    continue.
 
     Args:
         scenes: Scenes to drive; twins among them are driven as they are.
@@ -64,7 +66,7 @@ def drive(
         name: The driver's name in the results; by default the name of its class.
         seed: Seed of the simulator's random streams.
         twins: Drive the twins as well, right after their scenes.
-        camera: Camera for drivers that want frames; by default the ego's dash camera.
+        camera: Camera for drivers that want frames; by default the driver's own, or the ego's dash camera.
         progress: True for a progress bar, or a callable; it counts the scenes.
 
     Returns:
@@ -85,9 +87,8 @@ def drive(
 class RuleBasedDriver(Brief):
     """Keeps its lane, follows the actor ahead, and brakes hard when it gets close.
 
-    The intelligent-driver model (Treiber, Hennecke and Helbing, "Congested traffic states in empirical
-    observations and microscopic simulations", 2000) with emergency braking below a time to collision. It
-    knows the true positions of all actors: a stack with perfect perception and no plan but to follow.
+    The intelligent driver model with emergency braking below a time to collision. It knows the true
+    positions of all actors: a stack with perfect perception and no plan but to follow.
     """
 
     headway_s = 1.5
@@ -127,12 +128,15 @@ class RuleBasedDriver(Brief):
         speed = observation.speed
         if self._closing > 0 and self._gap / self._closing < self.emergency_ttc_s:
             return replace(control, acceleration=-8.0)
-        wanted = self.standing_m + max(
-            0.0, speed * self.headway_s + speed * self._closing / (2.0 * self.comfortable)
+        acceleration = followed(
+            speed,
+            self._desired,
+            self._gap,
+            self._closing,
+            headway_s=self.headway_s,
+            standing_m=self.standing_m,
+            comfortable=self.comfortable,
         )
-        ratio = wanted / max(self._gap, 0.1)
-        free = (speed / self._desired) ** 4
-        acceleration = self.comfortable * (1.0 - free - ratio * ratio)
         return replace(control, acceleration=max(-8.0, min(control.acceleration, acceleration)))
 
 
@@ -155,7 +159,7 @@ class DrivePlan:
         self.scene = scene
         self._simulator, self._seed = simulator, seed
         with working("simulator", simulator.name):
-            self.steps, self.decision_s, _ = _horizon(scene, simulator, seed)
+            self.steps, self.decision_s, _ = horizon(scene, simulator, seed)
 
     @cached_property
     def twin(self) -> Scene:
@@ -166,7 +170,7 @@ class DrivePlan:
     def is_clear(self) -> bool:
         """True if keeping the speed is safe in the twin."""
         with working("simulator", self._simulator.name):
-            _, _, ordinary = _horizon(self.twin, self._simulator, self._seed, self.steps)
+            _, _, ordinary = horizon(self.twin, self._simulator, self._seed, self.steps)
         return not (ordinary["contact"][-1, 0] or ordinary["off_road"][-1, 0])
 
 
@@ -207,10 +211,17 @@ def _both(
     return _paired(one, other, is_needless(other, is_clear))
 
 
-def _horizon(
+def horizon(
     scene: Scene, simulator: Simulator, seed: int, steps: int | None = None
 ) -> tuple[int, float, Trace]:
-    """Return a scene's duration in steps, its decision time, and the trace of a blind drive."""
+    """Return a scene's duration in steps, its decision time, and the trace of a blind drive.
+
+    Args:
+        scene: The scene or twin.
+        simulator: The simulator; it is left at the end of the blind drive.
+        seed: Seed of the simulator's random streams.
+        steps: The duration, if it is known from the scene of a twin.
+    """
     state = simulator.reset(scene, seed)
     corridor = load_corridor(scene.map, simulator.catalogue())
     driver = Cruise()
@@ -243,8 +254,9 @@ def _drive(
     camera: Camera | None,
 ) -> DriveResult:
     try:
-        camera = camera_for(simulator.catalogue(), camera)
-        states = list(drive_states(scene, make(), simulator, seed, steps, camera))
+        controlling = make()
+        camera = camera_for(simulator.catalogue(), camera or getattr(controlling, "camera", None))
+        states = list(drive_states(scene, controlling, simulator, seed, steps, camera))
     except (Exception, SystemExit) as error:  # A driver may raise anything.
         return failed_drive(scene.id, name, error)
     return drive_result(scene, states, simulator.catalogue(), name, steps, simulator.dt)

@@ -39,6 +39,8 @@ def test_every_public_package_has_its_section():
 
 @pytest.mark.parametrize("name", LISTED)
 def test_a_package_lists_its_names_and_has_them(name):
+    if name == "oodscen.gymnasium":
+        pytest.importorskip("gymnasium")
     package = importlib.import_module(name)
     assert LISTED[name] == set(package.__all__)
     assert all(hasattr(package, listed) for listed in LISTED[name])
@@ -65,4 +67,4 @@ def test_docs_and_examples_import_public_names_only(path):
                 assert not private, f"{node.module}: {private}"
             elif isinstance(node, ast.Import):
                 names = {alias.name for alias in node.names if alias.name.startswith("oodscen")}
-                assert names <= {"oodscen"}, names
+                assert names <= set(LISTED), names

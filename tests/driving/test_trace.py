@@ -7,7 +7,7 @@ from oodscen import simulate
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.driving import load_corridor
 from oodscen.driving._roads.projection import places
-from oodscen.driving._trace import Trace
+from oodscen.driving._trace import Course, Trace, least_time_to_collision
 from oodscen.driving._trace_table import COLUMNS
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError, UsageError
@@ -87,6 +87,14 @@ def test_the_conflict_shows(trace):
     assert lead.max_deceleration > 3.0
     assert trace.summary()["beside"].min_time_headway_s is None
     assert np.isinf(trace["ttc_s"][:, 0]).all()
+
+
+def test_the_least_time_to_collision_of_a_state_is_that_of_its_row(trace, states):
+    course = Course.of(SCENE, FLAT_CATALOGUE)
+    for row in (0, 1, 30, 60, 100):
+        before = states[row - 1] if row else None
+        found = least_time_to_collision(before, states[row], course)
+        assert found == pytest.approx(trace["ttc_s"][row, 1:].min())
 
 
 def test_contact_has_no_time_left():

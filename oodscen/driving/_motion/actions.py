@@ -218,13 +218,17 @@ class ActionDriver(Brief):
     Args:
         action: Id of the action.
         reaction_s: Time for which the ego keeps lane and speed before the action begins, s.
+        cruise: Speed that `keep_speed` holds, m/s; by default the speed at its start.
     """
 
     _repr_fields: ClassVar[tuple[str, ...]] = ("action", "reaction_s")
 
-    def __init__(self, action: str, reaction_s: float = 0.0) -> None:
+    def __init__(
+        self, action: str, reaction_s: float = 0.0, *, cruise: float | None = None
+    ) -> None:
         self.action = action
         self.reaction_s = reaction_s
+        self.cruise = cruise
         self._begins = -math.inf
         self._plan: Plan | None = None
         self._travelled = 0.0
@@ -246,6 +250,8 @@ class ActionDriver(Brief):
 
     def _start(self, code: int, now: Look, time: float) -> None:
         self._plan, self._travelled, self._time = _begin(code, now), 0.0, time
+        if code == KEEP and self.cruise is not None:
+            self._plan = self._plan._replace(goal=self.cruise)
 
 
 class Cruise(ActionDriver):

@@ -1,0 +1,1 @@
+"""Reference drivers for driving stacks, and their shared perception and car following."""

@@ -1,0 +1,168 @@
+"""The competent and careful human driver of UN Regulation No. 157, as a reference driver."""
+
+import math
+from dataclasses import dataclass, replace
+
+from oodscen._display import Brief
+from oodscen.driving._drivers.braking import DECELERATION, DELAY_S, DelayedBrake
+from oodscen.driving._drivers.following import followed
+from oodscen.driving._drivers.perception import Neighbour, Perception
+from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._motion.bodies import GRAVITY
+from oodscen.protocols import Control, Observation, State
+
+WANDER_M = 0.375
+"""Sideways move from its usual place beyond which a body is perceived to leave its lane, m."""
+EVALUATION_S = 0.4
+"""Time from the perceived move to the end of the risk's evaluation, s."""
+CRITICAL_TTC_S = 2.0
+"""Time to collision below which a perceived body is a risk, s."""
+HEADWAY_S = 2.0
+"""Time headway that the driver keeps, and below which a hard-braking leader is a risk, s."""
+HARD_BRAKING = 5.0
+"""Deceleration of a leader that is a risk within the headway, m/s^2."""
+WRAPPED_DECELERATION = 0.85 * GRAVITY
+"""Full braking once the body is in front of the whole width of the ego, m/s^2."""
+RELEASE_TTC_S = 4.0
+"""Time to collision above which the driver releases the brake, s."""
+_STILL = 0.1
+"""Speed across the road below which a body keeps its place in its lane, m/s."""
+_SETTLED_S = 1.0
+"""Time after which such a place becomes the body's usual place, s."""
+_MILDEST, _STANDING_M, _COMFORTABLE = 3.0, 2.5, 2.0
+"""Limit of comfortable braking, m/s^2; gap at a standstill, m; comfortable acceleration, m/s^2."""
+
+
+@dataclass
+class _Memory:
+    """The driver's memory of one body."""
+
+    home: float
+    """Its usual offset on the road, m."""
+    still_since: float
+    """Time since which it has kept its offset, s."""
+    noticed_at: float | None = None
+    """Time at which it was perceived to leave its lane or found in the way, s."""
+    braked_at: float | None = None
+    """Time since which it has been braking hard, s."""
+
+
+class R157Driver(Brief):
+    """The careful and competent human driver of UN Regulation No. 157, with perfect eyesight.
+
+    The performance model of Annex 4, Appendix 3 (ECE/TRANS/WP.29/2020/81): a move of more than 0.375 m
+    out of its lane is perceived, evaluated for 0.4 s, and answered 0.75 s later by braking that rises to
+    0.774 g in 0.6 s (0.85 g once the other vehicle is wholly in front), scaled by the road's friction. A
+    risk is a time to collision below 2.0 s (as in esmini and in JRC-FSM, its published implementations), or
+    a leader within 2.0 s of headway that brakes harder than 5 m/s^2.
+
+    The Regulation leaves ordinary driving open. Here it is the intelligent driver model with a headway of
+    2.0 s and braking of at most 3 m/s^2, which follows a body only after the same times of evaluation and
+    delay. The driver knows the true positions within the visual range and never steers around a body.
+    """
+
+    def __init__(self) -> None:
+        self._keep = Cruise()
+        self._perception = Perception()
+        self._brake = DelayedBrake()
+        self._memories: dict[str, _Memory] = {}
+        self._desired: float | None = None
+        self._state: State | None = None
+
+    def look(self, state: State) -> None:
+        """Take the true state."""
+        self._state = state
+
+    def act(self, observation: Observation) -> Control:
+        """Follow, brake, or keep the speed."""
+        control = self._keep.act(observation)
+        if self._desired is None:
+            self._desired = max(observation.speed, 0.1)
+        if self._state is None:
+            return control
+        seen = self._perception.look(self._state, observation.visual_range_m)
+        time, speed = observation.time, observation.speed
+        self._remember(seen, time)
+        risks = [one for one in seen if self._is_risk(one, time, speed)]
+        is_wrapped = any(abs(one.aside) <= WANDER_M for one in risks)
+        deceleration = self._brake.deceleration(
+            time,
+            demanded=bool(risks),
+            limit=WRAPPED_DECELERATION if is_wrapped else DECELERATION,
+            friction=observation.friction,
+        )
+        acceleration = min(control.acceleration, self._comfortable(seen, time, speed))
+        if deceleration > 0.0:
+            acceleration = min(acceleration, -deceleration)
+        return replace(control, acceleration=acceleration)
+
+    def _remember(self, seen: list[Neighbour], time: float) -> None:
+        """Note which bodies have left their places, stand in the way or brake hard."""
+        for one in seen:
+            memory = self._memories.get(one.id)
+            if memory is None:
+                memory = self._memories[one.id] = _Memory(one.place, time)
+                if one.is_in_the_way:
+                    memory.noticed_at = -math.inf
+            if abs(one.across) > _STILL:
+                memory.still_since = time
+            elif time - memory.still_since >= _SETTLED_S:
+                memory.home = one.place
+            if not one.is_in_the_way and not _approaches(one, memory):
+                memory.noticed_at = None
+            elif memory.noticed_at is None:
+                memory.noticed_at = time
+            if one.acceleration > -HARD_BRAKING:
+                memory.braked_at = None
+            elif memory.braked_at is None:
+                memory.braked_at = time
+
+    def _is_risk(self, one: Neighbour, time: float, speed: float) -> bool:
+        """Return whether a body has been evaluated as a risk."""
+        memory = self._memories[one.id]
+        if not _is_past(memory.noticed_at, EVALUATION_S, time):
+            return False
+        if one.is_in_the_way and _is_past(memory.braked_at, EVALUATION_S, time):
+            if one.gap < HEADWAY_S * speed and one.along < speed:
+                return True
+        elif not one.is_in_the_way and not _arrives(one, speed):
+            return False
+        limit = RELEASE_TTC_S if self._brake.is_demanded else CRITICAL_TTC_S
+        return one.time_to_collision(speed) < limit
+
+    def _comfortable(self, seen: list[Neighbour], time: float, speed: float) -> float:
+        """Return the acceleration that follows the bodies in the way without an emergency."""
+        assert self._desired is not None
+        accelerations = [
+            followed(
+                speed,
+                self._desired,
+                one.gap,
+                speed - one.along,
+                headway_s=HEADWAY_S,
+                standing_m=_STANDING_M,
+                comfortable=_COMFORTABLE,
+            )
+            for one in seen
+            if one.is_in_the_way
+            and _is_past(self._memories[one.id].noticed_at, EVALUATION_S + DELAY_S, time)
+        ]
+        return max(-_MILDEST, min(accelerations, default=math.inf))
+
+
+def _approaches(one: Neighbour, memory: _Memory) -> bool:
+    """Return whether a body beside the ego's way has left its place towards it."""
+    if one.aside * one.across >= 0.0:
+        return False
+    return abs(one.place - memory.home) > WANDER_M
+
+
+def _arrives(one: Neighbour, speed: float) -> bool:
+    """Return whether a body that moves sideways is in the way before the ego has passed it."""
+    closing = speed - one.along
+    passing = (one.gap + 10.0) / closing if closing > 0.0 else math.inf
+    return one.clearance <= abs(one.across) * passing
+
+
+def _is_past(since: float | None, seconds: float, time: float) -> bool:
+    return since is not None and time >= since + seconds - 1e-9

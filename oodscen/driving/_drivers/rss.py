@@ -1,0 +1,197 @@
+"""Responsibility-Sensitive Safety: safe distances, proper response, and a driver that obeys them.
+
+Source: Shalev-Shwartz, Shammah and Shashua, "On a formal model of safe and scalable self-driving
+cars", arXiv:1708.06374, 2017. The paper fixes no parameters.
+"""
+
+import math
+from dataclasses import dataclass, fields, replace
+
+from oodscen._display import Brief
+from oodscen._numbers import finite_number
+from oodscen.driving._drivers.braking import DelayedBrake
+from oodscen.driving._drivers.following import followed
+from oodscen.driving._drivers.perception import Neighbour, Perception
+from oodscen.driving._motion.actions import Cruise
+from oodscen.errors import UsageError
+from oodscen.protocols import Control, Observation, State
+
+_HEADWAY_S, _STANDING_M, _COMFORTABLE, _MILDEST = 2.0, 2.5, 2.0, 3.0
+"""Ordinary following: headway, s; gap at a standstill, m; comfortable acceleration and hardest braking, m/s^2."""
+_ONCOMING = -0.5
+"""Speed along the road below which a body counts as oncoming, m/s."""
+
+
+@dataclass(frozen=True)
+class RSSParameters:
+    """The assumptions of RSS about a vehicle, in SI units.
+
+    The defaults are those of the Joint Research Centre's comparison of models for UN Regulation No. 157
+    (Mattas et al., "Driver models for the definition of safety requirements of automated vehicles in
+    international regulations", 2022; code: ec-jrc/JRC-FSM), but for `correct_braking`, which is that of
+    intel/ad-rss-lib.
+    """
+
+    response_s: float = 0.75
+    """Response time, s."""
+    acceleration: float = 3.0
+    """Greatest acceleration during the response time, m/s^2."""
+    least_braking: float = 6.0
+    """Deceleration that a vehicle behind achieves at least after its response time, m/s^2."""
+    most_braking: float = 6.0
+    """Hardest braking of a vehicle in front, m/s^2."""
+    correct_braking: float = 3.0
+    """Deceleration that a vehicle in its own lane achieves at least against oncoming traffic, m/s^2."""
+    lateral_acceleration: float = 1.0
+    """Greatest sideways acceleration during the response time, m/s^2."""
+    lateral_braking: float = 1.0
+    """Sideways deceleration that a vehicle achieves at least afterwards, m/s^2."""
+    margin_m: float = 0.3
+    """Sideways fluctuation of both vehicles together, m."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            least = 1e-3 if field.name.endswith("braking") else 0.0
+            finite_number(f"RSS: {field.name}", getattr(self, field.name), least, 1_000.0)
+
+
+def longitudinal_distance(rear: float, front: float, parameters: RSSParameters) -> float:
+    """Return the safe distance behind a vehicle in the same direction, m (definition 1).
+
+    Args:
+        rear: Speed of the vehicle behind, m/s.
+        front: Speed of the vehicle in front, m/s.
+        parameters: The assumptions about both.
+    """
+    own = _stopping(rear, parameters.least_braking, parameters)
+    return max(0.0, own - front * front / (2.0 * parameters.most_braking))
+
+
+def opposing_distance(own: float, oncoming: float, parameters: RSSParameters) -> float:
+    """Return the safe distance to an oncoming vehicle, m (definition 2).
+
+    Args:
+        own: Speed of the vehicle in its own lane, m/s.
+        oncoming: Speed of the vehicle in the wrong direction, m/s, positive.
+        parameters: The assumptions about both.
+    """
+    return _stopping(own, parameters.correct_braking, parameters) + _stopping(
+        oncoming, parameters.least_braking, parameters
+    )
+
+
+def lateral_distance(
+    left: float, right: float, of_left: RSSParameters, of_right: RSSParameters
+) -> float:
+    """Return the safe distance between two vehicles side by side, m (definition 6).
+
+    Args:
+        left: Speed of the left vehicle to the right, m/s; negative if it moves away.
+        right: Speed of the right vehicle to the right, m/s; positive if it moves away.
+        of_left: The assumptions about the left vehicle.
+        of_right: The assumptions about the right vehicle.
+    """
+    margin = 0.5 * (of_left.margin_m + of_right.margin_m)
+    return margin + max(0.0, _sideways(left, of_left) + _sideways(-right, of_right))
+
+
+def _stopping(speed: float, braking: float, parameters: RSSParameters) -> float:
+    """Return the distance covered during the response time and while braking to a stop, m."""
+    rho, acceleration = parameters.response_s, parameters.acceleration
+    after = speed + rho * acceleration
+    return rho * 0.5 * (speed + after) + after * after / (2.0 * braking)
+
+
+def _sideways(speed: float, parameters: RSSParameters) -> float:
+    """Return the distance covered towards the other vehicle in the response and while braking, m.
+
+    A vehicle that still moves away after its response is not counted as braking.
+    """
+    rho = parameters.response_s
+    after = speed + rho * parameters.lateral_acceleration
+    braked = max(0.0, after)
+    return rho * 0.5 * (speed + after) + braked * braked / (2.0 * parameters.lateral_braking)
+
+
+class RSSDriver(Brief):
+    """Follows in its lane, and gives the proper response of RSS to dangerous situations.
+
+    A situation with a body ahead is dangerous while the distances along and across the road are both
+    below their safe ones. The response begins after the response time: braking that rises to 0.774 g in
+    0.6 s, scaled by the road's friction, and no steering away from the lane, until the situation is safe.
+    This is the reaction in JRC-FSM, also to a body that cuts in. Otherwise the driver follows the
+    intelligent driver model with a headway of 2.0 s and braking of at most 3 m/s^2. It knows the true
+    positions within the visual range.
+
+    Args:
+        parameters: The assumptions; of the ego it is known that it keeps its lane.
+    """
+
+    Parameters = RSSParameters
+
+    def __init__(self, parameters: RSSParameters | None = None) -> None:
+        if parameters is not None and not isinstance(parameters, RSSParameters):
+            raise UsageError(
+                f"RSS: parameters must be RSSDriver.Parameters, not {parameters!r:.80}"
+            )
+        self.parameters = parameters or RSSParameters()
+        self._own = replace(self.parameters, lateral_acceleration=0.0)
+        self._keep = Cruise()
+        self._perception = Perception()
+        self._brake = DelayedBrake(self.parameters.response_s)
+        self._desired: float | None = None
+        self._state: State | None = None
+
+    def look(self, state: State) -> None:
+        """Take the true state."""
+        self._state = state
+
+    def act(self, observation: Observation) -> Control:
+        """Follow, give the proper response, or keep the speed."""
+        control = self._keep.act(observation)
+        if self._desired is None:
+            self._desired = max(observation.speed, 0.1)
+        if self._state is None:
+            return control
+        seen = self._perception.look(self._state, observation.visual_range_m)
+        speed = observation.speed
+        deceleration = self._brake.deceleration(
+            observation.time,
+            demanded=any(self._is_dangerous(one, speed) for one in seen),
+            friction=observation.friction,
+        )
+        comfortable = min(
+            (
+                followed(
+                    speed,
+                    self._desired,
+                    one.gap,
+                    speed - one.along,
+                    headway_s=_HEADWAY_S,
+                    standing_m=_STANDING_M,
+                    comfortable=_COMFORTABLE,
+                )
+                for one in seen
+                if one.is_in_the_way
+            ),
+            default=math.inf,
+        )
+        acceleration = min(control.acceleration, max(-_MILDEST, comfortable))
+        if deceleration > 0.0:
+            acceleration = min(acceleration, -deceleration)
+        return replace(control, acceleration=acceleration)
+
+    def _is_dangerous(self, one: Neighbour, speed: float) -> bool:
+        """Return whether both distances to a body ahead are below their safe ones."""
+        if one.along < _ONCOMING:
+            safe = opposing_distance(speed, -one.along, self.parameters)
+        else:
+            safe = longitudinal_distance(speed, max(0.0, one.along), self.parameters)
+        if one.gap >= safe:
+            return False
+        own = self._perception.across
+        if one.aside > 0.0:
+            beside = lateral_distance(-one.across, -own, self.parameters, self._own)
+        else:
+            beside = lateral_distance(-own, -one.across, self._own, self.parameters)
+        return one.clearance < beside

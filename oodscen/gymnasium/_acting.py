@@ -1,0 +1,148 @@
+"""Actions of an environment: two numbers, or one of the seven discrete actions."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._episode import ACTIONS
+from oodscen.driving._motion.actions import ActionDriver
+from oodscen.driving._motion.bodies import MAX_DRIVE, MAX_STEERING
+from oodscen.errors import UsageError
+from oodscen.gymnasium._extra import gymnasium
+from oodscen.gymnasium._observing import Space
+from oodscen.protocols import Control, Observation
+
+BRAKING = 9.81
+"""Deceleration of the action -1, m/s^2."""
+
+
+def action_space(kind: str) -> Space:
+    """Return the space of a kind of action: `continuous` or `discrete`."""
+    if kind == "discrete":
+        return gymnasium.spaces.Discrete(len(ACTIONS))
+    return gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
+
+
+def as_control(action: NDArray[np.float64]) -> Control:
+    """Return the control of a continuous action; values beyond -1..1 count as the nearest of them."""
+    along, turn = np.clip(action, -1.0, 1.0).tolist()
+    return Control(along * (BRAKING if along < 0.0 else MAX_DRIVE), turn * MAX_STEERING)
+
+
+def as_action(control: Control) -> NDArray[np.float32]:
+    """Return the continuous action of a control, within -1..1."""
+    along = control.acceleration / (BRAKING if control.acceleration < 0.0 else MAX_DRIVE)
+    values = np.array([along, control.steering / MAX_STEERING], np.float32)
+    return np.minimum(np.maximum(values, np.float32(-1.0)), np.float32(1.0))
+
+
+def read_continuous(action: Any, source: str) -> NDArray[np.float64]:
+    """Return a continuous action as two finite numbers.
+
+    Args:
+        action: The action.
+        source: The method that took or returned it, for the error.
+
+    Raises:
+        UsageError: If it is anything else.
+    """
+    try:
+        values = np.asarray(action, np.float64)
+    except (TypeError, ValueError):
+        values = np.empty(0)
+    if values.shape != (2,):
+        raise UsageError(f"{source}: an action must be two numbers, not {action!r:.80}")
+    if not np.isfinite(values).all():
+        raise UsageError(f"{source}: an action must be finite, not {action!r:.80}")
+    return values
+
+
+def read_discrete(action: Any, source: str) -> str:
+    """Return the id of a discrete action.
+
+    Args:
+        action: The number of the action, in the order of the actions.
+        source: The method that took or returned it, for the error.
+
+    Raises:
+        UsageError: If it is no whole number, or no such action exists.
+    """
+    try:
+        number = np.asarray(action)
+    except ValueError:
+        number = np.empty(0)
+    if number.ndim or number.dtype.kind not in "iu" or not 0 <= number < len(ACTIONS):
+        known = ", ".join(f"{code} {name}" for code, name in enumerate(ACTIONS))
+        raise UsageError(f"{source}: unknown action {action!r:.80}; the actions are {known}")
+    return ACTIONS[int(number)]
+
+
+class Steerer:
+    """Turns the actions of one episode into controls, one per step of the simulator."""
+
+    def __init__(self, kind: str) -> None:
+        self._kind = kind
+        self._control = Control()
+        self._manoeuvres = Manoeuvres()
+
+    def begin(self, action: Any, now: Observation, source: str) -> None:
+        """Take an action, which holds until the next one.
+
+        Raises:
+            UsageError: If it is not an action.
+        """
+        if self._kind == "discrete":
+            self._manoeuvres.begin(read_discrete(action, source), now)
+        else:
+            self._control = as_control(read_continuous(action, source))
+
+    def control(self, now: Observation) -> Control:
+        """Return the control for the next step of the simulator."""
+        return self._manoeuvres.control(now) if self._kind == "discrete" else self._control
+
+
+class Manoeuvres:
+    """Executes discrete actions one after another.
+
+    An action that repeats goes on; another one begins in the lane in which the ego is then. `keep_speed`
+    returns to the speed at the start.
+    """
+
+    def __init__(self) -> None:
+        self._action = ""
+        self._driver = ActionDriver("keep_speed")
+        self._cruise: float | None = None
+        self._centre = self._target = 0.0
+
+    def begin(self, action: str, now: Observation) -> None:
+        """Begin an action, or go on with it."""
+        if self._cruise is None:
+            self._cruise = now.speed
+        if action == self._action:
+            return
+        nearest = min((self._centre, self._target), key=lambda place: abs(place - now.offset_m))
+        targets = {
+            "change_lane_left": now.lane_left_m,
+            "change_lane_right": now.lane_right_m,
+            "pull_over": now.roadside_m,
+        }
+        target = targets.get(action)
+        self._centre, self._target = nearest, nearest if target is None else target
+        self._action = action
+        self._driver = ActionDriver(action, cruise=self._cruise)
+
+    def control(self, now: Observation) -> Control:
+        """Return the control for the next step, relative to the lane in which the action began."""
+        centre = self._centre
+        left, right = now.lane_left_m, now.lane_right_m
+        return self._driver.act(
+            replace(
+                now,
+                offset_m=now.offset_m - centre,
+                lane_left_m=None if left is None else left - centre,
+                lane_right_m=None if right is None else right - centre,
+                roadside_m=now.roadside_m - centre,
+            )
+        )

@@ -1,0 +1,405 @@
+"""The environment `oodscen/Scene-v0`: drive the ego of a scene."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._conformance import working
+from oodscen._display import Brief
+from oodscen._numbers import finite_number, seed_number, whole_number
+from oodscen.data._pairing import scene_of, twin_id
+from oodscen.data._scene import Scene
+from oodscen.driving._trace import Course, least_time_to_collision
+from oodscen.errors import SimulatorError, UnknownComponent, UsageError
+from oodscen.gymnasium._acting import Steerer, action_space
+from oodscen.gymnasium._extra import gymnasium
+from oodscen.gymnasium._observing import (
+    Space,
+    ego_numbers,
+    neighbour_numbers,
+    observation_space,
+    picture,
+)
+from oodscen.gymnasium._reward import Reward
+from oodscen.gymnasium._scenes import chosen_scenes
+from oodscen.protocols import Camera, Frame, Observation, Simulator, State
+from oodscen.stages._drive import horizon
+from oodscen.study._study import Study
+
+ObservationKind = Literal["state", "frame", "both"]
+ActionKind = Literal["continuous", "discrete"]
+SMALL = Camera(width=128, height=96)
+"""The camera of observations."""
+_OBSERVATIONS, _ACTIONS = ("state", "frame", "both"), ("continuous", "discrete")
+_SHAPES: dict[str, tuple[int, ...]] = {
+    "poses": (4,), "speeds": (), "gaps": (), "accelerations": (), "places": (2,),
+}  # fmt: skip
+"""Shapes of a state's arrays after their first axis, the bodies."""
+_OPTIONAL = ("accelerations", "places")
+
+
+class Interface(Brief):
+    """The observations and actions of an environment, and of a policy that was trained in it.
+
+    Args:
+        observation: `state`, numbers about the ego and its neighbours; `frame`, a picture; or `both`.
+        actions: `continuous`, acceleration and steering; or `discrete`, the seven actions.
+        neighbours: Number of neighbours in the state.
+        camera: The camera of the picture; by default the dash camera with 128 x 96 pixels.
+        step_s: Time for which an action holds, s.
+
+    Raises:
+        UsageError: If a value is out of its range.
+    """
+
+    _repr_fields: ClassVar[tuple[str, ...]] = ("observation", "actions", "neighbours", "step_s")
+
+    def __init__(
+        self,
+        observation: ObservationKind = "state",
+        actions: ActionKind = "continuous",
+        neighbours: int = 6,
+        camera: Camera | None = None,
+        step_s: float = 0.1,
+    ) -> None:
+        for kind, value, known in (
+            ("observation", observation, _OBSERVATIONS),
+            ("kind of action", actions, _ACTIONS),
+        ):
+            if value not in known:
+                raise UnknownComponent(kind, str(value)[:80], known)
+        if camera is not None and not isinstance(camera, Camera):
+            raise UsageError(f"camera must be a Camera, not {camera!r:.80}")
+        self.observation = observation
+        self.actions = actions
+        self.neighbours = whole_number("neighbours", neighbours, 1, 200)
+        self.camera = camera or SMALL
+        self.step_s = finite_number("step_s", step_s, 0.01, 10.0)
+
+    @property
+    def observation_space(self) -> Space:
+        """The Gymnasium space of the observations."""
+        return observation_space(self.observation, self.neighbours, self.camera)
+
+    @property
+    def action_space(self) -> Space:
+        """The Gymnasium space of the actions."""
+        return action_space(self.actions)
+
+    @property
+    def wants_frames(self) -> bool:
+        """Return whether observations have a picture."""
+        return self.observation != "state"
+
+    def observed(self, state: State, now: Observation, frame: Frame | None, source: str) -> Any:
+        """Return the observation of a state.
+
+        Args:
+            state: The true state.
+            now: The driver's observation of it.
+            frame: The picture, if observations have one.
+            source: The method that made the picture, for the error.
+        """
+        if self.observation == "frame":
+            return picture(frame, self.camera, source)
+        found: dict[str, NDArray[Any]] = {
+            "ego": ego_numbers(state, now),
+            "neighbours": neighbour_numbers(state, now, self.neighbours),
+        }
+        if self.observation == "both":
+            found["frame"] = picture(frame, self.camera, source)
+        return found
+
+
+class _Prepared(NamedTuple):
+    """A scene or twin with its road, and the number of its steps."""
+
+    scene: Scene
+    course: Course
+    steps: int
+
+
+class SceneEnv(gymnasium.Env[Any, Any]):
+    """Drives the ego of a scene from its start to its horizon, as `oodscen.drive` does.
+
+    An episode is one scene. It terminates when the ego touches a body or leaves the drivable road, and is
+    truncated when the scene's horizon is over. `reset(seed=...)` seeds the choice of the scenes; the motion
+    of a scene is always that of the study's seed. `reset(options={"scene": ID})` chooses one.
+
+    `info` has the scene's id (`scene`), the `time`, s, `collision` (a touch), `collisions` (the ids of the
+    touched bodies), `off_road`, `ttc_s` (least time to collision with any body, s, infinite without one),
+    `gap_m` (least gap, m), `speed`, m/s, `progress_m` (distance along the road), and after a step the
+    `reward_terms`.
+
+    Args:
+        study: A finished study or its folder; without one and without `scenes`, three example scenes.
+        scenes: Scenes in place of a study's.
+        simulator: Name or object in place of the study's simulator; without a study, `flat`. It is closed with
+            the environment.
+        seed: Seed of the motion in scenes in place of the study's.
+        twins: True to draw the scenes' ordinary twins as well.
+        observation: `state`, `frame` or `both`.
+        actions: `continuous` or `discrete`.
+        neighbours: Number of neighbours in the state.
+        camera: The camera of frames; by default the dash camera with 128 x 96 pixels.
+        step_s: Time for which an action holds, s, rounded to steps of the simulator.
+        reward: The weights of the reward.
+        render_mode: `rgb_array`, or none.
+
+    Raises:
+        UsageError: If an argument makes no sense.
+        StudyMissing: If the folder holds no study.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}
+
+    def __init__(
+        self,
+        study: str | Path | Study | None = None,
+        *,
+        scenes: Sequence[Scene] | None = None,
+        simulator: str | Simulator | None = None,
+        seed: int | None = None,
+        twins: bool = False,
+        observation: ObservationKind = "state",
+        actions: ActionKind = "continuous",
+        neighbours: int = 6,
+        camera: Camera | None = None,
+        step_s: float = 0.1,
+        reward: Reward | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        self.interface = Interface(observation, actions, neighbours, camera, step_s)
+        if reward is not None and not isinstance(reward, Reward):
+            raise UsageError(f"reward must be a Reward, not {reward!r:.80}")
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise UnknownComponent("render mode", str(render_mode)[:80], ["rgb_array"])
+        self.observation_space = self.interface.observation_space
+        self.action_space = self.interface.action_space
+        self.render_mode = render_mode
+        self.reward = reward or Reward()
+        found, self.simulator, known = chosen_scenes(study, scenes, simulator)
+        self._seed = known if seed is None else seed_number(seed)
+        self._scenes = {one.id: one for one in found}
+        self.scene_ids: tuple[str, ...] = tuple(
+            name for one in found for name in ((one.id, twin_id(one.id)) if twins else (one.id,))
+        )
+        """The ids that an episode can have."""
+        self._held = max(1, round(self.interface.step_s / self.simulator.dt))
+        self.metadata = {**self.metadata, "render_fps": round(1.0 / self._step_s)}
+        self._prepared: dict[str, _Prepared] = {}
+        self._now: _Prepared | None = None
+        self._steerer = Steerer(actions)
+        self._is_over = True
+        self.episode = 0
+        """Number of episodes that have begun."""
+        self.state: State | None = None
+        """The true state; `None` before the first reset."""
+        self.seen: Observation | None = None
+        """The driver's observation of the state; `None` before the first reset."""
+
+    @property
+    def _step_s(self) -> float:
+        return self._held * self.simulator.dt
+
+    # ------------------------------------------------------------------ Gymnasium
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode.
+
+        Args:
+            seed: Seed of the choice of scenes from now on.
+            options: `scene`, the id of a scene; `<id>~twin` for a twin.
+
+        Raises:
+            UsageError: If an option or a scene is unknown.
+            SceneError: If the simulator refuses the scene.
+            SimulatorError: If the simulator fails.
+        """
+        super().reset(seed=seed)
+        unknown = sorted({str(name) for name in options or {}} - {"scene"})
+        if unknown:
+            raise UnknownComponent("option of reset()", unknown[0], ["scene"])
+        name = (options or {}).get("scene")
+        if name is None:
+            name = self.scene_ids[int(self.np_random.integers(len(self.scene_ids)))]
+        self._is_over = True
+        now = self._now = self._prepare(str(name))
+        with working("simulator", self.simulator.name):
+            self.state = self.simulator.reset(now.scene, self._seed)
+            self.seen = self.simulator.observe()
+        self._check(self.state, self.seen, "reset()")
+        self._steerer, self._count = Steerer(self.interface.actions), 0
+        self._start = self._place()
+        self._initial = max(1.0, float(self.state.speeds[0]))
+        self.episode += 1
+        self._is_over = bool(self.state.contacts) or self.state.off_road
+        if self._is_over:
+            raise SimulatorError(
+                f"the scene {now.scene.id!r} begins with a collision or off the road"
+            )
+        return self._observed(), self._info(None)
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Hold an action for one step of the environment.
+
+        Raises:
+            UsageError: If the action is not in the action space, or the episode is over.
+            SimulatorError: If the simulator fails.
+        """
+        if self._is_over or self.state is None or self.seen is None or self._now is None:
+            raise UsageError(
+                "SceneEnv.step(): call reset() first; the episode is over or has not begun"
+            )
+        self._steerer.begin(action, self.seen, "SceneEnv.step()")
+        place, speed, time = self._place(), float(self.state.speeds[0]), self.state.time
+        self._is_over = True  # Also if the simulator fails: its state is unknown then.
+        for _ in range(self._held):
+            before = self.state
+            with working("simulator", self.simulator.name):
+                self.state = self.simulator.step(self._steerer.control(self.seen))
+                self.seen = self.simulator.observe()
+            self._check(self.state, self.seen, "step()")
+            if not self.state.time > before.time:
+                raise SimulatorError(
+                    f"step() of the simulator {self.simulator.name!r} did not advance the time"
+                )
+            self._count += 1
+            if self.state.contacts or self.state.off_road or self._count >= self._now.steps:
+                break
+        terminated = bool(self.state.contacts) or self.state.off_road
+        truncated = not terminated and self._count >= self._now.steps
+        self._is_over = terminated or truncated
+        info = self._info(before)
+        seconds = self.state.time - time
+        terms = info["reward_terms"] = self.reward.terms(
+            seconds,
+            progress=(self._place() - place) / (self._initial * seconds),
+            offset_m=self.seen.offset_m,
+            deceleration=(speed - float(self.state.speeds[0])) / seconds,
+            ttc_s=info["ttc_s"],
+            collision=bool(self.state.contacts),
+            off_road=self.state.off_road,
+        )
+        return self._observed(), math.fsum(terms.values()), terminated, truncated, info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return the dash camera's picture, 640 x 480, or `None` without a render mode."""
+        return (
+            None
+            if self.render_mode is None
+            else picture(self.look(Camera()), Camera(), self._drawn)
+        )
+
+    def close(self) -> None:
+        """Close the simulator; may be called twice."""
+        self._is_over = True
+        self.simulator.close()
+
+    # ------------------------------------------------------------------ for drivers
+
+    def look(self, camera: Camera) -> Frame:
+        """Return a frame of the current state.
+
+        Raises:
+            UsageError: Before the first reset.
+        """
+        if self.state is None:
+            raise UsageError("SceneEnv: call reset() first")
+        with working("simulator", self.simulator.name):
+            return self.simulator.render(camera)
+
+    # ------------------------------------------------------------------ internals
+
+    @property
+    def _drawn(self) -> str:
+        return f"render() of the simulator {self.simulator.name!r}"
+
+    def _prepare(self, name: str) -> _Prepared:
+        """Return a scene or twin with its duration, which one blind drive tells."""
+        if name in self._prepared:
+            return self._prepared[name]
+        scene = self._scenes.get(name) or self._scenes.get(scene_of(name))
+        if scene is None or name not in (scene.id, twin_id(scene.id)):
+            raise UnknownComponent("scene", name[:80], self.scene_ids)
+        with working("simulator", self.simulator.name):
+            steps, decision_s, _ = horizon(scene, self.simulator, self._seed)
+            one = scene if name == scene.id else scene.twin(decision_s)
+            course = Course.of(one, self.simulator.catalogue())
+        self._prepared[name] = _Prepared(one, course, steps)
+        return self._prepared[name]
+
+    def _check(self, state: State, seen: Observation, method: str) -> None:
+        """Refuse a state or an observation that cannot be one.
+
+        Raises:
+            SimulatorError: Names the method.
+        """
+        whose = f"of the simulator {self.simulator.name!r}"
+        if not isinstance(state, State):
+            raise SimulatorError(f"{method} {whose} gave {state!r:.80}, not a State")
+        count = len(state.ids)
+        for name, shape in _SHAPES.items():
+            array = getattr(state, name)
+            if array is None and name in _OPTIONAL:
+                continue
+            if np.shape(array) != (count, *shape):
+                raise SimulatorError(
+                    f"{method} {whose} gave {name} that do not fit its {count} ids"
+                )
+            is_bad = np.isnan(array) if name == "gaps" else ~np.isfinite(array)
+            if is_bad.any():
+                raise SimulatorError(f"{method} {whose} gave {name} that are not finite")
+        if not isinstance(seen, Observation):
+            raise SimulatorError(f"observe() {whose} gave {seen!r:.80}, not an Observation")
+        if math.isnan(
+            seen.speed
+            + seen.offset_m
+            + seen.heading_error
+            + seen.curvature
+            + seen.roadside_m
+            + seen.friction
+            + seen.visual_range_m
+            + seen.curve_speed
+            + (seen.lane_left_m or 0.0)
+            + (seen.lane_right_m or 0.0)
+        ):
+            raise SimulatorError(f"observe() {whose} gave an Observation with NaN")
+
+    def _place(self) -> float:
+        """Return the ego's place along the road, m."""
+        assert self.state is not None
+        assert self._now is not None
+        if self.state.places is not None:
+            return float(self.state.places[0, 0])
+        x, y = self.state.poses[0, :2].tolist()
+        return float(self._now.course.corridor.locate(x, y, None)[0])
+
+    def _observed(self) -> Any:
+        assert self.state is not None
+        assert self.seen is not None
+        frame = self.look(self.interface.camera) if self.interface.wants_frames else None
+        return self.interface.observed(self.state, self.seen, frame, self._drawn)
+
+    def _info(self, before: State | None) -> dict[str, Any]:
+        """Return the facts of the state, with velocities since the one before."""
+        assert self.state is not None
+        assert self._now is not None
+        state = self.state
+        return {
+            "scene": self._now.scene.id,
+            "time": state.time,
+            "collision": bool(state.contacts),
+            "collisions": state.contacts,
+            "off_road": state.off_road,
+            "ttc_s": least_time_to_collision(before, state, self._now.course),
+            "gap_m": float(state.gaps[1:].min(initial=math.inf)),
+            "speed": float(state.speeds[0]),
+            "progress_m": self._place() - self._start,
+        }

@@ -1,0 +1,177 @@
+"""Policies as drivers, and drivers as policies."""
+
+import inspect
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._conformance import conforming, described, working
+from oodscen._display import Brief
+from oodscen.errors import UsageError
+from oodscen.gymnasium._acting import Steerer, as_action
+from oodscen.gymnasium._env import ActionKind, Interface, ObservationKind, SceneEnv
+from oodscen.gymnasium._extra import gymnasium
+from oodscen.protocols import Camera, Control, Driver, Observation, State
+
+
+class PolicyDriver(Brief):
+    """Lets a Gymnasium policy drive wherever a `Driver` does; every drive needs a new one.
+
+    Args:
+        policy: An object with `predict(observation)`, as of stable-baselines3, or a function of the
+            observation. It returns an action, or a tuple that begins with one; a recurrent `predict` gets its
+            state back.
+        observation: As in the environment in which the policy was trained.
+        actions: As there.
+        neighbours: As there.
+        camera: As there.
+        step_s: As there.
+
+    Raises:
+        UsageError: If the policy is neither, or an argument makes no sense.
+    """
+
+    _repr_fields: ClassVar[tuple[str, ...]] = ("interface",)
+
+    def __init__(
+        self,
+        policy: Any,
+        *,
+        observation: ObservationKind = "state",
+        actions: ActionKind = "continuous",
+        neighbours: int = 6,
+        camera: Camera | None = None,
+        step_s: float = 0.1,
+    ) -> None:
+        self.interface = Interface(observation, actions, neighbours, camera, step_s)
+        self._ask, self._source = _asked(policy)
+        self._steerer = Steerer(actions)
+        self._state: State | None = None
+        self._due = 0.0
+
+    @property
+    def wants_frames(self) -> bool:
+        """Return whether the policy sees pictures."""
+        return self.interface.wants_frames
+
+    @property
+    def camera(self) -> Camera:
+        """The camera of these pictures."""
+        return self.interface.camera
+
+    def look(self, state: State) -> None:
+        """Take the true state."""
+        self._state = state
+
+    def act(self, observation: Observation) -> Control:
+        """Return the control of the policy's action, which holds for `step_s`.
+
+        Raises:
+            UsageError: If the policy fails, or returns something that is not an action.
+        """
+        if self._state is None:
+            raise UsageError("PolicyDriver.act(): call look(state) first")
+        if observation.time >= self._due - 1e-6:
+            seen = self.interface.observed(
+                self._state, observation, observation.frame, "Observation.frame"
+            )
+            with working("driver", self._source):
+                action = self._ask(seen)
+            self._steerer.begin(action, observation, self._source)
+            self._due = observation.time + self.interface.step_s
+        return self._steerer.control(observation)
+
+
+class DriverPolicy(Brief):
+    """Lets a driver act in an environment with continuous actions, as a policy with `predict`.
+
+    The driver sees what drivers see, the true state and its own observation, and not the observation of the
+    environment. Every episode gets a new driver.
+
+    Args:
+        driver: Makes a driver, e.g. `RuleBasedDriver`.
+        env: The environment, wrapped or not.
+
+    Raises:
+        UsageError: If the environment is of another kind, or has discrete actions.
+    """
+
+    _repr_fields: ClassVar[tuple[str, ...]] = ("env",)
+
+    def __init__(self, driver: Callable[[], Driver], env: "gymnasium.Env[Any, Any]") -> None:
+        inner = getattr(env, "unwrapped", None)
+        if not isinstance(inner, SceneEnv) or inner.interface.actions != "continuous":
+            raise UsageError(
+                "a driver acts in an environment oodscen/Scene-v0 with continuous actions"
+            )
+        self.env: SceneEnv = inner
+        self._make = driver
+        self._driver: Driver | None = None
+        self._episode = -1
+
+    def predict(
+        self, observation: Any = None, *unused: Any, **ignored: Any
+    ) -> tuple[NDArray[np.float32], None]:
+        """Return the driver's action, and no state."""
+        return self(observation), None
+
+    def __call__(self, observation: Any = None) -> NDArray[np.float32]:
+        """Return the driver's action.
+
+        Raises:
+            UsageError: Before the first reset, or if the driver returns no control.
+        """
+        env = self.env
+        if env.state is None or env.seen is None:
+            raise UsageError("DriverPolicy: call the environment's reset() first")
+        if self._driver is None or self._episode != env.episode:
+            self._driver, self._episode = conforming("driver", self._make()), env.episode
+        assert self._driver is not None
+        seen = env.seen
+        if getattr(self._driver, "wants_frames", False):
+            camera = getattr(self._driver, "camera", None) or Camera()
+            seen = replace(seen, frame=env.look(camera))
+        if (look := getattr(self._driver, "look", None)) is not None:
+            look(env.state)
+        source = f"{type(self._driver).__name__}.act()"
+        with working("driver", source):
+            control = self._driver.act(seen)
+        if not isinstance(control, Control) or not control.is_finite:
+            raise UsageError(f"{source} returned {control!r:.80}, not a Control of finite numbers")
+        return as_action(control)
+
+
+def _asked(policy: Any) -> tuple[Callable[[Any], Any], str]:
+    """Return a function from observations to actions, and its name."""
+    method = getattr(policy, "predict", None)
+    if isinstance(policy, type) or not (callable(method) or callable(policy)):
+        raise UsageError(f"a policy has predict() or is a function; this is {described(policy)}")
+    if not callable(method):
+        name = getattr(policy, "__name__", type(policy).__name__)
+        return lambda seen: _first(policy(seen))[0], f"{name}()"
+    try:
+        known = set(inspect.signature(method).parameters)
+    except (TypeError, ValueError):
+        known = set()
+    memory: list[Any] = [None]
+
+    def ask(seen: Any) -> Any:
+        given: dict[str, Any] = {"deterministic": True} if "deterministic" in known else {}
+        if "state" in known:
+            given["state"] = memory[0]
+        if "episode_start" in known:
+            given["episode_start"] = np.array([memory[0] is None])
+        action, memory[0] = _first(method(seen, **given))
+        return action
+
+    return ask, f"{type(policy).__name__}.predict()"
+
+
+def _first(answer: Any) -> tuple[Any, Any]:
+    """Return an action and a policy's state, which may be missing."""
+    if isinstance(answer, tuple) and answer:
+        return answer[0], answer[1] if len(answer) > 1 else None
+    return answer, None

@@ -1,0 +1,104 @@
+"""The scenes of an environment: those of a study, given ones, or a few examples."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from oodscen._registry import make_simulator
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.errors import StudyMissing, UsageError
+from oodscen.protocols import Simulator
+from oodscen.study._study import Study
+from oodscen.testing._scenes import example_scene
+
+
+def chosen_scenes(
+    study: str | Path | Study | None,
+    scenes: Sequence[Scene] | None,
+    simulator: str | Simulator | None,
+) -> tuple[list[Scene], Simulator, int]:
+    """Return the scenes, the simulator that runs them, and its seed.
+
+    Args:
+        study: A finished study or its folder, which also names the simulator and the seed.
+        scenes: Scenes to use in its place.
+        simulator: A simulator to use in its place; for scenes without a study, `flat`.
+
+    Raises:
+        UsageError: If both or no scenes are given, or what is given is not a scene.
+        StudyMissing: If the folder holds no study.
+    """
+    if study is not None and scenes is not None:
+        raise UsageError("an environment takes a study or scenes, not both")
+    if study is None:
+        found = list(EXAMPLES) if scenes is None else list(scenes)
+        name, seed = "flat", 0
+    else:
+        opened = study if isinstance(study, Study) else _opened(study)
+        found, name, seed = opened.scenes, opened.config.simulator, opened.config.seed
+    if wrong := [one for one in found if not isinstance(one, Scene)]:
+        raise UsageError(f"an environment drives scenes, not {wrong[0]!r:.80}")
+    if not found:
+        raise UsageError("an environment needs at least one scene")
+    return found, make_simulator(name if simulator is None else simulator), seed
+
+
+def _opened(folder: str | Path) -> Study:
+    try:
+        return Study.open(folder)
+    except (OSError, TypeError, ValueError):
+        raise StudyMissing(f"{str(folder)[:80]!r}") from None  # It cannot be a folder's name.
+
+
+def _example(
+    name: str, road: str, speed: float, hazard: Actor, ordinary: Actor | None, distance_m: float
+) -> Scene:
+    return Scene(
+        id=name,
+        scenario_id=name,
+        map=road,
+        ego=Ego(speed=speed),
+        actors=(hazard,),
+        hazard=Hazard(actors={hazard.id: ordinary}),
+        decision=Trigger(kind="distance", value=distance_m, actor=hazard.id),
+    )
+
+
+def _leader(behaviour: Behaviour) -> Actor:
+    return Actor(id="leader", asset="car", placement=Placement(ahead_m=30.0), behaviour=behaviour)
+
+
+EXAMPLES = (
+    example_scene(),
+    _example(
+        "example-child",
+        "residential_two_lane",
+        9.0,
+        Actor(
+            id="child",
+            asset="child",
+            placement=Placement(ahead_m=55.0, offset_m=-5.0, heading_deg=90.0),
+            behaviour=Behaviour(
+                name="cross_road",
+                trigger=Trigger(kind="distance", value=30.0),
+                parameters={"speed": 2.0},
+            ),
+        ),
+        None,
+        28.0,
+    ),
+    _example(
+        "example-leader",
+        "highway",
+        25.0,
+        _leader(
+            Behaviour(
+                name="hard_brake",
+                trigger=Trigger(kind="time", value=3.0),
+                parameters={"speed": 24.0},
+            )
+        ),
+        _leader(Behaviour(name="follow_lane", parameters={"speed": 24.0})),
+        28.0,
+    ),
+)
+"""A box in the lane, a child that crosses the street, and a leader that brakes hard."""
