@@ -90,13 +90,37 @@ class FlatSimulator(KinematicSimulator):
 
     def draw(self, camera: Camera) -> Frame:
         """Cast one ray through the centre of every pixel."""
+        return self._cast(_FlatView(camera, self._poses[0]), self.world.ego.s)
+
+    def draw_from(
+        self,
+        camera: Camera,
+        mount: tuple[float, float, float, float],
+        *,
+        accelerations: Sequence[float],
+        time: float,
+        roll_deg: float = 0.0,
+    ) -> Frame:
+        """Return the picture of a camera anywhere; needs `load`, `spawn` and `place`, but no world.
+
+        Args:
+            camera: The camera.
+            mount: x, y, z, m, and yaw, rad, of what the camera is mounted on.
+            accelerations: Unused: boxes have no lamps.
+            time: Unused: nothing flickers.
+            roll_deg: Unused: the camera stays level.
+        """
         assert self._road is not None
-        view = _FlatView(camera, self._poses[0])
-        depth = np.full((camera.height, camera.width), np.inf)
-        ids = np.zeros((camera.height, camera.width), dtype=np.int32)
-        colour = np.empty((camera.height, camera.width, 3))
+        s, _ = self._road.locate(mount[0], mount[1])
+        return self._cast(_FlatView(camera, mount), s)
+
+    def _cast(self, view: "_FlatView", near: float) -> Frame:
+        assert self._road is not None
+        depth = np.full((view.height, view.width), np.inf)
+        ids = np.zeros((view.height, view.width), dtype=np.int32)
+        colour = np.empty((view.height, view.width, 3))
         colour[:] = _sky(self._weather)
-        _paint_ground(view, self._road, self.world.ego.s, colour, depth)
+        _paint_ground(view, self._road, near, colour, depth)
         if self._weather.precipitation == "snow":
             colour[np.isfinite(depth)] *= 0.45
             colour[np.isfinite(depth)] += 0.5
