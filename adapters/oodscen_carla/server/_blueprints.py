@@ -1,11 +1,11 @@
 """The blueprint library: CARLA's blueprints by name and size, and those of the drawing simulator."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from oodscen.data import Asset, Catalogue
+from oodscen_carla._blueprints import nearest, own_id
 from oodscen_carla.server._values import Vector
 
 BOOL, INT, FLOAT, STRING, COLOUR = 1, 2, 3, 4, 5
@@ -32,7 +32,6 @@ OTHERS = (
 """Blueprints without a body besides the cameras."""
 SPECTATOR = "spectator"
 
-_PREFIXES = {"vehicle": "vehicle", "cyclist": "vehicle", "pedestrian": "walker"}
 _LENS = ("lens_circle_multiplier", "lens_circle_falloff", "lens_k", "lens_kcube")
 _EFFECTS = (
     *("gamma", "iso", "shutter_speed", "fstop", "bloom_intensity", "lens_flare_intensity"),
@@ -108,37 +107,6 @@ class BlueprintLibrary:
     def definitions(self) -> list[Any]:
         """The definitions of all blueprints, sorted by id."""
         return [self._all[name].definition(n) for n, name in enumerate(sorted(self._all), start=1)]
-
-
-def own_id(asset: Asset) -> str:
-    """Return the id of the blueprint that stands for an asset of the drawing simulator."""
-    return f"{_PREFIXES.get(asset.category, 'static.prop')}.{'oodscen.' if asset.category in _PREFIXES else ''}{asset.id}"
-
-
-def nearest(wanted: Asset, assets: Iterable[Asset]) -> Asset:
-    """Return the asset of the same category that is most alike in its words and its size."""
-    words = _words(wanted)
-
-    def distance(asset: Asset) -> tuple[float, str]:
-        sizes = zip(_size(wanted), _size(asset), strict=True)
-        apart = sum(abs(a - b) / (a + b + 0.1) for a, b in sizes)
-        strange = 0.0 if asset.category == wanted.category else 4.0
-        return strange + apart - 1.5 * bool(words & _words(asset)), asset.id
-
-    return min(assets, key=distance)
-
-
-def _size(asset: Asset) -> Vector:
-    return asset.length, asset.width, asset.height
-
-
-def _words(asset: Asset) -> set[str]:
-    parts = asset.id.replace("_", ".").split(".")[-2:]
-    return {
-        part.rstrip("0123456789") for part in [*parts, *asset.id.replace("_", "").split(".")]
-    } - {
-        *("", "vehicle", "prop", "pedestrian", "walker", "static", "oodscen"),
-    }
 
 
 def _tag(asset: Asset) -> int:

@@ -13,6 +13,7 @@ from oodscen.data import Actor as SceneActor
 from oodscen.data import Behaviour, Catalogue, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.driving._roads.building import find_map
 from oodscen.errors import OodscenError
+from oodscen_carla._blueprints import own_id
 from oodscen_carla._catalogue import load_catalogue
 from oodscen_carla._weather import WeatherParameters, from_carla, to_carla
 from oodscen_carla.server._actors import ZERO, Actor
@@ -21,7 +22,6 @@ from oodscen_carla.server._blueprints import (
     STRING,
     Blueprint,
     BlueprintLibrary,
-    own_id,
 )
 from oodscen_carla.server._cameras import Body
 from oodscen_carla.server._geometry import mounted, overlap, rotated
@@ -69,7 +69,8 @@ class World:
         self.scenes = {scene.id: scene for scene in scenes}
         self.seed = seed
         self.frame, self.time, self.episode = 0, 0.0, 0
-        self._next = SPECTATOR_ID
+        # Ids are never used again: a client returns to streams that it knew by their numbers.
+        self._next = SPECTATOR_ID + 1
         self._folder = tempfile.TemporaryDirectory(prefix="oodscen-carla-")
         self._received: ServedMap | None = None
         self._drawn: tuple[object, Scene] | None = None
@@ -129,9 +130,7 @@ class World:
             raise CallError(f"no map {short[:80]!r}; get_available_maps() names all")
         self.map, self.staged = found, staged
         self.episode += 1
-        self.actors = {}
-        self._next = SPECTATOR_ID
-        self._insert(Blueprint(SPECTATOR, ()), Transform(ZERO, ZERO))
+        self.actors = {SPECTATOR_ID: _spectator()}
         self.weather = WeatherParameters() if staged is None else to_carla(staged.scene.weather)
         self._has_own_weather = staged is None
         if resets:
@@ -433,6 +432,11 @@ class World:
                 car.stop()
             else:
                 car.touching = now
+
+
+def _spectator() -> Actor:
+    what = Description(0, SPECTATOR, ())
+    return Actor(SPECTATOR_ID, what, Blueprint(SPECTATOR, ()), Transform(ZERO, ZERO))
 
 
 def name_of(actor: Actor) -> str:
