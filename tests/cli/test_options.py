@@ -34,6 +34,7 @@ CHEAP = {
     "evaluate": ["."],
     "quiz": ["."],
     "drive": ["."],
+    "serve": ["empty", "--carla", "0"],
     "score": ["texts.txt", "--baseline", "texts.txt", "--encoder", "hash"],
     "power": ["0.66", "0.51"],
     "report": ["."],

@@ -155,13 +155,13 @@ def aimed(
 ) -> Shot:
     """Return the camera in right-handed axes.
 
-    A forward camera on a level vehicle is mounted on the vehicle's exact pose; any other stands
-    free in the world.
+    A forward camera on a level vehicle is mounted on the vehicle's exact pose, without the noise of
+    32-bit floats; any other stands free in the world.
     """
     is_level = host is not None and not (host.place.rotation[0] or host.place.rotation[2])
     if pose is not None and is_level and not (mount.rotation[1] or mount.rotation[2]):
-        x, y, z = mount.location
-        camera = _moved(size, x, -y, z, -mount.rotation[0])
+        x, y, z = (round(value, 6) for value in mount.location)
+        camera = _moved(size, x, -y, z, round(-mount.rotation[0], 6))
         return Shot(camera, pose, 0.0, time)
     x, y, z = place.location
     pitch, yaw, roll = place.rotation

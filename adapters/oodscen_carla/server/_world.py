@@ -341,8 +341,11 @@ class World:
                 self._move(actor, dt)
         if self.staged is not None:
             hero = next((one for one in self.actors.values() if one.staged == "ego"), None)
-            self.staged.advance(dt, hero.control if hero else None)
-            self._follow_scene()
+            control = hero.control if hero else None
+            # A scene waits for its script: nothing happens until it ticks or drives.
+            if self.is_synchronous or control is not None:
+                self.staged.advance(dt, control)
+                self._follow_scene()
         self._collide(before)
 
     def _follow_scene(self) -> None:

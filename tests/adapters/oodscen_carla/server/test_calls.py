@@ -136,6 +136,10 @@ def test_a_staged_scene_moves_its_actors_and_obeys_the_hero(staged):
     hero = next(one for one in world.actors.values() if one.attributes.get("role_name") == "hero")
     speed = hero.speed
     assert "staged" in staged.error("set_actor_transform", hero.id, [[0, 0, 0], [0, 0, 0]])
+    synchronous = [True, *staged.world.settings[1:]]
+    staged.get("tick_cue")
+    assert staged.world.staged.time == 0.0
+    staged.get("set_episode_settings", synchronous)
     for _ in range(10):
         staged.get("tick_cue")
     assert hero.speed == pytest.approx(speed, abs=0.2)
