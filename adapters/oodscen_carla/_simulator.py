@@ -18,6 +18,7 @@ from oodscen.protocols import Camera, Frame
 from oodscen_carla._blueprints import blueprint_of
 from oodscen_carla._catalogue import load_catalogue
 from oodscen_carla._connection import Connection, Placed
+from oodscen_carla._opendrive import for_carla
 from oodscen_carla._weather import to_carla
 
 ADDRESS_VARIABLE = "OODSCEN_CARLA"
@@ -113,7 +114,7 @@ class CarlaSimulator(KinematicSimulator):
         except SimulatorError:
             connection = self._reconnected()
             connection.clear(others=True)
-        text = read_map(find_map(scene.map, self.catalogue()).file).decode()
+        text = for_carla(read_map(find_map(scene.map, self.catalogue()).file).decode())
         connection.open(text, self.dt)
         connection.set_weather(to_carla(scene.weather))
 

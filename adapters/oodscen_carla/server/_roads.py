@@ -15,6 +15,7 @@ from oodscen.driving._roads.geometry import piecewise
 from oodscen.driving._roads.network import Network, Road
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._roads.routes import road_point
+from oodscen_carla._opendrive import for_carla
 from oodscen_carla.server._values import Transform
 
 _STEP = 2.0
@@ -57,8 +58,7 @@ class ServedMap:
         Raises:
             DataError: If the document cannot be used.
         """
-        data = text.encode()
-        digest = hashlib.sha256(data).hexdigest()
+        data, digest = text.encode(), _digest(text)
         known = _shipped(catalogue).get(digest)
         if known is None:
             read_network(data, source="generate_opendrive_world")
@@ -70,7 +70,7 @@ class ServedMap:
     @classmethod
     def of(cls, road_map: RoadMap, name: str = "") -> "ServedMap":
         """Return a map of the catalogue, under another name if one is given."""
-        return cls._of(name or road_map.id, read_map(road_map.file).decode(), road_map)
+        return cls._of(name or road_map.id, for_carla(read_map(road_map.file).decode()), road_map)
 
     @classmethod
     def _of(cls, name: str, text: str, road_map: RoadMap) -> "ServedMap":
@@ -94,17 +94,23 @@ class ServedMap:
 
 
 @lru_cache(maxsize=4)
-def _files(maps: tuple[tuple[str, str], ...]) -> dict[str, str]:
-    return {
-        hashlib.sha256(read_map(file).replace(b"\r\n", b"\n")).hexdigest(): name
-        for name, file in maps
-    }
+def _digests(maps: tuple[tuple[str, str], ...]) -> dict[str, str]:
+    """Return the ids of maps by the digests of their documents, as they are and as served."""
+    found = {}
+    for name, file in maps:
+        text = read_map(file).decode()
+        found |= {_digest(text): name, _digest(for_carla(text)): name}
+    return found
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _shipped(catalogue: Catalogue) -> dict[str, RoadMap]:
-    """Return the catalogue's maps by the digests of their files."""
+    """Return the catalogue's maps by the digests of their documents."""
     own = {road.id: road for road in catalogue.maps if road.file}
-    found = _files(tuple((road.id, road.file) for road in own.values()))
+    found = _digests(tuple((road.id, road.file) for road in own.values()))
     return {digest: own[name] for digest, name in found.items()}
 
 
