@@ -35,6 +35,7 @@ FARTHEST = 1000.0
 SKY, OTHER = 11, 22
 """Semantic tags of pixels without an actor."""
 
+_OPAQUE = np.uint32(255 << 24)
 _AT_REST = Transform((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 _METRES_PER_DEGREE = 111_324.6
 
@@ -106,22 +107,23 @@ def picture(
         ids: Actor id by row of the frame's ids.
         tags: Semantic tag by row of the frame's ids; the first is unused.
     """
-    pixels = np.empty((*frame.depth.shape, 4), np.uint8)
-    pixels[..., 3] = 255
     if kind == "rgb":
+        pixels = np.empty((*frame.depth.shape, 4), np.uint8)
         pixels[..., :3] = frame.rgb[..., ::-1]
-    elif kind == "depth":
-        share = np.minimum(frame.depth, FARTHEST).astype(np.float64) / FARTHEST
-        code = np.rint(share * 16_777_215.0).astype(np.uint32)
-        pixels[..., 2], pixels[..., 1], pixels[..., 0] = code & 255, code >> 8 & 255, code >> 16
+        pixels[..., 3] = 255
+        return pixels
+    if kind == "depth":
+        share = np.minimum(frame.depth, np.float32(FARTHEST)) * (16_777_215.0 / FARTHEST)
+        code = np.rint(share).astype(np.uint32)
+        words = (code & 255) << 16 | (code & 0xFF00) | code >> 16 | _OPAQUE
     else:
-        seen = tags[frame.ids]
-        pixels[..., 2] = np.where(
-            frame.ids > 0, seen, np.where(np.isfinite(frame.depth), OTHER, SKY)
-        )
-        number = ids[frame.ids] if kind == "instance" else np.int32(0)
-        pixels[..., 1], pixels[..., 0] = number & 255, number >> 8 & 255
-    return pixels
+        # The last entry is for pixels of the sky, which have the id 0 as well.
+        numbers = np.append(ids, 0).astype(np.uint32) if kind == "instance" else 0
+        shown = np.append(tags, SKY).astype(np.uint32)
+        shown[0] = OTHER
+        table = shown << 16 | (numbers & 255) << 8 | (numbers >> 8 & 255) | _OPAQUE
+        words = table[np.where(np.isinf(frame.depth) & (frame.ids == 0), len(ids), frame.ids)]
+    return words.astype("<u4").view(np.uint8).reshape(*frame.depth.shape, 4)
 
 
 def picture_head(width: int, height: int, fov: float) -> bytes:
