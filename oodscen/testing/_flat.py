@@ -112,7 +112,9 @@ class FlatSimulator(KinematicSimulator):
         """
         assert self._road is not None
         s, _ = self._road.locate(mount[0], mount[1])
-        return self._cast(_FlatView(camera, mount), s)
+        view = _FlatView(camera, mount)
+        view.ground = self._poses[0][2]
+        return self._cast(view, s)
 
     def _cast(self, view: "_FlatView", near: float) -> Frame:
         assert self._road is not None

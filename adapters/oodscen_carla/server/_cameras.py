@@ -106,15 +106,17 @@ class Studio:
             has_host: Whether the first body carries the camera.
         """
         drawn = self._draughtsman
+        road = load_corridor(scene.map, drawn.catalogue())
         shown = list(bodies)
         if not has_host:
-            x, y, z, yaw = shot.mount
-            stand_in = (x + _AWAY * math.cos(yaw), y + _AWAY * math.sin(yaw), z, 0.0)
+            x, y, _, yaw = shot.mount
+            ground = road.point(road.locate(x, y)[0], 0.0)[2]
+            stand_in = (x - _AWAY * math.cos(yaw), y - _AWAY * math.sin(yaw), ground, 0.0)
             shown.insert(0, Body(0, "ego", drawn.catalogue().ego, "", stand_in, 0.0, 0.0))
         cast = (scene, seed, tuple((one.key, one.name, one.asset.id, one.state) for one in shown))
         if cast != self._cast:
             self._cast = None
-            drawn.load(load_corridor(scene.map, drawn.catalogue()), scene, seed)
+            drawn.load(road, scene, seed)
             for row, one in enumerate(shown):
                 drawn.spawn(one.name if row else "ego", one.asset, one.state, one.pose)
             self._cast = cast
