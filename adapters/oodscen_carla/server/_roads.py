@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -10,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data import Catalogue, RoadMap
+from oodscen.driving import load_corridor
 from oodscen.driving._roads.building import find_map, read_map
+from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.geometry import piecewise
 from oodscen.driving._roads.network import Network, Road
 from oodscen.driving._roads.opendrive import read_network
@@ -28,6 +31,8 @@ _APART = 40.0
 _LIFT = 0.3
 """Height of spawn points above the road, m."""
 _MOST_POINTS = 400
+_BEFORE_END = 60.0
+"""Distance from the end of the shown road within which no vehicle starts, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +48,7 @@ class ServedMap:
     samples: NDArray[np.float64]
     """[n, 5] x, y, z, heading (rad) and slope of all reference lines, in right-handed axes."""
     spawn_points: tuple[Transform, ...]
+    """Places for vehicles whose cameras see the road, in CARLA's axes."""
 
     @classmethod
     def received(cls, text: str, folder: Path, catalogue: Catalogue) -> "ServedMap":
@@ -75,7 +81,9 @@ class ServedMap:
     @classmethod
     def _of(cls, name: str, text: str, road_map: RoadMap) -> "ServedMap":
         network = read_network(text.encode(), source=name)
-        return cls(name, text, road_map, _samples(network), _spawn_points(network))
+        points = _spawn_points(network)
+        shown = tuple(filter(_is_shown(load_corridor(road_map)), points))
+        return cls(name, text, road_map, _samples(network), shown or points)
 
     def ground(self, x: float, y: float) -> tuple[float, float, float] | None:
         """Return height, heading and slope of the nearest road, or `None` far from all roads.
@@ -91,6 +99,17 @@ class ServedMap:
         px, py, z, heading, slope = self.samples[index].tolist()
         along = (x - px) * math.cos(heading) + (y - py) * math.sin(heading)
         return z + slope * max(-_STEP, min(_STEP, along)), heading, slope
+
+
+def _is_shown(road: Corridor) -> Callable[[Transform], bool]:
+    """Return the test of whether pictures from a place show its road: they show one corridor."""
+
+    def test(place: Transform) -> bool:
+        s, t = road.locate(place.location[0], -place.location[1])
+        is_between = road.start <= s <= road.length - _BEFORE_END
+        return is_between and road.is_drivable(s, t, t)
+
+    return test
 
 
 @lru_cache(maxsize=4)
