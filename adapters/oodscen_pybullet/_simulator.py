@@ -262,8 +262,9 @@ def _is_inside(view: CameraView, ego: Pose) -> bool:
     """Return whether a camera is inside the ego."""
     x, y, z, yaw = ego
     s, c = exact.sincos(yaw)
-    dx, dy = view.eye[0] - x, view.eye[1] - y
-    return abs(dx * c + dy * s) < 2.4 and abs(dy * c - dx * s) < 1.0 and view.eye[2] - z < 1.6
+    dx, dy, dz = view.eye[0] - x, view.eye[1] - y, view.eye[2] - z
+    ahead, left, up = (round(value, 6) for value in (dx * c + dy * s, dy * c - dx * s, dz))
+    return abs(ahead) < 2.4 and abs(left) < 1.0 and up < 1.6
 
 
 def _is_snowy(scene: Scene) -> bool:

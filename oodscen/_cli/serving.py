@@ -15,6 +15,7 @@ from oodscen.errors import DataError, Issue, MissingExtra
 
 if TYPE_CHECKING:
     from oodscen.data._scene import Scene
+    from oodscen.study._study import Study
 
 
 @click.command()
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Address to listen on. Whoever reaches it can use the server.",
+    help="Address to listen on. There is no authentication.",
 )
 @click.option(
     "--simulator",
@@ -43,7 +44,11 @@ def serve(source: Path | None, port: int, host: str, simulator: str | None, seed
     Scripts connect with the official client. Each scene is a map by its id, and the first is open from
     the start; the ego is the vehicle with the role name "hero". The server runs until Ctrl-C.
     """
-    scenes, simulator = _scenes(source, simulator)
+    study = _study(source)
+    if study is not None and _is_default("seed"):
+        seed = study.config.seed
+    simulator = simulator or (study.config.simulator if study else "pybullet")
+    scenes = _scenes(source, study)
     try:
         server = importlib.import_module("oodscen_carla.server")  # adapters are not imported here
     except ModuleNotFoundError as error:
@@ -60,19 +65,26 @@ def serve(source: Path | None, port: int, host: str, simulator: str | None, seed
         threading.Event().wait()
 
 
-def _scenes(source: Path | None, simulator: str | None) -> tuple[Sequence["Scene"], str]:
-    """Return the scenes of a study or a file, and the name of the simulator that draws."""
-    from oodscen.data._scene import Scene
+def _is_default(option: str) -> bool:
+    """Return whether an option was not given."""
+    source = click.get_current_context().get_parameter_source(option)
+    return source is click.core.ParameterSource.DEFAULT
+
+
+def _study(source: Path | None) -> "Study | None":
+    """Return the study in a folder."""
     from oodscen.study._study import Study
 
+    return Study.open(source) if source is not None and source.is_dir() else None
+
+
+def _scenes(source: Path | None, study: "Study | None") -> Sequence["Scene"]:
+    """Return the scenes of a study or a file."""
+    from oodscen.data._scene import Scene
+
     if source is None:
-        return (), simulator or "pybullet"
-    if source.is_dir():
-        study = Study.open(source)
-        scenes: Sequence[Scene] = study.scenes
-        simulator = simulator or study.config.simulator
-    else:
-        scenes = read_lines(Scene, source)
+        return ()
+    scenes = study.scenes if study is not None else read_lines(Scene, source)
     if not scenes:
         raise DataError("scenes", [Issue("", "there are none")], source=str(source))
-    return scenes, simulator or "pybullet"
+    return scenes

@@ -229,7 +229,7 @@ class _Streams:
         return all(stream in self._open for stream in self._expected)
 
     def forget_expected(self) -> None:
-        """Wait for nobody any longer."""
+        """Expect no stream any longer."""
         self._expected.clear()
 
     def is_heard(self, stream: int) -> bool:

@@ -53,7 +53,7 @@ def checked_camera(what: Description) -> None:
 
 
 class SensorSender:
-    """Takes every picture once per mount, whatever kinds of camera hang there."""
+    """Takes every picture once per mount, for all kinds of camera that hang there."""
 
     def __init__(self, world: World, studio: Studio, sink: Sink) -> None:
         self._world, self._studio, self._sink = world, studio, sink

@@ -41,7 +41,7 @@ def serve(
 
     Args:
         scenes: Scenes that clients load by their ids; the first is open from the start.
-        host: The address to listen on. There is no authentication: whoever reaches it can use it.
+        host: The address to listen on. There is no authentication.
         port: Port for calls, the next one is for streams; 0 chooses free ones.
         simulator: Name of the simulator that draws the pictures.
         seed: Seed of motion, scenery and paints.
