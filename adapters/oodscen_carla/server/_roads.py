@@ -115,7 +115,7 @@ def _is_shown(road: Corridor) -> Callable[[Transform], bool]:
 @lru_cache(maxsize=4)
 def _digests(maps: tuple[tuple[str, str], ...]) -> dict[str, str]:
     """Return the ids of maps by the digests of their documents, as they are and as served."""
-    found = {}
+    found: dict[str, str] = {}
     for name, file in maps:
         text = read_map(file).decode()
         found |= {_digest(text): name, _digest(for_carla(text)): name}
