@@ -26,7 +26,7 @@ PROMISES = {
     "audit": ("sklearn", "cv2"),
     "pytest": ("pytest", "oodscen.pytest_plugin._session"),
     "tables": ("pandas", "pyarrow"),
-    "carla-map": ("carla",),
+    "carla": ("carla",),
     "browser": ("playwright",),
     "exchange-checks": ("qc_openscenario", "qc_opendrive"),
 }

@@ -15,6 +15,7 @@ from oodscen.driving import KinematicSimulator
 from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import SpawnError
+from oodscen.numerics import _exact as exact
 from oodscen.protocols import Camera, Frame
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._contacts import Bodies, Pose
@@ -125,19 +126,41 @@ class PyBulletSimulator(KinematicSimulator):
 
     def draw(self, camera: Camera) -> Frame:
         """Return the dash camera's picture of the current state."""
+        return self.draw_from(
+            camera,
+            self._poses[0],
+            accelerations=self.world.accelerations().tolist(),
+            fired=[self.world.motion(name).triggered for name in self.world.ids],
+            time=self.world.time,
+        )
+
+    def draw_from(
+        self,
+        camera: Camera,
+        mount: Pose,
+        *,
+        accelerations: Sequence[float],
+        fired: Sequence[float] = (),
+        time: float,
+        roll_deg: float = 0.0,
+    ) -> Frame:
+        """Return the picture of a camera anywhere; needs `load`, `spawn` and `place`, but no world.
+
+        Args:
+            camera: The camera.
+            mount: x, y, z, m, and yaw, rad, of what the camera is mounted on.
+            accelerations: Accelerations of all bodies along their headings, m/s^2.
+            fired: Times at which the triggers fired, s, negative before; by default none has.
+            time: Time since the start, s.
+            roll_deg: Roll of the camera, degrees, clockwise; the sky stays level.
+        """
         assert self._loaded is not None
         corridor, scene, seed = self._loaded
         stage, scenery = self._set(corridor, scene, seed)
-        view = CameraView.of(camera, self._poses[0])
-        is_inside = abs(camera.x) < 2.4 and abs(camera.y) < 1.0 and camera.z < 1.6
-        world = self.world
-        looks = self._cast.looks(
-            self._poses,
-            self._speeds,
-            world.accelerations().tolist(),
-            [world.motion(name).triggered for name in world.ids],
-            world.time,
-        )
+        view = CameraView.of(camera, mount, roll_deg)
+        is_inside = _is_inside(view, self._poses[0])
+        fired = fired or [-1.0] * len(self._poses)
+        looks = self._cast.looks(self._poses, self._speeds, accelerations, fired, time)
         if self._shown != (id(stage), is_inside, looks):
             ego: Look | Mesh = bonnet("silver").build() if is_inside else looks[0]
             stage.show_actors([ego, *looks[1:]])
@@ -166,7 +189,7 @@ class PyBulletSimulator(KinematicSimulator):
             weather=scene.weather,
             light=light,
             glows=[*self._cast.glows(looks, poses), *_lamps_of(scenery)],
-            time=self.world.time,
+            time=time,
             seed=seed,
             road_height=ground,
             portal=portal,
@@ -243,6 +266,15 @@ def _lamps_of(scenery: Scenery) -> list[Glow]:
         for one in scenery.signals
     ]
     return [*heads, *signals]
+
+
+def _is_inside(view: CameraView, ego: Pose) -> bool:
+    """Return whether a camera is inside the ego."""
+    x, y, z, yaw = ego
+    s, c = exact.sincos(yaw)
+    dx, dy, dz = view.eye[0] - x, view.eye[1] - y, view.eye[2] - z
+    ahead, left, up = (round(value, 6) for value in (dx * c + dy * s, dy * c - dx * s, dz))
+    return abs(ahead) < 2.4 and abs(left) < 1.0 and up < 1.6
 
 
 def _snow(scene: Scene) -> Snow:

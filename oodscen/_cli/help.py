@@ -13,7 +13,7 @@ COMMANDS: Sections = {
     "Look at it": ("show", "report", "tree", "audit", "power"),
     "Run one stage": ("grow", "redteam", "prune", "describe", "augment", "simulate"),
     "Check and measure texts and scenes": ("check-claims", "score"),
-    "Exchange scenes with other tools": ("export", "publish", "import", "verdict", "vary"),
+    "Exchange scenes with other tools": ("export", "publish", "serve", "import", "verdict", "vary"),
     "Set up": ("doctor", "plugins", "new", "completion"),
 }
 

@@ -93,6 +93,27 @@ class FlatSimulator(KinematicSimulator):
         assert self._road is not None
         return flat_frame(camera, self._road, self._weather, self._assets, self._poses)
 
+    def draw_from(
+        self,
+        camera: Camera,
+        mount: tuple[float, float, float, float],
+        *,
+        accelerations: Sequence[float],
+        time: float,
+        roll_deg: float = 0.0,
+    ) -> Frame:
+        """Return the picture of a camera anywhere; needs `load`, `spawn` and `place`, but no world.
+
+        Args:
+            camera: The camera.
+            mount: x, y, z, m, and yaw, rad, of what the camera is mounted on.
+            accelerations: Unused: boxes have no lamps.
+            time: Unused: nothing flickers.
+            roll_deg: Unused: the camera stays level.
+        """
+        assert self._road is not None
+        return flat_frame(camera, self._road, self._weather, self._assets, self._poses, mount)
+
 
 def flat_frame(
     camera: Camera,
@@ -100,6 +121,7 @@ def flat_frame(
     weather: Weather,
     assets: Sequence[Asset],
     poses: Sequence[Sequence[float]] | Floats,
+    mount: Sequence[float] | None = None,
 ) -> Frame:
     """Draw a scene as shaded boxes on a plane, for simulators that draw nothing themselves.
 
@@ -109,14 +131,17 @@ def flat_frame(
         weather: The scene's weather.
         assets: The assets of all bodies, the ego's first.
         poses: x, y, z and yaw of all bodies, in the same order; the ego's box is not drawn.
+        mount: x, y, z and yaw of what the camera is mounted on; by default the ego's.
     """
     rows = [list(map(float, pose)) for pose in poses]
-    view = _FlatView(camera, rows[0])
+    mount = rows[0] if mount is None else mount
+    view = _FlatView(camera, mount)
+    view.ground = rows[0][2]
     depth = np.full((camera.height, camera.width), np.inf)
     ids = np.zeros((camera.height, camera.width), dtype=np.int32)
     colour = np.empty((camera.height, camera.width, 3))
     colour[:] = _sky(weather)
-    s, _ = road.locate(rows[0][0], rows[0][1])
+    s, _ = road.locate(mount[0], mount[1])
     _paint_ground(view, road, s, colour, depth)
     if weather.precipitation == "snow":
         colour[np.isfinite(depth)] *= 0.45

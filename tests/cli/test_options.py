@@ -38,6 +38,7 @@ CHEAP = {
     "quiz": ["."],
     "publish": [".", "-o", "data"],
     "drive": ["."],
+    "serve": ["empty", "--carla", "0"],
     "score": ["texts.txt", "--baseline", "texts.txt", "--encoder", "hash"],
     "power": ["0.66", "0.51"],
     "report": ["."],

@@ -33,13 +33,28 @@ class CameraView:
     """True if the ego's headlamps light what the camera sees: it looks forward."""
 
     @classmethod
-    def of(cls, camera: Camera, pose: tuple[float, float, float, float]) -> "CameraView":
-        """Mount a camera on a vehicle, given the centre of its footprint and its yaw."""
+    def of(
+        cls, camera: Camera, pose: tuple[float, float, float, float], roll_deg: float = 0.0
+    ) -> "CameraView":
+        """Mount a camera on a vehicle, given the centre of its footprint and its yaw.
+
+        Args:
+            camera: The camera.
+            pose: x, y, z and yaw of the vehicle.
+            roll_deg: Roll of the camera, degrees, clockwise.
+        """
         x, y, z, yaw = pose
         s, c = exact.sincos(yaw)
         turn = camera.yaw_deg * _DEGREE
         sa, ca = exact.sincos(yaw + turn) if turn else (s, c)
         sp, cp = exact.sincos(camera.pitch_deg * _DEGREE)
+        right, up = (sa, -ca, 0.0), (ca * sp, sa * sp, cp)
+        if roll_deg:
+            sr, cr = exact.sincos(roll_deg * _DEGREE)
+            right, up = (
+                (cr * right[0] - sr * up[0], cr * right[1] - sr * up[1], -sr * up[2]),
+                (cr * up[0] + sr * right[0], cr * up[1] + sr * right[1], cr * up[2]),
+            )
         return cls(
             width=camera.width,
             height=camera.height,
@@ -49,8 +64,8 @@ class CameraView:
                 y + s * camera.x + c * camera.y,
                 z + camera.z,
             ),
-            right=(sa, -ca, 0.0),
-            up=(ca * sp, sa * sp, cp),
+            right=right,
+            up=up,
             forward=(ca * cp, sa * cp, -sp),
             is_lit=abs(camera.yaw_deg) < 90.0,
         )

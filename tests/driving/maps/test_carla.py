@@ -1,6 +1,6 @@
 """Every lane of every shipped map lies where CARLA's own map puts it.
 
-Runs where the `carla` client is installed (`pip install 'oodscen[carla-map]'`); no server is
+Runs where the `carla` client is installed (`pip install 'oodscen[carla]'`); no server is
 needed. CARLA's world is left-handed: its y and its yaw have the other sign.
 """
 

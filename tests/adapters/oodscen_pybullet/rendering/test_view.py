@@ -59,3 +59,14 @@ def test_depth_is_linear_again(depth: float) -> None:
 
 def test_the_sky_is_infinitely_far() -> None:
     assert np.isinf(metres(np.array([1.0], np.float32)))[0]
+
+
+@given(st.floats(-180.0, 180.0), st.floats(-89.0, 89.0), st.floats(-3.0, 3.0))
+def test_a_rolled_camera_keeps_its_axes_at_right_angles(roll, pitch, yaw):
+    view = CameraView.of(Camera(pitch_deg=pitch), (1.0, 2.0, 3.0, yaw), roll)
+    axes = np.array([view.right, view.up, view.forward])
+    assert np.allclose(axes @ axes.T, np.eye(3), atol=1e-9)
+    assert np.allclose(np.cross(view.right, view.up), -np.array(view.forward), atol=1e-9)
+    level = CameraView.of(Camera(pitch_deg=pitch), (1.0, 2.0, 3.0, yaw))
+    # Clockwise: the right side of the camera goes down.
+    assert np.isclose(np.dot(view.right, level.up), -np.sin(np.radians(roll)), atol=1e-9)

@@ -1,0 +1,111 @@
+"""One actor of the served world: a body, a sensor, the spectator."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from oodscen_carla.server._blueprints import Blueprint
+from oodscen_carla.server._values import Description, Transform, Vector
+
+ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass
+class VehicleControl:
+    """The pedals and the wheel, as CARLA's `VehicleControl`."""
+
+    throttle: float = 0.0
+    steer: float = 0.0
+    brake: float = 0.0
+    hand_brake: bool = False
+    reverse: bool = False
+    manual_gear_shift: bool = False
+    gear: int = 0
+
+
+@dataclass
+class WalkerControl:
+    """The direction and the speed of a walker."""
+
+    direction: Vector
+    speed: float
+    jump: bool
+
+
+@dataclass(eq=False)
+class Actor:
+    """The changing state of one actor; places are in CARLA's axes."""
+
+    id: int
+    description: Description
+    blueprint: Blueprint
+    place: Transform
+    """In the world; relative to the parent if there is one."""
+    parent: int = 0
+    """Id of the actor that it is attached to; 0 for none."""
+    velocity: Vector = ZERO
+    angular: Vector = ZERO
+    """Angular velocity, degrees per second."""
+    acceleration: Vector = ZERO
+    speed: float = 0.0
+    """Speed along the heading, m/s; negative in reverse."""
+    push: float = 0.0
+    """Acceleration along the heading, m/s^2."""
+    control: VehicleControl | None = None
+    walk: WalkerControl | None = None
+    constant: Vector | None = None
+    """A velocity in the body's axes that a client holds, m/s."""
+    has_physics: bool = True
+    lights: int = 0
+    touching: set[int] = field(default_factory=set)
+    """Ids of the actors that it touched in the last tick."""
+    staged: str = ""
+    """Id of the body of the staged scene that it is; empty for a client's own."""
+    born: float = 0.0
+    """Time of the simulation when it was spawned, s."""
+    due: float = 0.0
+    """Time of the simulation from which a sensor sends its next picture, s."""
+
+    def __post_init__(self) -> None:
+        self.attributes = {name: value for name, _, value in self.description.attributes}
+
+    @property
+    def type_id(self) -> str:
+        """The id of its blueprint."""
+        return self.blueprint.id
+
+    @property
+    def is_vehicle(self) -> bool:
+        """Return whether it is a vehicle."""
+        return self.type_id.startswith("vehicle.")
+
+    @property
+    def is_sensor(self) -> bool:
+        """Return whether it sends data of its own."""
+        return self.type_id.startswith("sensor.")
+
+    def number(self, name: str, default: float) -> float:
+        """Return an attribute as a finite number, or the default."""
+        try:
+            value = float(self.attributes.get(name, default))
+        except ValueError:
+            return default
+        return value if math.isfinite(value) else default
+
+    def stop(self) -> None:
+        """End its motion."""
+        self.velocity, self.angular, self.acceleration = ZERO, ZERO, ZERO
+        self.speed = self.push = 0.0
+
+    def row(self, token: bytes) -> list[Any]:
+        """Return the actor as a client reads it."""
+        uid, type_id, attributes = self.description
+        box = [
+            [0.0, 0.0, self.blueprint.extent[2]],
+            list(self.blueprint.extent),
+            list(ZERO),
+            self.id,
+        ]
+        tags = bytes([self.blueprint.tag]) if self.blueprint.tag else b""
+        given = [list(one) for one in attributes]
+        return [self.id, self.parent, [uid, type_id, given], box, tags, token]

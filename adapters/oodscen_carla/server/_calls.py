@@ -1,0 +1,364 @@
+"""The remote procedures of CARLA 0.9.16 that this server answers; all others are refused by name."""
+
+import math
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from oodscen.errors import OodscenError
+from oodscen_carla._weather import WeatherParameters
+from oodscen_carla.server import _values as read
+from oodscen_carla.server._actors import ZERO, Actor, VehicleControl, WalkerControl
+from oodscen_carla.server._blueprints import CAMERAS
+from oodscen_carla.server._commands import run_batch
+from oodscen_carla.server._geometry import rotated
+from oodscen_carla.server._sensors import WORLD_STREAM, checked_camera
+from oodscen_carla.server._values import CallError, Transform
+from oodscen_carla.server._world import SPECTATOR_ID, World
+
+VERSION = "0.9.16"
+"""The version of CARLA whose protocol the server speaks."""
+
+WITHOUT_EFFECT = frozenset(
+    {
+        *("draw_debug_shape", "set_actor_enable_gravity", "set_actor_collisions", "set_actor_dead"),
+        *("apply_physics_control", "set_wheel_steer_direction", "show_vehicle_debug_telemetry"),
+        *("freeze_all_traffic_lights", "reset_all_traffic_lights", "update_lights_state"),
+        *(
+            "set_actor_autopilot",
+            "enable_environment_objects",
+            "set_annotations_traverse_translucency",
+        ),
+        *("set_pedestrians_cross_factor", "set_pedestrians_seed", "enable_sensor_for_ros"),
+        *("disable_sensor_for_ros", "set_replayer_time_factor"),
+    }
+)
+"""Calls that are accepted and change nothing."""
+EMPTY = frozenset(
+    {
+        *("get_required_files", "get_all_level_BBs", "get_environment_objects", "cast_ray"),
+        *("get_names_of_all_objects", "query_lights_state", "get_light_boxes"),
+        *("get_group_traffic_lights",),
+    }
+)
+"""Calls whose answer is an empty list, because the served world has none of these things."""
+
+
+class Streams(Protocol):
+    """The part of the listener that calls need."""
+
+    def token(self, stream: int) -> bytes:
+        """Return the token by which a client finds a stream."""
+        ...
+
+    def expect(self, stream: int) -> None:
+        """Let the next tick wait until a client listens to this stream."""
+
+    def drop(self, stream: int) -> None:
+        """End a stream."""
+
+
+class Calls:
+    """Answers calls; see `answer`."""
+
+    def __init__(
+        self,
+        world: World,
+        streams: Streams,
+        tick: Callable[[], int],
+        told: Callable[[str], None],
+    ) -> None:
+        """Answer for a world.
+
+        Args:
+            world: The served world.
+            streams: The streams of sensors.
+            tick: Advances the world and returns the frame's number.
+            told: Called with a line for every refusal.
+        """
+        self._world, self._streams, self._tick, self._told = world, streams, tick, told
+
+    def answer(self, method: str, arguments: list[Any]) -> Any:
+        """Return the response to a call, in the form that the client reads.
+
+        Args:
+            method: Name of the procedure.
+            arguments: Its arguments; the first is the client's metadata.
+        """
+        try:
+            if hasattr(self, f"rpc_{method}"):
+                value = self.call(method, arguments[1:])
+            elif method in WITHOUT_EFFECT:
+                value = None
+            elif method in EMPTY:
+                value = []
+            else:
+                raise CallError(f"{method[:80]!r} is not supported by this server (oodscen)")
+        except (CallError, OodscenError) as error:
+            self._told(f"refused {method}: {error}")
+            return failed(str(error))
+        if method == "apply_batch":
+            return value
+        return [[False]] if value is None else [[1, value]]
+
+    def call(self, method: str, arguments: list[Any]) -> Any:
+        """Return the result of a procedure of this class.
+
+        Raises:
+            CallError: If the arguments do not fit.
+        """
+        function = getattr(self, f"rpc_{method}")
+        most = function.__code__.co_argcount - 1
+        least = most - len(function.__defaults__ or ())
+        if not least <= len(arguments) <= most:
+            raise CallError(f"{method} takes {most} arguments, not {len(arguments)}")
+        return function(*arguments)
+
+    # ------------------------------------------------------------------ server and episode
+
+    def rpc_version(self) -> str:
+        return VERSION
+
+    def rpc_get_available_maps(self) -> list[str]:
+        return [f"/Game/Carla/Maps/{name}" for name in self._world.map_names]
+
+    def rpc_get_episode_info(self) -> list[Any]:
+        return [self._world.episode, [self._streams.token(WORLD_STREAM)]]
+
+    def rpc_get_map_info(self) -> list[Any]:
+        served = self._world.map
+        points = [[list(one.location), list(one.rotation)] for one in served.spawn_points]
+        return [f"Carla/Maps/{served.name}", points]
+
+    def rpc_get_map_data(self) -> str:
+        return self._world.map.text
+
+    def rpc_get_navigation_mesh(self) -> bytes:
+        return b""
+
+    def rpc_copy_opendrive_to_file(self, document: Any, parameters: Any) -> None:
+        self._world.receive(read.text(document, "an OpenDRIVE document", 32 << 20))
+
+    def rpc_load_new_episode(self, name: Any = "", resets: Any = True, layers: Any = 0) -> None:
+        before = list(self._world.actors)
+        self._world.load(read.text(name, "a map"), resets=read.flag(resets))
+        for number in before:
+            self._streams.drop(number)
+
+    def rpc_get_episode_settings(self) -> list[Any]:
+        return self._world.settings
+
+    def rpc_set_episode_settings(self, settings: Any) -> int:
+        self._world.settings = _settings(settings)
+        return self._world.frame
+
+    def rpc_tick_cue(self) -> int:
+        return self._tick()
+
+    def rpc_get_weather_parameters(self) -> list[float]:
+        return list(self._world.weather)
+
+    def rpc_set_weather_parameters(self, weather: Any) -> None:
+        values = read.items(weather, "the weather", len(WeatherParameters._fields))
+        self._world.set_weather(WeatherParameters(*map(read.number, values)))
+
+    # ------------------------------------------------------------------ actors
+
+    def rpc_get_actor_definitions(self) -> list[Any]:
+        return self._world.library.definitions
+
+    def rpc_get_spectator(self) -> list[Any]:
+        return self._row(self._world.actors[SPECTATOR_ID])
+
+    def rpc_get_actors_by_id(self, numbers: Any) -> list[Any]:
+        actors = self._world.actors
+        wanted = [read.whole(one) for one in read.items(numbers, "the ids", longest=10_000)]
+        return [self._row(actors[number]) for number in wanted if number in actors]
+
+    def rpc_get_actor_bounding_box(self, number: Any) -> list[Any]:
+        # An error here would end the process of a client whose traffic manager asks.
+        actor = self._world.actors.get(read.whole(number))
+        return [list(ZERO)] * 3 + [0] if actor is None else actor.row(b"")[3]
+
+    def rpc_spawn_actor(self, what: Any, place: Any) -> list[Any]:
+        return self._row(self.spawn(what, place, 0))
+
+    def rpc_spawn_actor_with_parent(
+        self, what: Any, place: Any, parent: Any, attachment: Any = 0, socket: Any = ""
+    ) -> list[Any]:
+        return self._row(self.spawn(what, place, parent))
+
+    def spawn(self, what: Any, place: Any, parent: Any) -> Actor:
+        """Add an actor from the values of a call."""
+        described = read.description(what)
+        if described.type_id in CAMERAS:
+            checked_camera(described)
+        return self._world.spawn(described, read.transform(place), read.whole(parent))
+
+    def rpc_destroy_actor(self, number: Any) -> bool:
+        gone = self._world.destroy(read.whole(number))
+        for actor in gone:
+            self._streams.drop(actor.id)
+        return bool(gone)
+
+    def rpc_get_sensor_token(self, stream: Any) -> list[bytes]:
+        number = read.whole(stream)
+        actor = self._world.actors.get(number)
+        if actor is not None and actor.is_sensor:
+            self._streams.expect(number)
+        return [self._streams.token(number)]
+
+    def _row(self, actor: Actor) -> list[Any]:
+        return actor.row(self._streams.token(actor.id) if actor.is_sensor else b"")
+
+    def find(self, number: Any, doing: str) -> Actor:
+        """Return the actor that a call changes."""
+        return self._world.actor(read.whole(number), doing)
+
+    def _own(self, number: Any, doing: str) -> Actor:
+        actor = self.find(number, doing)
+        if actor.staged:
+            raise CallError(f"unable to {doing}: actor {actor.id} is moved by the staged scene")
+        return actor
+
+    # ------------------------------------------------------------------ motion
+
+    def rpc_set_actor_transform(self, number: Any, place: Any) -> None:
+        self._own(number, "set transform").place = read.transform(place)
+
+    def rpc_set_actor_location(self, number: Any, location: Any) -> None:
+        actor = self._own(number, "set location")
+        actor.place = Transform(read.vector(location), actor.place.rotation)
+
+    def rpc_set_actor_simulate_physics(self, number: Any, enabled: Any) -> None:
+        actor = self.find(number, "set simulate physics")
+        actor.has_physics = read.flag(enabled)
+        if not actor.has_physics and not actor.staged:
+            actor.stop()
+
+    def rpc_set_actor_target_velocity(self, number: Any, velocity: Any) -> None:
+        actor = self._own(number, "set target velocity")
+        actor.velocity = read.vector(velocity)
+        ahead = rotated(actor.velocity, -actor.place.rotation[1])[0]
+        dt = self._world.step
+        actor.push = (ahead - actor.speed) / dt if not actor.has_physics else 0.0
+        actor.speed = ahead
+
+    def rpc_set_actor_target_angular_velocity(self, number: Any, velocity: Any) -> None:
+        self._own(number, "set target angular velocity").angular = read.vector(velocity)
+
+    def rpc_enable_actor_constant_velocity(self, number: Any, velocity: Any) -> None:
+        self._own(number, "enable constant velocity").constant = read.vector(velocity)
+
+    def rpc_disable_actor_constant_velocity(self, number: Any) -> None:
+        self._own(number, "disable constant velocity").constant = None
+
+    def rpc_apply_control_to_vehicle(self, number: Any, control: Any) -> None:
+        throttle, steer, brake, hand, reverse, manual, gear, *_ = [
+            *read.items(control, "a vehicle's control", longest=16),
+            *[0] * 7,
+        ][:7]
+        actor = self.find(number, "apply control")
+        if actor.staged not in ("", "ego"):
+            self._own(number, "apply control")
+        actor.control = VehicleControl(
+            _share(throttle, 0.0),
+            _share(steer, -1.0),
+            _share(brake, 0.0),
+            read.flag(hand),
+            read.flag(reverse),
+            read.flag(manual),
+            max(-100, min(100, int(read.number(gear)))),
+        )
+
+    def rpc_apply_control_to_walker(self, number: Any, control: Any) -> None:
+        direction, speed, jump = read.items(control, "a walker's control", 3)
+        actor = self._own(number, "apply control")
+        walk = WalkerControl(read.vector(direction), read.number(speed), read.flag(jump))
+        actor.walk = walk
+
+    def rpc_set_vehicle_light_state(self, number: Any, state: Any) -> None:
+        value = state[0] if isinstance(state, list) and state else state
+        self.find(number, "set light state").lights = read.whole(value, "a light state")
+
+    def rpc_get_vehicle_light_state(self, number: Any) -> list[int]:
+        return [self.find(number, "get light state").lights]
+
+    def rpc_get_vehicle_light_states(self) -> list[list[int]]:
+        every = self._world.actors.values()
+        return [[actor.id, actor.lights] for actor in every if actor.is_vehicle]
+
+    def rpc_get_physics_control(self, number: Any) -> list[Any]:
+        return _physics(self.find(number, "get physics control"))
+
+    def rpc_project_point(self, start: Any, direction: Any, distance: Any) -> list[Any]:
+        """Return the road below a point; only rays downwards find something."""
+        x, y, z = read.vector(start)
+        reach = read.number(distance)
+        found = self._world.map.ground(x, -y)
+        road = 1
+        if read.vector(direction)[2] < -0.9 and found is not None and 0.0 <= z - found[0] <= reach:
+            return [True, [[x, y, found[0]], road]]
+        return [False, [list(ZERO), 0]]
+
+    def rpc_apply_batch(self, commands: Any, ticks: Any) -> list[Any]:
+        answers = run_batch(self, commands)
+        if read.flag(ticks):
+            self._tick()
+        return answers
+
+    # ------------------------------------------------------------------ traffic manager
+
+    def rpc_is_traffic_manager_running(self, port: Any) -> bool:
+        return False
+
+    def rpc_get_traffic_manager_running(self, port: Any) -> list[Any]:
+        return ["127.0.0.1", read.whole(port)]
+
+    def rpc_add_traffic_manager_running(self, address: Any) -> bool:
+        return True
+
+    def rpc_destroy_traffic_manager(self, port: Any) -> bool:
+        return True
+
+
+def failed(message: str) -> list[Any]:
+    """Return the response to a call that failed."""
+    return [[0, [message]]]
+
+
+def _share(value: Any, least: float) -> float:
+    return max(least, min(1.0, read.number(value)))
+
+
+def _settings(value: Any) -> list[Any]:
+    given = read.items(value, "the settings", 11)
+    names = (0, 1, 3, 7, 10)
+    checked = [read.flag(one) if n in names else one for n, one in enumerate(given)]
+    fixed = read.optional(given[2], "fixed_delta_seconds")
+    if fixed is not None and not 0.0 <= read.number(fixed) <= 10.0:
+        raise CallError("fixed_delta_seconds must be at most 10 s")
+    for n in (4, 6, 8, 9):
+        if not math.isfinite(float(given[n]) if isinstance(given[n], (int, float)) else math.inf):
+            raise CallError("the settings must be numbers")
+    read.whole(given[5], "max_substeps")
+    checked[2] = [False] if fixed is None else [True, float(fixed)]
+    return checked
+
+
+def _physics(actor: Actor) -> list[Any]:
+    """Return `carla.VehiclePhysicsControl`: constants that agree with the bicycle model."""
+    x, y, _ = actor.place.location
+    length, width, _ = actor.blueprint.extent
+
+    def wheel(ahead: float, right: float, steer: float) -> list[Any]:
+        place = [100.0 * (x + ahead * length), 100.0 * (y + right * width), 30.0]
+        return [2.0, 0.25, steer, 35.0, 1500.0, 3000.0, 2.0, 17.0, 1000.0, place]
+
+    torque, steering = [[0.0, 500.0], [5000.0, 500.0]], [[0.0, 1.0], [120.0, 1.0]]
+    engine = [torque, 5000.0, 1.0, 0.15, 2.0, 0.35]
+    gears = [True, 0.5, 10.0, 4.0, []]
+    wheels = [
+        *(wheel(0.6, side, 34.4) for side in (-0.8, 0.8)),
+        *(wheel(-0.6, side, 0.0) for side in (-0.8, 0.8)),
+    ]
+    return [*engine, *gears, 1500.0, 0.3, list(ZERO), steering, wheels, False]

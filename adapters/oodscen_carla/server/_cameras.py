@@ -1,0 +1,134 @@
+"""Takes the cameras' pictures with one of the library's simulators."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data import Asset, Catalogue, Scene
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.protocols import Camera, Frame
+
+Pose = tuple[float, float, float, float]
+
+_AWAY = 5_000.0
+"""Distance at which a stand-in waits where a picture has no vehicle of its own, m."""
+
+
+class Draughtsman(Protocol):
+    """The part of a simulator that draws without a world of its own."""
+
+    def catalogue(self) -> Catalogue:
+        """Return the assets that it draws."""
+        ...
+
+    def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
+        """Clear everything and prepare a road."""
+
+    def spawn(self, actor_id: str, asset: Asset, state: str, pose: Pose) -> None:
+        """Add a body, the ego first."""
+
+    def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
+        """Move all bodies."""
+
+    def draw_from(
+        self,
+        camera: Camera,
+        mount: Pose,
+        *,
+        accelerations: Sequence[float],
+        time: float,
+        roll_deg: float = 0.0,
+    ) -> Frame:
+        """Return the picture of a camera."""
+        ...
+
+    def close(self) -> None:
+        """Release all resources."""
+
+
+class Body(NamedTuple):
+    """One body of a picture, in right-handed axes."""
+
+    key: int
+    """The actor's id."""
+    name: str
+    """The name by which its paint is chosen."""
+    asset: Asset
+    state: str
+    pose: Pose
+    speed: float
+    push: float
+    """Acceleration along the heading, m/s^2."""
+
+
+class Shot(NamedTuple):
+    """Everything that a picture shows, and from where."""
+
+    camera: Camera
+    mount: Pose
+    roll_deg: float
+    time: float
+    """Time since the start, s."""
+
+
+class Studio:
+    """Keeps the drawing simulator's bodies in step with the served world."""
+
+    def __init__(self, draughtsman: Draughtsman) -> None:
+        self._draughtsman = draughtsman
+        self._cast: object = None
+
+    def close(self) -> None:
+        """Release the simulator."""
+        self._draughtsman.close()
+
+    def warm_up(self, scene: Scene) -> None:
+        """Take a small picture, so that no client waits while kernels are compiled."""
+        road = load_corridor(scene.map, self._draughtsman.catalogue())
+        x, y, z, yaw = road.point(road.start, 0.0)
+        shot = Shot(Camera(width=64, height=48), (x, y, z, yaw), 0.0, 0.0)
+        self.take(scene, 0, [], shot, has_host=False)
+
+    def take(
+        self, scene: Scene, seed: int, bodies: Sequence[Body], shot: Shot, *, has_host: bool
+    ) -> tuple[Frame, NDArray[np.int32]]:
+        """Return a picture, and the id of the actor for each of its ids.
+
+        Args:
+            scene: Gives the map and the weather.
+            seed: Seed of scenery and paints.
+            bodies: All bodies; the first carries the camera if `has_host`.
+            shot: The camera.
+            has_host: Whether the first body carries the camera.
+        """
+        drawn = self._draughtsman
+        road = load_corridor(scene.map, drawn.catalogue())
+        shown = list(bodies)
+        if not has_host:
+            x, y, _, yaw = shot.mount
+            ground = road.point(road.locate(x, y)[0], 0.0)[2]
+            stand_in = (x - _AWAY * math.cos(yaw), y - _AWAY * math.sin(yaw), ground, 0.0)
+            shown.insert(0, Body(0, "ego", drawn.catalogue().ego, "", stand_in, 0.0, 0.0))
+        cast = (scene, seed, tuple((one.key, one.name, one.asset.id, one.state) for one in shown))
+        if cast != self._cast:
+            self._cast = None
+            drawn.load(road, scene, seed)
+            for row, one in enumerate(shown):
+                drawn.spawn(one.name if row else "ego", one.asset, one.state, one.pose)
+            self._cast = cast
+        drawn.place(
+            np.array([one.pose for one in shown], np.float64),
+            np.array([one.speed for one in shown], np.float64),
+        )
+        frame = drawn.draw_from(
+            shot.camera,
+            shot.mount,
+            accelerations=[one.push for one in shown],
+            time=shot.time,
+            roll_deg=shot.roll_deg,
+        )
+        return frame, np.array([0, *(one.key for one in shown)], np.int32)

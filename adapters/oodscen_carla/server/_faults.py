@@ -1,0 +1,62 @@
+"""Faults that a test asks of the server."""
+
+import json
+import threading
+from dataclasses import asdict, dataclass
+from typing import Literal, get_args
+
+FaultKind = Literal["late", "refuse", "hang", "die", "drop"]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault; it strikes the calls of one procedure.
+
+    `refuse` answers with an error, `hang` never answers, `die` ends the server's process. `late`
+    sends the pictures of a tick after its answer, and `drop` loses them; both strike ticks.
+    """
+
+    kind: FaultKind
+    call: str = "tick_cue"
+    """The procedure."""
+    after: int = 0
+    """Number of calls that pass first."""
+    times: int = 1
+    """Number of calls that are struck."""
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(FaultKind):
+            raise ValueError(f"no fault {self.kind!r}; known: {', '.join(get_args(FaultKind))}")
+
+    def to_json(self) -> str:
+        """Return the fault as one line."""
+        return json.dumps(asdict(self))
+
+
+class Faults:
+    """The faults that are still to come."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._waiting: list[list[int]] = []
+        self._faults: list[Fault] = []
+
+    def add(self, fault: Fault) -> None:
+        """Ask for a fault."""
+        with self._lock:
+            self._faults.append(fault)
+            self._waiting.append([fault.after, fault.times])
+
+    def strike(self, call: str) -> FaultKind | None:
+        """Count a call, and return the fault that strikes it."""
+        found: FaultKind | None = None
+        with self._lock:
+            for fault, left in zip(self._faults, self._waiting, strict=True):
+                if fault.call != call or not left[1]:
+                    continue
+                if left[0]:
+                    left[0] -= 1
+                elif found is None:
+                    left[1] -= 1
+                    found = fault.kind
+        return found

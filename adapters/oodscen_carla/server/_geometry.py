@@ -1,0 +1,79 @@
+"""Attitudes, mounts and footprints in CARLA's left-handed axes."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen_carla.server._values import Transform, Vector
+
+Matrix = NDArray[np.float64]
+
+
+def matrix(place: Transform) -> Matrix:
+    """Return the 4 x 4 matrix of a transform."""
+    x, y, z = place.location
+    (sp, cp), (sy, cy), (sr, cr) = (
+        (math.sin(angle), math.cos(angle)) for angle in map(math.radians, place.rotation)
+    )
+    return np.array(
+        [
+            [cp * cy, cy * sp * sr - sy * cr, -cy * sp * cr - sy * sr, x],
+            [cp * sy, sy * sp * sr + cy * cr, -sy * sp * cr + cy * sr, y],
+            [sp, -cp * sr, cp * cr, z],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
+
+
+def transform_of(m: Matrix) -> Transform:
+    """Return the transform of a matrix."""
+    pitch = math.asin(max(-1.0, min(1.0, float(m[2, 0]))))
+    yaw, roll = math.atan2(m[1, 0], m[0, 0]), math.atan2(-m[2, 1], m[2, 2])
+    x, y, z = m[:3, 3].tolist()
+    return Transform((x, y, z), (math.degrees(pitch), math.degrees(yaw), math.degrees(roll)))
+
+
+def mounted(parent: Transform, mount: Transform) -> Transform:
+    """Return the place in the world of something that is attached to a parent."""
+    return transform_of(matrix(parent) @ matrix(mount))
+
+
+def footprint(place: Transform, extent: Vector) -> list[tuple[float, float]]:
+    """Return the corners of a box on the ground."""
+    yaw = math.radians(place.rotation[1])
+    c, s = math.cos(yaw), math.sin(yaw)
+    x, y, _ = place.location
+    return [
+        (x + c * a * extent[0] - s * b * extent[1], y + s * a * extent[0] + c * b * extent[1])
+        for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))
+    ]
+
+
+def overlap(one: Transform, its: Vector, other: Transform, others: Vector) -> bool:
+    """Return whether two boxes touch: footprints by separating axes, then heights."""
+    reach = math.hypot(*its[:2]) + math.hypot(*others[:2])
+    if math.dist(one.location[:2], other.location[:2]) > reach:
+        return False
+    low, high = one.location[2], other.location[2]
+    if low > high + 2 * others[2] or high > low + 2 * its[2]:
+        return False
+    corners = footprint(one, its), footprint(other, others)
+    for yaw in (one.rotation[1], one.rotation[1] + 90, other.rotation[1], other.rotation[1] + 90):
+        c, s = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
+        (low_a, high_a), (low_b, high_b) = (_span(one, c, s) for one in corners)
+        if high_a < low_b or high_b < low_a:
+            return False
+    return True
+
+
+def _span(corners: Sequence[tuple[float, float]], c: float, s: float) -> tuple[float, float]:
+    along = [x * c + y * s for x, y in corners]
+    return min(along), max(along)
+
+
+def rotated(v: Vector, yaw_deg: float) -> Vector:
+    """Return a vector turned about the vertical axis."""
+    c, s = math.cos(math.radians(yaw_deg)), math.sin(math.radians(yaw_deg))
+    return v[0] * c - v[1] * s, v[0] * s + v[1] * c, v[2]

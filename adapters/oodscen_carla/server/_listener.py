@@ -1,0 +1,323 @@
+"""Sockets and threads: remote calls on one port, streams of sensors on the next."""
+
+import os
+import socket
+import struct
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+import msgpack
+
+from oodscen.errors import UsageError
+from oodscen_carla.server._calls import Calls, failed
+from oodscen_carla.server._cameras import Studio
+from oodscen_carla.server._faults import Faults
+from oodscen_carla.server._messages import MemoryPool, MessageReader, ProtocolError
+from oodscen_carla.server._sensors import SensorSender
+from oodscen_carla.server._world import World
+
+MAX_CLIENTS = 64
+MAX_STREAMS = 512
+STALL_S = 5.0
+"""Time after which a client that does not read is disconnected, s."""
+AWAIT_S = 1.0
+"""Maximum time that a tick waits for a stream whose token was just asked for, s."""
+FREE_RUN_S = 0.05
+"""Time between the ticks of the asynchronous mode, s."""
+
+
+class Listener:
+    """Serves a world until it is closed; every connection has a thread of its own."""
+
+    def __init__(
+        self,
+        world: World,
+        studio: Studio,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        faults: Faults | None = None,
+        told: Callable[[str], None] | None = None,
+    ) -> None:
+        """Open the ports; see `start`.
+
+        Args:
+            world: The world.
+            studio: Takes the pictures.
+            host: The address to listen on; the default is reached from this machine only.
+            port: Port for calls; the next one is for streams. 0 chooses free ones.
+            faults: Faults to produce.
+            told: Called with a line for every refused connection or call.
+
+        Raises:
+            UsageError: If the ports are taken.
+        """
+        self._world = world
+        self._lock = threading.RLock()
+        self._heard = threading.Condition(self._lock)
+        self._faults = faults or Faults()
+        self._told = told or (lambda line: None)
+        self._streams = _Streams(self._heard)
+        self._sender = SensorSender(world, studio, self._streams)
+        self._calls = Calls(world, self._streams, self._tick, self._told)
+        self._pool = MemoryPool()
+        self._clients: set[socket.socket] = set()
+        self._is_closed = False
+        self._late: list[Callable[[], None]] = []
+        self._fault: str | None = None
+        self._sockets = _listening(host, port)
+        self.port: int = self._sockets[0].getsockname()[1]
+        self._streams.port = self._sockets[1].getsockname()[1]
+
+    def start(self) -> None:
+        """Begin to serve, in threads that end with the process."""
+        for one, serve in zip(self._sockets, (self._serve_calls, self._serve_stream), strict=True):
+            _thread(self._accept, one, serve)
+        _thread(self._run_free)
+
+    def close(self) -> None:
+        """End all connections."""
+        self._is_closed = True
+        for one in (*self._sockets, *self._clients):
+            _end(one)
+        self._streams.close()
+
+    # ------------------------------------------------------------------ ticks
+
+    def _tick(self) -> int:
+        """Advance the world by one tick and send what the sensors measure.
+
+        The state comes after the pictures, and the answer to the call after both: a client that
+        has its answer therefore waits for no picture.
+        """
+        world = self._world
+        self._heard.wait_for(self._streams.is_complete, AWAIT_S)
+        self._streams.forget_expected()
+        world.advance()
+        fault, self._fault = self._fault, None
+        if fault == "late":
+            self._sender.observe(world.step)
+            self._late.append(self._sender.sense)
+        else:
+            if fault != "drop":
+                self._sender.sense()
+            self._sender.observe(world.step)
+        return world.frame
+
+    def _run_free(self) -> None:
+        while not self._is_closed:
+            time.sleep(FREE_RUN_S)
+            with self._lock:
+                if self._clients and not self._world.is_synchronous:
+                    self._tick()
+
+    # ------------------------------------------------------------------ connections
+
+    def _accept(self, listening: socket.socket, serve: Callable[[socket.socket], None]) -> None:
+        while not self._is_closed:
+            try:
+                connection, _ = listening.accept()
+            except OSError:
+                return
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            _thread(serve, connection)
+
+    def _serve_calls(self, connection: socket.socket) -> None:
+        with self._lock:
+            if len(self._clients) >= MAX_CLIENTS:
+                self._told(f"refused a connection: {MAX_CLIENTS} are open")
+                return _end(connection)
+            self._clients.add(connection)
+        _limit_sends(connection)
+        reader = MessageReader(self._pool)
+        try:
+            while data := connection.recv(1 << 16):
+                for message in reader.feed(data):
+                    self._handle(connection, message)
+        except ProtocolError as error:
+            self._told(f"ended a connection: {error}")
+        except OSError:
+            pass
+        finally:
+            reader.close()
+            _end(connection)
+            with self._lock:
+                self._clients.discard(connection)
+                if not self._clients and not self._is_closed:
+                    for number in self._world.leave():
+                        self._streams.drop(number)
+        return None
+
+    def _handle(self, connection: socket.socket, message: list[Any]) -> None:
+        """Answer one call."""
+        method, arguments = message[-2:]
+        fault = self._faults.strike(method)
+        if fault == "die":
+            os._exit(70)
+        if fault == "hang":
+            return
+        with self._lock:
+            self._streams.host = connection.getsockname()[0]
+            self._fault = fault
+            if fault == "refuse":
+                answer: Any = failed(f"{method} was refused on demand")
+            else:
+                answer = self._answer(method, arguments)
+            packed = msgpack.packb([1, message[1], None, answer]) if message[0] == 0 else b""
+            late, self._late = self._late, []
+        if packed:
+            connection.sendall(packed)
+        for send in late:
+            with self._lock:
+                send()
+
+    def _answer(self, method: str, arguments: list[Any]) -> Any:
+        try:
+            return self._calls.answer(method, arguments)
+        except Exception as error:
+            traceback.print_exc(file=sys.stderr)
+            return failed(f"the server failed in {method}: {type(error).__name__}")
+
+    def _serve_stream(self, connection: socket.socket) -> None:
+        _limit_sends(connection)
+        try:
+            asked = connection.recv(4, socket.MSG_WAITALL)
+            if len(asked) == 4:
+                number = struct.unpack("<I", asked)[0]
+                with self._lock:
+                    if not self._streams.add(number, connection):
+                        return
+                    if number == 1:
+                        self._sender.observe(0.0)
+                while connection.recv(4096):
+                    pass
+        except OSError:
+            pass
+        finally:
+            with self._lock:
+                self._streams.remove(connection)
+            _end(connection)
+
+
+class _Streams:
+    """The connections that listen to streams; calls hold the listener's lock."""
+
+    def __init__(self, heard: threading.Condition) -> None:
+        self._heard = heard
+        self._open: dict[int, list[socket.socket]] = {}
+        self._expected: set[int] = set()
+        self.host = "127.0.0.1"
+        self.port = 0
+
+    def token(self, stream: int) -> bytes:
+        """Return the token by which a client finds a stream."""
+        tcp = v4 = 1
+        return struct.pack("<IHBB16s", stream, self.port, tcp, v4, socket.inet_aton(self.host))
+
+    def expect(self, stream: int) -> None:
+        """Let the next tick wait until a client listens to this stream."""
+        if len(self._expected) < MAX_STREAMS:
+            self._expected.add(stream)
+
+    def is_complete(self) -> bool:
+        """Return whether every expected stream is heard."""
+        return all(stream in self._open for stream in self._expected)
+
+    def forget_expected(self) -> None:
+        """Expect no stream any longer."""
+        self._expected.clear()
+
+    def is_heard(self, stream: int) -> bool:
+        """Return whether a client listens."""
+        return stream in self._open
+
+    def add(self, stream: int, connection: socket.socket) -> bool:
+        """Let a connection listen to a stream; false if there are too many."""
+        if sum(map(len, self._open.values())) >= MAX_STREAMS:
+            return False
+        self._open.setdefault(stream, []).append(connection)
+        self._heard.notify_all()
+        return True
+
+    def remove(self, connection: socket.socket) -> None:
+        """Forget a connection."""
+        for stream, listeners in list(self._open.items()):
+            if connection in listeners:
+                listeners.remove(connection)
+                if not listeners:
+                    del self._open[stream]
+
+    def drop(self, stream: int) -> None:
+        """End a stream."""
+        self._expected.discard(stream)
+        for connection in self._open.pop(stream, []):
+            _end(connection)
+
+    def send(self, stream: int, *parts: bytes | memoryview) -> None:
+        """Send one message; a connection that does not read in time is ended."""
+        length = struct.pack("<I", sum(len(part) for part in parts))
+        first = b"".join([length, *parts[:-1]])
+        last = parts[-1]
+        for connection in list(self._open.get(stream, ())):
+            try:
+                if len(last) < 4096:
+                    connection.sendall(first + last)
+                else:
+                    connection.sendall(first)
+                    connection.sendall(last)
+            except OSError:
+                self.remove(connection)
+                _end(connection)
+
+    def close(self) -> None:
+        """End all streams."""
+        for stream in list(self._open):
+            self.drop(stream)
+
+
+def _listening(host: str, port: int) -> tuple[socket.socket, socket.socket]:
+    """Return two listening sockets, on a port and the next.
+
+    Raises:
+        UsageError: If one of them cannot be had.
+    """
+    for _ in range(50):
+        opened = [socket.socket(), socket.socket()]
+        try:
+            for one in opened:
+                one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            opened[0].bind((host, port))
+            opened[1].bind((host, opened[0].getsockname()[1] + 1))
+            for one in opened:
+                one.listen(64)
+            return opened[0], opened[1]
+        except (OSError, OverflowError) as error:
+            for one in opened:
+                one.close()
+            if port:
+                raise UsageError(
+                    f"cannot listen on {host}, ports {port} and {port + 1}: {error}"
+                ) from None
+    raise UsageError(f"cannot find two free ports on {host}")
+
+
+def _limit_sends(connection: socket.socket) -> None:
+    """Let `sendall` fail on a peer that does not read; receiving may take for ever."""
+    seconds, microseconds = int(STALL_S), int(STALL_S % 1 * 1e6)
+    timeout = struct.pack("ll", seconds, microseconds)
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, timeout)
+
+
+def _end(connection: socket.socket) -> None:
+    with suppress(OSError):
+        connection.shutdown(socket.SHUT_RDWR)
+    connection.close()
+
+
+def _thread(target: Callable[..., None], *arguments: Any) -> None:
+    threading.Thread(target=target, args=arguments, daemon=True).start()

@@ -1,0 +1,156 @@
+"""The bytes that sensors send: a header, then pictures, the world's state or msgpack.
+
+The type index is the sensor's place in the `SensorRegistry` of libcarla 0.9.16; other versions
+have other places, and a wrong one ends the client's process.
+"""
+
+import struct
+from collections.abc import Iterable
+from typing import Any
+
+import msgpack
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.protocols import Frame
+from oodscen_carla.server._actors import Actor
+from oodscen_carla.server._values import Transform
+
+REGISTRY = {
+    "sensor.other.collision": 0,
+    "sensor.camera.depth": 1,
+    "sensor.other.gnss": 4,
+    "sensor.other.imu": 5,
+    "sensor.camera.rgb": 13,
+    "sensor.camera.semantic_segmentation": 14,
+    "sensor.camera.instance_segmentation": 15,
+}
+"""Type index by blueprint."""
+WORLD = 17
+"""Type index of the world's state."""
+ACTIVE = 1
+"""`carla.ActorState.Active`."""
+FARTHEST = 1000.0
+"""Depth of the sky and of all beyond, m."""
+SKY, OTHER = 11, 22
+"""Semantic tags of pixels without an actor."""
+
+_OPAQUE = np.uint32(255 << 24)
+_AT_REST = Transform((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+_METRES_PER_DEGREE = 111_324.6
+
+
+def header(kind: int, frame: int, time: float, place: Transform = _AT_REST) -> bytes:
+    """Return the header of a measurement."""
+    return struct.pack("<QQd6f", kind, frame, time, *place.location, *place.rotation)
+
+
+def world_state(
+    frame: int, time: float, dt: float, episode: int, actors: Iterable[tuple[Actor, Transform]]
+) -> bytes:
+    """Return the state of all actors.
+
+    Args:
+        frame: Number of the frame.
+        time: Time of the simulation, s.
+        dt: Duration of the frame, s.
+        episode: Number of the episode.
+        actors: Every actor and its place in the world.
+    """
+    parts = [header(WORLD, frame, time), struct.pack("<Qdf3iI", episode, time, dt, 0, 0, 0, 0)]
+    for actor, place in actors:
+        common = struct.pack(
+            "<IB15f",
+            actor.id,
+            ACTIVE,
+            *place.location,
+            *place.rotation,
+            *actor.velocity,
+            *actor.angular,
+            *actor.acceleration,
+        )
+        parts.append(common + _own_state(actor).ljust(54, b"\0"))
+    return b"".join(parts)
+
+
+def _own_state(actor: Actor) -> bytes:
+    if actor.is_vehicle:
+        control = actor.control
+        if control is None:
+            pedals = struct.pack("<3f3?i", 0.0, 0.0, 0.0, False, False, False, 0)
+        else:
+            pedals = struct.pack(
+                "<3f3?i",
+                control.throttle,
+                control.steer,
+                control.brake,
+                control.hand_brake,
+                control.reverse,
+                control.manual_gear_shift,
+                control.gear,
+            )
+        speed_limit, no_light, has_light = 30.0, 4, 0
+        return pedals + struct.pack("<fBBIB", speed_limit, no_light, has_light, 0, 0)
+    if actor.walk is not None:
+        return struct.pack("<4f?", *actor.walk.direction, actor.walk.speed, actor.walk.jump)
+    return b""
+
+
+def picture(
+    kind: str, frame: Frame, ids: NDArray[np.int32], tags: NDArray[np.uint8]
+) -> NDArray[np.uint8]:
+    """Return a picture's pixels, [height, width, 4] as blue, green, red, alpha.
+
+    Args:
+        kind: One of `CAMERAS`' kinds.
+        frame: What the drawing simulator saw.
+        ids: Actor id by row of the frame's ids.
+        tags: Semantic tag by row of the frame's ids; the first is unused.
+    """
+    if kind == "rgb":
+        pixels = np.empty((*frame.depth.shape, 4), np.uint8)
+        pixels[..., :3] = frame.rgb[..., ::-1]
+        pixels[..., 3] = 255
+        return pixels
+    if kind == "depth":
+        share = np.minimum(frame.depth, np.float32(FARTHEST)) * (16_777_215.0 / FARTHEST)
+        code = np.rint(share).astype(np.uint32)
+        words = (code & 255) << 16 | (code & 0xFF00) | code >> 16 | _OPAQUE
+    else:
+        # The last entry is for pixels of the sky, which have the id 0 as well.
+        numbers = np.append(ids, 0).astype(np.uint32) if kind == "instance" else 0
+        shown = np.append(tags, SKY).astype(np.uint32)
+        shown[0] = OTHER
+        table = shown << 16 | (numbers & 255) << 8 | (numbers >> 8 & 255) | _OPAQUE
+        words = table[np.where(np.isinf(frame.depth) & (frame.ids == 0), len(ids), frame.ids)]
+    return words.astype("<u4").view(np.uint8).reshape(*frame.depth.shape, 4)
+
+
+def picture_head(width: int, height: int, fov: float) -> bytes:
+    """Return what precedes the pixels."""
+    return struct.pack("<IIf", width, height, fov)
+
+
+def collision(actor: list[Any], other: list[Any], impulse: list[float]) -> bytes:
+    """Return the body of a collision event."""
+    return _packed([actor, other, impulse])
+
+
+def inertial(actor: Actor, place: Transform) -> bytes:
+    """Return accelerometer, gyroscope and compass."""
+    x, y, z = actor.acceleration
+    turn = [angle * 0.017453292519943295 for angle in actor.angular]
+    return _packed(
+        [[x, y, z + 9.81], turn, (place.rotation[1] + 90.0) % 360.0 * 0.017453292519943295]
+    )
+
+
+def position(place: Transform) -> bytes:
+    """Return latitude, longitude and altitude."""
+    x, y, z = place.location
+    degrees = [-y / _METRES_PER_DEGREE, x / _METRES_PER_DEGREE, z]
+    return bytes(msgpack.packb(degrees))
+
+
+def _packed(value: Any) -> bytes:
+    return bytes(msgpack.packb(value, use_single_float=True))

@@ -1,0 +1,193 @@
+"""The roads of the served map: heights, spawn points and the map that pictures show."""
+
+import hashlib
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data import Catalogue, RoadMap
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import find_map, read_map
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._roads.geometry import piecewise
+from oodscen.driving._roads.network import Network, Road
+from oodscen.driving._roads.opendrive import read_network
+from oodscen.driving._roads.routes import road_point
+from oodscen_carla._opendrive import for_carla
+from oodscen_carla.server._values import Transform
+
+_STEP = 2.0
+"""Distance between the samples of heights, m."""
+_NEAR = 40.0
+"""Distance from a road's line beyond which it gives no height, m."""
+_MOST_SAMPLES = 60_000
+_APART = 40.0
+"""Distance between spawn points on a lane, m."""
+_LIFT = 0.3
+"""Height of spawn points above the road, m."""
+_MOST_POINTS = 400
+_BEFORE_END = 60.0
+"""Distance from the end of the shown road within which no vehicle starts, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class ServedMap:
+    """One OpenDRIVE map and what the server derives from it."""
+
+    name: str
+    """The map's name as clients read it."""
+    text: str
+    """The OpenDRIVE document."""
+    road_map: RoadMap
+    """The description by which the drawing simulator finds its road."""
+    samples: NDArray[np.float64]
+    """[n, 5] x, y, z, heading (rad) and slope of all reference lines, in right-handed axes."""
+    spawn_points: tuple[Transform, ...]
+    """Places for vehicles whose cameras see the road, in CARLA's axes."""
+
+    @classmethod
+    def received(cls, text: str, folder: Path, catalogue: Catalogue) -> "ServedMap":
+        """Return the map of a client's OpenDRIVE document.
+
+        A shipped map is recognised by its bytes, and is drawn as in any other simulator.
+
+        Args:
+            text: The document.
+            folder: Folder for the file that the drawing simulator reads.
+            catalogue: The drawing simulator's catalogue.
+
+        Raises:
+            DataError: If the document cannot be used.
+        """
+        data, digest = text.encode(), _digest(text)
+        known = _shipped(catalogue).get(digest)
+        if known is None:
+            read_network(data, source="generate_opendrive_world")
+            path = folder / f"{digest[:16]}.xodr"
+            path.write_bytes(data)
+            known = find_map(str(path), catalogue)
+        return cls._of("OpenDriveMap", text, known)
+
+    @classmethod
+    def of(cls, road_map: RoadMap, name: str = "") -> "ServedMap":
+        """Return a map of the catalogue, under another name if one is given."""
+        return cls._of(name or road_map.id, for_carla(read_map(road_map.file).decode()), road_map)
+
+    @classmethod
+    def _of(cls, name: str, text: str, road_map: RoadMap) -> "ServedMap":
+        network = read_network(text.encode(), source=name)
+        points = _spawn_points(network)
+        shown = tuple(filter(_is_shown(load_corridor(road_map)), points))
+        return cls(name, text, road_map, _samples(network), shown or points)
+
+    def ground(self, x: float, y: float) -> tuple[float, float, float] | None:
+        """Return height, heading and slope of the nearest road, or `None` far from all roads.
+
+        Args:
+            x: x in right-handed axes, m.
+            y: y in right-handed axes, m.
+        """
+        square = (self.samples[:, 0] - x) ** 2 + (self.samples[:, 1] - y) ** 2
+        index = int(square.argmin())
+        if square[index] > _NEAR * _NEAR:
+            return None
+        px, py, z, heading, slope = self.samples[index].tolist()
+        along = (x - px) * math.cos(heading) + (y - py) * math.sin(heading)
+        return z + slope * max(-_STEP, min(_STEP, along)), heading, slope
+
+
+def _is_shown(road: Corridor) -> Callable[[Transform], bool]:
+    """Return the test of whether pictures from a place show its road: they show one corridor."""
+
+    def test(place: Transform) -> bool:
+        s, t = road.locate(place.location[0], -place.location[1])
+        is_between = road.start <= s <= road.length - _BEFORE_END
+        return is_between and road.is_drivable(s, t, t)
+
+    return test
+
+
+@lru_cache(maxsize=4)
+def _digests(maps: tuple[tuple[str, str], ...]) -> dict[str, str]:
+    """Return the ids of maps by the digests of their documents, as they are and as served."""
+    found: dict[str, str] = {}
+    for name, file in maps:
+        text = read_map(file).decode()
+        found |= {_digest(text): name, _digest(for_carla(text)): name}
+    return found
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _shipped(catalogue: Catalogue) -> dict[str, RoadMap]:
+    """Return the catalogue's maps by the digests of their documents."""
+    own = {road.id: road for road in catalogue.maps if road.file}
+    found = _digests(tuple((road.id, road.file) for road in own.values()))
+    return {digest: own[name] for digest, name in found.items()}
+
+
+def _slope(road: Road, s: float) -> float:
+    before, after = max(0.0, s - 0.5), min(road.length, s + 0.5)
+    rise = piecewise(road.elevation, after) - piecewise(road.elevation, before)
+    return rise / max(after - before, 1e-6)
+
+
+def _samples(network: Network) -> NDArray[np.float64]:
+    rows: list[tuple[float, float, float, float, float]] = []
+    total = sum(road.length for road in network.roads.values())
+    step = max(_STEP, total / _MOST_SAMPLES)
+    for road in network.roads.values():
+        count = max(1, math.ceil(road.length / step))
+        for number in range(count + 1):
+            s = road.length * number / count
+            point = road_point(road, s)
+            rows.append(
+                (point.x, point.y, piecewise(road.elevation, s), point.heading, _slope(road, s))
+            )
+    return np.array(rows, np.float64)
+
+
+def _spawn_points(network: Network) -> tuple[Transform, ...]:
+    """Return places for vehicles on the driving lanes outside junctions, in CARLA's axes."""
+    points: list[Transform] = []
+    for road in network.roads.values():
+        if road.junction:
+            continue
+        first = min(10.0, road.length / 2)
+        for number in range(1 + int(max(0.0, road.length - 2 * first) / _APART)):
+            points += _across(road, first + number * _APART)
+            if len(points) >= _MOST_POINTS:
+                return tuple(points[:_MOST_POINTS])
+    return tuple(points)
+
+
+def _across(road: Road, s: float) -> list[Transform]:
+    """Return one spawn point for every driving lane at a place of a road."""
+    section = next(one for one in reversed(road.sections) if one.s <= s + 1e-9)
+    point = road_point(road, s)
+    shift = piecewise(road.lane_offset, s)
+    z = piecewise(road.elevation, s) + _LIFT
+    found = []
+    for side in (-1, 1):
+        t = shift
+        lanes = [lane for lane in section.lanes if lane.id * side > 0]
+        for lane in sorted(lanes, key=lambda lane: abs(lane.id)):
+            width = piecewise(lane.widths, s - section.s)
+            if lane.type == "driving" and width > 2.0:
+                middle = t + side * width / 2
+                x = point.x - middle * math.sin(point.heading)
+                y = point.y + middle * math.cos(point.heading)
+                is_against = ((side > 0) != road.left_hand) != lane.reversed
+                heading = point.heading + (math.pi if is_against else 0.0)
+                pitch = math.degrees(math.atan(_slope(road, s))) * (-1 if is_against else 1)
+                yaw = math.degrees(-heading + 2 * math.pi) % 360.0
+                found.append(Transform((x, -y, z), (pitch, yaw, 0.0)))
+            t += side * width
+    return found

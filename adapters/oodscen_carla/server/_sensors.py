@@ -1,0 +1,174 @@
+"""Sends what the sensors of the served world measure in a tick."""
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.protocols import Camera, Frame
+from oodscen_carla.server import _measurements as wire
+from oodscen_carla.server._actors import Actor
+from oodscen_carla.server._blueprints import CAMERAS
+from oodscen_carla.server._cameras import Body, Shot, Studio
+from oodscen_carla.server._values import CallError, Description, Transform
+from oodscen_carla.server._world import World
+
+MAX_SIDE = 4096
+"""Maximum pixels along a side of a picture."""
+MAX_PIXELS = 4_000_000
+WORLD_STREAM = 1
+"""Stream of the world's state; a sensor's stream has the number of the sensor."""
+
+Picture = tuple[Frame, NDArray[np.int32], NDArray[np.uint8]]
+"""A frame, and the actor's id and semantic tag for each of its ids."""
+
+
+class Sink(Protocol):
+    """Takes the bytes of a stream."""
+
+    def is_heard(self, stream: int) -> bool:
+        """Return whether a client listens."""
+        ...
+
+    def send(self, stream: int, *parts: bytes | memoryview) -> None:
+        """Send one message."""
+
+
+def checked_camera(what: Description) -> None:
+    """Check the size of a camera's picture before the camera is spawned.
+
+    Raises:
+        CallError: If it is not a picture, or too large.
+    """
+    given = {name: value for name, _, value in what.attributes}
+    try:
+        width, height = (int(given.get(f"image_size_{axis}", "64")) for axis in "xy")
+        fov = float(given.get("fov", "90"))
+    except ValueError:
+        raise CallError("image_size_x, image_size_y and fov must be numbers") from None
+    if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE and width * height <= MAX_PIXELS):
+        raise CallError(f"a picture has at most {MAX_SIDE} pixels a side and {MAX_PIXELS} in all")
+    if not 1.0 <= fov <= 170.0:
+        raise CallError("fov must be between 1 and 170 degrees")
+
+
+class SensorSender:
+    """Takes every picture once per mount, for all kinds of camera that hang there."""
+
+    def __init__(self, world: World, studio: Studio, sink: Sink) -> None:
+        self._world, self._studio, self._sink = world, studio, sink
+
+    def observe(self, dt: float) -> None:
+        """Send the state of all actors."""
+        if self._sink.is_heard(WORLD_STREAM):
+            world = self._world
+            rows = [(actor, world.place_of(actor)) for actor in world.actors.values()]
+            state = wire.world_state(world.frame, world.time, dt, world.episode, rows)
+            self._sink.send(WORLD_STREAM, state)
+
+    def sense(self) -> None:
+        """Send the measurements of all sensors that a client listens to."""
+        taken: dict[object, Picture] = {}
+        bodies: list[Body] | None = None
+        for actor in list(self._world.actors.values()):
+            if not (actor.is_sensor and self._sink.is_heard(actor.id) and self._is_due(actor)):
+                continue
+            if actor.type_id in CAMERAS:
+                bodies = self._world.bodies() if bodies is None else bodies
+                self._picture(actor, bodies, taken)
+            elif actor.type_id == "sensor.other.imu":
+                place = self._world.place_of(actor)
+                self._send(actor, wire.inertial(self._carrier(actor), place))
+            elif actor.type_id == "sensor.other.gnss":
+                self._send(actor, wire.position(self._world.place_of(actor)))
+        self._collisions()
+
+    def _is_due(self, actor: Actor) -> bool:
+        every = actor.number("sensor_tick", 0.0)
+        if self._world.time < actor.due - 1e-9:
+            return False
+        actor.due = self._world.time + every
+        return True
+
+    def _carrier(self, actor: Actor) -> Actor:
+        return self._world.actors.get(actor.parent, actor)
+
+    def _send(self, actor: Actor, *parts: bytes | memoryview) -> None:
+        place = self._world.place_of(actor)
+        kind = wire.REGISTRY[actor.type_id]
+        head = wire.header(kind, self._world.frame, self._world.time, place)
+        self._sink.send(actor.id, head, *parts)
+
+    def _picture(
+        self,
+        actor: Actor,
+        bodies: list[Body],
+        taken: dict[object, Picture],
+    ) -> None:
+        width = int(actor.number("image_size_x", 800))
+        height = int(actor.number("image_size_y", 600))
+        fov = actor.number("fov", 90.0)
+        key = (actor.parent, actor.place, width, height, fov)
+        if key not in taken:
+            taken[key] = self._shoot(actor, bodies, Camera(width=width, height=height, fov_deg=fov))
+        frame, ids, tags = taken[key]
+        pixels = wire.picture(CAMERAS[actor.type_id], frame, ids, tags)
+        self._send(actor, wire.picture_head(width, height, fov), pixels.data.cast("B"))
+
+    def _shoot(self, actor: Actor, bodies: list[Body], size: Camera) -> Picture:
+        world = self._world
+        host = world.actors.get(actor.parent)
+        index = next((n for n, one in enumerate(bodies) if host and one.key == host.id), None)
+        shown = bodies if index is None else [bodies[index], *bodies[:index], *bodies[index + 1 :]]
+        hosting = host if index is not None else None
+        pose = shown[0].pose if hosting else None
+        shot = aimed(
+            size, pose, host, actor.place, world.place_of(actor), world.picture_time(hosting)
+        )
+        seed = world.seed
+        frame, ids = self._studio.take(
+            world.scene(), seed, shown, shot, has_host=hosting is not None
+        )
+        tags = [world.actors[key].blueprint.tag if key else 0 for key in ids.tolist()]
+        return frame, ids, np.array(tags, np.uint8)
+
+    def _collisions(self) -> None:
+        world = self._world
+        listening: dict[int, list[Actor]] = {}
+        for actor in world.actors.values():
+            if actor.type_id == "sensor.other.collision" and self._sink.is_heard(actor.id):
+                listening.setdefault(actor.parent, []).append(actor)
+        for car, other in world.collisions if listening else ():
+            for sensor in listening.get(car.id, ()):
+                pairs = zip(car.velocity, other.velocity, strict=True)
+                impulse = [1500.0 * (a - b) for a, b in pairs]
+                self._send(sensor, wire.collision(car.row(b""), other.row(b""), impulse))
+
+
+def aimed(
+    size: Camera,
+    pose: tuple[float, float, float, float] | None,
+    host: Actor | None,
+    mount: Transform,
+    place: Transform,
+    time: float,
+) -> Shot:
+    """Return the camera in right-handed axes.
+
+    A forward camera on a level vehicle is mounted on the vehicle's exact pose, without the noise of
+    32-bit floats; any other stands free in the world.
+    """
+    is_level = host is not None and not (host.place.rotation[0] or host.place.rotation[2])
+    if pose is not None and is_level and not (mount.rotation[1] or mount.rotation[2]):
+        x, y, z = (round(value, 6) for value in mount.location)
+        camera = _moved(size, x, -y, z, round(-mount.rotation[0], 6))
+        return Shot(camera, pose, 0.0, time)
+    x, y, z = place.location
+    pitch, yaw, roll = place.rotation
+    camera = _moved(size, 0.0, 0.0, 0.0, -pitch)
+    return Shot(camera, (x, -y, z, -yaw * 0.017453292519943295), roll, time)
+
+
+def _moved(size: Camera, x: float, y: float, z: float, pitch_deg: float) -> Camera:
+    pitch = max(-90.0, min(90.0, pitch_deg))
+    return Camera(size.width, size.height, size.fov_deg, x, y, z, pitch)

@@ -1,0 +1,80 @@
+"""Opens the server: the world, its drawing simulator and its ports."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import cast
+
+from oodscen import make_simulator
+from oodscen.data import Scene
+from oodscen.errors import MissingExtra, UsageError
+from oodscen_carla.server._cameras import Draughtsman, Studio
+from oodscen_carla.server._faults import Faults
+from oodscen_carla.server._world import World
+
+
+@dataclass(frozen=True)
+class Serving:
+    """A server that runs in threads of this process."""
+
+    port: int
+    """Port for calls; streams are on the next."""
+    maps: tuple[str, ...]
+    """The names that `Client.load_world` takes, scenes first."""
+    faults: Faults
+    """Faults to produce, for tests."""
+
+
+@contextmanager
+def serve(
+    scenes: Sequence[Scene] = (),
+    *,
+    host: str = "127.0.0.1",
+    port: int = 0,
+    simulator: str = "pybullet",
+    seed: int = 0,
+    told: Callable[[str], None] | None = None,
+) -> Iterator[Serving]:
+    """Serve CARLA 0.9.16's protocol while the context is active.
+
+    The official client needs another process: it holds the interpreter's lock while it waits.
+
+    Args:
+        scenes: Scenes that clients load by their ids; the first is open from the start.
+        host: The address to listen on. There is no authentication.
+        port: Port for calls, the next one is for streams; 0 chooses free ones.
+        simulator: Name of the simulator that draws the pictures.
+        seed: Seed of motion, scenery and paints.
+        told: Called with a line for every refusal.
+
+    Raises:
+        MissingExtra: If msgpack is not installed.
+        UsageError: If the simulator cannot draw for a server, or a port is taken.
+        SceneError: If the first scene cannot be staged.
+    """
+    try:
+        from oodscen_carla.server._listener import Listener
+    except ModuleNotFoundError as error:
+        if error.name != "msgpack":
+            raise
+        raise MissingExtra("the CARLA server", "carla-server", "msgpack") from None
+    drawn = make_simulator(simulator)
+    if not hasattr(drawn, "draw_from"):
+        drawn.close()
+        raise UsageError(f"simulator {simulator!r} cannot draw for a server; pybullet and flat can")
+    studio = Studio(cast(Draughtsman, drawn))
+    try:
+        world = World(drawn.catalogue(), scenes, seed)
+        faults = Faults()
+        try:
+            studio.warm_up(world.scene())
+            listener = Listener(world, studio, host=host, port=port, faults=faults, told=told)
+            try:
+                listener.start()
+                yield Serving(listener.port, tuple(world.map_names), faults)
+            finally:
+                listener.close()
+        finally:
+            world.close()
+    finally:
+        studio.close()

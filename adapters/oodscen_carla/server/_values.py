@@ -1,0 +1,104 @@
+"""Checks the arguments of remote calls: every value comes from outside."""
+
+import math
+from typing import Any, NamedTuple
+
+Vector = tuple[float, float, float]
+
+FARTHEST = 1e6
+"""Maximum absolute value of coordinates, angles and speeds."""
+MAX_TEXT = 1024
+"""Maximum length of names and attributes."""
+MAX_ATTRIBUTES = 64
+
+
+class CallError(Exception):
+    """A call that is refused; the client reads the text as the message of a `RuntimeError`."""
+
+
+class Transform(NamedTuple):
+    """A place and an attitude in CARLA's left-handed axes: x forward, y right, z up."""
+
+    location: Vector
+    """x, y, z, m."""
+    rotation: Vector
+    """Pitch, yaw, roll, degrees."""
+
+
+class Description(NamedTuple):
+    """The blueprint and the attributes with which an actor is spawned."""
+
+    uid: int
+    type_id: str
+    attributes: tuple[tuple[str, int, str], ...]
+    """Name, type code and value of each."""
+
+
+def number(value: Any, name: str = "a number") -> float:
+    """Return a finite number."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        try:
+            if math.isfinite(found := float(value)) and abs(found) <= FARTHEST:
+                return found
+        except OverflowError:
+            pass
+    raise CallError(f"{name} must be a number within ±1e6, not {str(value)[:40]!r}")
+
+
+def whole(value: Any, name: str = "an id") -> int:
+    """Return a whole number of 32 bits."""
+    if type(value) is int and 0 <= value < 1 << 32:
+        return value
+    raise CallError(f"{name} must be a whole number of 32 bits, not {str(value)[:40]!r}")
+
+
+def flag(value: Any, name: str = "a flag") -> bool:
+    """Return a truth value."""
+    if isinstance(value, bool):
+        return value
+    raise CallError(f"{name} must be true or false, not {str(value)[:40]!r}")
+
+
+def text(value: Any, name: str = "a text", longest: int = MAX_TEXT) -> str:
+    """Return a text."""
+    if isinstance(value, str) and len(value) <= longest:
+        return value
+    raise CallError(f"{name} must be a text of at most {longest} characters")
+
+
+def items(value: Any, name: str, length: int | None = None, longest: int = 100_000) -> list[Any]:
+    """Return a list, of exactly `length` values if that is given."""
+    if isinstance(value, list) and len(value) <= longest and length in (None, len(value)):
+        return value
+    expected = "" if length is None else f" of {length} values"
+    raise CallError(f"{name} must be a list{expected}")
+
+
+def vector(value: Any, name: str = "a vector") -> Vector:
+    """Return three finite numbers."""
+    x, y, z = items(value, name, 3)
+    return number(x, name), number(y, name), number(z, name)
+
+
+def transform(value: Any) -> Transform:
+    """Return a place and an attitude."""
+    location, rotation = items(value, "a transform", 2)
+    return Transform(vector(location, "a location"), vector(rotation, "a rotation"))
+
+
+def optional(value: Any, name: str) -> Any:
+    """Return the value of CARLA's optional, `[False]` or `[True, value]`; `None` if there is none."""
+    found = items(value, name, longest=2)
+    if found and flag(found[0], name):
+        return items(found, name, 2)[1]
+    return None
+
+
+def description(value: Any) -> Description:
+    """Return the description of an actor to spawn."""
+    uid, type_id, given = items(value, "an actor's description", 3)
+    attributes = []
+    for one in items(given, "the attributes", longest=MAX_ATTRIBUTES):
+        name, kind, content = items(one, "an attribute", 3)
+        attributes.append((text(name, "an attribute"), whole(kind), text(content, "an attribute")))
+    return Description(whole(uid), text(type_id, "a blueprint"), tuple(attributes))

@@ -1,0 +1,461 @@
+"""The served world: its map, weather, settings and actors, and what one tick does to them."""
+
+import math
+import re
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from oodscen.data import Actor as SceneActor
+from oodscen.data import Behaviour, Catalogue, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.driving._roads.building import find_map
+from oodscen.errors import OodscenError
+from oodscen_carla._blueprints import own_id
+from oodscen_carla._catalogue import load_catalogue
+from oodscen_carla._weather import WeatherParameters, from_carla, to_carla
+from oodscen_carla.server._actors import ZERO, Actor
+from oodscen_carla.server._blueprints import (
+    SPECTATOR,
+    STRING,
+    Blueprint,
+    BlueprintLibrary,
+)
+from oodscen_carla.server._cameras import Body
+from oodscen_carla.server._geometry import mounted, overlap, rotated
+from oodscen_carla.server._roads import ServedMap
+from oodscen_carla.server._staging import HERO, StagedScene, carla_place
+from oodscen_carla.server._values import CallError, Description, Transform
+from oodscen_carla.server._vehicles import drive
+
+STEP = 0.05
+"""Duration of a tick without a fixed one, s."""
+MAX_ACTORS = 2_000
+SPECTATOR_ID = 23
+"""Id of the spectator; actors follow."""
+DEFAULT_SETTINGS = [False, False, [False], True, 0.01, 10, 0.0, False, 3000.0, 2000.0, True]
+"""`carla.WorldSettings` in the order of the wire."""
+
+_LAMPS = 1 | 2 | 4
+"""Position lamps, low and high beam of `carla.VehicleLightState`."""
+_STATES = (
+    (16 | 32, "hazard"),
+    (32, "indicate_left"),
+    (16, "indicate_right"),
+    (128, "beacon"),
+    (8, "brake"),
+)
+"""State of an asset by the lights that are on."""
+
+
+class World:
+    """All state that clients see and change; calls must not overlap."""
+
+    def __init__(self, catalogue: Catalogue, scenes: Sequence[Scene] = (), seed: int = 0) -> None:
+        """Open the first scene, or an empty street.
+
+        Args:
+            catalogue: The drawing simulator's catalogue.
+            scenes: Scenes that clients can load by their ids.
+            seed: Seed of motion, scenery and paints.
+
+        Raises:
+            SceneError: If the first scene cannot be staged.
+        """
+        self.catalogue = catalogue
+        self.library = BlueprintLibrary(load_catalogue(), catalogue)
+        self.scenes = {scene.id: scene for scene in scenes}
+        self.seed = seed
+        self.frame, self.time, self.episode = 0, 0.0, 0
+        # Ids are never used again: a client returns to streams that it knew by their numbers.
+        self._next = SPECTATOR_ID + 1
+        self._folder = tempfile.TemporaryDirectory(prefix="oodscen-carla-")
+        self._received: ServedMap | None = None
+        self._drawn: tuple[object, Scene] | None = None
+        self.settings: list[Any] = list(DEFAULT_SETTINGS)
+        self.staged: StagedScene | None = None
+        self.collisions: list[tuple[Actor, Actor]] = []
+        """Pairs of a vehicle and what it touches in this tick."""
+        self.map: ServedMap
+        """The map of this episode."""
+        self.actors: dict[int, Actor] = {}
+        self.load(next(iter(self.scenes), catalogue.maps[0].id))
+
+    def close(self) -> None:
+        """Remove the files of received maps."""
+        self._folder.cleanup()
+
+    # ------------------------------------------------------------------ map and scene
+
+    @property
+    def map_names(self) -> list[str]:
+        """The names that `load` knows."""
+        return [*self.scenes, *(road.id for road in self.catalogue.maps if road.file)]
+
+    def receive(self, text: str) -> None:
+        """Keep a client's OpenDRIVE document for the next `load` of `OpenDriveMap`.
+
+        Raises:
+            CallError: If the document cannot be used.
+        """
+        try:
+            self._received = ServedMap.received(text, Path(self._folder.name), self.catalogue)
+        except OodscenError as error:
+            raise CallError(f"the OpenDRIVE map cannot be used: {error}") from None
+
+    def load(self, name: str, *, resets: bool = True) -> None:
+        """Begin a new episode.
+
+        Args:
+            name: Id of a scene or a map, `OpenDriveMap` for the received one; empty for the same.
+            resets: Whether the settings return to the defaults.
+
+        Raises:
+            CallError: If there is no such map.
+            SceneError: If the scene cannot be staged.
+        """
+        short = name.rsplit("/", 1)[-1] or self.map.name
+        staged = None
+        if short in self.scenes:
+            scene = self.scenes[short]
+            staged = StagedScene(scene, self.catalogue, self.seed)
+            found = ServedMap.of(find_map(scene.map, self.catalogue), short)
+        elif short == "OpenDriveMap" and self._received is not None:
+            found = self._received
+        elif any(road.id == short and road.file for road in self.catalogue.maps):
+            found = ServedMap.of(self.catalogue.map(short))
+        else:
+            raise CallError(f"no map {short[:80]!r}; get_available_maps() names all")
+        self.map, self.staged = found, staged
+        self.episode += 1
+        self.actors = {SPECTATOR_ID: _spectator()}
+        self.weather = WeatherParameters() if staged is None else to_carla(staged.scene.weather)
+        self._has_own_weather = staged is None
+        if resets:
+            self.settings = list(DEFAULT_SETTINGS)
+        if staged is not None:
+            self._people(staged)
+
+    def _people(self, staged: StagedScene) -> None:
+        """Insert the bodies of a staged scene."""
+        for body in staged.bodies():
+            role = HERO if body.name == "ego" else body.name
+            blueprint = self.library[own_id(body.asset)]
+            attributes = (("role_name", role), ("state", body.state))
+            actor = self._insert(blueprint, Transform(ZERO, ZERO), attributes)
+            actor.staged = body.name
+        self._follow_scene()
+
+    def leave(self) -> list[int]:
+        """Return to the map's beginning after the last client has gone; return what is removed.
+
+        Weather and map stay, because scripts that only set them end before the next one begins.
+        """
+        gone = list(self.actors)
+        weather, is_own = self.weather, self._has_own_weather
+        self.load("")
+        if is_own:
+            self.set_weather(weather)
+        return gone
+
+    def set_weather(self, weather: WeatherParameters) -> None:
+        """Change the weather."""
+        self.weather, self._has_own_weather = weather, True
+
+    @property
+    def friction(self) -> float:
+        """The road's friction: that of the scene, or that of the weather's wetness."""
+        return self.scene().weather.friction
+
+    def scene(self) -> Scene:
+        """Return the scene whose map, weather and lit vehicles the pictures show."""
+        lit = () if self.staged else tuple(self._lit())
+        key = (self.episode, self.weather, lit)
+        if self._drawn is None or self._drawn[0] != key:
+            self._drawn = (key, self._make_scene(lit))
+        return self._drawn[1]
+
+    def _make_scene(self, lit: tuple[tuple[str, str], ...]) -> Scene:
+        if self.staged is not None:
+            own = self.staged.scene
+            changed = {"weather": from_carla(self.weather)} if self._has_own_weather else {}
+            return own.model_copy(update=changed)
+        road = self.map.road_map
+        known = {one.id for one in self.catalogue.maps}
+        actors = {
+            name: SceneActor(
+                id=name,
+                asset=asset,
+                placement=Placement(ahead_m=0.0),
+                behaviour=Behaviour(name="follow_route"),
+            )
+            for name, asset in lit
+        }
+        return Scene(
+            id="carla",
+            scenario_id="carla",
+            map=road.id if road.id in known else road.file,
+            ego=Ego(speed=0.0),
+            weather=from_carla(self.weather),
+            actors=tuple(actors.values()),
+            hazard=Hazard(weather=from_carla(self.weather)),
+            decision=Trigger(),
+        )
+
+    def _lit(self) -> Iterator[tuple[str, str]]:
+        """Yield name and asset of every vehicle with its lamps on."""
+        for actor in self.actors.values():
+            asset = actor.blueprint.asset
+            if asset is not None and actor.lights & _LAMPS:
+                yield name_of(actor), asset.id
+
+    # ------------------------------------------------------------------ actors
+
+    def spawn(self, what: Description, place: Transform, parent: int = 0) -> Actor:
+        """Add an actor.
+
+        Raises:
+            CallError: If the blueprint, the parent or the room is missing.
+        """
+        if what.type_id not in self.library:
+            raise CallError(f"blueprint {what.type_id[:80]!r} is not supported by this server")
+        if parent and parent not in self.actors:
+            raise CallError("unable to attach actor: parent actor not found")
+        if len(self.actors) >= MAX_ACTORS:
+            raise CallError(f"this server holds at most {MAX_ACTORS} actors")
+        blueprint = self.library[what.type_id]
+        if blueprint.is_solid:
+            for other in self.actors.values():
+                theirs = other.blueprint
+                if theirs.is_solid and overlap(place, blueprint.extent, other.place, theirs.extent):
+                    raise CallError("Spawn failed because of collision at spawn position")
+        return self._add(Actor(self._next, what, blueprint, place, parent))
+
+    def _insert(
+        self, blueprint: Blueprint, place: Transform, attributes: Sequence[tuple[str, str]] = ()
+    ) -> Actor:
+        given = tuple((name, STRING, value) for name, value in attributes)
+        return self._add(Actor(self._next, Description(0, blueprint.id, given), blueprint, place))
+
+    def _add(self, actor: Actor) -> Actor:
+        self._next += 1
+        actor.born = self.time
+        self.actors[actor.id] = actor
+        return actor
+
+    def destroy(self, number: int) -> list[Actor]:
+        """Remove an actor and everything that is attached to it; return what is gone."""
+        if number == SPECTATOR_ID:
+            raise CallError("the spectator cannot be destroyed")
+        gone, waiting = [], [number]
+        while waiting:
+            actor = self.actors.pop(waiting.pop(), None)
+            if actor is not None:
+                gone.append(actor)
+                waiting += [one.id for one in self.actors.values() if one.parent == actor.id]
+        return gone
+
+    def actor(self, number: int, doing: str = "find actor") -> Actor:
+        """Return an actor.
+
+        Raises:
+            CallError: If there is none.
+        """
+        if number not in self.actors:
+            raise CallError(f"unable to {doing}: actor {number} not found")
+        return self.actors[number]
+
+    def place_of(self, actor: Actor) -> Transform:
+        """Return an actor's place in the world."""
+        chain = [actor]
+        while chain[-1].parent in self.actors:
+            chain.append(self.actors[chain[-1].parent])
+        place = chain.pop().place
+        while chain:
+            place = mounted(place, chain.pop().place)
+        return place
+
+    def bodies(self) -> list[Body]:
+        """Return everything that pictures show, in right-handed axes; a staged scene's ego first."""
+        exact = self._staged_rows()
+        found = []
+        for actor in self.actors.values():
+            asset = actor.blueprint.asset
+            if asset is None:
+                continue
+            if actor.staged:
+                pose, speed, push = exact[actor.staged]
+                name, state = actor.staged, actor.attributes["state"]
+            else:
+                place = self.place_of(actor)
+                x, y, z = place.location
+                yaw = -math.radians(place.rotation[1])
+                pose, speed, push = (x, -y, z, yaw), actor.speed, actor.push
+                name, state = name_of(actor), _state(actor, asset.states)
+            found.append(Body(actor.id, name, asset, state, pose, speed, push))
+        return found
+
+    def _staged_rows(self) -> dict[str, tuple[Any, float, float]]:
+        if self.staged is None:
+            return {}
+        staged = self.staged
+        rows = zip(
+            staged.bodies(),
+            staged.poses().tolist(),
+            staged.speeds().tolist(),
+            staged.accelerations().tolist(),
+            strict=True,
+        )
+        return {body.name: (tuple(pose), speed, push) for body, pose, speed, push in rows}
+
+    # ------------------------------------------------------------------ time
+
+    @property
+    def is_synchronous(self) -> bool:
+        """Return whether only clients advance the world."""
+        return bool(self.settings[0])
+
+    @property
+    def step(self) -> float:
+        """Duration of a tick, s."""
+        fixed = self.settings[2]
+        return float(fixed[1]) if fixed[0] and fixed[1] > 0.0 else STEP
+
+    def picture_time(self, host: Actor | None) -> float:
+        """Return the time since the scene began, or since the camera's vehicle was spawned, s."""
+        if self.staged is not None:
+            return self.staged.time
+        return round(self.time - host.born, 6) if host else 0.0
+
+    def advance(self) -> None:
+        """Move everything by one tick."""
+        dt = self.step
+        self.frame += 1
+        self.time += dt
+        before = {}
+        for actor in self.actors.values():
+            if not actor.staged and actor.blueprint.is_solid:
+                before[actor.id] = actor.place
+                self._move(actor, dt)
+        if self.staged is not None:
+            hero = next((one for one in self.actors.values() if one.staged == "ego"), None)
+            control = hero.control if hero else None
+            # A scene waits for its script: nothing happens until it ticks or drives.
+            if self.is_synchronous or control is not None:
+                self.staged.advance(dt, control)
+                self._follow_scene()
+        self._collide(before)
+
+    def _follow_scene(self) -> None:
+        rows = self._staged_rows()
+        for actor in self.actors.values():
+            if not actor.staged:
+                continue
+            pose, actor.speed, actor.push = rows[actor.staged]
+            x, y, z, yaw = carla_place(pose)
+            actor.place = Transform((x, y, z), (0.0, yaw, 0.0))
+            actor.velocity = rotated((actor.speed, 0.0, 0.0), yaw)
+            actor.acceleration = rotated((actor.push, 0.0, 0.0), yaw)
+
+    def _move(self, actor: Actor, dt: float) -> None:
+        if actor.parent:
+            return
+        if actor.constant is not None:
+            actor.velocity = rotated(actor.constant, actor.place.rotation[1])
+            self._shift(actor, dt)
+        elif actor.control is not None and actor.has_physics and actor.is_vehicle:
+            drive(actor, actor.control, self._friction_at(actor), dt)
+            self._stand(actor)
+        elif actor.walk is not None:
+            pace = actor.walk.speed
+            x, y, z = (pace * part for part in actor.walk.direction)
+            actor.velocity, actor.speed = (x, y, z), pace
+            self._shift(actor, dt)
+            if pace > 0.0 and math.hypot(x, y) > 1e-6:
+                pitch, _, roll = actor.place.rotation
+                turned = (pitch, math.degrees(math.atan2(y, x)), roll)
+                actor.place = Transform(actor.place.location, turned)
+            self._stand(actor)
+        elif actor.has_physics and any(actor.velocity):
+            self._shift(actor, dt)
+
+    def _shift(self, actor: Actor, dt: float) -> None:
+        x, y, z = (a + b * dt for a, b in zip(actor.place.location, actor.velocity, strict=True))
+        limit = 1e6
+        x, y, z = (max(-limit, min(limit, value)) for value in (x, y, z))
+        actor.place = Transform((x, y, z), actor.place.rotation)
+
+    def _stand(self, actor: Actor) -> None:
+        """Put an actor on the road, with the road's slope."""
+        x, y, _ = actor.place.location
+        found = self.map.ground(x, -y)
+        if found is None:
+            return
+        z, heading, slope = found
+        yaw = actor.place.rotation[1]
+        along = slope * math.cos(math.radians(-yaw) - heading)
+        pitch = math.degrees(math.atan(along)) if actor.is_vehicle else 0.0
+        actor.place = Transform((x, y, z), (pitch if abs(pitch) > 1e-4 else 0.0, yaw, 0.0))
+
+    def _friction_at(self, actor: Actor) -> float:
+        """Return the friction below a vehicle: a trigger's, or the road's."""
+        x, y, z = actor.place.location
+        for one in self.actors.values():
+            if one.type_id == "static.trigger.friction":
+                reach = [one.number(f"extent_{axis}", 1.0) / 100.0 for axis in "xyz"]
+                apart = [abs(a - b) for a, b in zip((x, y, z), one.place.location, strict=True)]
+                if all(a <= b for a, b in zip(apart, reach, strict=True)):
+                    return max(0.0, min(2.0, one.number("friction", 1.0)))
+        return self.friction
+
+    def _collide(self, before: dict[int, Transform]) -> None:
+        """Find what vehicles touch; a driven vehicle stops where it would run into something."""
+        self.collisions = []
+        solid = [one for one in self.actors.values() if one.blueprint.is_solid and not one.parent]
+        if len(solid) < 2:
+            return
+        at = np.array([one.place.location for one in solid])
+        reach = np.array([math.hypot(*one.blueprint.extent[:2]) for one in solid])
+        cars = [row for row, one in enumerate(solid) if one.is_vehicle]
+        apart = np.hypot(*(at[cars, None, axis] - at[None, :, axis] for axis in (0, 1)))
+        near = apart <= reach[cars][:, None] + reach[None, :]
+        for index, row in enumerate(cars):
+            car = solid[row]
+            now: set[int] = set()
+            for other in (solid[k] for k in np.flatnonzero(near[index]) if k != row):
+                extents = car.blueprint.extent, other.blueprint.extent
+                if overlap(car.place, extents[0], other.place, extents[1]):
+                    now.add(other.id)
+                    self.collisions.append((car, other))
+            is_driven = car.control is not None and car.has_physics and car.id in before
+            if now - car.touching and is_driven:
+                car.place = before[car.id]
+                car.stop()
+            else:
+                car.touching = now
+
+
+def _spectator() -> Actor:
+    what = Description(0, SPECTATOR, ())
+    return Actor(SPECTATOR_ID, what, Blueprint(SPECTATOR, ()), Transform(ZERO, ZERO))
+
+
+def name_of(actor: Actor) -> str:
+    """Return the name by which an actor's paint is chosen: its role, if that is telling."""
+    role = actor.attributes.get("role_name", "")
+    if role in ("", "default", "autopilot"):
+        return f"a{actor.id}"
+    return re.sub(r"[^A-Za-z0-9_.-]", "_", role)[:60].lstrip("_.-") or f"a{actor.id}"
+
+
+def _state(actor: Actor, states: Sequence[str]) -> str:
+    """Return the state that an actor shows: its blueprint's attribute, or that of its lights."""
+    given = actor.attributes.get("state", "")
+    if given in states:
+        return given
+    for lights, state in _STATES:
+        if actor.lights & lights == lights and state in states:
+            return state
+    return ""

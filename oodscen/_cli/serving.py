@@ -1,0 +1,90 @@
+"""The command that serves scenes to the scripts of another simulator."""
+
+import importlib
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from oodscen._cli.options import seed_option
+from oodscen._cli.output import read_lines, say
+from oodscen._cli.paths import PathName
+from oodscen.errors import DataError, Issue, MissingExtra
+
+if TYPE_CHECKING:
+    from oodscen.data._scene import Scene
+    from oodscen.study._study import Study
+
+
+@click.command()
+@click.argument("source", required=False, type=PathName(exists=True, path_type=Path))
+@click.option(
+    "--carla",
+    "port",
+    required=True,
+    type=click.IntRange(0, 65534),
+    help="Port of CARLA 0.9.16's protocol; the next port is used, too. 0 chooses free ones.",
+)
+@click.option(
+    "--host",
+    default="127.0.0.1",
+    show_default=True,
+    help="Address to listen on. There is no authentication.",
+)
+@click.option(
+    "--simulator",
+    help="Simulator that draws the pictures: pybullet, flat.  [default: the study's, or pybullet]",
+)
+@seed_option
+def serve(source: Path | None, port: int, host: str, simulator: str | None, seed: int) -> None:
+    """Serve maps, and the scenes of a study or a file SOURCE, to scripts written for CARLA.
+
+    Scripts connect with the official client. Each scene is a map by its id, and the first is open from
+    the start; the ego is the vehicle with the role name "hero". The server runs until Ctrl-C.
+    """
+    study = _study(source)
+    if study is not None and _is_default("seed"):
+        seed = study.config.seed
+    simulator = simulator or (study.config.simulator if study else "pybullet")
+    scenes = _scenes(source, study)
+    try:
+        server = importlib.import_module("oodscen_carla.server")  # adapters are not imported here
+    except ModuleNotFoundError as error:
+        raise MissingExtra("oodscen serve", "carla-server", error.name or "msgpack") from None
+
+    def told(line: str) -> None:
+        say(line, err=True)
+
+    with server.serve(
+        scenes, host=host, port=port, simulator=simulator, seed=seed, told=told
+    ) as serving:
+        say(f"serving CARLA 0.9.16's protocol on {host}:{serving.port}; Ctrl-C ends")
+        say(f"maps: {', '.join(serving.maps[:12])}{' ...' if len(serving.maps) > 12 else ''}")
+        threading.Event().wait()
+
+
+def _is_default(option: str) -> bool:
+    """Return whether an option was not given."""
+    source = click.get_current_context().get_parameter_source(option)
+    return source is click.core.ParameterSource.DEFAULT
+
+
+def _study(source: Path | None) -> "Study | None":
+    """Return the study in a folder."""
+    from oodscen.study._study import Study
+
+    return Study.open(source) if source is not None and source.is_dir() else None
+
+
+def _scenes(source: Path | None, study: "Study | None") -> Sequence["Scene"]:
+    """Return the scenes of a study or a file."""
+    from oodscen.data._scene import Scene
+
+    if source is None:
+        return ()
+    scenes = study.scenes if study is not None else read_lines(Scene, source)
+    if not scenes:
+        raise DataError("scenes", [Issue("", "there are none")], source=str(source))
+    return scenes

@@ -1,0 +1,187 @@
+"""Calls change the served world as CARLA's would, and whatever is wrong has a clear answer."""
+
+import math
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from oodscen_carla.server._calls import EMPTY, WITHOUT_EFFECT, Calls
+from oodscen_carla.server._commands import REFUSED
+
+CAR = "vehicle.tesla.model3"
+PROCEDURES = sorted(name[4:] for name in dir(Calls) if name.startswith("rpc_"))
+CONTROL = [0.8, 0.0, 0.0, False, False, False, 0]
+
+
+def test_an_unknown_procedure_is_refused_by_name(served):
+    message = served.error("set_traffic_light_state")
+    assert "'set_traffic_light_state' is not supported" in message
+    assert served.told == [f"refused set_traffic_light_state: {message}"]
+
+
+def test_what_has_no_effect_succeeds_and_what_is_missing_is_empty(served):
+    assert {served.get(name, 1, 2, 3) for name in WITHOUT_EFFECT} == {None}
+    assert all(served.get(name) == [] for name in EMPTY)
+
+
+def test_a_driven_car_moves_brakes_and_reverses(served):
+    car = served.spawn(CAR, 100.0, 1.7)
+    served.get("apply_control_to_vehicle", car, CONTROL)
+    for _ in range(40):
+        served.get("tick_cue")
+    actor = served.world.actors[car]
+    assert 4.0 < actor.speed < 8.0
+    assert actor.place.location[0] > 105.0
+    served.get("apply_control_to_vehicle", car, [0.0, 0.0, 1.0, False, False, False, 0])
+    for _ in range(40):
+        served.get("tick_cue")
+    assert actor.speed == 0.0
+    served.get("apply_control_to_vehicle", car, [0.5, 0.0, 0.0, False, True, False, -1])
+    for _ in range(20):
+        served.get("tick_cue")
+    assert actor.speed < -0.5
+
+
+def test_steering_to_the_right_turns_right_and_ice_widens_the_bend(served):
+    turns = []
+    for wetness in (0.0, 90.0):
+        weather = list(served.world.weather)
+        weather[9] = wetness
+        served.get("set_weather_parameters", weather)
+        car = served.spawn(CAR, 100.0, 1.7)
+        served.world.actors[car].speed = 15.0
+        served.get("apply_control_to_vehicle", car, [0.0, 1.0, 0.0, False, False, False, 0])
+        for _ in range(10):
+            served.get("tick_cue")
+        turns.append(served.world.actors[car].place.rotation[1])
+        served.get("destroy_actor", car)
+    assert turns[0] > 3.0 * turns[1] > 0.0
+
+
+def test_a_friction_trigger_works_like_ice(served):
+    served.spawn(
+        "static.trigger.friction", 0.0, 0.0, friction=0.0, extent_x=9e3, extent_y=9e3, extent_z=9e3
+    )
+    car = served.spawn(CAR)
+    served.get("apply_control_to_vehicle", car, CONTROL)
+    served.get("tick_cue")
+    assert served.world.actors[car].speed == 0.0
+
+
+def test_a_car_stops_where_it_would_hit_something(served):
+    car, hay = served.spawn(CAR, 100.0), served.spawn("static.prop.haybale", 112.0)
+    served.get("apply_control_to_vehicle", car, CONTROL)
+    hits = []
+    for _ in range(120):
+        served.get("tick_cue")
+        hits += served.world.collisions
+    assert {(a.id, b.id) for a, b in hits} == {(car, hay)}
+    assert served.world.actors[car].place.location[0] < 110.0
+
+
+def test_a_spawn_needs_a_blueprint_a_parent_and_room(served):
+    place = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    assert "lidar" in served.error("spawn_actor", [1, "sensor.lidar.ray_cast", []], place)
+    served.spawn(CAR)
+    assert "collision at spawn position" in served.error("spawn_actor", [1, CAR, []], place)
+    camera = [1, "sensor.camera.rgb", [["image_size_x", 2, "99999"]]]
+    assert "pixels" in served.error("spawn_actor_with_parent", camera, place, 24, 0, "")
+    assert "parent" in served.error(
+        "spawn_actor_with_parent", [1, "sensor.other.imu", []], place, 999
+    )
+
+
+def test_what_hangs_on_a_vehicle_goes_with_it(served):
+    car = served.spawn(CAR)
+    place = [[1.0, 0.0, 2.0], [0.0, 0.0, 0.0]]
+    sensor = served.get("spawn_actor_with_parent", [1, "sensor.other.imu", []], place, car, 0, "")[
+        0
+    ]
+    assert served.world.place_of(served.world.actors[sensor]).location == pytest.approx(
+        (1.0, 0.0, 2.0)
+    )
+    assert served.get("destroy_actor", car) is True
+    assert served.get("destroy_actor", car) is False
+    assert set(served.world.actors) == {23}
+    assert "spectator" in served.error("destroy_actor", 23)
+
+
+def test_a_batch_answers_every_command_for_itself(served):
+    place = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    spawn = [[0, [[1, CAR, []], place, [False], 216, "", [[[14, [0, False]]]]]]]
+    answers = served.ask("apply_batch", [spawn, spawn, [[1, [999]]], [[10, [24, [1, 1, 1]]]]], True)
+    assert answers[0] == [[1, 24]]
+    errors = [answer[0][1][0] for answer in answers[1:]]
+    assert ["collision" in errors[0], "999" in errors[1], REFUSED[10] in errors[2]] == [True] * 3
+    assert not served.world.actors[24].has_physics
+    assert served.world.frame == 1
+
+
+def test_every_shipped_map_loads_and_its_cars_stand_on_the_road(served):
+    for name in served.get("get_available_maps"):
+        served.get("load_new_episode", name, True, 0)
+        shown, points = served.get("get_map_info")
+        assert shown == f"Carla/Maps/{name.rsplit('/', 1)[-1]}"
+        assert points
+        for (x, y, z), (_, yaw, _) in points:
+            ground, heading, _ = served.world.map.ground(x, -y)
+            assert z - ground == pytest.approx(0.3, abs=0.05)
+            assert abs(math.sin(math.radians(-yaw) - heading)) < 0.2
+    assert "no map" in served.error("load_new_episode", "Town99", True, 0)
+    assert "OpenDRIVE" in served.error("copy_opendrive_to_file", "<OpenDRIVE/>", [])
+
+
+def test_a_staged_scene_moves_its_actors_and_obeys_the_hero(staged):
+    world = staged.world
+    hero = next(one for one in world.actors.values() if one.attributes.get("role_name") == "hero")
+    speed = hero.speed
+    assert "staged" in staged.error("set_actor_transform", hero.id, [[0, 0, 0], [0, 0, 0]])
+    synchronous = [True, *staged.world.settings[1:]]
+    staged.get("tick_cue")
+    assert staged.world.staged.time == 0.0
+    staged.get("set_episode_settings", synchronous)
+    for _ in range(10):
+        staged.get("tick_cue")
+    assert hero.speed == pytest.approx(speed, abs=0.2)
+    staged.get("apply_control_to_vehicle", hero.id, [0.0, 0.0, 1.0, False, False, False, 0])
+    for _ in range(10):
+        staged.get("tick_cue")
+    assert hero.speed < speed - 3.0
+    assert world.staged.time == pytest.approx(1.0)
+
+
+def test_after_the_last_client_the_world_begins_again(staged):
+    first = list(staged.world.actors.values())[1].place
+    settings_ = list(staged.world.settings)
+    settings_[0] = True
+    staged.get("set_episode_settings", settings_)
+    for _ in range(10):
+        staged.get("tick_cue")
+    staged.spawn("static.prop.haybale", 500.0, 500.0)
+    count = len(staged.world.actors)
+    staged.world.leave()
+    assert list(staged.world.actors.values())[1].place == first
+    assert len(staged.world.actors) == count - 1
+    assert not staged.world.is_synchronous
+
+
+JUNK = st.recursive(
+    st.none() | st.booleans() | st.integers(-(2**63), 2**63) | st.floats() | st.text(max_size=20),
+    lambda inner: st.lists(inner, max_size=12),
+    max_leaves=25,
+)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)
+@given(method=st.sampled_from(PROCEDURES) | st.text(max_size=10), values=st.lists(JUNK, max_size=5))
+def test_junk_is_refused_and_never_fails_the_server(staged, method, values):
+    answer = staged.ask(method, *values)
+    assert isinstance(answer, list)
+    staged.tick()
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)
+@given(kind=st.integers(-1, 24), values=st.lists(st.just(24) | JUNK, max_size=6))
+def test_junk_in_batches_is_refused(staged, kind, values):
+    assert isinstance(staged.ask("apply_batch", [[[kind, values]]], False), list)
+    staged.tick()

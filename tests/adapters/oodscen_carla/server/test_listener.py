@@ -1,0 +1,120 @@
+"""Raw bytes on the real sockets: nothing ends the server or stays behind in it."""
+
+import socket
+import struct
+from pathlib import Path
+
+import msgpack
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from oodscen_carla.server import CarlaTestServer
+from oodscen_carla.server._measurements import WORLD
+
+from oodscen.errors import SimulatorError
+
+
+class RawClient:
+    """Speaks msgpack-rpc without CARLA's library."""
+
+    def __init__(self, port: int) -> None:
+        self.socket = socket.create_connection(("127.0.0.1", port), 20)
+        self.unpacker = msgpack.Unpacker(raw=False)
+
+    def __enter__(self) -> "RawClient":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.socket.close()
+
+    def ask(self, method: str, *arguments: object) -> object:
+        self.socket.sendall(msgpack.packb([0, 7, method, [[False], *arguments]]))
+        while data := self.socket.recv(1 << 16):
+            self.unpacker.feed(data)
+            for kind, number, error, answer in self.unpacker:
+                assert (kind, number, error) == (1, 7, None)
+                return answer
+        raise ConnectionError("the server ended the connection")
+
+
+def open_things(pid: int) -> tuple[int, int]:
+    """Return the number of open files and of threads of a process."""
+    return tuple(len(list(Path(f"/proc/{pid}/{kind}").iterdir())) for kind in ("fd", "task"))
+
+
+@settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60, deadline=None
+)
+@given(data=st.binary(max_size=300), cut=st.booleans())
+def test_random_bytes_never_end_the_server(server, data, cut):
+    for port in (server.port, server.port + 1):
+        with socket.create_connection(("127.0.0.1", port), 20) as raw:
+            raw.sendall(data)
+            if cut:
+                raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    with RawClient(server.port) as client:
+        assert client.ask("version") == [[1, "0.9.16"]]
+
+
+@pytest.mark.parametrize("start", [b"GET / HTTP/1.1\r\n", b"\x94\x00\x01\xa1x\xdb\xff\xff\xff\xff"])
+def test_what_is_no_call_ends_the_connection(server, start):
+    with socket.create_connection(("127.0.0.1", server.port), 20) as raw:
+        raw.sendall(start)
+        assert raw.recv(9) == b""
+
+
+def test_a_flood_of_connections_leaves_nothing_behind(server):
+    with RawClient(server.port) as client:
+        client.ask("version")
+        before = open_things(server.pid)
+        raws = [socket.create_connection(("127.0.0.1", server.port), 20) for _ in range(100)]
+        for raw in raws:
+            raw.close()
+        for _ in range(200):
+            client.ask("tick_cue")
+            if open_things(server.pid) <= before:
+                break
+        assert open_things(server.pid)[0] <= before[0] + 1
+
+
+def test_the_worlds_state_is_streamed_to_whoever_asks(server):
+    with (
+        RawClient(server.port) as client,
+        socket.create_connection(("127.0.0.1", server.port + 1), 20) as stream,
+    ):
+        ((_, (_, (token,))),) = client.ask("get_episode_info")
+        stream.sendall(token[:4])
+        (length,) = struct.unpack("<I", stream.recv(4, socket.MSG_WAITALL))
+        state = stream.recv(length, socket.MSG_WAITALL)
+        assert struct.unpack("<Q", state[:8]) == (WORLD,)
+
+
+def test_a_server_that_cannot_start_says_so():
+    with pytest.raises(SimulatorError, match="exit code"), CarlaTestServer(simulator="nothing"):
+        pass
+
+
+def test_it_dies_on_demand_and_its_end_is_seen():
+    with CarlaTestServer() as server:
+        server.fault("die", "get_map_info")
+        with RawClient(server.port) as client:
+            assert client.ask("version") == [[1, "0.9.16"]]
+            with pytest.raises(ConnectionError):
+                client.ask("get_map_info")
+        server.kill()
+        assert not server.is_alive
+
+
+def test_it_refuses_and_hangs_on_demand(server):
+    server.fault("refuse", "version", after=1)
+    server.fault("hang", "get_map_info")
+    with RawClient(server.port) as client:
+        assert client.ask("version") == [[1, "0.9.16"]]
+        assert client.ask("version") == [[0, ["version was refused on demand"]]]
+        client.socket.settimeout(0.2)
+        with pytest.raises(TimeoutError):
+            client.ask("get_map_info")
+        client.socket.settimeout(20)
+        assert client.ask("version") == [[1, "0.9.16"]]
+    with pytest.raises(ValueError, match="no fault"):
+        server.fault("explode")

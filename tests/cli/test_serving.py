@@ -1,0 +1,83 @@
+"""`oodscen serve`: an ordinary CARLA script drives a scene, and the command ends when asked."""
+
+import queue
+import re
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from oodscen._cli import main
+from oodscen.driving import action_driver
+from oodscen.protocols import Camera
+from oodscen.testing import FlatSimulator, example_scene
+
+SCENE = example_scene()
+
+
+def picture(world, hero, carla) -> tuple[object, "queue.SimpleQueue"]:
+    """Return a camera where this library's own is mounted, and its pictures."""
+    blueprint = world.get_blueprint_library().find("sensor.camera.rgb")
+    for name, value in (("image_size_x", 160), ("image_size_y", 120), ("fov", 60)):
+        blueprint.set_attribute(name, str(value))
+    mount = carla.Transform(carla.Location(x=0.6, z=1.4), carla.Rotation(pitch=-2.0))
+    camera, images = world.spawn_actor(blueprint, mount, attach_to=hero), queue.SimpleQueue()
+    camera.listen(images.put)
+    return camera, images
+
+
+def test_a_script_drives_a_staged_scene(tmp_path):
+    carla = pytest.importorskip("carla")
+    file = tmp_path / "scenes.jsonl"
+    file.write_text(SCENE.to_json() + "\n")
+    order = [sys.executable, "-m", "oodscen", "serve", "--carla", "0", "--simulator", "flat"]
+    with subprocess.Popen([*order, str(file)], stdout=subprocess.PIPE, text=True) as process:
+        port = int(re.search(r":(\d+);", process.stdout.readline())[1])
+        client = carla.Client("127.0.0.1", port)
+        client.set_timeout(20.0)
+        world = client.load_world(SCENE.id)
+        settings = world.get_settings()
+        settings.synchronous_mode, settings.fixed_delta_seconds = True, 0.05
+        world.apply_settings(settings)
+        world.tick()
+        vehicles = world.get_actors().filter("vehicle.*")
+        (hero,) = [one for one in vehicles if one.attributes["role_name"] == "hero"]
+        camera, images = picture(world, hero, carla)
+        # The client itself takes a tick when it applies the settings.
+        seen = {world.tick(): n for n in range(3, 13)}
+        shown = {seen[image.frame]: image for image in (images.get(timeout=20) for _ in seen)}
+        speed = hero.get_velocity().length()
+        hero.apply_control(carla.VehicleControl(brake=1.0))
+        for _ in range(20):
+            world.tick()
+        assert hero.get_velocity().length() < speed - 5.0
+        camera.stop()
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(20) == 143
+    assert len(shown) == 10
+    with FlatSimulator() as flat:
+        flat.reset(SCENE, 0)
+        driver = action_driver("keep_speed")
+        for step in range(1, 13):
+            flat.step(driver.act(flat.observe()))
+            if step in shown:
+                rgb = flat.render(Camera(width=160, height=120, pitch_deg=2.0)).rgb
+                raw = np.frombuffer(shown[step].raw_data, np.uint8).reshape(120, 160, 4)
+                assert np.array_equal(raw[..., 2::-1], rgb), step
+
+
+@pytest.mark.parametrize(
+    ("order", "line"),
+    [
+        (["serve"], "--carla"),
+        (["serve", "--carla", "0", "--simulator", "nothing"], "unknown simulator"),
+        (["serve", "--carla", "0", "--host", "203.0.113.1", "--simulator", "flat"], "cannot find"),
+    ],
+)
+def test_wrong_orders_are_one_line(order, line):
+    result = CliRunner().invoke(main, order)
+    assert result.exit_code == 2
+    assert line in result.stderr
