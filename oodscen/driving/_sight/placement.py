@@ -57,6 +57,7 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
 def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     """Return issues of a scene's vocabulary and placement, without simulating it."""
     issues = catalogue.check(scene)
+    catalogue = catalogue.for_scene(scene)
     issues += [
         Issue(f"{path}.behaviour.name", f"the kinematic world cannot do {actor.behaviour.name!r}")
         for path, actor in _all_actors(scene)
