@@ -335,7 +335,7 @@ class Blot(Part):
     size: tuple[Length, Length]
     colour: Colour
     ragged: Annotated[float, Field(ge=0, le=0.5)] = 0.15
-    """Fraction by which the outline moves in or out."""
+    """Fraction by which the outline moves inwards."""
     height: Annotated[float, Field(ge=0.005, le=0.07)] = 0.014
     """Height above the road, m; of two that overlap the higher one shows."""
     key: Key = 0

@@ -342,9 +342,7 @@ def _(part: shapes.Swarm, place: Place) -> list[Space]:
 
 @spaces.register
 def _(part: shapes.Blot, place: Place) -> list[Space]:
-    (x, y), (length, width) = part.blot, part.size
-    grown = 1.0 + part.ragged
-    return [_upright(place, (x, y, part.height / 2), (length * grown, width * grown, part.height))]
+    return [_upright(place, (*part.blot, part.height / 2), (*part.size, part.height))]
 
 
 @spaces.register

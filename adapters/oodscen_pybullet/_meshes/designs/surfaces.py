@@ -142,7 +142,7 @@ def _(part: shapes.Blot, mesh: MeshBuilder, shown: Appearance, place: Placing) -
     for index in range(OUTLINE):
         turn = 2 * np.pi * index / OUTLINE
         swell = sum(size * sin(n * turn + 6.28 * phase) for n, phase, size in waves) / len(waves)
-        reach = 0.5 * (1.0 + part.ragged * swell)
+        reach = 0.5 * (1.0 - part.ragged * (0.5 - 0.5 * swell))
         points.append(
             place.point(
                 (x + reach * length * cos(turn), y + reach * width * sin(turn), part.height)
