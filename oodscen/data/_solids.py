@@ -347,12 +347,16 @@ def _(part: shapes.Blot, place: Place) -> list[Space]:
 
 @spaces.register
 def _(part: shapes.Strip, place: Place) -> list[Space]:
-    half = part.width / 2
     boxes = []
-    for (x0, y0), (x1, y1) in zip(part.strip, part.strip[1:], strict=False):
-        ends = (x0, y0, 0.0), (x1, y1, part.height)
-        low, high = _around(ends)[:2]
-        corners = [(low[0] - half, low[1] - half, 0.0), (high[0] + half, high[1] + half, high[2])]
+    for (x0, y0), (x1, y1) in itertools.pairwise(part.strip):
+        length = math.hypot(x1 - x0, y1 - y0)
+        a, b = part.width / 2 * (y1 - y0) / length, part.width / 2 * (x1 - x0) / length
+        corners = [
+            (x + sign * a, y - sign * b, z)
+            for x, y in ((x0, y0), (x1, y1))
+            for sign in (-1, 1)
+            for z in (0.0, part.height)
+        ]
         boxes.append(_around([place.point(corner) for corner in corners]))
     return boxes
 

@@ -20,7 +20,8 @@ def test_a_design_survives_json_and_has_a_box(table: dict[str, Any]) -> None:
     assert Prop.parse(prop.to_json()) == prop
     asset = prop.asset()
     assert MADE in asset.tags
-    assert 0.0 < asset.length <= 14.0 and 0.0 < asset.height <= 9.0
+    assert 0.0 < asset.length <= 14.0
+    assert 0.0 < asset.height <= 9.0
 
 
 _FAULTS: list[tuple[str, Any]] = [
