@@ -179,8 +179,11 @@ def _faults(prop: Prop) -> Iterator[Issue]:
         if not found.shipped:
             yield Issue("parts", "nothing of it can be seen")
         return
-    for path, (low, high, _) in found.spaces:
-        if low[2] < -SUNK_M or high[2] <= 0.0:
+    tops: dict[str, float] = {}
+    for path, box in found.spaces:
+        tops[path] = max(box.high[2], tops.get(path, 0.0))
+    for path, (low, _, _) in found.spaces:
+        if low[2] < -SUNK_M or tops[path] <= 0.0:
             yield Issue(path, f"reaches {-low[2]:.2f} m below the road, which is z = 0")
             break
     if found.shipped:

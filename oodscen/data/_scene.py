@@ -280,11 +280,11 @@ def _misfits(scene: Scene) -> list[Issue]:
             for name in names
             if name not in (*ids, "map")
         ]
-    names = [prop.id for prop in scene.made]
+    designs = [prop.id for prop in scene.made]
     issues += [
         Issue(f"made[{index}].id", f"{name!r} occurs more than once")
-        for index, name in enumerate(names)
-        if name in names[:index]
+        for index, name in enumerate(designs)
+        if name in designs[:index]
     ]
     decision = scene.decision
     if decision.kind != "time" and decision.actor not in ids:

@@ -105,8 +105,8 @@ SAMPLES = (
         category="work_zone",
         path=PATH,
         known=(
-            KnownPart(id="cone", category="work_zone", size=(0.4, 0.4, 0.7)),
-            KnownPart(id="crate", category="object", size=(1.0, 1.0, 1.0)),
+            KnownPart(id="cone", length_m=0.4, width_m=0.4, height_m=0.7),
+            KnownPart(id="crate", length_m=1.0, width_m=1.0, height_m=1.0),
         ),
     ),
     DescribePath(path=PATH, count=3, avoid=("A deer stands on the highway.",), catalogue=DIGEST),

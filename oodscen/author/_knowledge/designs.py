@@ -25,7 +25,7 @@ def design(prompt: DesignProp) -> DesignedProp:
     """Return the design of a thing, if the author knows it."""
     prop = load_designs().get(prompt.name)
     if prop is None:
-        return DesignedProp(cannot_make=f"the author has no design of {prompt.name!r}")
+        return DesignedProp(prop=None, cannot_make=f"the author has no design of {prompt.name!r}")
     return DesignedProp(
         reasoning="A design of the author's own.",
         prop=prop.model_copy(update={"category": prompt.category}),

@@ -12,8 +12,6 @@ from oodscen.data._shapes import PALETTE
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 
-_STANDING = frozenset({"object", "work_zone", "vegetation", "signal"})
-
 
 class DesignedProp(Brief, BaseModel):
     """Answer: the design of a thing, or the reason why there is none."""
@@ -23,7 +21,7 @@ class DesignedProp(Brief, BaseModel):
     reasoning: str = Field(
         default="", description="what makes the thing recognisable, in a sentence"
     )
-    prop: Prop | None = None
+    prop: Prop | None = Field(description="the design, or null")
     cannot_make: str = Field(
         default="", max_length=400, description="why it cannot be made; else left out"
     )
@@ -33,9 +31,9 @@ class KnownPart(Brief, BaseModel):
     """A thing of the catalogue that may be a part."""
 
     id: str
-    category: str
-    size: tuple[float, float, float]
-    """Length, width and height, m."""
+    length_m: float
+    width_m: float
+    height_m: float
 
 
 class DesignProp(Prompt[DesignedProp]):
@@ -66,9 +64,6 @@ class DesignProp(Prompt[DesignedProp]):
                 "clear_m": props.CLEAR_M,
             },
             "palette": tuple(PALETTE),
-            "parts": tuple(
-                one for one in self.known if one.category in (*_STANDING, self.category)
-            ),
         }
 
     def check(self, answer: DesignedProp) -> list[Issue]:

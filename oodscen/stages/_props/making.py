@@ -50,6 +50,9 @@ class Wanted(NamedTuple):
     """Labels of the first leaf that lacks it."""
 
 
+_STANDING: tuple[Category, ...] = ("object", "work_zone", "vegetation", "signal")
+
+
 class PropMaker:
     """Asks for the designs of things that a catalogue lacks, and looks at them.
 
@@ -66,15 +69,14 @@ class PropMaker:
         self.simulator = simulator
         self.catalogue: Catalogue = simulator.catalogue()
         self._drawing = Lock()
-        self._known = tuple(
-            KnownPart(id=one.id, category=one.category, size=(one.length, one.width, one.height))
-            for one in self.catalogue.assets
-        )
 
     def make(self, wanted: Wanted) -> MadeProp:
         """Return one thing, made or not."""
         question = DesignProp(
-            name=wanted.name, category=wanted.category, path=wanted.path, known=self._known
+            name=wanted.name,
+            category=wanted.category,
+            path=wanted.path,
+            known=self._parts(wanted.category),
         )
         asked = {"model": speaker(self.llm), "prompt": question.citation()}
         looks: dict[str, PropLook] = {}
@@ -92,6 +94,14 @@ class PropMaker:
             return MadeProp(id=wanted.name, reason=one_line(answer.cannot_make), **asked)
         look = looks[answer.prop.digest()]
         return MadeProp(id=wanted.name, prop=answer.prop, look=look, **asked)
+
+    def _parts(self, category: Category) -> tuple[KnownPart, ...]:
+        """Return what may be a part: things that stand, and bodies of the same category."""
+        return tuple(
+            KnownPart(id=one.id, length_m=one.length, width_m=one.width, height_m=one.height)
+            for one in self.catalogue.assets
+            if one.category in (*_STANDING, category)
+        )
 
     def _faults(self, answer: DesignedProp, looks: dict[str, PropLook]) -> Sequence[Issue]:
         prop = answer.prop
@@ -164,10 +174,8 @@ def judged_again(
     found = []
     for one in pruner.decisions(tree, others):
         if one.status == "ok":
-            told = {"made": names[one.id]}
-            if not one.keep:
-                told = {**told, "lacks": one.lacks or before[one.id].lacks}
-            found.append(one.model_copy(update=told))
+            lacks = one.lacks if one.keep else one.lacks or before[one.id].lacks
+            found.append(one.model_copy(update={"made": names[one.id], "lacks": lacks}))
     return found
 
 

@@ -52,7 +52,7 @@ def test_a_fault_goes_back_to_the_model(bad: Any) -> None:
 
 
 def test_what_cannot_be_made_is_said() -> None:
-    made, _ = made_by({"cannot_make": "it walks"})
+    made, _ = made_by({"prop": None, "cannot_make": "it walks"})
     assert made.prop is None
     assert made.reason == "it walks"
     assert made.status == "ok"
