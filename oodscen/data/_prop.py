@@ -1,14 +1,14 @@
 """Things made to order: designs that a scene carries, for what no catalogue has."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
 from oodscen.data import _shapes as shapes
 from oodscen.data._base import Data, IssuesError
 from oodscen.data._category import Category
-from oodscen.data._lettering import strokes as _strokes
+from oodscen.data._lettering import strokes
 from oodscen.data._shapes import Part, Parts
 from oodscen.data._solids import Measured, Size, Space, measured
 from oodscen.errors import Issue
@@ -36,6 +36,8 @@ REACH_M = 0.06
 """Gap up to which parts hold each other, m."""
 FLAT_M = 0.08
 """Maximum height of what lies flat, m."""
+OFF_ROAD_M = 0.1
+"""Least height above the road of what hangs, is fixed to a wall or carried, m."""
 CLEAR_M = 2.3
 """Height above the road from which cars pass beneath, m."""
 LIGHT_KG = 5.0
@@ -192,12 +194,10 @@ def _faults(prop: Prop) -> Iterator[Issue]:
     yield from _size_faults(bounds)
     if prop.touch == "flat" and bounds.high[2] >= FLAT_M:
         yield Issue("touch", f"what is flat is lower than {FLAT_M:g} m, not {bounds.high[2]:.2f} m")
-    if prop.anchor == "road":
-        yield from _floating(prop, {})
-    elif bounds.low[2] < 0.1:
+    if prop.anchor != "road" and bounds.low[2] < OFF_ROAD_M:
         yield Issue("anchor", f"what is {prop.anchor} does not stand on the road")
-    else:
-        yield from _floating(prop, {})
+        return
+    yield from _floating(prop, {})
 
 
 def _cost_faults(found: Measured) -> Iterator[Issue]:
@@ -214,7 +214,7 @@ def _cost_faults(found: Measured) -> Iterator[Issue]:
         if count > most:
             yield Issue("parts", f"at most {most:,} {what}, not {count:,}")
     for path, text in dict(found.texts).items():
-        if not _strokes(text):
+        if not strokes(text):
             yield Issue(path, "no letter of it can be seen")
 
 
@@ -281,6 +281,3 @@ def _depth(parts: Sequence[Part]) -> int:
             for inner in getattr(part, name, ())
         ]
     return depth
-
-
-CATEGORIES: tuple[str, ...] = get_args(Category)

@@ -7,7 +7,7 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.data._shapes import LIT, rgb_of
+from oodscen.data._colours import LIT, rgb_of
 from oodscen_pybullet._meshes.textures import paint_regions
 
 SIZE = 1024

@@ -7,8 +7,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from oodscen._display import Brief
 from oodscen.data import _prop as props
 from oodscen.data._category import Category
+from oodscen.data._colours import PALETTE
 from oodscen.data._prop import Prop
-from oodscen.data._shapes import PALETTE
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 

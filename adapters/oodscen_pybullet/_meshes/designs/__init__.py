@@ -13,6 +13,7 @@ from typing import Annotated, get_args
 from pydantic import BaseModel, ConfigDict, Discriminator, Tag, TypeAdapter
 
 from oodscen.data import _shapes as shapes
+from oodscen.data._colours import Colour
 from oodscen.data._shapes import Part
 from oodscen_pybullet._meshes.atlas import COLOURS
 from oodscen_pybullet._meshes.builder import MeshBuilder
@@ -57,7 +58,7 @@ class Component(parts.DrawnPart):
 
     asset: str
     """Id of an asset's design, or name of a component."""
-    paint: shapes.Colour | None = None
+    paint: Colour | None = None
     """Its paint, if it differs from that of the whole."""
 
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:

@@ -4,7 +4,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from oodscen.data._shapes import Colour, Length, Pair, Point
+from oodscen.data._colours import Colour
+from oodscen.data._shapes import Length, Pair, Point
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import DrawnPart, Picture, Placing, Region
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride

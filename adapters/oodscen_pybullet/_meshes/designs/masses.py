@@ -3,7 +3,7 @@
 import numpy as np
 
 from oodscen.data import _shapes as shapes
-from oodscen.data._shapes import rgb_of
+from oodscen.data._colours import rgb_of
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 from oodscen_pybullet._meshes.designs.parts import Placing, add
