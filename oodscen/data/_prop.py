@@ -41,7 +41,7 @@ OFF_ROAD_M = 0.1
 CLEAR_M = 2.3
 """Height above the road from which cars pass beneath, m."""
 LIGHT_KG = 5.0
-"""Mass up to which a soft thing stops nobody, kg; heavier soft things do, unless they are airy."""
+"""Mass up to which a soft thing gives way, kg; heavier ones block, unless they are airy."""
 
 Anchor = Literal["road", "hanging", "wall", "carried"]
 Touch = Literal["hard", "soft", "flat"]
@@ -63,14 +63,14 @@ class Prop(Data):
     tags: tuple[Word, ...] = Field(default=(), max_length=8)
     """Further words for it: what others may call it."""
     anchor: Anchor = "road"
-    """What holds it: it stands or lies on the road, hangs, is fixed to a wall, or is carried."""
+    """Its support: it stands or lies on the road, hangs, is fixed to a wall, or is carried."""
     touch: Touch = "hard"
     """`hard` stops a car, `soft` gives way if it is light, `flat` is driven over."""
     mass_kg: float = Field(gt=0, le=60_000)
     states: tuple[Word, ...] = Field(default=(), max_length=4)
     """States that its parts tell apart by `when`; the first is the default."""
     passable: tuple[Word, ...] = Field(default=(), max_length=4)
-    """States in which it blocks nobody although its box does, e.g. `open`."""
+    """States in which it does not block although its box does, e.g. `open`."""
     parts: Parts
     """Metres, x away from the approaching driver, y left, z up; the road is z = 0."""
 

@@ -91,7 +91,7 @@ class Tube(Part):
     pitch: Annotated[float, Field(ge=0.05, le=5)] = 0.5
     """Length of a band, m."""
     sag: Annotated[float, Field(ge=0, le=4)] = 0.0
-    """How far the middle of every stretch hangs down, m."""
+    """Distance by which the middle of every stretch hangs down, m."""
 
     @model_validator(mode="after")
     def _is_long(self) -> Self:
@@ -369,7 +369,7 @@ class Shipped(Part):
     """Its id."""
     state: Annotated[str, Field(max_length=40)] = ""
     to: Point = (0.0, 0.0, 0.0)
-    """Where the middle of its footprint goes."""
+    """New place of the middle of its footprint."""
     roll: Degrees = 0.0
     yaw: Degrees = 0.0
     scale: Annotated[float, Field(ge=0.1, le=5)] = 1.0

@@ -75,7 +75,7 @@ class Place:
 
 @dataclass
 class Measured:
-    """What a walk through a design found."""
+    """The findings of a walk through a design."""
 
     spaces: list[tuple[str, Space]] = field(default_factory=list)
     """The boxes, each with the path of its part."""

@@ -24,7 +24,7 @@ LEAST_PX = 150
 LEAST_CONTRAST = 20.0
 """Least mean difference from the same view without it, of 255."""
 UNSEEN = "not shown to be recognised"
-"""The verdict on a thing that nobody but its author has named."""
+"""The verdict on a thing that only its author has named."""
 NIGHT = Weather(sun_elevation_deg=-30.0)
 
 _LANE_SEEN = ("residential_two_lane", "urban_three_lane", "highway")
@@ -47,7 +47,7 @@ class PropView(Data):
 
 
 class PropLook(Data):
-    """What the pictures of a thing show."""
+    """The sizes of a thing in its pictures, and its faults."""
 
     noun: ClassVar[str] = "look of a prop"
 

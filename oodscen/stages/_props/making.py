@@ -153,7 +153,7 @@ def judged_again(
     decisions: Sequence[PruneDecision],
     made: Mapping[str, Prop],
 ) -> list[PruneDecision]:
-    """Judge the leaves anew whose lacking things have all been made.
+    """Judge the leaves again whose lacking things have all been made.
 
     Args:
         pruner: A pruner whose catalogue has the things.
