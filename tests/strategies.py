@@ -3,6 +3,7 @@
 from hypothesis import strategies as st
 
 from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim
+from oodscen.data._prop import Prop
 from oodscen.prompts._judging.name_aspect import OodAspect
 from oodscen.prompts._tree.imagine_scenario import ImaginedScenario
 from oodscen.prompts._tree.judge_branch import (
@@ -11,6 +12,7 @@ from oodscen.prompts._tree.judge_branch import (
     NumberedJudgement,
     Substitute,
 )
+from tests.made import designs
 
 
 @st.composite
@@ -28,6 +30,7 @@ def claims(draw):
 
 
 st.register_type_strategy(Claim, claims())
+st.register_type_strategy(Prop, designs().map(Prop.parse))
 st.register_type_strategy(
     OodAspect,
     st.builds(OodAspect, confidence=st.none() | st.floats(0.0, 1.0)),

@@ -22,7 +22,7 @@ from oodscen_pybullet._contacts import Bodies, Pose
 from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet._lighting.shelter import Shelter
-from oodscen_pybullet._meshes import Mesh, asset_ids
+from oodscen_pybullet._meshes import Mesh, asset_ids, learned
 from oodscen_pybullet._meshes.atlas import Snow
 from oodscen_pybullet._meshes.vehicles.ego import bonnet
 from oodscen_pybullet._rendering.appearance import Cast, Look, mesh_of
@@ -66,6 +66,7 @@ class PyBulletSimulator(KinematicSimulator):
         self._bodies: Bodies | None = None
         self._stages: OrderedDict[tuple[object, ...], tuple[Stage, Scenery]] = OrderedDict()
         self._loaded: tuple[Corridor, Scene, int] | None = None
+        self._made: dict[str, str] = {}
         self._cast: Cast
         self._poses: list[Pose] = []
         self._speeds: list[float] = []
@@ -89,6 +90,7 @@ class PyBulletSimulator(KinematicSimulator):
             self._bodies = Bodies(self._engine)
         self._bodies.clear()
         self._loaded = (corridor, scene, seed)
+        self._made = {prop.id: learned(prop) for prop in scene.made}
         self._cast = Cast(scene, seed)
         self._poses, self._speeds = [], []
         self._shown = None
@@ -102,7 +104,9 @@ class PyBulletSimulator(KinematicSimulator):
         assert self._bodies is not None
         if not all(map(math.isfinite, pose)):
             raise SpawnError(actor_id, asset.id, pose, "the pose is not finite")
-        if asset.id not in asset_ids():
+        if asset.id in self._made:
+            asset = asset.model_copy(update={"id": self._made[asset.id]})
+        elif asset.id not in asset_ids():
             raise SpawnError(actor_id, asset.id, pose, "there is no mesh for this asset")
         if not self._bodies.add(asset.length, asset.width, asset.height):
             raise SpawnError(actor_id, asset.id, pose, "PyBullet refused the collision shape")

@@ -31,7 +31,7 @@ RUN_SECTIONS: Mapping[str, tuple[str, ...]] = {
     ),
     "Tree": (
         *("nodes", "iterations", "red-budget", "open-loop", "red-patience", "red-coverage"),
-        *("in-flight", "nearest", "nearest-label", "rarity", "broadenings"),
+        *("in-flight", "nearest", "nearest-label", "rarity", "broadenings", "made"),
     ),
     "Texts": ("per-path", "set", "style", "candidates", "twins", "encoder", "baseline", "band"),
     "Simulation": (

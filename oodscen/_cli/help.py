@@ -10,7 +10,7 @@ Sections = Mapping[str, Sequence[str]]
 COMMANDS: Sections = {
     "Make a study": ("init", "run"),
     "Judge models and driving stacks on it": ("evaluate", "drive", "quiz"),
-    "Look at it": ("show", "report", "tree", "audit", "power"),
+    "Look at it": ("show", "report", "tree", "audit", "power", "props"),
     "Run one stage": ("grow", "redteam", "prune", "describe", "augment", "simulate"),
     "Check and measure texts and scenes": ("check-claims", "score"),
     "Exchange scenes with other tools": ("export", "publish", "serve", "import", "verdict", "vary"),

@@ -237,7 +237,16 @@ def write(out: Path | None, text: str) -> None:
     if out is None:
         click.echo(text)
         return
-    data = f"{text}\n".encode()
+    write_bytes(out, f"{text}\n".encode())
+
+
+def write_bytes(out: Path, data: bytes) -> None:
+    """Write a file, as `write` does.
+
+    Raises:
+        FolderTaken: When the file belongs to a study.
+        OodscenError: When the file cannot be written.
+    """
     try:
         if is_written_through(out):
             with out.open("wb") as stream:

@@ -128,6 +128,11 @@ if TYPE_CHECKING:
     default=None,
     help="Run an ordinary demand beside every scene: a queue, a red light ...  [default: --demands]",
 )
+@click.option(
+    "--made/--no-made",
+    default=None,
+    help="Let the model design things that the simulator lacks, or keep to its catalogue.  [default: --no-made]",
+)
 @click.option("--max-paths", type=click.IntRange(min=1), help="Simulate at most this many paths.")
 @click.option(
     "--band",

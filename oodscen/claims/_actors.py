@@ -83,6 +83,7 @@ class ObservedActor:
     @classmethod
     def of(cls, scene: Scene, catalogue: Catalogue, trace: Trace) -> list[Self]:
         """Return one record per actor, in the scene's order."""
+        catalogue = catalogue.for_scene(scene)
         course = Course.of(scene, catalogue)
         corridor, strip = course.corridor, course.corridor.strips[course.strip]
         rows = [trace.ids.index(actor.id) for actor in scene.actors]

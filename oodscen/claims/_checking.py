@@ -69,6 +69,7 @@ def check_claims(
     """
     if not claims:
         return []
+    catalogue = catalogue.for_scene(scene)
     if trace is None:
         trace = watch(scene, catalogue)
     road = _road(scene, catalogue)

@@ -7,7 +7,8 @@ from typing import Any, Literal, get_args
 from pydantic import Field, model_validator
 
 from oodscen.data._base import Data
-from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, Category, RoadMap, WeatherRange
+from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap, WeatherRange
+from oodscen.data._category import Category
 
 AdditionKind = Literal["asset", "state", "behaviour", "weather", "map", "other"]
 """`other` is something no catalogue can provide, e.g. an author that knows how to stage a hazard."""

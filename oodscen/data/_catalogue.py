@@ -7,16 +7,13 @@ from pydantic import Field
 
 from oodscen._field_docs import with_fields
 from oodscen.data._base import Data
+from oodscen.data._category import Category
+from oodscen.data._prop import Prop, check_prop, sizes_of
 from oodscen.data._scene import Actor, Scene, Weather
 from oodscen.errors import Issue, close_matches
 
 if TYPE_CHECKING:
     from oodscen.data._additions import Addition
-
-Category = Literal[
-    "vehicle", "cyclist", "pedestrian", "animal", "object", "work_zone", "vegetation", "signal"
-]
-
 
 FLAT_M = 0.08
 """Maximum height of things that lie flat on the road, m: others can drive over and stand on them."""
@@ -177,13 +174,24 @@ class Catalogue(Data):
 
         return extended(self, additions)
 
+    def with_made(self, made: Iterable[Prop]) -> "Catalogue":
+        """Return the catalogue extended by things made to order; what it has already stays."""
+        known = {asset.id for asset in self.assets}
+        sizes = sizes_of(self.assets)
+        added = tuple(prop.asset(sizes) for prop in made if prop.id not in known)
+        return self.model_copy(update={"assets": (*self.assets, *added)}) if added else self
+
+    def for_scene(self, scene: Scene) -> "Catalogue":
+        """Return the catalogue with the things that a scene brings along."""
+        return self.with_made(scene.made) if scene.made else self
+
     def bodies(self, scene: Scene) -> list[tuple[str, Asset, str]]:
         """Return id, asset and state of every body in a scene: `ego`, then the actors in order.
 
         Raises:
             KeyError: If the catalogue lacks an asset.
         """
-        assets = {asset.id: asset for asset in self.assets}
+        assets = {asset.id: asset for asset in self.for_scene(scene).assets}
         bodies = [("ego", self.ego, "")]
         bodies += [(actor.id, assets[actor.asset], actor.state) for actor in scene.actors]
         return [
@@ -197,6 +205,16 @@ class Catalogue(Data):
         Only the vocabulary is checked here; `oodscen.driving.check_scene` checks room on the road, overlap
         and reachability.
         """
+        if scene.made:
+            faults = [
+                Issue(f"made[{index}].{fault.path}", fault.message)
+                for index, prop in enumerate(scene.made)
+                for fault in check_prop(prop, self.assets)
+            ]
+            return faults or self.for_scene(scene)._check(scene)
+        return self._check(scene)
+
+    def _check(self, scene: Scene) -> list[Issue]:
         issues: list[Issue] = []
         if not scene.map.endswith(".xodr"):
             issues += _unknown("map", "map", scene.map, [road.id for road in self.maps])

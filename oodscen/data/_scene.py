@@ -18,6 +18,7 @@ from pydantic import (
 from oodscen.data._base import Data, IssuesError
 from oodscen.data._claim import Claim
 from oodscen.data._pairing import is_ordinary, is_twin, twin_id
+from oodscen.data._prop import Prop
 from oodscen.errors import Issue
 
 if TYPE_CHECKING:
@@ -163,11 +164,13 @@ class Scene(Data):
     """Everything that can be seen of the hazard; left out of the JSON text if empty."""
     demand: Demand | None = None
     """The event of an ordinary demand; left out of the JSON text of other scenes."""
+    made: tuple[Prop, ...] = Field(default=(), max_length=400)
+    """Designs of the assets that no catalogue has; left out of the JSON text if empty."""
 
     @model_serializer(mode="wrap")
     def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
         value: dict[str, Any] = serialise(self)
-        for name in ("stands_for", "visible", "demand"):
+        for name in ("stands_for", "visible", "demand", "made"):
             if not value.get(name):
                 value.pop(name, None)
         return value
@@ -277,6 +280,12 @@ def _misfits(scene: Scene) -> list[Issue]:
             for name in names
             if name not in (*ids, "map")
         ]
+    designs = [prop.id for prop in scene.made]
+    issues += [
+        Issue(f"made[{index}].id", f"{name!r} occurs more than once")
+        for index, name in enumerate(designs)
+        if name in designs[:index]
+    ]
     decision = scene.decision
     if decision.kind != "time" and decision.actor not in ids:
         fault = f"there is no actor {decision.actor!r}"

@@ -93,6 +93,7 @@ def scene_tags(scene: Scene, catalogue: Catalogue) -> dict[str, float | None]:
     found |= dict.fromkeys(_road(road_map, load_corridor(road_map)))
     found["subjectVehicleSpeedValue"] = round(_KPH * scene.ego.speed, 3)
     found["SubjectVehicleSpeed"] = None
+    catalogue = catalogue.for_scene(scene)
     for actor in scene.actors:
         asset = catalogue.asset(actor.asset)
         found |= dict.fromkeys((*_road_user(asset), *_motion(actor, asset)))

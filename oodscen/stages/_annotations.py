@@ -150,7 +150,7 @@ def annotate(
     cast = bodies(scene, catalogue, state.poses)
     eye = Eye(camera, cast[0].solid)
     extents = _extents(frame.ids, len(cast))
-    assets = {asset.id: asset for asset in catalogue.assets}
+    assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
     found = []
     for row, body in enumerate(cast):
         if row == 0:
@@ -212,7 +212,7 @@ def semantic_map(
     """
     camera = camera_for(catalogue, camera)
     cast = bodies(scene, catalogue, state.poses)
-    assets = {asset.id: asset for asset in catalogue.assets}
+    assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
     table = [CLASSES["scenery"], CLASSES["ego"]]
     table += [CLASSES[assets[body.asset].category] for body in cast[1:]]
     classes: NDArray[np.uint8] = np.array(table, np.uint8)[frame.ids]

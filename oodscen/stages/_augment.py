@@ -14,6 +14,7 @@ from oodscen.claims._roads import fitting_roads, of_roads
 from oodscen.claims._things import may_be
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim, Mismatch
+from oodscen.data._prop import Prop
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.driving._sight.placement import check_scene
@@ -36,6 +37,7 @@ class Augmenter(Brief):
     Args:
         llm: The augmenter-LLM.
         catalogue: The assets and abilities of the simulator.
+        made: Things made to order, which scenes may use beside the catalogue's.
         check: Returns the faults of a scene, which are fed back to the model. The default checks the
             catalogue's vocabulary, places on the road, overlap and reachability.
         attempts: Maximum number of calls per scene.
@@ -59,10 +61,12 @@ class Augmenter(Brief):
         reader: LLM | None = None,
         context: int | None = None,
         encoder: Encoder | None = None,
+        made: Sequence[Prop] = (),
     ) -> None:
         self.llm = llm
-        self.catalogue = catalogue
-        self.digest = CatalogueDigest.of(catalogue)
+        self.catalogue = catalogue.with_made(made)
+        self.made = tuple(made)
+        self.digest = CatalogueDigest.of(self.catalogue)
         self.check = check
         self.attempts = whole_number("attempts", attempts, 1)
         self.claims = claims
@@ -129,7 +133,7 @@ class Augmenter(Brief):
         if draft.cannot_show:
             fault = Issue("cannot_show", one_line(draft.cannot_show))
             raise AnswerError(self.llm.name, prompt.purpose, [fault], draft.model_dump_json(), 1)
-        return scene_of_draft(scenario, draft, self.catalogue)
+        return scene_of_draft(scenario, draft, self.catalogue, self.made)
 
     def roads(self, claims: Sequence[Claim]) -> tuple[str, ...]:
         """Return the maps that satisfy all claims about the road; empty without such claims.
@@ -155,7 +159,7 @@ class Augmenter(Brief):
         if draft.cannot_show:
             return []
         try:
-            scene = scene_of_draft(scenario, draft, self.catalogue)
+            scene = scene_of_draft(scenario, draft, self.catalogue, self.made)
         except DataError as error:
             return error.issues
         faults = self.check(scene, self.catalogue)
@@ -181,8 +185,15 @@ def _together(contradicted: Sequence[Mismatch], scene: Scene) -> list[Issue]:
     return issues
 
 
-def scene_of_draft(scenario: Scenario, draft: SceneDraft, catalogue: Catalogue) -> Scene:
-    """Return the scene; a decision without an actor refers to the first actor of the hazard."""
+def scene_of_draft(
+    scenario: Scenario, draft: SceneDraft, catalogue: Catalogue, made: Sequence[Prop] = ()
+) -> Scene:
+    """Return the scene; a decision without an actor refers to the first actor of the hazard.
+
+    The scene carries the designs of those things made to order that it shows.
+    """
+    ordinary = (actor for actor in draft.hazard.actors.values() if actor is not None)
+    shown = {actor.asset for actor in (*draft.actors, *ordinary)}
     decision = draft.decision
     if decision.kind != "time" and decision.actor is None:
         first = next(iter(draft.hazard.actors), None)
@@ -210,6 +221,7 @@ def scene_of_draft(scenario: Scenario, draft: SceneDraft, catalogue: Catalogue) 
             for thing, names in draft.stands_for.items()
             if not _is_told_by_words(thing, names, draft, catalogue)
         },
+        made=tuple(prop for prop in made if prop.id in shown),
     )
 
 

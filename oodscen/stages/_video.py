@@ -118,7 +118,7 @@ def birds_eye(
     for outline in corridor.crosswalks:
         points = ground.pixels(outline.points[:, 0], outline.points[:, 1])
         cv2.fillPoly(picture, [points], _MARK, cv2.LINE_AA, 4)
-    categories = {asset.id: asset.category for asset in catalogue.assets}
+    categories = {asset.id: asset.category for asset in catalogue.for_scene(scene).assets}
     rows = sorted(range(1, len(cast)), key=lambda row: -cast[row].solid.length)
     for row in [*rows, 0]:
         body = cast[row]

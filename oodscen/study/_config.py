@@ -107,6 +107,8 @@ class StudyConfig(Data):
     """Write every text's ordinary twin as well; by default only if the built-in author writes."""
     demands: bool = True
     """Make and run an ordinary demand beside every scene and its twin."""
+    made: bool = False
+    """Make the things that the simulator lacks, where nothing else keeps a branch from being shown."""
     max_paths: int | None = Field(default=None, ge=1)
     """Maximum number of paths to simulate; all if left out."""
     band: tuple[float, float] | None = None

@@ -41,6 +41,8 @@ from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._call_log import Call
 from oodscen.metrics._measurements import Measurements
 from oodscen.metrics._rarity.exposure import TreeRarity
+from oodscen.stages._props.files import ASSETS
+from oodscen.stages._props.making import MadeProp
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison
@@ -124,6 +126,7 @@ _KINDS: Mapping[str, type[Data]] = {
     "redteam.jsonl": Round,
     "edits.jsonl": TreeEdit,
     "pruned.jsonl": PruneDecision,
+    ASSETS: MadeProp,
     "scenarios.jsonl": Scenario,
     "short_paths.jsonl": _ShortPath,
     "claims.jsonl": _Told,

@@ -1,6 +1,7 @@
 """The catalogue of `FlatSimulator`: every shared asset id as a coloured box."""
 
-from oodscen.data._catalogue import Asset, Catalogue, Category, WeatherRange
+from oodscen.data._catalogue import Asset, Catalogue, WeatherRange
+from oodscen.data._category import Category
 from oodscen.driving._motion.behaviours import BEHAVIOURS
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 

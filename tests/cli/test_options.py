@@ -47,6 +47,7 @@ CHEAP = {
     "import": ["file", "--simulator", "flat"],
     "verdict": ["empty", "file", "--simulator", "flat"],
     "vary": ["empty", "--simulator", "flat"],
+    "props": ["file", "--simulator", "flat"],
     "plugins": [],
     "doctor": ["knowledge", "empty"],
     "new adapter": ["mine"],

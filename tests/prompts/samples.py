@@ -14,6 +14,7 @@ from oodscen.prompts._judging.name_ood_aspect import NameOodAspect
 from oodscen.prompts._landmarks import Landmark
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import DescribePath
+from oodscen.prompts._scenario.design_prop import DesignProp, KnownPart
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
 from oodscen.prompts._scenario.stage_scene import StageScene
@@ -100,6 +101,15 @@ SAMPLES = (
     ),
     JudgeBranch(path=PATH, catalogue=DIGEST),
     JudgeBranches(paths=(PATH, (*PATH[:-1], "Fog")), catalogue=DIGEST),
+    DesignProp(
+        name="low_wall",
+        category="work_zone",
+        path=PATH,
+        known=(
+            KnownPart(id="cone", length_m=0.4, width_m=0.4, height_m=0.7),
+            KnownPart(id="crate", length_m=1.0, width_m=1.0, height_m=1.0),
+        ),
+    ),
     DescribePath(path=PATH, count=3, avoid=("A deer stands on the highway.",), catalogue=DIGEST),
     DescribeOrdinary(text="A stag leaps onto the road.", path=PATH),
     EstimateRarity(texts=("A stag leaps onto the road.", "Rain."), population="cars"),

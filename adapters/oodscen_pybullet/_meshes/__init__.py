@@ -9,6 +9,7 @@ from oodscen_pybullet._meshes.builder import Lamp, Mesh, MeshBuilder, Point, Puf
 from oodscen_pybullet._meshes.designs import assemble, load_designs
 from oodscen_pybullet._meshes.living import people, roles
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.made import is_made, learned, made_mesh
 from oodscen_pybullet._meshes.objects import cargo, flat, misc, plants, props, signs
 from oodscen_pybullet._meshes.vehicles import ego, riders, wrecks
 
@@ -22,6 +23,7 @@ __all__ = [
     "Puff",
     "asset_ids",
     "asset_mesh",
+    "learned",
     "paints_of",
 ]
 
@@ -69,7 +71,7 @@ def asset_mesh(
     """Return the mesh of an asset.
 
     Args:
-        asset: An id of the catalogue.
+        asset: An id of the catalogue, or of a learned design.
         state: A state of the asset.
         paint: A look of the asset; empty selects the first.
         running: Whether head and tail lamps are on.
@@ -78,6 +80,8 @@ def asset_mesh(
     Raises:
         UnknownComponent: If there is no such asset.
     """
+    if is_made(asset):
+        return made_mesh(asset, state, asset_mesh)
     if asset not in asset_ids():
         raise UnknownComponent("asset", asset, asset_ids())
     shown = Appearance(state, paint or paints_of(asset)[0], running, frame)

@@ -8,6 +8,7 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.data._colours import LIT, rgb_of
 from oodscen_pybullet._meshes.textures import paint_regions
 
 SIZE = 1024
@@ -28,6 +29,9 @@ SNOWED_ROADS: dict[str, tuple[int, int, int]] = {
 REGIONS: dict[str, tuple[int, int, int, int]] = {k: tuple(v) for k, v in LOOKS["regions"].items()}
 """x, y, width and height of every printed region, in pixels from the top left."""
 _NAMES = tuple(COLOURS)
+_BEYOND = 2.0
+"""First texture coordinate beyond the atlas that stands for a colour."""
+_CODES = 2.0**24
 
 EMISSIVE: frozenset[str] = frozenset(
     {
@@ -50,12 +54,42 @@ class Snow(IntEnum):
 
 @cache
 def swatch_uv(colour: str) -> NDArray[np.float64]:
-    """Return the texture coordinates of a colour's centre: [2], v upwards."""
-    index = _NAMES.index(colour)
-    column, row = index % (SIZE // SWATCH), index // (SIZE // SWATCH)
-    place = np.array([(column + 0.5) * SWATCH / SIZE, 1 - (row + 0.5) * SWATCH / SIZE])
+    """Return the texture coordinates of a colour's centre: [2], v upwards.
+
+    A colour that the atlas lacks has coordinates beyond it, which `free_colours` reads.
+    """
+    if colour not in COLOURS and (rgb := rgb_of(colour)) is not None:
+        red, green, blue = rgb
+        code = (red << 16) + (green << 8) + blue
+        place = np.array([_BEYOND + code / _CODES, _BEYOND + colour.startswith(LIT)])
+    else:
+        index = _NAMES.index(colour)
+        column, row = index % (SIZE // SWATCH), index // (SIZE // SWATCH)
+        place = np.array([(column + 0.5) * SWATCH / SIZE, 1 - (row + 0.5) * SWATCH / SIZE])
     place.flags.writeable = False
     return place
+
+
+def free_colours(uvs: NDArray[np.float64]) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+    """Return which coordinates, [n, 2], are colours that the atlas lacks, and red, green, blue, lit: [n, 4]."""
+    is_free = uvs[:, 0] > _BEYOND - 0.5
+    code = np.rint((uvs[:, 0] - _BEYOND) * _CODES).astype(np.int64)
+    lit = np.rint(uvs[:, 1] - _BEYOND).astype(np.int64)
+    rows = np.stack([code >> 16, (code >> 8) & 255, code & 255, lit], axis=1)
+    return is_free, np.where(is_free[:, None], rows, 0)
+
+
+def nearest_swatches(uvs: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return coordinates with those beyond the atlas replaced by its nearest colours, for plain cameras."""
+    is_free, rows = free_colours(uvs)
+    if not is_free.any():
+        return uvs
+    palette = np.array(list(COLOURS.values()))
+    away = ((rows[is_free, None, :3] - palette) ** 2).sum(axis=2)
+    near = np.array([swatch_uv(_NAMES[index]) for index in away.argmin(axis=1)])
+    found = uvs.copy()
+    found[is_free] = near
+    return found
 
 
 def region_uv(name: str) -> NDArray[np.float64]:

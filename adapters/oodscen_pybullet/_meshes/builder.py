@@ -409,6 +409,10 @@ class MeshBuilder:
         ]
         return self
 
+    def __len__(self) -> int:
+        """Return the number of polygons and meshes added."""
+        return len(self._points)
+
     def flatten(self, ground: float) -> Self:
         """Flatten everything below a height onto that height."""
         for rows in self._points:
@@ -425,6 +429,18 @@ class MeshBuilder:
         """Lowest and highest corner so far, m."""
         rows = np.concatenate(self._points)
         return rows.min(axis=0), rows.max(axis=0)
+
+    def built(self) -> Mesh | None:
+        """Return the mesh, `None` if nothing was added; lamps and puffs alone make a mesh without triangles."""
+        if self._points:
+            return self.build()
+        if not (self._lamps or self._puffs):
+            return None
+        none = np.zeros((0, 3))
+        return Mesh(
+            none, none, np.zeros((0, 2)), np.zeros((0, 3), np.int64),
+            tuple(self._lamps), tuple(self._puffs),
+        )  # fmt: skip
 
     def build(self) -> Mesh:
         """Return the mesh."""

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen_pybullet._meshes.atlas import nearest_swatches
 from oodscen_pybullet._meshes.builder import Mesh
 
 
@@ -10,7 +11,7 @@ def wavefront(mesh: Mesh) -> str:
     """Return a mesh as OBJ text, with rows that are equal to within 0.1 mm written once."""
     corners = mesh.triangles.reshape(-1)
     places, place = _distinct(mesh.vertices[corners])
-    colours, colour = _distinct(mesh.uvs[corners])
+    colours, colour = _distinct(nearest_swatches(mesh.uvs[corners]))
     normals, normal = _distinct(mesh.normals[corners])
     lines = ["v {:.4f} {:.4f} {:.4f}".format(*row) for row in places]
     lines += ["vt {:.6f} {:.6f}".format(*row) for row in colours]

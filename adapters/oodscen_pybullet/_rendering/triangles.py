@@ -15,6 +15,8 @@ from oodscen_pybullet._meshes.atlas import (
     SWATCH,
     Snow,
     draw_atlas,
+    free_colours,
+    swatch_uv,
 )
 from oodscen_pybullet._meshes.builder import Mesh
 
@@ -107,8 +109,11 @@ class Triangles(NamedTuple):
             spheres[index, :3] = middle - origins[index]
             spheres[index, 3] = np.sqrt(((some - middle) ** 2).sum(axis=1).max()) + 1e-3
         points = points - np.repeat(origins, ends - starts, axis=0)[:, None]
-        regions, texels = _regions(uvs)
         middle_uv = uvs.mean(axis=1)
+        is_free, free = free_colours(middle_uv)
+        uvs[is_free] = swatch_uv("grey")
+        middle_uv[is_free] = swatch_uv("grey")
+        regions, texels = _regions(uvs)
         column = np.clip((middle_uv[:, 0] * SIZE).astype(np.int64), 0, SIZE - 1)
         row = np.clip(((1.0 - middle_uv[:, 1]) * SIZE).astype(np.int64), 0, SIZE - 1)
         return cls(
@@ -116,9 +121,11 @@ class Triangles(NamedTuple):
             planes=np.concatenate(
                 [facing, (facing * points[:, 0]).sum(axis=1, keepdims=True)], axis=1
             ).astype(np.float32),
-            colours=atlas[row, column].astype(np.float32),
+            colours=np.where(is_free[:, None], free[:, :3], atlas[row, column]).astype(np.float32),
             regions=regions,
-            kinds=_kinds(regions, column, row)
+            kinds=np.where(is_free, free[:, 3] * SHINING, _kinds(regions, column, row)).astype(
+                np.uint8
+            )
             + np.where(mesh.is_ground & (facing[:, 2] > _LEVEL), GROUND, 0).astype(np.uint8),
             spans=np.stack([starts, ends, np.full(len(starts), -1)], axis=1).astype(np.int32),
             places=np.concatenate(

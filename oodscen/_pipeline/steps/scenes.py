@@ -10,11 +10,14 @@ from oodscen.data._base import digest
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode, moments
 from oodscen.data._pairing import demand_id, scene_of, twin_id
+from oodscen.data._prop import Prop
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import DataError, Issue, LLMError
 from oodscen.stages._augment import Augmenter
+from oodscen.stages._props.files import ASSETS
+from oodscen.stages._props.making import MadeProp
 from oodscen.study._staging import Staging
 
 SCENES = "scenes.jsonl"
@@ -47,6 +50,18 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         context=run.config.context,
         encoder=run.encoder,
     )
+    made = _made_for(run)
+    with_made = {
+        names: Augmenter(
+            run.llm,
+            run.simulator.catalogue(),
+            check=AdvisingCheck(),
+            context=run.config.context,
+            encoder=run.encoder,
+            made=props,
+        )
+        for names, props in {tuple(p.id for p in props): props for props in made.values()}.items()
+    }
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = _staged(_lines(run))
     written = _written(run, by_id, before)
@@ -64,7 +79,8 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         if isinstance(claims, LLMError):
             return failed(scenario.id, claims, scenario_id=scenario.id)
         try:
-            scene = augmenter.run(scenario, claims)
+            needed = tuple(prop.id for prop in made.get(scenario.path, ()))
+            scene = with_made.get(needed, augmenter).run(scenario, claims)
             if run.config.horizon is not None:
                 scene = scene.model_copy(update={"horizon_s": run.config.horizon})
             return Staging(id=scenario.id, scene=scene)
@@ -85,6 +101,21 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     staged = _staged(lines)
     _write_scenes(run, lines, {name: one.ran for name, one in staged.items()} | kept, staged)
     return [one.scene for one in staged.values()]
+
+
+def _made_for(run: Context) -> dict[tuple[str, ...], tuple[Prop, ...]]:
+    """Return the things that were made for leaves, by the path of the leaf."""
+    if not run.has(ASSETS):
+        return {}
+    lines = [MadeProp.parse(line, source=ASSETS) for line in run.store.lines(ASSETS)]
+    props = {one.id: one.prop for one in lines if one.prop is not None}
+    tree = run.study.tree("simulatable")
+    paths = tree.paths
+    return {
+        paths[one.id]: tuple(props[name] for name in one.made)
+        for one in run.study.decisions
+        if one.keep and one.made and one.id in paths and set(one.made) <= props.keys()
+    }
 
 
 def _lines(run: Context) -> dict[str, Line]:

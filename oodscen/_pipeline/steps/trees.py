@@ -1,8 +1,12 @@
 """The stages that make the trees: grow, red-team, prune."""
 
+from collections.abc import Sequence
+
 from oodscen._pipeline.context import Context
 from oodscen.stages._grow import TreeGrower
-from oodscen.stages._prune.decisions import all_decisions, pruned
+from oodscen.stages._props.files import ASSETS
+from oodscen.stages._props.making import MadeProp, PropMaker, judged_again, wanted_things
+from oodscen.stages._prune.decisions import PruneDecision, all_decisions, pruned
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.stages._prune.restoration import restoration
 from oodscen.stages._redteam.red_teamer import RedTeamer
@@ -94,6 +98,8 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
         run.store.append("pruned.jsonl", decision)
         judged.append(decision)
         run.progress("prune", len(judged), total)
+    if run.config.made:
+        judged = _with_made(run, tree, judged)
     decisions = all_decisions(tree, judged)
     run.store.write_lines("pruned.jsonl", decisions)
     simulatable = pruned(tree, judged)
@@ -101,6 +107,36 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
     run.store.write("restore.json", restoration(decisions).to_json() + "\n")
     run.store.write("tree.simulatable.json", _tree_text(simulatable))
     return simulatable
+
+
+def _with_made(
+    run: Context, tree: ScenarioTree, judged: Sequence[PruneDecision]
+) -> list[PruneDecision]:
+    """Make what dropped leaves lack, and judge these leaves again; `assets.jsonl` keeps what was made."""
+    catalogue = run.simulator.catalogue()
+    wanted = {one.name: one for one in wanted_things(tree, judged, catalogue)}
+    used = {name for one in judged for name in one.made}
+    before = {line["id"]: line for line in run.store.lines(ASSETS) if line["id"] in used}
+    maker = PropMaker(run.llm, run.simulator)
+    rows = run.each(
+        "make",
+        ASSETS,
+        {**dict.fromkeys(before), **wanted},
+        lambda todo: (maker.make(one) for one in todo.values() if one is not None),
+    )
+    made = {one.id: one.prop for one in map(MadeProp.parse, rows) if one.prop is not None}
+    if not made:
+        return list(judged)
+    pruner = Pruner(
+        run.llm,
+        catalogue.with_made(made.values()),
+        substitutes=False,
+        threads=run.threads,
+        cancel=run.cancel,
+        context=run.config.context,
+    )
+    again = {one.id: one for one in judged_again(pruner, tree, judged, made)}
+    return [again.get(one.id, one) for one in judged]
 
 
 def _tree_text(tree: ScenarioTree) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, ConfigDict, Field
 
 from oodscen.data._base import Data
-from oodscen.data._catalogue import Category
+from oodscen.data._category import Category
 from oodscen.tree._scenario_tree import MAX_LABEL
 
 

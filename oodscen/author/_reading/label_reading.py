@@ -9,7 +9,7 @@ from oodscen._text import stem
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.alternatives import NamedThing, Split, alternatives, conjuncts, subject
 from oodscen.author._reading.stemming import stems
-from oodscen.data._catalogue import Category
+from oodscen.data._category import Category
 
 _MOST = 12
 """Largest number of hazards for one word that names a whole category."""

@@ -3,7 +3,8 @@
 The motion itself is in `oodscen.driving._motion.behaviour_kernels`, one branch per behaviour.
 """
 
-from oodscen.data._catalogue import BehaviourKind, BehaviourParameter, Category
+from oodscen.data._catalogue import BehaviourKind, BehaviourParameter
+from oodscen.data._category import Category
 from oodscen.driving._motion.behaviour_kernels import Code
 
 BEHAVE: dict[str, Code] = {code.name.lower(): code for code in Code}

@@ -58,6 +58,7 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
 def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     """Return issues of a scene's vocabulary and placement, without simulating it."""
     issues = catalogue.check(scene)
+    catalogue = catalogue.for_scene(scene)
     kinds = {kind.id: kind for kind in catalogue.behaviours}
     issues += [
         Issue(

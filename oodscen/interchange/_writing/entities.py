@@ -23,7 +23,7 @@ _VEHICLES = (
 _OBJECTS = {"work_zone": "barrier", "vegetation": "vegetation", "signal": "pole"}
 """Categories of objects by the asset's category; others are obstacles."""
 _MASS_KG = {"Vehicle": 1500.0, "Pedestrian": 75.0, "MiscObject": 50.0}
-"""Masses by kind: a catalogue has none, and the standard asks for one."""
+"""Masses by kind: a catalogue has none, and the standard asks for one; things made to order have their own."""
 
 
 class Entity(NamedTuple):
@@ -36,21 +36,26 @@ class Entity(NamedTuple):
     category: str
     ahead_m: float
     """Distance from the reference point (a vehicle's rear axle) to the centre of the box, m."""
+    mass_kg: float
 
 
 def entities(scene: Scene, catalogue: Catalogue) -> list[Entity]:
     """Return all entities of a scene, the ego first."""
-    return [_entity(name, asset, state) for name, asset, state in catalogue.bodies(scene)]
+    masses = {prop.id: prop.mass_kg for prop in scene.made}
+    return [
+        _entity(name, asset, state, masses.get(asset.id))
+        for name, asset, state in catalogue.bodies(scene)
+    ]
 
 
-def _entity(name: str, asset: Asset, state: str) -> Entity:
+def _entity(name: str, asset: Asset, state: str, mass: float | None) -> Entity:
     kind, category = classified(asset)
     ahead = 0.0
     if name == "ego":
         ahead = _EGO_AXLE_M
     elif kind == "Vehicle" and category != "trailer":
         ahead = round(_AXLE_SHARE * asset.length, 3)
-    return Entity(name, asset, state, kind, category, ahead)
+    return Entity(name, asset, state, kind, category, ahead, mass or _MASS_KG[kind])
 
 
 def classified(asset: Asset) -> tuple[Kind, str]:
@@ -73,7 +78,7 @@ def write_entity(parent: Element, one: Entity) -> Element:
     asset = one.asset
     category = f"{one.kind[0].lower()}{one.kind[1:]}Category"
     holder = child(parent, "ScenarioObject", name=one.name)
-    attributes: dict[str, Value] = {category: one.category, "mass": _MASS_KG[one.kind]}
+    attributes: dict[str, Value] = {category: one.category, "mass": one.mass_kg}
     body = child(holder, one.kind, name=asset.id, **attributes)
     box = child(body, "BoundingBox")
     child(box, "Center", x=one.ahead_m, y=0.0, z=0.5 * asset.height)

@@ -65,6 +65,7 @@ class Setting:
             trace: Its approach, up to the decision.
             drawn: The sketch of its decision.
         """
+        catalogue = catalogue.for_scene(scene)
         corridor = load_corridor(scene.map, catalogue)
         bodies = drawn.bodies if drawn else {}
         ahead = [(body.x, name) for name, body in bodies.items() if name != "ego" and body.x > 0.0]

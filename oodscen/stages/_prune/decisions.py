@@ -1,7 +1,9 @@
 """Decisions of pruning: one per node, and what follows from those on the leaves."""
 
 from collections.abc import Hashable, Iterable, Sequence
-from typing import ClassVar, Literal, TypeVar
+from typing import Any, ClassVar, Literal, TypeVar
+
+from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from oodscen._paper import attestation
 from oodscen.data._additions import Addition
@@ -59,6 +61,9 @@ class PruneDecision(Data):
     """Additions to the catalogue: for a dropped leaf all that restore it, for a kept one those that would
     replace its substitutes or show the rest of its label.
     """
+    made: tuple[str, ...] = ()
+    """Ids of the things that were made to order for it: for a dropped leaf they did not suffice. Left out of the
+    JSON text if empty."""
     same_as: tuple[str, ...] = ()
     """Ids of the other leaves that the simulator shows with exactly the same means."""
     catalogue: str = ""
@@ -67,6 +72,13 @@ class PruneDecision(Data):
     """Name of the model that judged; empty for inner nodes, which follow from their leaves."""
     prompt: str = ""
     """The question that the model was asked: `purpose@version`."""
+
+    @model_serializer(mode="wrap")
+    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        value: dict[str, Any] = serialise(self)
+        if not value.get("made"):
+            value.pop("made", None)
+        return value
 
 
 def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:

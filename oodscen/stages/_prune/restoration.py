@@ -5,7 +5,7 @@ from typing import ClassVar, Literal
 
 from oodscen.data._additions import Addition
 from oodscen.data._base import Data
-from oodscen.data._catalogue import Category
+from oodscen.data._category import Category
 from oodscen.stages._prune.decisions import PruneDecision
 
 

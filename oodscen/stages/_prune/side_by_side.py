@@ -6,7 +6,8 @@ from typing import ClassVar, Literal, Self, get_args
 from pydantic import model_validator
 
 from oodscen.data._base import Data
-from oodscen.data._catalogue import Catalogue, Category
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._category import Category
 from oodscen.stages._prune.decisions import Match, PruneDecision, alike, fates
 from oodscen.stages._prune.restoration import Restoration, restoration
 from oodscen.tree._scenario_tree import ScenarioTree

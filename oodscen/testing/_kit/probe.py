@@ -6,7 +6,8 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
-from oodscen.data._catalogue import Asset, Catalogue, Category, RoadMap
+from oodscen.data._catalogue import Asset, Catalogue, RoadMap
+from oodscen.data._category import Category
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._staged_scene import StagedScene

@@ -10,83 +10,50 @@ from functools import cache
 from importlib.resources import files
 from typing import Annotated, get_args
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapter
+from pydantic import BaseModel, ConfigDict, Discriminator, Tag, TypeAdapter
 
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen.data import _shapes as shapes
+from oodscen.data._colours import Colour
+from oodscen.data._shapes import Part
+from oodscen_pybullet._meshes.atlas import COLOURS
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import fittings, parts
-from oodscen_pybullet._meshes.designs.parts import Colour, Part, Placing
+from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
 
 
-class BothSides(Part):
+class BothSides(shapes.BothSidesOf):
     """Parts on the left side, and their mirror images on the right."""
 
     both_sides: "PlacedParts"
 
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the right side, then the left."""
-        for one in (place.mirrored(), place):
-            _add(self.both_sides, mesh, shown, one)
 
-
-class Row(Part):
+class Row(shapes.RowOf):
     """Parts repeated at equal steps."""
 
-    repeat: Annotated[int, Field(ge=2, le=64)]
-    step: Point
     parts: "PlacedParts"
 
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add every copy."""
-        x, y, z = self.step
-        for k in range(self.repeat):
-            _add(self.parts, mesh, shown, place.moved((k * x, k * y, k * z)))
 
-
-class Copies(Part):
+class Copies(shapes.CopiesOf):
     """Parts repeated at given places."""
 
-    at: tuple[Point, ...]
     parts: "PlacedParts"
 
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add every copy."""
-        for offset in self.at:
-            _add(self.parts, mesh, shown, place.moved(offset))
 
-
-class Condition(Part):
+class Condition(shapes.ConditionOf):
     """Parts that show only while a state or a lamp is on."""
 
-    when: Annotated[str, Field(min_length=1)]
-    """Words that must all apply, see `Appearance.applies`."""
     parts: "PlacedParts"
     otherwise: "PlacedParts" = ()
 
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the parts that apply."""
-        is_on = all(shown.applies(word, place.side) for word in self.when.split())
-        _add(self.parts if is_on else self.otherwise, mesh, shown, place)
 
-
-class Turned(Part):
+class Turned(shapes.TurnedOf):
     """Parts that are turned about x, then z, and moved."""
 
     turned: "Parts"
-    roll: float = 0.0
-    """Angle about x, degrees."""
-    yaw: float = 0.0
-    """Angle about z, degrees."""
-    to: Point = (0.0, 0.0, 0.0)
-
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the turned parts; their lamps are left out."""
-        whole = MeshBuilder()
-        _add(self.turned, whole, shown, place)
-        mesh.add(whole.build(), self.to, math.radians(self.yaw), roll=math.radians(self.roll))
 
 
-class Component(Part):
+class Component(parts.DrawnPart):
     """Another design as a part."""
 
     asset: str
@@ -108,18 +75,18 @@ def _kind(part: object) -> str | None:
 
 
 _Placed = (
-    Annotated[parts.Box, Tag("box")]
-    | Annotated[parts.Hull, Tag("hull")]
-    | Annotated[parts.Beam, Tag("beam")]
-    | Annotated[parts.Tube, Tag("tube")]
-    | Annotated[parts.Cylinder, Tag("cylinder")]
-    | Annotated[parts.Lathe, Tag("lathe")]
-    | Annotated[parts.Ball, Tag("ball")]
-    | Annotated[parts.Column, Tag("column")]
-    | Annotated[parts.Sheet, Tag("sheet")]
+    Annotated[shapes.Box, Tag("box")]
+    | Annotated[shapes.Hull, Tag("hull")]
+    | Annotated[shapes.Beam, Tag("beam")]
+    | Annotated[shapes.Tube, Tag("tube")]
+    | Annotated[shapes.Cylinder, Tag("cylinder")]
+    | Annotated[shapes.Lathe, Tag("lathe")]
+    | Annotated[shapes.Ball, Tag("ball")]
+    | Annotated[shapes.Column, Tag("column")]
+    | Annotated[shapes.Sheet, Tag("sheet")]
     | Annotated[parts.Picture, Tag("picture")]
-    | Annotated[parts.LampPart, Tag("lamp")]
-    | Annotated[fittings.Wheel, Tag("wheel")]
+    | Annotated[shapes.LampPart, Tag("lamp")]
+    | Annotated[shapes.Wheel, Tag("wheel")]
     | Annotated[fittings.Arches, Tag("arches")]
     | Annotated[fittings.Beacon, Tag("beacon")]
     | Annotated[fittings.RearPrint, Tag("rear_print")]
@@ -178,12 +145,16 @@ class Design(BaseModel):
         return mesh.flatten(0.0) if self.flattened else mesh
 
 
+CONTEXT = {"colours": frozenset({*COLOURS, "paint"})}
+"""Validation context in which the colours of the atlas are known, and `paint` for that of the whole."""
+
+
 def read_designs(package: str) -> dict[str, Design]:
     """Return the designs in the TOML files of a package."""
     paths = sorted(files(package).iterdir(), key=lambda path: path.name)
     texts = [path.read_text("utf-8") for path in paths if path.name.endswith(".toml")]
     tables = {name: table for text in texts for name, table in tomllib.loads(text).items()}
-    return TypeAdapter(dict[str, Design]).validate_python(tables)
+    return TypeAdapter(dict[str, Design]).validate_python(tables, context=CONTEXT)
 
 
 @cache
@@ -199,4 +170,36 @@ def assemble(asset: str, shown: Appearance) -> MeshBuilder:
 
 def _add(parts: tuple[Part, ...], mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
     for part in parts:
-        part.add(mesh, shown, place)
+        add(part, mesh, shown, place)
+
+
+@add.register
+def _(part: shapes.BothSidesOf, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    for one in (place.mirrored(), place):
+        _add(part.both_sides, mesh, shown, one)
+
+
+@add.register
+def _(part: shapes.RowOf, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    x, y, z = part.step
+    for k in range(part.repeat):
+        _add(part.parts, mesh, shown, place.moved((k * x, k * y, k * z)))
+
+
+@add.register
+def _(part: shapes.CopiesOf, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    for offset in part.at:
+        _add(part.parts, mesh, shown, place.moved(offset))
+
+
+@add.register
+def _(part: shapes.ConditionOf, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    is_on = all(shown.applies(word, place.side) for word in part.when.split())
+    _add(part.parts if is_on else part.otherwise, mesh, shown, place)
+
+
+@add.register
+def _(part: shapes.TurnedOf, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    whole = MeshBuilder()
+    _add(part.turned, whole, shown, place)
+    mesh.add(whole.build(), part.to, math.radians(part.yaw), roll=math.radians(part.roll))

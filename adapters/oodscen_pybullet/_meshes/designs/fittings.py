@@ -4,16 +4,10 @@ from typing import Annotated
 
 from pydantic import Field
 
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
-from oodscen_pybullet._meshes.designs.parts import (
-    Colour,
-    Length,
-    Pair,
-    Part,
-    Picture,
-    Placing,
-    Region,
-)
+from oodscen.data._colours import Colour
+from oodscen.data._shapes import Length, Pair, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.designs.parts import DrawnPart, Picture, Placing, Region
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
 from oodscen_pybullet._meshes.look import AMBER, BLUE, RED, WHITE, Appearance
 
@@ -26,7 +20,7 @@ _Section = tuple[float, Pair, Pair] | tuple[float, Pair, Pair, Pair]
 """x, then the right outline upwards as (half width, z)."""
 
 
-class Fitting(Part):
+class Fitting(DrawnPart):
     """A part with a place of its own in the whole, which is neither moved nor mirrored."""
 
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
@@ -136,22 +130,7 @@ class Underside(Fitting):
         mesh.box((front + 0.15, 0, z + 0.03), (0.6, 0.5, 0.12), "dark_grey")
 
 
-class Wheel(Part):
-    """A wheel that stands on the ground, with its hub facing away from y = 0."""
-
-    wheel: Pair
-    """x and y of its middle."""
-    radius: Length
-    width: Length
-    hub: Colour = "hub"
-
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the wheel."""
-        x, y, _ = place.point((*self.wheel, 0.0))
-        mesh.wheel(x, y, self.radius, self.width, hub=self.hub)
-
-
-class Arches(Part):
+class Arches(DrawnPart):
     """The dark openings of two wheel arches."""
 
     arches: float
@@ -231,7 +210,7 @@ def _lit_box(
     mesh.box(at, (depth + 0.02, 0.6 * width, 0.6 * height), core)
 
 
-class Beacon(Part):
+class Beacon(DrawnPart):
     """An amber lamp that flashes while the beacon or the hazard lamps are on."""
 
     beacon: Point
@@ -290,7 +269,7 @@ class Plates(Fitting):
             )
 
 
-class RearPrint(Part):
+class RearPrint(DrawnPart):
     """A region printed on the rear, from -y to y."""
 
     rear_print: Region
@@ -305,7 +284,7 @@ class RearPrint(Part):
         Picture(picture=self.rear_print, on=corners).add(mesh, shown, place)
 
 
-class FrontPrint(Part):
+class FrontPrint(DrawnPart):
     """A region printed on the front, from -y to y."""
 
     front_print: Region

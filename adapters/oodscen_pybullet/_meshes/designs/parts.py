@@ -1,24 +1,18 @@
-"""The shapes of which designs are made.
-
-A part is one inline table of a design; a key tells its kind: `{ box = [0, 0, 0.5], size = [1, 1, 1],
-colour = "red" }` is a red cube on the ground. Lengths are in metres, x forward, y left, z up.
-"""
+"""Draws the shapes of which designs are made (`oodscen.data._shapes`)."""
 
 import itertools
 from dataclasses import dataclass
-from typing import Annotated, Literal, Self, TypeVar
+from functools import singledispatch
+from typing import Annotated
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator
 
-from oodscen_pybullet._meshes.atlas import COLOURS, REGIONS
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen.data import _shapes as shapes
+from oodscen.data._shapes import Part, Point, Rectangle
+from oodscen.data._solids import bands, hung
+from oodscen_pybullet._meshes.atlas import REGIONS
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance
-
-
-def _known_colour(name: str) -> str:
-    if name not in COLOURS and name != "paint":
-        raise ValueError(f"there is no colour {name!r}")
-    return name
 
 
 def _known_region(name: str) -> str:
@@ -27,18 +21,8 @@ def _known_region(name: str) -> str:
     return name
 
 
-Colour = Annotated[str, AfterValidator(_known_colour)]
-"""A colour of the atlas, or `paint` for the paint of the asset that is shown."""
 Region = Annotated[str, AfterValidator(_known_region)]
 """A printed region of the atlas."""
-Length = Annotated[float, Field(gt=0)]
-PartT = TypeVar("PartT", bound="Part")
-Pair = tuple[float, float]
-Rectangle = tuple[float, float, float, float, float]
-"""x0, x1, y0, y1 and z of an upright box's lower or upper face."""
-Sides = Annotated[int, Field(ge=3, le=64)]
-Caps = Literal["bt", "b", "t", ""]
-"""The ends that are closed: bottom, top, both or none."""
 
 
 @dataclass(frozen=True)
@@ -79,219 +63,19 @@ class Placing:
         return Placing(self.shift, -self.side)
 
 
-class Part(BaseModel):
-    """One part of a design."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
+class DrawnPart(Part):
+    """A part that only this adapter knows."""
 
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
         """Add the part to a mesh."""
         raise NotImplementedError
 
 
-class Box(Part):
-    """An upright box."""
-
-    box: Point
-    """Its centre."""
-    size: tuple[Length, Length, Length]
-    colour: Colour
-    caps: Caps = "bt"
-
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the box."""
-        mesh.box(place.point(self.box), self.size, shown.colour(self.colour), caps=self.caps)
-
-
-class Hull(Part):
-    """A box whose top differs from its bottom."""
-
-    hull: Rectangle
-    """The bottom."""
-    top: Rectangle
-    colour: Colour
-    caps: Caps = "bt"
-    cap_colour: Colour | None = None
-    """Colour of both ends, if it differs."""
-    sides: tuple[Colour, Colour, Colour, Colour] | None = None
-    """Colours of the sides right, front, left and back, if they differ."""
-
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the hull."""
-        mesh.hull(
-            place.rectangle(self.hull),
-            place.rectangle(self.top),
-            shown.colour(self.colour),
-            caps=self.caps,
-            cap_colour=shown.colour(self.cap_colour or ""),
-            sides=[shown.colour(side) for side in self.sides or ()],
-        )
-
-
-class Beam(Part):
-    """A square bar, tapered if `end_width` is given."""
-
-    beam: Point
-    """Its start."""
-    to: Point
-    width: Length
-    end_width: Length | None = None
-    colour: Colour
-
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the bar."""
-        start, end, colour = place.point(self.beam), place.point(self.to), shown.colour(self.colour)
-        mesh.beam(start, end, self.width, colour, end_width=self.end_width)
-
-
-class Tube(Part):
-    """Square bars from point to point."""
-
-    tube: Annotated[tuple[Point, ...], Field(min_length=2)]
-    width: Length
-    colour: Colour
-
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add a bar for each stretch."""
-        points = [place.point(point) for point in self.tube]
-        for start, end in itertools.pairwise(points):
-            mesh.beam(start, end, self.width, shown.colour(self.colour))
-
-
-class Cylinder(Part):
-    """A round bar or disc; a cone if `end_radius` is given."""
-
-    cylinder: Point
-    """The centre of its first end."""
-    to: Point
-    radius: Length
-    end_radius: Length | None = None
-    colour: Colour
-    cap_colour: Colour | None = None
-    """Colour of both ends, if it differs."""
-    sides: Sides = 10
-
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the cylinder."""
-        mesh.cylinder(
-            place.point(self.cylinder),
-            place.point(self.to),
-            self.radius,
-            shown.colour(self.colour),
-            sides=self.sides,
-            end_radius=self.end_radius,
-            cap_colour=shown.colour(self.cap_colour or self.colour),
-        )
-
-
-def _one_colour_per_stretch(part: PartT, rings: int, colours: tuple[str, ...]) -> PartT:
-    if len(colours) != rings - 1:
-        raise ValueError(f"{rings} rings need {rings - 1} colours, not {len(colours)}")
-    return part
-
-
-class Lathe(Part):
-    """A body of revolution, of one colour from each ring to the next."""
-
-    lathe: Annotated[tuple[tuple[float, float, float, Length], ...], Field(min_length=2)]
-    """x, y, z and radius of the rings."""
-    colours: tuple[Colour, ...]
-    cap_colour: Colour | None = None
-    sides: Sides = 10
-
-    @model_validator(mode="after")
-    def _colours_fit(self) -> Self:
-        return _one_colour_per_stretch(self, len(self.lathe), self.colours)
-
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add a cone for each stretch."""
-        for one, two, colour in zip(self.lathe[:-1], self.lathe[1:], self.colours, strict=True):
-            start, end = place.point(one[:3]), place.point(two[:3])
-            cap = shown.colour(self.cap_colour or colour)
-            mesh.cylinder(
-                start, end, one[3], shown.colour(colour),
-                sides=self.sides, end_radius=two[3], cap_colour=cap,
-            )  # fmt: skip
-
-
-class Ball(Part):
-    """An ellipsoid; `jitter` makes it a rock, a bush or a heap."""
-
-    ball: Point
-    """Its centre."""
-    radii: tuple[Length, Length, Length]
-    colour: Colour
-    second_colour: Colour | None = None
-    """Colour of every other patch, if it differs."""
-    around: Sides = 8
-    down: Sides = 5
-    jitter: Annotated[float, Field(ge=0, lt=1)] = 0.0
-    """Fraction of the radius by which corners move in or out."""
-    key: int = 0
-    """Seed of the jitter."""
-
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the ball."""
-        mesh.ball(
-            place.point(self.ball),
-            self.radii,
-            shown.colour(self.colour),
-            around=self.around,
-            down=self.down,
-            jitter=self.jitter,
-            key=self.key,
-            second_colour=shown.colour(self.second_colour or ""),
-        )
-
-
-class Column(Part):
-    """A smooth body through elliptic rings, for example a trunk or a torso."""
-
-    column: Annotated[tuple[Rectangle, ...], Field(min_length=2)]
-    """x, y, z and two radii of each ring: along x and y, or y and z for a body along x."""
-    colour: Colour | None = None
-    colours: tuple[Colour, ...] = ()
-    """One colour from each ring to the next, in place of `colour`."""
-    axis: Literal["x", "z"] = "z"
-    sides: Sides = 8
-    caps: Caps = "bt"
-
-    @model_validator(mode="after")
-    def _colours_fit(self) -> Self:
-        if self.colour:
-            return self
-        return _one_colour_per_stretch(self, len(self.column), self.colours)
-
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the body."""
-        rings = [(place.point((x, y, z)), one, two) for x, y, z, one, two in self.column]
-        names = (self.colour,) * (len(rings) - 1) if self.colour else self.colours
-        colours = [shown.colour(name) for name in names]
-        mesh.column(rings, colours, axis=self.axis, sides=self.sides, caps=self.caps)
-
-
-class Sheet(Part):
-    """A flat convex polygon."""
-
-    sheet: Annotated[tuple[Point, ...], Field(min_length=3)]
-    """Its corners, counter-clockwise seen from the side that shows."""
-    colour: Colour
-    back: Colour | None = None
-    """Colour of the back, which is invisible otherwise."""
-
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the polygon."""
-        corners = place.outline(self.sheet)
-        mesh.polygon(corners, shown.colour(self.colour))
-        if self.back:
-            mesh.polygon(corners[::-1], shown.colour(self.back))
-
-
-class Picture(Part):
+class Picture(DrawnPart):
     """A quad that shows a printed region."""
 
     picture: Region
-    on: tuple[Point, Point, Point, Point]
+    on: shapes.Corners
     """Bottom left, bottom right, top right and top left, as a viewer sees them."""
 
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
@@ -302,16 +86,122 @@ class Picture(Part):
         )
 
 
-class LampPart(Part):
-    """A light that glows in the dark."""
+@singledispatch
+def add(part: Part, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    """Add a part to a mesh."""
+    raise TypeError(f"{type(part).__name__} cannot be drawn")
 
-    lamp: Point
-    light: Point
-    """Red, green and blue, 0 to 1."""
-    facing: Point = (0.0, 0.0, 0.0)
-    """Direction of the beam; zero shines in all directions."""
-    power: Length = 1.0
 
-    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the lamp."""
-        mesh.lamp(place.point(self.lamp), self.light, place.direction(self.facing), self.power)
+@add.register
+def _(part: DrawnPart, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    part.add(mesh, shown, place)
+
+
+@add.register
+def _(part: shapes.Box, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    mesh.box(place.point(part.box), part.size, shown.colour(part.colour), caps=part.caps)
+
+
+@add.register
+def _(part: shapes.Hull, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    mesh.hull(
+        place.rectangle(part.hull),
+        place.rectangle(part.top),
+        shown.colour(part.colour),
+        caps=part.caps,
+        cap_colour=shown.colour(part.cap_colour or ""),
+        sides=[shown.colour(side) for side in part.sides or ()],
+    )
+
+
+@add.register
+def _(part: shapes.Beam, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    start, end, colour = place.point(part.beam), place.point(part.to), shown.colour(part.colour)
+    mesh.beam(start, end, part.width, colour, end_width=part.end_width)
+
+
+@add.register
+def _(part: shapes.Tube, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    colours = [shown.colour(part.colour), shown.colour(part.second_colour or "")]
+    for start, end in itertools.pairwise(hung(part)):
+        count = bands(part, start, end)
+        for k in range(count):
+            one, two = _between(start, end, k / count), _between(start, end, (k + 1) / count)
+            mesh.beam(place.point(one), place.point(two), part.width, colours[k % 2])
+
+
+def _between(start: Point, end: Point, share: float) -> Point:
+    """Return the point at a share of the way; both ends are exact."""
+    if share in (0.0, 1.0):
+        return end if share else start
+    x, y, z = (a + share * (b - a) for a, b in zip(start, end, strict=True))
+    return x, y, z
+
+
+@add.register
+def _(part: shapes.Cylinder, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    mesh.cylinder(
+        place.point(part.cylinder),
+        place.point(part.to),
+        part.radius,
+        shown.colour(part.colour),
+        sides=part.sides,
+        end_radius=part.end_radius,
+        cap_colour=shown.colour(part.cap_colour or part.colour),
+    )
+
+
+@add.register
+def _(part: shapes.Lathe, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    for one, two, colour in zip(part.lathe[:-1], part.lathe[1:], part.colours, strict=True):
+        start, end = place.point(one[:3]), place.point(two[:3])
+        cap = shown.colour(part.cap_colour or colour)
+        mesh.cylinder(
+            start, end, one[3], shown.colour(colour),
+            sides=part.sides, end_radius=two[3], cap_colour=cap,
+        )  # fmt: skip
+
+
+@add.register
+def _(part: shapes.Ball, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    mesh.ball(
+        place.point(part.ball),
+        part.radii,
+        shown.colour(part.colour),
+        around=part.around,
+        down=part.down,
+        jitter=part.jitter,
+        key=part.key,
+        second_colour=shown.colour(part.second_colour or ""),
+    )
+
+
+@add.register
+def _(part: shapes.Column, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    rings = [(place.point((x, y, z)), one, two) for x, y, z, one, two in part.column]
+    names = (part.colour,) * (len(rings) - 1) if part.colour else part.colours
+    colours = [shown.colour(name) for name in names]
+    mesh.column(rings, colours, axis=part.axis, sides=part.sides, caps=part.caps)
+
+
+@add.register
+def _(part: shapes.Sheet, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    corners = place.outline(part.sheet)
+    mesh.polygon(corners, shown.colour(part.colour))
+    if part.back:
+        mesh.polygon(corners[::-1], shown.colour(part.back))
+
+
+@add.register
+def _(part: shapes.Wheel, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    x, y, z = place.point((*part.wheel, 0.0))
+    if z == 0.0:
+        mesh.wheel(x, y, part.radius, part.width, hub=part.hub)
+    else:
+        wheel = MeshBuilder().wheel(x, y, part.radius, part.width, hub=part.hub)
+        mesh.add(wheel.build(), (0.0, 0.0, z))
+
+
+@add.register
+def _(part: shapes.LampPart, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    mesh.lamp(place.point(part.lamp), part.light, place.direction(part.facing), part.power)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from oodscen_pybullet._meshes.builder import Mesh
-from oodscen_pybullet._meshes.designs import Design, assemble, load_designs
+from oodscen_pybullet._meshes.designs import CONTEXT, Design, assemble, load_designs
 from oodscen_pybullet._meshes.look import Appearance
 from pydantic import ValidationError
 
@@ -35,7 +35,7 @@ def parts(draw: st.DrawFn) -> dict[str, Any]:
 
 def built(monkeypatch: pytest.MonkeyPatch, *some: dict[str, Any], **options: object) -> Mesh:
     """Return the mesh of a design that is made of some parts."""
-    design = Design.model_validate({"parts": some, **options})
+    design = Design.model_validate({"parts": some, **options}, context=CONTEXT)
     monkeypatch.setattr("oodscen_pybullet._meshes.designs.load_designs", lambda: {"made": design})
     return assemble("made", Appearance(paint="blue")).build()
 
@@ -81,7 +81,7 @@ def test_a_condition_chooses_by_state_and_by_the_lamp_of_the_own_side() -> None:
     lamp = {"lamp": (0, 1, 1), "light": (1, 1, 1)}
     with pytest.MonkeyPatch.context() as patch:
         part = {"both_sides": [{"when": "indicator", "parts": [lamp]}]}
-        design = Design.model_validate({"parts": [part]})
+        design = Design.model_validate({"parts": [part]}, context=CONTEXT)
         patch.setattr("oodscen_pybullet._meshes.designs.load_designs", lambda: {"made": design})
         for state, frame, sides in (
             ("indicate_left", 0, [1.0]),
@@ -114,7 +114,7 @@ def test_what_the_schema_does_not_know_is_refused_with_its_place(
     part: dict[str, Any], place: str
 ) -> None:
     with pytest.raises(ValidationError) as caught:
-        Design.model_validate({"parts": [part]})
+        Design.model_validate({"parts": [part]}, context=CONTEXT)
     assert place in caught.value.errors()[0]["loc"]
 
 

@@ -1,0 +1,80 @@
+"""Draws heaps, swarms and veils."""
+
+import numpy as np
+
+from oodscen.data import _shapes as shapes
+from oodscen.data._colours import rgb_of
+from oodscen.numerics._exact import cos, sin
+from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.designs.parts import Placing, add
+from oodscen_pybullet._meshes.look import Appearance
+
+_GOLDEN = 2.399963
+"""Angle between neighbours of a sunflower's seeds, rad: they fill a disc evenly."""
+
+
+@add.register
+def _(part: shapes.Heap, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    rng = np.random.Generator(np.random.PCG64(part.key))
+    length, width, height = part.size
+    heap = MeshBuilder()
+    colours = shown.colour(part.colour), shown.colour(part.second_colour or part.colour)
+    wide = 0.85 * np.sqrt(length * width / part.lumps)
+    for index, (one, two) in enumerate(rng.uniform(0.0, 1.0, (part.lumps, 2)).tolist()):
+        out = float(np.sqrt((index + 0.5) / part.lumps))
+        lump = min(float(wide) * (0.8 + 0.4 * one), 0.45 * length, 0.45 * width)
+        x = (length / 2 - lump) * out * cos(index * _GOLDEN)
+        y = (width / 2 - lump) * out * sin(index * _GOLDEN)
+        high = height * (1 - 0.6 * out**3) * (0.75 + 0.25 * two)
+        tall = min(lump, high)
+        grown = 1.0 + part.rough
+        heap.ball(
+            (x, y, high - tall), (lump / grown, lump / grown, tall / grown),
+            colours[index % 3 == 0], around=7, down=4, jitter=part.rough, key=part.key + index,
+        )  # fmt: skip
+    mesh.add(heap.flatten(0.0).build(), place.point((*part.heap, 0.0)))
+
+
+@add.register
+def _(part: shapes.Swarm, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    rng = np.random.Generator(np.random.PCG64(part.key))
+    half = [(size - part.speck) / 2 for size in part.size]
+    colours = shown.colour(part.colour), shown.colour(part.second_colour or part.colour)
+    ways = rng.uniform(-1.0, 1.0, (part.count, 4))
+    for index, (a, b, c, share) in enumerate(ways.tolist()):
+        norm = max(0.3, float(np.sqrt(a * a + b * b + c * c)))
+        out = float(np.sqrt(abs(share))) / norm
+        x, y, z = (
+            middle + max(0.0, size) * out * way
+            for middle, size, way in zip(part.swarm, half, (a, b, c), strict=True)
+        )
+        radius = part.speck / 2
+        mesh.ball(
+            place.point((x, y, z)), (radius, radius, radius), colours[index % 2], around=4, down=2
+        )
+
+
+@add.register
+def _(part: shapes.Veil, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    rng = np.random.Generator(np.random.PCG64(part.key))
+    red, green, blue = rgb_of(part.colour) or (128, 128, 128)
+    colour: Point = (red / 255, green / 255, blue / 255)
+    x, y, z = part.veil
+    length, width, height = part.size
+    for index, (one, two) in enumerate(rng.uniform(0.0, 1.0, (part.puffs, 2)).tolist()):
+        share, turn = (index + 0.5) / part.puffs, index * _GOLDEN
+        density = part.density
+        if part.form == "cloud":
+            radius = max(0.15, min(0.45 * min(length, width, height) * (0.7 + 0.5 * one), 1.5))
+            out = float(np.sqrt(share))
+            aside = (max(0.0, length / 2 - radius) * out, max(0.0, width / 2 - radius) * out)
+            rise = radius + max(0.0, height - 2 * radius) * two
+        else:
+            wide = (0.15 + 0.85 * share) if part.form == "funnel" else (0.5 + 0.5 * share)
+            radius = max(0.12, 0.33 * min(length, width) * wide)
+            sway = 0.5 * wide
+            aside = ((length / 2 - radius) * sway, (width / 2 - radius) * sway)
+            rise = height * share
+            density *= 1.0 - 0.4 * share
+        at = (x + aside[0] * cos(turn), y + aside[1] * sin(turn), z + rise)
+        mesh.puff(place.point(at), radius, colour, density, is_bright=part.bright)

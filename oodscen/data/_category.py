@@ -1,0 +1,7 @@
+"""The categories of assets."""
+
+from typing import Literal
+
+Category = Literal[
+    "vehicle", "cyclist", "pedestrian", "animal", "object", "work_zone", "vegetation", "signal"
+]

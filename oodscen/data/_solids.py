@@ -1,0 +1,444 @@
+"""The room that a design takes up: the boxes around its parts, and what drawing them costs."""
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import singledispatch
+from typing import NamedTuple
+
+from oodscen.data import _shapes as shapes
+from oodscen.data._lettering import strokes
+from oodscen.data._shapes import Part, Point
+
+STEP = 0.5
+"""Longest stretch of a slanted bar that is boxed as one, m."""
+SHIPPED_TRIANGLES = 1_500
+"""Triangles that a thing of the catalogue counts for; none has more."""
+
+Row = tuple[float, float, float]
+Size = tuple[float, float, float]
+
+
+class Space(NamedTuple):
+    """A box along the axes."""
+
+    low: Point
+    high: Point
+    is_airy: bool = False
+    """True for what floats by itself: dust, a swarm."""
+
+    def touches(self, other: "Space", reach: float) -> bool:
+        """Return whether two boxes are at most `reach` apart along every axis."""
+        return all(
+            self.low[axis] - reach <= other.high[axis]
+            and other.low[axis] - reach <= self.high[axis]
+            for axis in range(3)
+        )
+
+
+@dataclass(frozen=True)
+class Place:
+    """A rotation, a mirror image or a scale, then a shift."""
+
+    rows: tuple[Row, Row, Row] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    shift: Point = (0.0, 0.0, 0.0)
+
+    def direction(self, way: Sequence[float]) -> Point:
+        """Return a direction as seen from outside."""
+        x, y, z = (sum(a * b for a, b in zip(row, way, strict=True)) for row in self.rows)
+        return x, y, z
+
+    def point(self, point: Sequence[float]) -> Point:
+        """Return a point as seen from outside."""
+        x, y, z = (a + b for a, b in zip(self.direction(point), self.shift, strict=True))
+        return x, y, z
+
+    def moved(self, offset: Point) -> "Place":
+        """Return the place of what is moved within this one."""
+        return Place(self.rows, self.point(offset))
+
+    def mirrored(self) -> "Place":
+        """Return the place of the mirror image in y."""
+        rows = tuple((x, -y, z) for x, y, z in self.rows)
+        return Place((rows[0], rows[1], rows[2]), self.shift)
+
+    def turned(self, roll: float, yaw: float, to: Point, scale: float = 1.0) -> "Place":
+        """Return the place of what is scaled, turned about x, then about z, then moved; angles in degrees."""
+        a, b = math.radians(roll), math.radians(yaw)
+        c, s, k, m = math.cos(b), math.sin(b), math.cos(a), math.sin(a)
+        inner = ((c, -s * k, s * m), (s, c * k, -c * m), (0.0, m, k))
+        columns = [self.direction([scale * row[axis] for row in inner]) for axis in range(3)]
+        rows = tuple((columns[0][i], columns[1][i], columns[2][i]) for i in range(3))
+        return Place((rows[0], rows[1], rows[2]), self.point(to))
+
+
+@dataclass
+class Measured:
+    """The findings of a walk through a design."""
+
+    spaces: list[tuple[str, Space]] = field(default_factory=list)
+    """The boxes, each with the path of its part."""
+    parts: int = 0
+    solids: int = 0
+    """Parts after repetition."""
+    triangles: int = 0
+    lamps: int = 0
+    puffs: int = 0
+    texts: list[tuple[str, str]] = field(default_factory=list)
+    shipped: list[tuple[str, str]] = field(default_factory=list)
+    """Ids of the catalogue's things that are parts, each with its path."""
+    words: list[tuple[str, str]] = field(default_factory=list)
+    """Words of conditions, each with its path."""
+    colours: set[str] = field(default_factory=set)
+
+    @property
+    def bounds(self) -> Space:
+        """The box around everything."""
+        boxes = [space for _, space in self.spaces]
+        return _around([point for box in boxes for point in (box.low, box.high)])
+
+
+MOST_SOLIDS = 2_000
+"""Number of parts after repetition beyond which a walk ends; far more than any design may have."""
+
+
+def measured(
+    parts: Sequence[Part],
+    state: str | None = None,
+    sizes: Mapping[str, Size] | None = None,
+) -> Measured:
+    """Walk through a design.
+
+    Args:
+        parts: The design.
+        state: The state that is shown; `None` for all of them at once.
+        sizes: Length, width and height of the catalogue's things; one of unknown size has none.
+    """
+    found = Measured()
+    _Walk(found, state, sizes or {}).through(parts, Place(), "parts")
+    return found
+
+
+class _Walk:
+    def __init__(self, found: Measured, state: str | None, sizes: Mapping[str, Size]) -> None:
+        self.found, self.state, self.sizes = found, state, sizes
+        self.seen: set[int] = set()
+
+    def through(self, parts: Sequence[Part], place: Place, path: str) -> None:
+        for index, part in enumerate(parts):
+            if self.found.solids > MOST_SOLIDS:
+                return
+            self.part(part, place, f"{path}[{index}]")
+
+    def part(self, part: Part, place: Place, path: str) -> None:
+        found = self.found
+        if id(part) not in self.seen:
+            self.seen.add(id(part))
+            found.parts += 1
+        match part:
+            case shapes.BothSidesOf():
+                self.through(part.both_sides, place.mirrored(), f"{path}.both_sides")
+                self.through(part.both_sides, place, f"{path}.both_sides")
+            case shapes.RowOf():
+                for k in range(part.repeat):
+                    x, y, z = part.step
+                    here = place.moved((k * x, k * y, k * z))
+                    self.through(part.parts, here, f"{path}.parts")
+            case shapes.CopiesOf():
+                for offset in part.at:
+                    self.through(part.parts, place.moved(offset), f"{path}.parts")
+            case shapes.ConditionOf():
+                found.words += [(f"{path}.when", word) for word in part.when.split()]
+                is_on = self.state is not None and set(part.when.split()) <= {self.state}
+                if self.state is None or is_on:
+                    self.through(part.parts, place, f"{path}.parts")
+                if self.state is None or not is_on:
+                    self.through(part.otherwise, place, f"{path}.otherwise")
+            case shapes.TurnedOf():
+                inner = place.turned(part.roll, part.yaw, part.to)
+                self.through(part.turned, inner, f"{path}.turned")
+            case _:
+                self.leaf(part, place, path)
+
+    def leaf(self, part: Part, place: Place, path: str) -> None:
+        found = self.found
+        found.solids += 1
+        found.triangles += triangles(part)
+        found.colours |= set(colours(part))
+        if isinstance(part, shapes.LampPart):
+            found.lamps += 1
+            return
+        if isinstance(part, shapes.Text):
+            found.texts.append((f"{path}.text", part.text))
+        if isinstance(part, shapes.Veil):
+            found.puffs += part.puffs
+        if isinstance(part, shapes.Shipped):
+            found.shipped.append((f"{path}.asset", part.asset))
+            size = self.sizes.get(part.asset)
+            if size is not None:
+                inner = place.turned(part.roll, part.yaw, part.to, part.scale)
+                found.spaces.append((path, _upright(inner, (0.0, 0.0, size[2] / 2), size)))
+            return
+        found.spaces += [(path, space) for space in spaces(part, place)]
+
+
+def colours(part: Part) -> Iterator[str]:
+    """Yield the colours of one part."""
+    names = ("colour", "second_colour", "cap_colour", "back", "ink", "paper", "hub")
+    for name in names:
+        value = getattr(part, name, None)
+        if isinstance(value, str):
+            yield value
+    for name in ("colours", "sides"):
+        value = getattr(part, name, None)
+        if isinstance(value, tuple):
+            yield from value
+
+
+# ---------------------------------------------------------------------- boxes
+
+
+@singledispatch
+def spaces(part: Part, place: Place) -> list[Space]:
+    """Return the boxes around one part."""
+    raise TypeError(f"{type(part).__name__} has no box")
+
+
+def _around(points: Sequence[Sequence[float]], is_airy: bool = False) -> Space:
+    low = tuple(min(p[axis] for p in points) for axis in range(3))
+    high = tuple(max(p[axis] for p in points) for axis in range(3))
+    return Space((low[0], low[1], low[2]), (high[0], high[1], high[2]), is_airy)
+
+
+def _upright(
+    place: Place, centre: Sequence[float], size: Sequence[float], is_airy: bool = False
+) -> Space:
+    a, b, c = (value / 2 for value in size)
+    x, y, z = centre
+    corners = [(x + i * a, y + j * b, z + k * c) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)]
+    return _around([place.point(corner) for corner in corners], is_airy)
+
+
+def _bar(start: Point, end: Point, radius: float, last: float) -> Iterator[Space]:
+    """Yield the boxes along a round bar between two points that are placed already."""
+    way = [b - a for a, b in zip(start, end, strict=True)]
+    length = math.sqrt(sum(w * w for w in way))
+    aside = [math.sqrt(max(0.0, 1.0 - (w / length) ** 2)) for w in way]
+    is_slanted = sum(abs(w) > 0.05 * length for w in way) > 1
+    count = max(1, math.ceil(length / STEP)) if is_slanted else 1
+    for k in range(count):
+        ends = []
+        for share in (k / count, (k + 1) / count):
+            wide = radius + share * (last - radius)
+            middle = [a + share * w for a, w in zip(start, way, strict=True)]
+            ends += [
+                [m + sign * wide * off for m, off in zip(middle, aside, strict=True)]
+                for sign in (-1, 1)
+            ]
+        yield _around(ends)
+
+
+_SQUARE = math.sqrt(2.0)
+
+
+@spaces.register
+def _(part: shapes.Box, place: Place) -> list[Space]:
+    return [_upright(place, part.box, part.size)]
+
+
+@spaces.register
+def _(part: shapes.Hull, place: Place) -> list[Space]:
+    corners = [
+        (x, y, flat[4]) for flat in (part.hull, part.top) for x in flat[:2] for y in flat[2:4]
+    ]
+    return [_around([place.point(corner) for corner in corners])]
+
+
+@spaces.register
+def _(part: shapes.Beam, place: Place) -> list[Space]:
+    last = part.width if part.end_width is None else part.end_width
+    start, end = place.point(part.beam), place.point(part.to)
+    return list(_bar(start, end, part.width / _SQUARE, last / _SQUARE))
+
+
+@spaces.register
+def _(part: shapes.Tube, place: Place) -> list[Space]:
+    points = [place.point(point) for point in hung(part)]
+    radius = part.width / _SQUARE
+    return [box for a, b in itertools.pairwise(points) for box in _bar(a, b, radius, radius)]
+
+
+@spaces.register
+def _(part: shapes.Cylinder, place: Place) -> list[Space]:
+    last = part.radius if part.end_radius is None else part.end_radius
+    return list(_bar(place.point(part.cylinder), place.point(part.to), part.radius, last))
+
+
+@spaces.register
+def _(part: shapes.Lathe, place: Place) -> list[Space]:
+    rings = [(place.point(ring[:3]), ring[3]) for ring in part.lathe]
+    return [box for (a, r), (b, q) in itertools.pairwise(rings) for box in _bar(a, b, r, q)]
+
+
+@spaces.register
+def _(part: shapes.Ball, place: Place) -> list[Space]:
+    x, y, z = place.point(part.ball)
+    grown = [radius * (1.0 + part.jitter) for radius in part.radii]
+    a, b, c = (
+        math.sqrt(sum((m * r) ** 2 for m, r in zip(row, grown, strict=True))) for row in place.rows
+    )
+    return [Space((x - a, y - b, z - c), (x + a, y + b, z + c))]
+
+
+@spaces.register
+def _(part: shapes.Column, place: Place) -> list[Space]:
+    corners = []
+    for x, y, z, one, two in part.column:
+        for i in (-1, 1):
+            for j in (-1, 1):
+                off = (0.0, i * one, j * two) if part.axis == "x" else (i * one, j * two, 0.0)
+                corners.append(place.point((x + off[0], y + off[1], z + off[2])))
+    return [_around(corners[4 * k : 4 * k + 8]) for k in range(len(part.column) - 1)]
+
+
+@spaces.register
+def _(part: shapes.Sheet, place: Place) -> list[Space]:
+    return [_around([place.point(corner) for corner in part.sheet])]
+
+
+@spaces.register
+def _(part: shapes.Wheel, place: Place) -> list[Space]:
+    (x, y), r = part.wheel, part.radius
+    return [_upright(place, (x, y, r), (2 * r, part.width, 2 * r))]
+
+
+@spaces.register
+def _(part: shapes.Panel, place: Place) -> list[Space]:
+    return [_around([place.point(corner) for corner in part.panel])]
+
+
+@spaces.register
+def _(part: shapes.Text, place: Place) -> list[Space]:
+    return [_around([place.point(corner) for corner in part.on])]
+
+
+@spaces.register
+def _(part: shapes.Heap, place: Place) -> list[Space]:
+    (x, y), (_, _, height) = part.heap, part.size
+    return [_upright(place, (x, y, height / 2), part.size)]
+
+
+@spaces.register
+def _(part: shapes.Veil, place: Place) -> list[Space]:
+    x, y, z = part.veil
+    return [_upright(place, (x, y, z + part.size[2] / 2), part.size, is_airy=True)]
+
+
+@spaces.register
+def _(part: shapes.Swarm, place: Place) -> list[Space]:
+    return [_upright(place, part.swarm, part.size, is_airy=True)]
+
+
+@spaces.register
+def _(part: shapes.Blot, place: Place) -> list[Space]:
+    return [_upright(place, (*part.blot, part.height / 2), (*part.size, part.height))]
+
+
+@spaces.register
+def _(part: shapes.Strip, place: Place) -> list[Space]:
+    boxes = []
+    for (x0, y0), (x1, y1) in itertools.pairwise(part.strip):
+        length = math.hypot(x1 - x0, y1 - y0)
+        a, b = part.width / 2 * (y1 - y0) / length, part.width / 2 * (x1 - x0) / length
+        corners = [
+            (x + sign * a, y - sign * b, z)
+            for x, y in ((x0, y0), (x1, y1))
+            for sign in (-1, 1)
+            for z in (0.0, part.height)
+        ]
+        boxes.append(_around([place.point(corner) for corner in corners]))
+    return boxes
+
+
+_SAGGING = 8
+"""Straight pieces of a stretch that sags."""
+
+
+def hung(part: shapes.Tube) -> list[Point]:
+    """Return the points of a tube, with the sag of its stretches."""
+    if not part.sag:
+        return list(part.tube)
+    points = [part.tube[0]]
+    for start, end in zip(part.tube, part.tube[1:], strict=False):
+        for k in range(1, _SAGGING + 1):
+            u = k / _SAGGING
+            x, y, z = (a + u * (b - a) for a, b in zip(start, end, strict=True))
+            points.append((x, y, z - 4.0 * part.sag * u * (1.0 - u)))
+    return points
+
+
+def bands(part: shapes.Tube, start: Point, end: Point) -> int:
+    """Return the number of bands of one stretch of a tube."""
+    if not part.second_colour:
+        return 1
+    return min(40, max(1, round(math.dist(start, end) / part.pitch)))
+
+
+def cells(part: shapes.Panel) -> tuple[int, int]:
+    """Return the columns and rows of a panel's pattern."""
+    width, height = math.dist(*part.panel[:2]), math.dist(part.panel[0], part.panel[3])
+    across, up = (min(40, max(1, round(size / part.pitch))) for size in (width, height))
+    if part.pattern == "stripes":
+        return (across, 1) if width >= height else (1, up)
+    if part.pattern == "planks":
+        return 1, up
+    return (1, 1) if part.pattern == "plain" else (across, up)
+
+
+# ---------------------------------------------------------------------- cost
+
+LUMP = 42
+"""Triangles of a lump of a heap."""
+SPECK = 8
+"""Triangles of a speck of a swarm."""
+OUTLINE = 24
+"""Corners of a blot."""
+
+
+def _round(sides: int) -> int:
+    return 4 * sides - 4
+
+
+_COSTS: dict[type[Part], Callable[..., int]] = {
+    shapes.Box: lambda part: 12,
+    shapes.Hull: lambda part: 12,
+    shapes.Beam: lambda part: 12,
+    shapes.Cylinder: lambda part: _round(part.sides),
+    shapes.Lathe: lambda part: (len(part.lathe) - 1) * _round(part.sides),
+    shapes.Ball: lambda part: part.around * (2 * part.down - 2),
+    shapes.Column: lambda part: 2 * len(part.column) * part.sides,
+    shapes.Sheet: lambda part: 2 * len(part.sheet),
+    shapes.Wheel: lambda part: _round(14) + _round(10),
+    shapes.LampPart: lambda part: 0,
+    shapes.Text: lambda part: 2 + 2 * len(strokes(part.text)),
+    shapes.Heap: lambda part: LUMP * part.lumps,
+    shapes.Veil: lambda part: 0,
+    shapes.Swarm: lambda part: SPECK * part.count,
+    shapes.Blot: lambda part: OUTLINE,
+    shapes.Strip: lambda part: 2 * (40 if part.dash else 1) * (len(part.strip) - 1),
+    shapes.Shipped: lambda part: SHIPPED_TRIANGLES,
+}
+
+
+def triangles(part: Part) -> int:
+    """Return the largest number of triangles of one part, before it is drawn."""
+    if isinstance(part, shapes.Tube):
+        points = hung(part)
+        return 12 * sum(bands(part, a, b) for a, b in itertools.pairwise(points))
+    if isinstance(part, shapes.Panel):
+        across, up = cells(part)
+        each = {"bricks": 6, "windows": 6, "net": 0, "speckle": 4, "planks": 4}.get(part.pattern, 2)
+        count = each * across * up + (4 * (across + up + 2) if part.pattern == "net" else 0)
+        return 2 + count * (2 if part.back else 1)
+    return _COSTS[type(part)](part)

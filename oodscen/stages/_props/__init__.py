@@ -1,0 +1,1 @@
+"""Things made to order: designing them, looking at them, and their sheet."""

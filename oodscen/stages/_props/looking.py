@@ -1,0 +1,201 @@
+"""Pictures of things made to order, and what they show of shape and size."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._base import Data
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._lettering import HEIGHT, strokes, width_of
+from oodscen.data._prop import Prop, check_prop
+from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.errors import SceneError, UsageError
+from oodscen.protocols import Camera, Frame, Simulator
+
+DISTANCES_M = (10.0, 15.0, 30.0)
+"""Distances between the camera and the near side of a thing, m."""
+JUDGED_M = 15.0
+"""The distance at which a thing must be large enough."""
+LEAST_PX = 150
+"""Fewest pixels of a thing that can be recognised there, in a picture of 640 x 480."""
+LEAST_CONTRAST = 20.0
+"""Least mean difference from the same view without it, of 255."""
+UNSEEN = "not shown to be recognised"
+"""The verdict on a thing that only its author has named."""
+NIGHT = Weather(sun_elevation_deg=-30.0)
+
+_LANE_SEEN = ("residential_two_lane", "urban_three_lane", "highway")
+"""Maps on which things are shown, the first that a catalogue has."""
+_INK, _PAPER = 20, 250
+
+Image = NDArray[np.uint8]
+
+
+class PropView(Data):
+    """The size of a thing in one picture."""
+
+    noun: ClassVar[str] = "view of a prop"
+
+    distance_m: float
+    is_night: bool
+    pixels: int
+    contrast: float
+    """Mean difference from the same view without it, of 255."""
+
+
+class PropLook(Data):
+    """The sizes of a thing in its pictures, and its faults."""
+
+    noun: ClassVar[str] = "look of a prop"
+
+    id: str
+    views: tuple[PropView, ...]
+    faults: tuple[str, ...] = ()
+    recognised: str = UNSEEN
+
+
+@dataclass(frozen=True, eq=False)
+class SeenProp:
+    """A thing with its pictures, by day and by night at every distance."""
+
+    look: PropLook
+    pictures: tuple[Image, ...]
+
+
+def look_at(
+    props: Iterable[Prop], simulator: Simulator, *, camera: Camera | None = None
+) -> Iterator[SeenProp]:
+    """Show things one by one on an empty road.
+
+    Args:
+        props: The designs.
+        simulator: Draws them.
+        camera: By default the ego's dash camera.
+
+    Yields:
+        One value per design, in order.
+
+    Raises:
+        SceneError: When the simulator refuses a design.
+    """
+    camera = camera or Camera()
+    catalogue = simulator.catalogue()
+    without = [_shown(simulator, catalogue, None, 0.0, night, camera) for night in (False, True)]
+    for prop in props:
+        faults = check_prop(prop, catalogue.assets)
+        if faults:
+            raise SceneError(prop.id, faults)
+        views, pictures = [], []
+        for is_night in (False, True):
+            for distance in DISTANCES_M:
+                frame = _shown(simulator, catalogue, prop, distance, is_night, camera)
+                views.append(_view(frame, without[is_night], distance, is_night))
+                pictures.append(frame.rgb)
+        look = PropLook(id=prop.id, views=tuple(views), faults=tuple(_faults(views, camera)))
+        yield SeenProp(look, tuple(pictures))
+
+
+def _shown(
+    simulator: Simulator,
+    catalogue: Catalogue,
+    prop: Prop | None,
+    distance: float,
+    is_night: bool,
+    camera: Camera,
+) -> Frame:
+    known = {road.id for road in catalogue.maps}
+    road = next((name for name in _LANE_SEEN if name in known), catalogue.maps[0].id)
+    actors: tuple[Actor, ...] = ()
+    if prop is not None:
+        half = catalogue.with_made([prop]).asset(prop.id).length / 2
+        ahead = round(camera.x + distance + half, 2)
+        actors = (Actor(id="prop", asset=prop.id, placement=Placement(ahead_m=ahead)),)
+    scene = Scene(
+        id="prop",
+        scenario_id="prop",
+        map=road,
+        ego=Ego(speed=0.0),
+        weather=NIGHT if is_night else Weather(),
+        actors=actors,
+        hazard=Hazard(actors=dict.fromkeys(actor.id for actor in actors), weather=Weather()),
+        decision=Trigger(kind="time", value=1.0),
+        made=() if prop is None else (prop,),
+    )
+    simulator.reset(scene, 0)
+    return simulator.render(camera)
+
+
+def _view(frame: Frame, without: Frame, distance: float, is_night: bool) -> PropView:
+    pixels = int(np.count_nonzero(frame.ids == 2))
+    away = np.abs(frame.rgb.astype(np.int16) - without.rgb.astype(np.int16)).max(axis=2)
+    own = away[frame.ids == 2]
+    if frame.unhidden is not None:
+        pixels = max(pixels, int(frame.unhidden[1]))
+        own = own if len(own) * 2 > pixels else np.sort(away, axis=None)[-max(1, pixels) :]
+    contrast = round(float(own.mean()), 1) if len(own) else 0.0
+    return PropView(distance_m=distance, is_night=is_night, pixels=pixels, contrast=contrast)
+
+
+def _faults(views: Sequence[PropView], camera: Camera) -> Iterator[str]:
+    least = LEAST_PX * camera.width * camera.height / (640 * 480)
+    (judged,) = (one for one in views if one.distance_m == JUDGED_M and not one.is_night)
+    if judged.pixels < least:
+        yield f"{judged.pixels} pixels at {JUDGED_M:g} m, and {least:.0f} can be recognised"
+    if judged.contrast < LEAST_CONTRAST:
+        yield f"differs from the bare road by {judged.contrast:g} of 255, at least {LEAST_CONTRAST:g}"
+
+
+# ---------------------------------------------------------------------- the sheet
+
+
+def sheet(seen: Iterable[SeenProp], *, captions: bool = False, seed: int = 0) -> Image:
+    """Return a picture with one row per thing: by day and by night, at three distances.
+
+    Args:
+        seen: The things.
+        captions: Write the names beside them; otherwise the order is random, and they are only numbered.
+        seed: Seed of the order.
+
+    Raises:
+        UsageError: When there is nothing to show.
+    """
+    rows = list(seen)
+    if not rows:
+        raise UsageError("there is nothing to show: no design was given")
+    if not captions:
+        rows = [rows[index] for index in order(len(rows), seed)]
+    lines = []
+    for number, one in enumerate(rows, start=1):
+        cells = [np.pad(_middle(picture), ((2, 2), (2, 2), (0, 0))) for picture in one.pictures]
+        strip = np.concatenate(cells, axis=1)
+        name = f"{number}"
+        if captions:
+            told = " ".join(f"{view.pixels}" for view in one.look.views)
+            name = f"{number} {one.look.id.replace('_', ' ')} - PX {told}"
+        lines += [caption(name, strip.shape[1]), strip]
+    return np.concatenate(lines)
+
+
+def order(count: int, seed: int) -> list[int]:
+    """Return the random order of the rows of a sheet without captions."""
+    return [int(i) for i in np.random.Generator(np.random.PCG64(seed)).permutation(count)]
+
+
+def caption(text: str, width: int) -> Image:
+    """Return a line of black capitals on white."""
+    dot = 2
+    image = np.full(((HEIGHT + 4) * dot, width, 3), _PAPER, np.uint8)
+    shown = text.upper()[: (width // dot - 4) // (width_of("AA") - width_of("A"))]
+    for row, start, end in strokes(shown):
+        top, left = (row + 2) * dot, (start + 2) * dot
+        image[top : top + dot, left : (end + 2) * dot] = _INK
+    return image
+
+
+def _middle(image: Image) -> Image:
+    """Return the part of a picture around the road ahead, pixel by pixel."""
+    height, width = image.shape[:2]
+    return image[height * 3 // 16 : height * 11 // 16, width // 4 : width * 3 // 4]

@@ -1,0 +1,189 @@
+"""Making what a catalogue lacks, so that dropped branches can be shown after all."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from threading import Lock
+from typing import ClassVar, Literal, NamedTuple
+
+from oodscen._text import one_line
+from oodscen.data._additions import Addition
+from oodscen.data._base import Data
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._category import Category
+from oodscen.data._prop import Prop, check_prop
+from oodscen.errors import Issue, LLMError, OodscenError
+from oodscen.llm._ask import ask, speaker
+from oodscen.prompts._scenario.design_prop import DesignedProp, DesignProp, KnownPart
+from oodscen.protocols import LLM, Simulator
+from oodscen.stages._props.looking import PropLook, look_at
+from oodscen.stages._prune.decisions import PruneDecision
+from oodscen.stages._prune.pruner import Pruner
+from oodscen.tree._scenario_tree import ScenarioTree
+
+
+class MadeProp(Data):
+    """A thing that was to be made: its design and look, or the reason why there is none."""
+
+    noun: ClassVar[str] = "made prop"
+
+    id: str
+    status: Literal["ok", "failed"] = "ok"
+    error: str | None = None
+    retryable: bool = False
+    prop: Prop | None = None
+    """`None` if it could not be made."""
+    look: PropLook | None = None
+    """Its size in the simulator's pictures."""
+    reason: str = ""
+    """Why it could not be made."""
+    model: str = ""
+    """Name of the model that designed it."""
+    prompt: str = ""
+    """The question that the model was asked: `purpose@version`."""
+
+
+class Wanted(NamedTuple):
+    """A thing that dropped leaves lack."""
+
+    name: str
+    category: Category
+    path: tuple[str, ...]
+    """Labels of the first leaf that lacks it."""
+
+
+_STANDING: tuple[Category, ...] = ("object", "work_zone", "vegetation", "signal")
+
+
+class PropMaker:
+    """Asks for the designs of things that a catalogue lacks, and looks at them.
+
+    A design that the simulator refuses, or that is too small or too faint in its pictures, is sent back with its
+    faults.
+
+    Args:
+        llm: The model that designs.
+        simulator: Shows the designs.
+    """
+
+    def __init__(self, llm: LLM, simulator: Simulator) -> None:
+        self.llm = llm
+        self.simulator = simulator
+        self.catalogue: Catalogue = simulator.catalogue()
+        self._drawing = Lock()
+
+    def make(self, wanted: Wanted) -> MadeProp:
+        """Return one thing, made or not."""
+        question = DesignProp(
+            name=wanted.name,
+            category=wanted.category,
+            path=wanted.path,
+            known=self._parts(wanted.category),
+        )
+        asked = {"model": speaker(self.llm), "prompt": question.citation()}
+        looks: dict[str, PropLook] = {}
+        try:
+            answer = ask(self.llm, question, check=lambda answer: self._faults(answer, looks))
+        except LLMError as error:
+            return MadeProp(
+                id=wanted.name,
+                status="failed",
+                error=one_line(str(error)),
+                retryable=error.retryable,
+                **asked,
+            )
+        if answer.prop is None:
+            return MadeProp(id=wanted.name, reason=one_line(answer.cannot_make), **asked)
+        look = looks[answer.prop.digest()]
+        return MadeProp(id=wanted.name, prop=answer.prop, look=look, **asked)
+
+    def _parts(self, category: Category) -> tuple[KnownPart, ...]:
+        """Return what may be a part: things that stand, and bodies of the same category."""
+        return tuple(
+            KnownPart(id=one.id, length_m=one.length, width_m=one.width, height_m=one.height)
+            for one in self.catalogue.assets
+            if one.category in (*_STANDING, category)
+        )
+
+    def _faults(self, answer: DesignedProp, looks: dict[str, PropLook]) -> Sequence[Issue]:
+        prop = answer.prop
+        if prop is None:
+            return []
+        faults = check_prop(prop, self.catalogue.assets)
+        if faults:
+            return [Issue(f"prop.{one.path}", one.message) for one in faults]
+        try:
+            with self._drawing:
+                (seen,) = look_at([prop], self.simulator)
+        except OodscenError as error:
+            return [Issue("prop", f"the simulator cannot show it: {one_line(str(error))}")]
+        looks[prop.digest()] = seen.look
+        return [Issue("prop.parts", fault) for fault in seen.look.faults]
+
+
+def makeable(decision: PruneDecision) -> bool:
+    """Return whether a dropped leaf lacks nothing but things, which can be made."""
+    return (
+        not decision.keep
+        and decision.status == "ok"
+        and not decision.made
+        and bool(decision.lacks)
+        and all(one.kind == "asset" for one in decision.lacks)
+    )
+
+
+def wanted_things(
+    tree: ScenarioTree, decisions: Iterable[PruneDecision], catalogue: Catalogue
+) -> list[Wanted]:
+    """Return the things whose making may restore dropped leaves, each once, in the order of the tree."""
+    by_id = {one.id: one for one in decisions}
+    known = {asset.id for asset in catalogue.assets}
+    found: dict[str, Wanted] = {}
+    for leaf in tree.leaves:
+        decision = by_id.get(leaf.id)
+        if decision is not None and (makeable(decision) or decision.made):
+            for one in decision.lacks or ():
+                if _is_id(one) and one.name not in known:
+                    category = one.category or "object"
+                    found.setdefault(one.name, Wanted(one.name, category, decision.path))
+    return list(found.values())
+
+
+def judged_again(
+    pruner: Pruner,
+    tree: ScenarioTree,
+    decisions: Sequence[PruneDecision],
+    made: Mapping[str, Prop],
+) -> list[PruneDecision]:
+    """Judge the leaves again whose lacking things have all been made.
+
+    Args:
+        pruner: A pruner whose catalogue has the things.
+        tree: The diverse tree.
+        decisions: The decisions about its leaves.
+        made: The things by id.
+
+    Returns:
+        The new decisions; a leaf is kept only if it is shown with a thing that was made for it.
+    """
+    names = {
+        one.id: tuple(lack.name for lack in one.lacks)
+        for one in decisions
+        if makeable(one) and all(lack.name in made for lack in one.lacks)
+    }
+    others = {leaf.id for leaf in tree.leaves if leaf.id not in names}
+    before = {one.id: one for one in decisions}
+    found = []
+    for one in pruner.decisions(tree, others):
+        if one.status == "ok":
+            lacks = one.lacks if one.keep else one.lacks or before[one.id].lacks
+            found.append(one.model_copy(update={"made": names[one.id], "lacks": lacks}))
+    return found
+
+
+def _is_id(addition: Addition) -> bool:
+    name = addition.name
+    return (
+        2 <= len(name) <= 40
+        and name[0].isalpha()
+        and name.replace("_", "").isalnum()
+        and name.isascii()
+    )

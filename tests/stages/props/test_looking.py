@@ -1,0 +1,63 @@
+import numpy as np
+import pytest
+
+from oodscen.data._prop import Prop
+from oodscen.errors import DataError, SceneError, UsageError
+from oodscen.protocols import Camera
+from oodscen.stages._props.files import read_props
+from oodscen.stages._props.looking import DISTANCES_M, UNSEEN, caption, look_at, order, sheet
+from oodscen.testing import FlatSimulator
+from tests.made import WALL
+
+CAMERA = Camera(width=160, height=120)
+
+
+def test_a_wall_is_seen_and_a_post_on_the_horizon_is_not() -> None:
+    post = {"cylinder": [0, 0, 0], "to": [0, 0, 0.4], "radius": 0.02, "colour": "asphalt"}
+    thin = Prop.parse({**WALL, "id": "thin_post", "parts": [post]})
+    with FlatSimulator() as simulator:
+        wall, thin_one = look_at([Prop.parse(WALL), thin], simulator, camera=CAMERA)
+    assert not wall.look.faults
+    assert wall.look.recognised == UNSEEN
+    assert len(wall.pictures) == len(wall.look.views) == 2 * len(DISTANCES_M)
+    near, *_, far = [view.pixels for view in wall.look.views if not view.is_night]
+    assert near > far > 0
+    assert thin_one.look.faults
+    named, blind = sheet([wall, thin_one], captions=True), sheet([wall, thin_one])
+    assert named.shape == blind.shape
+    assert not np.array_equal(named, blind)
+
+
+def test_a_refused_design_is_no_picture() -> None:
+    prop = Prop.parse({**WALL, "id": "cone"})
+    with FlatSimulator() as simulator, pytest.raises(SceneError):
+        list(look_at([prop], simulator))
+
+
+def test_a_sheet_needs_something_and_its_order_is_a_permutation() -> None:
+    with pytest.raises(UsageError):
+        sheet([])
+    assert sorted(order(9, 3)) == list(range(9))
+    assert order(9, 3) == order(9, 3)
+    assert caption("A WALL", 200).shape[1] == 200
+
+
+def test_designs_are_read_from_files_and_folders(tmp_path) -> None:
+    wall = Prop.parse(WALL)
+    (tmp_path / "a.json").write_text(wall.to_json())
+    (tmp_path / "b.toml").write_text(
+        '[kerb]\ndescription = "a kerb"\nmass_kg = 90\nparts = ['
+        '{ box = [0, 0, 0.2], size = [0.3, 2, 0.4], colour = "grey" }]\n'
+    )
+    (tmp_path / "c.jsonl").write_text(f'{{"id": "low_wall", "prop": {wall.to_json()}}}\n')
+    assert [prop.id for prop in read_props(tmp_path)] == ["low_wall", "kerb"]
+    assert read_props(tmp_path / "c.jsonl") == [wall]
+    for name, text in (
+        ("x.json", "{"),
+        ("x.toml", "= 1"),
+        ("x.jsonl", "{}\n"),
+        ("y.toml", "a = 1"),
+    ):
+        (tmp_path / name).write_text(text)
+        with pytest.raises(DataError):
+            read_props(tmp_path / name)

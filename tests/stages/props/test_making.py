@@ -1,0 +1,121 @@
+from typing import Any
+
+import pytest
+
+from oodscen.data._additions import Addition
+from oodscen.data._prop import Prop
+from oodscen.data._scenario import Scenario
+from oodscen.prompts._scenario.stage_scene import SceneDraft
+from oodscen.stages._augment import scene_of_draft
+from oodscen.stages._props.making import PropMaker, Wanted, judged_again, makeable, wanted_things
+from oodscen.stages._prune.decisions import PruneDecision
+from oodscen.stages._prune.pruner import Pruner
+from oodscen.testing import FlatSimulator, ScriptedLLM
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
+from tests.made import WALL
+
+WANTED = Wanted("low_wall", "object", ("Root", "Environmental", "Wall across the lane"))
+
+
+def made_by(*answers: Any) -> Any:
+    """Return what a model with these answers makes, and its questions."""
+    llm = ScriptedLLM(list(answers))
+    with FlatSimulator() as simulator:
+        return PropMaker(llm, simulator).make(WANTED), llm.requests
+
+
+def test_a_design_is_made_and_looked_at() -> None:
+    made, (request,) = made_by({"prop": WALL})
+    assert made.prop == Prop.parse(WALL)
+    assert made.look is not None
+    assert not made.look.faults
+    assert "low_wall" in request.messages[-1].text
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"prop": {**WALL, "id": "other_wall"}},
+        {"prop": {**WALL, "category": "vehicle"}},
+        {"prop": {**WALL, "parts": [{"asset": "car"}]}},
+        {"prop": {**WALL, "parts": [{"asset": "nothing_of_this_name"}]}},
+        {"prop": {**WALL, "parts": [{"beam": [0, 0, 0], "to": [0, 0, 0.4], "width": 0.01, "colour": "red"}]}},
+        {"prop": None},
+    ],
+)  # fmt: skip
+def test_a_fault_goes_back_to_the_model(bad: Any) -> None:
+    made, requests = made_by(bad, {"prop": WALL})
+    assert made.prop is not None
+    assert len(requests) == 2
+    assert "cannot be used" in requests[1].messages[-1].text
+
+
+def test_what_cannot_be_made_is_said() -> None:
+    made, _ = made_by({"prop": None, "cannot_make": "it walks"})
+    assert made.prop is None
+    assert made.reason == "it walks"
+    assert made.status == "ok"
+    failed, _ = made_by("no", "no", "no")
+    assert failed.status == "failed"
+
+
+def decision(
+    leaf: str, path: tuple[str, ...], *lacks: Addition, keep: bool = False
+) -> PruneDecision:
+    """Return a decision on a leaf."""
+    return PruneDecision(id=leaf, path=path, keep=keep, lacks=lacks)
+
+
+def test_a_leaf_that_lacks_only_things_is_judged_again_with_them() -> None:
+    tree = ScenarioTree.initial()
+    for number, label in enumerate(("Wall across the lane", "Wall in a quarry", "Ordinary cone")):
+        tree = tree.apply(
+            TreeEdit(
+                op="add", node=f"leaf-{number}", label=label, parent="environmental", stage="grow"
+            )
+        )
+    wall = Addition(kind="asset", name="low_wall", category="object")
+    quarry = Addition(kind="map", name="quarry")
+    paths = tree.paths
+    judged = [
+        decision("leaf-0", paths["leaf-0"], wall),
+        decision("leaf-1", paths["leaf-1"], wall, quarry),
+        decision("leaf-2", paths["leaf-2"], keep=True),
+    ]
+    assert [makeable(one) for one in judged] == [True, False, False]
+    (wanted,) = wanted_things(tree, judged, FLAT_CATALOGUE)
+    assert (wanted.name, wanted.category) == ("low_wall", "object")
+    prop = Prop.parse(WALL)
+    answer = {
+        "reasoning": "now it can",
+        "simulatable": True,
+        "assets": ["low_wall"],
+        "behaviours": ["stand"],
+    }
+    llm = ScriptedLLM({"judge-branch": answer})
+    pruner = Pruner(llm, FLAT_CATALOGUE.with_made([prop]), substitutes=False)
+    (again,) = judged_again(pruner, tree, judged, {"low_wall": prop})
+    assert again.keep
+    assert again.made == ("low_wall",)
+    assert '"made"' in again.to_json()
+    assert '"made"' not in judged[0].to_json()
+    assert not judged_again(pruner, tree, judged, {})
+
+
+def test_a_scene_carries_the_designs_that_it_shows() -> None:
+    draft = SceneDraft.model_validate(
+        {
+            "map": "urban_three_lane",
+            "ego": {"speed": 8},
+            "actors": [{"id": "wall", "asset": "low_wall", "placement": {"ahead_m": 40}}],
+            "hazard": {"actors": {"wall": None}},
+            "decision": {"kind": "distance", "value": 25, "actor": "wall"},
+        }
+    )
+    props = [Prop.parse(WALL), Prop.parse({**WALL, "id": "other_wall"})]
+    catalogue = FLAT_CATALOGUE.with_made(props)
+    scenario = Scenario(id="a", path=("Root", "Wall"), text="A wall stands across the lane.")
+    scene = scene_of_draft(scenario, draft, catalogue, props)
+    assert [prop.id for prop in scene.made] == ["low_wall"]
+    assert scene.visible[0].what == "low wall of red bricks"
