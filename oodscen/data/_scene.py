@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
 
 
+LONGEST_HORIZON_S = 60.0
+"""Longest time for which an action is watched, s."""
+
+
 class Weather(Data):
     """Weather and light, in OpenSCENARIO's terms."""
 
@@ -155,7 +159,7 @@ class Scene(Data):
     hazard: Hazard
     decision: Trigger
     """The ego's moment of choice; a trigger by distance or time to collision must name its actor."""
-    horizon_s: float = Field(default=8.0, gt=0, le=60)
+    horizon_s: float = Field(default=8.0, gt=0, le=LONGEST_HORIZON_S)
     """Duration for which an action is watched, s, counted from the decision."""
     stands_for: dict[str, tuple[str, ...]] = {}
     """Ids of the actors that show a thing of the text, by its name in the claims, where the words alone do not

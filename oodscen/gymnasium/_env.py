@@ -123,7 +123,7 @@ class _Prepared(NamedTuple):
     steps: int
 
 
-class SceneEnv(gymnasium.Env[Any, Any]):
+class SceneEnv(Brief, gymnasium.Env[Any, Any]):
     """Drives the ego of a scene from its start to its horizon, as `oodscen.drive` does.
 
     An episode is one scene. It terminates when the ego touches a body or leaves the drivable road, and is
@@ -154,6 +154,8 @@ class SceneEnv(gymnasium.Env[Any, Any]):
         UsageError: If an argument makes no sense.
         StudyMissing: If the folder holds no study.
     """
+
+    _repr_fields = ("simulator", "interface", "_scenes")
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from oodscen._conformance import conforming, working
 from oodscen._display import Brief, picture, png
-from oodscen._numbers import seed_number
+from oodscen._numbers import finite_number, seed_number
 from oodscen.data._bird_sketch import sketch
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import (
@@ -22,7 +22,7 @@ from oodscen.data._episode import (
     Follower,
     share_of,
 )
-from oodscen.data._scene import Scene
+from oodscen.data._scene import LONGEST_HORIZON_S, Scene
 from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
@@ -139,7 +139,7 @@ def simulate(
     Raises:
         SceneError: When the simulator refuses the scene.
         SimulatorError: When the simulator fails, whatever it raises.
-        UsageError: When the object is not a simulator, or an action is unknown.
+        UsageError: When the object is not a simulator, an action is unknown, or a time is out of range.
     """
     conforming("simulator", simulator)
     seed_number(seed)
@@ -148,7 +148,8 @@ def simulate(
             raise UnknownComponent("action", str(action), ACTIONS)
     trials = Trials.of((0.0,) if protocol == "paper" else reaction, protocol == "paper")
     if horizon is not None:
-        scene = Scene.model_validate({**scene.model_dump(), "horizon_s": horizon})
+        seconds = finite_number("horizon", horizon, 0.1, LONGEST_HORIZON_S)
+        scene = scene.model_copy(update={"horizon_s": seconds})
     with working("simulator", simulator.name):
         return _simulated(scene, simulator, seed, camera, actions, render, traces, trials, moments)
 

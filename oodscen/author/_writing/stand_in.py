@@ -22,7 +22,7 @@ class StandIn(NamedTuple):
 
     assets: tuple[str, ...]
     is_ahead: bool
-    """Whether it drives ahead in the ego's lane; otherwise it walks along the pavement."""
+    """True if it drives ahead in the ego's lane; otherwise it walks along the pavement."""
     clause: str
 
 

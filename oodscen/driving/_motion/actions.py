@@ -6,6 +6,8 @@ from types import MappingProxyType
 from typing import ClassVar, NamedTuple
 
 from oodscen._display import Brief
+from oodscen._numbers import finite_number
+from oodscen.data._episode import LONGEST_REACTION_S
 from oodscen.driving._motion.bodies import GRAVITY, MAX_STEERING
 from oodscen.errors import UnknownComponent
 from oodscen.numerics._exact import asin, atan, power, sin, tan
@@ -272,10 +274,11 @@ def action_driver(action_id: str, reaction_s: float = 0.0) -> Driver:
 
     Raises:
         UnknownComponent: If there is no such action.
+        UsageError: If the reaction time is negative or longer than `LONGEST_REACTION_S`.
     """
     if action_id not in CODES:
         raise UnknownComponent("action", action_id, CODES)
-    return ActionDriver(action_id, reaction_s)
+    return ActionDriver(action_id, finite_number("reaction_s", reaction_s, 0.0, LONGEST_REACTION_S))
 
 
 def is_available(action_id: str, observation: Observation) -> bool:

@@ -44,7 +44,7 @@ def demanding(
 
     It has the scene's map, ego and ordinary weather, and is decided at the same time. Kinds are tried in an
     order drawn by their likeness to the hazard, until one is accepted by the checks of a scene, is seen, leaves
-    an action safe, and is unsafe for whoever keeps the speed. One in which some or all drivers may keep the
+    an action safe, and is unsafe for a driver who keeps the speed. One in which some or all drivers may keep the
     speed is the last resort.
 
     Args:
