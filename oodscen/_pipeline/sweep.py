@@ -14,6 +14,7 @@ import numpy as np
 from oodscen._conformance import reason
 from oodscen._files import temporary_folder
 from oodscen._processes import Processes, is_importable, is_script
+from oodscen._redaction import redact
 from oodscen._registry import find, make_simulator
 from oodscen._seeding import stream
 from oodscen.data._claim import Claim
@@ -236,7 +237,7 @@ def failed_episode(job: Job, name: str, error: Exception) -> Episode:
         id=name,
         scene_id=name,
         status="failed",
-        error=str(error),
+        error=redact(str(error)),
         error_type=type(error).__name__,
         retryable=getattr(error, "retryable", False),
         simulator=job.simulator,
