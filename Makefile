@@ -16,7 +16,7 @@ test: $(READY)
 lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/mypy oodscen adapters/oodscen_pybullet adapters/oodscen_carla adapters/oodscen_highway
+	$(BIN)/mypy oodscen adapters/oodscen_pybullet adapters/oodscen_carla adapters/oodscen_highway adapters/oodscen_sumo
 	$(BIN)/lint-imports --no-cache
 
 bench: $(READY)
