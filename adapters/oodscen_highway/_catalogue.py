@@ -19,13 +19,8 @@ def load_catalogue() -> Catalogue:
 
     Roads are level, without junctions: highway-env knows no heights, and gets the ego's road only.
     """
-    mine = {
-        "simulator": "highway",
-        "behaviours": tuple(kind for kind in DynamicSimulator.BEHAVIOURS if kind.id in BEHAVIOURS),
-        "maps": tuple(
-            road
-            for road in DynamicSimulator.MAPS
-            if not {"hill", "junction", "tunnel", "bridge"} & set(road.traits)
-        ),
-    }
+    kinds = tuple(kind for kind in DynamicSimulator.BEHAVIOURS if kind.id in BEHAVIOURS)
+    others = {"hill", "junction", "tunnel", "bridge"}
+    roads = tuple(road for road in DynamicSimulator.MAPS if not others & set(road.traits))
+    mine = {"simulator": "highway", "behaviours": kinds, "maps": roads}
     return FlatSimulator().catalogue().model_copy(update=mine)

@@ -26,6 +26,8 @@ Locate = Callable[[float, float], tuple[float, float]]
 
 GRIP = 9.0
 """Maximum braking on a dry road, m/s^2."""
+BESIDE_M = 0.3
+"""Distance from the lane up to which drivers mind a body's middle, m."""
 EDGES = {1: ("start", "end"), -1: ("far", "near")}
 """Nodes of highway-env's network between which the lanes of each direction of travel lie."""
 STRAIGHT_ON = frozenset(
@@ -67,6 +69,10 @@ class StripLane(AbstractLane):  # type: ignore[misc]  # highway-env has no types
         """Return the place in the lane of x and y."""
         s, t = self.locate(float(position[0]), float(position[1]))
         return self._s(s), self.direction * (t - self.road.centre(self.strip, s))
+
+    def on_lane(self, position: Any, s: Any = None, t: Any = None, margin: float = 0.0) -> bool:
+        """Return whether a body there is in the way; highway-env minds those a metre aside, too."""
+        return bool(super().on_lane(position, s, t, min(margin, BESIDE_M)))
 
 
 class Actor(IDMVehicle):  # type: ignore[misc]

@@ -17,11 +17,7 @@ GUIDED = frozenset(
 @lru_cache(maxsize=1)
 def load_catalogue() -> Catalogue:
     """Return the flat simulator's bodies and weather, with SUMO's behaviours, on roads without junctions."""
-    mine = {
-        "simulator": "sumo",
-        "behaviours": tuple(
-            kind for kind in DynamicSimulator.BEHAVIOURS if kind.id in DRIVEN | GUIDED
-        ),
-        "maps": tuple(road for road in DynamicSimulator.MAPS if "junction" not in road.traits),
-    }
+    kinds = tuple(kind for kind in DynamicSimulator.BEHAVIOURS if kind.id in DRIVEN | GUIDED)
+    roads = tuple(road for road in DynamicSimulator.MAPS if "junction" not in road.traits)
+    mine = {"simulator": "sumo", "behaviours": kinds, "maps": roads}
     return FlatSimulator().catalogue().model_copy(update=mine)

@@ -153,8 +153,7 @@ class SumoSimulator(DynamicSimulator):
         most = given["deceleration"] if body.behaviour == "follow_lane" else GRIP
         types.setEmergencyDecel(name, min(most, self._grip))
         types.setDecel(name, min(BRAKING, most, self._grip))
-        edge, *_ = self._sumo.simulation.convertRoad(x, y)
-        self._sumo.route.add(name, [edge])
+        self._sumo.route.add(name, [self._sumo.simulation.convertRoad(x, y)[0]])
         vehicles.add(name, name, name, departPos="0")
         vehicles.setLaneChangeMode(name, 0)
         vehicles.setSpeedMode(name, 31 if body.behaviour in DRIVEN else 0)
