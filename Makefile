@@ -16,7 +16,7 @@ test: $(READY)
 lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/mypy oodscen adapters/oodscen_pybullet adapters/oodscen_carla
+	$(BIN)/mypy oodscen adapters/oodscen_pybullet adapters/oodscen_carla adapters/oodscen_highway adapters/oodscen_sumo
 	$(BIN)/mypy examples/*.py
 	cd examples/driving_ci && ../../$(BIN)/mypy --config-file ../../pyproject.toml stack.py tests/test_stack.py
 	$(BIN)/lint-imports --no-cache

@@ -1,10 +1,14 @@
 """Settings of the whole suite: no network, no chance, no clock, one thread per process."""
 
+import gc
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
+from oodscen import _redaction
 
 os.environ["OODSCEN_OFFLINE"] = "1"
 os.environ.setdefault("HF_HUB_OFFLINE", "1")
@@ -27,3 +31,19 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder.mkdir(exist_ok=True)
     os.environ["XDG_CACHE_HOME"] = str(folder)
     return folder
+
+
+@pytest.fixture(autouse=True)
+def _forgotten_keys() -> Iterator[None]:
+    """Forget the keys that a test used: each that is known makes every later search for keys slower."""
+    known = set(_redaction._told)
+    yield
+    _redaction._told.clear()
+    _redaction._told.update(known)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _settled_heap() -> None:
+    """Leave what earlier modules keep out of the search for garbage, which else grows with the suite."""
+    gc.collect()
+    gc.freeze()

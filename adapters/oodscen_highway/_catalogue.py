@@ -1,0 +1,26 @@
+"""What highway-env can move, in the shapes that the flat rasteriser can draw; loads without highway-env."""
+
+from functools import lru_cache
+
+from oodscen.data import Catalogue
+from oodscen.driving import DynamicSimulator
+from oodscen.testing import FlatSimulator
+
+BEHAVIOURS = (
+    "stand follow_lane wrong_way cut_in cut_out hard_brake stall halt stop_and_go "
+    "reverse run_red roll_away cross_road walk_along bolt dart"
+).split()
+"""Behaviours that highway-env's controllers can drive: along a lane, into another one, or straight on."""
+
+
+@lru_cache(maxsize=1)
+def load_catalogue() -> Catalogue:
+    """Return the flat simulator's bodies and weather, with the behaviours and roads of highway-env.
+
+    Roads are level, without junctions: highway-env knows no heights, and gets the ego's road only.
+    """
+    kinds = tuple(kind for kind in DynamicSimulator.BEHAVIOURS if kind.id in BEHAVIOURS)
+    others = {"hill", "junction", "tunnel", "bridge"}
+    roads = tuple(road for road in DynamicSimulator.MAPS if not others & set(road.traits))
+    mine = {"simulator": "highway", "behaviours": kinds, "maps": roads}
+    return FlatSimulator().catalogue().model_copy(update=mine)

@@ -1,0 +1,91 @@
+"""The simulator: highway-env's road and bodies, the library's triggers and pictures."""
+
+import copy
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data import Catalogue
+from oodscen.driving import RestorableSimulator, StagedBody, StagedScene, within_grip
+from oodscen.errors import MissingExtra
+from oodscen.protocols import Camera, Control, Frame
+from oodscen.testing import flat_frame
+from oodscen_highway._catalogue import load_catalogue
+
+
+class HighwaySimulator(RestorableSimulator):
+    """Moves scenes with highway-env: bicycles, the intelligent driver model, and controlled lane changes.
+
+    Pictures are the flat rasteriser's. highway-env is imported with the first scene.
+    """
+
+    name = "highway"
+
+    def __init__(self) -> None:
+        """Start nothing yet."""
+        super().__init__()
+        self._road: Any = None
+        self._rows: list[Any] = []
+
+    def catalogue(self) -> Catalogue:
+        """Return the available assets, behaviours, maps and weather."""
+        return load_catalogue()
+
+    def begin(self, staged: StagedScene, seed: int) -> None:
+        """Build the road and put all bodies on it.
+
+        Raises:
+            MissingExtra: If highway-env is not installed.
+        """
+        try:
+            from oodscen_highway import _traffic
+        except ModuleNotFoundError:
+            raise MissingExtra("the highway-env simulator", "highway", "highway_env") from None
+        self._road = _traffic.road_of(staged, seed)
+        self._rows = [_traffic.placed(self._road, staged, body, self.dt) for body in staged.bodies]
+
+    def triggered(self, body: StagedBody) -> None:
+        """Let an actor begin what it waited for."""
+        self._rows[self.staged.ids.index(body.id)].since = 0.0
+
+    def move(self, control: Control) -> None:
+        """Let all drivers decide, then move all bodies."""
+        ego = self._rows[0]
+        control = within_grip(control, ego.speed, self.staged.scene.weather.friction)
+        # The axles of a body of highway-env are its length apart.
+        turn = math.tan(control.steering) * ego.LENGTH / self.wheelbase
+        braking = max(control.acceleration, -ego.speed / self.dt)
+        ego.act({"acceleration": braking, "steering": math.atan(turn)})
+        self._road.act()
+        self._road.step(self.dt)
+
+    def bodies(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return x, y and yaw of all bodies, and their speeds."""
+        poses = [(*row.position, math.remainder(row.heading, math.tau)) for row in self._rows]
+        return np.array(poses), np.array([row.speed for row in self._rows])
+
+    def save(self) -> Any:
+        """Return a copy of all that changes."""
+        return [_copied(row.__dict__) for row in self._rows]
+
+    def resume(self, saved: Any) -> None:
+        """Return to a copy."""
+        for row, values in zip(self._rows, saved, strict=True):
+            row.__dict__ = _copied(values)
+
+    def draw(self, camera: Camera) -> Frame:
+        """Draw boxes on a plane."""
+        staged = self.staged
+        assets = [body.asset for body in staged.bodies]
+        return flat_frame(camera, staged.corridor, staged.scene.weather, assets, self.state().poses)
+
+    def release(self) -> None:
+        """Forget the road."""
+        self._road, self._rows = None, []
+
+
+def _copied(values: dict[str, Any]) -> dict[str, Any]:
+    """Return a copy of a body's attributes that shares road and lane."""
+    return {k: v if k in ("road", "lane") else copy.copy(v) for k, v in values.items()}

@@ -1,0 +1,177 @@
+"""The scene in highway-env's terms: a lane on our road, the ego, drivers, walkers and obstacles.
+
+This is the one module that imports highway-env.
+"""
+
+import math
+import os
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.driving import Corridor, StagedBody, StagedScene
+
+os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+
+from highway_env.road.lane import AbstractLane
+from highway_env.road.road import Road, RoadNetwork
+from highway_env.vehicle.behavior import IDMVehicle
+from highway_env.vehicle.kinematics import Vehicle
+from highway_env.vehicle.objects import Landmark, Obstacle
+
+Locate = Callable[[float, float], tuple[float, float]]
+
+GRIP = 9.0
+"""Maximum braking on a dry road, m/s^2."""
+BESIDE_M = 0.3
+"""Distance from the lane up to which drivers mind a body's middle, m."""
+EDGES = {1: ("start", "end"), -1: ("far", "near")}
+"""Nodes of highway-env's network between which the lanes of each direction of travel lie."""
+STRAIGHT_ON = frozenset(
+    {"reverse", "run_red", "roll_away", "cross_road", "walk_along", "bolt", "dart"}
+)
+"""Behaviours that keep their heading; all others keep a lane."""
+
+
+class StripLane(AbstractLane):  # type: ignore[misc]  # highway-env has no types.
+    """One driving lane of a corridor, in one direction of travel."""
+
+    line_types = (0, 0)
+
+    def __init__(self, road: Corridor, locate: Locate, strip: int, direction: int) -> None:
+        self.road, self.locate, self.strip, self.direction = road, locate, strip, direction
+        self.length = road.length
+        self.forbidden = road.strips[strip].direction != direction
+        self.speed_limit = None
+
+    def _s(self, longitudinal: float) -> float:
+        return longitudinal if self.direction > 0 else self.length - longitudinal
+
+    def position(self, longitudinal: float, lateral: float) -> NDArray[np.float64]:
+        """Return x and y of a place in the lane."""
+        s = self._s(longitudinal)
+        x, y, *_ = self.road.point(s, self.road.centre(self.strip, s) + self.direction * lateral)
+        return np.array([x, y])
+
+    def heading_at(self, longitudinal: float) -> float:
+        """Return the direction of travel."""
+        return self.road.heading(self._s(longitudinal)) + (0.0 if self.direction > 0 else math.pi)
+
+    def width_at(self, longitudinal: float) -> float:
+        """Return the width."""
+        right, left = self.road.edges(self.strip, self._s(longitudinal))
+        return left - right
+
+    def local_coordinates(self, position: NDArray[np.float64]) -> tuple[float, float]:
+        """Return the place in the lane of x and y."""
+        s, t = self.locate(float(position[0]), float(position[1]))
+        return self._s(s), self.direction * (t - self.road.centre(self.strip, s))
+
+    def on_lane(self, position: Any, s: Any = None, t: Any = None, margin: float = 0.0) -> bool:
+        """Return whether a body there is in the way; highway-env minds those a metre aside, too."""
+        return bool(super().on_lane(position, s, t, min(margin, BESIDE_M)))
+
+
+class Actor(IDMVehicle):  # type: ignore[misc]
+    """A moving body: highway-env's driver in its lane, or its bicycle straight on."""
+
+    since: float | None = None
+    """Time since the trigger, s; `None` before."""
+    covered = 0.0
+
+    def __init__(self, road: Road, body: StagedBody, grip: float) -> None:
+        self.kind, self.given = body.behaviour, dict(body.parameters or {})
+        self.is_driving = self.kind not in STRAIGHT_ON
+        goal = self.given.get("speed", body.speed)
+        super().__init__(road, body.pose[:2], body.pose[3], body.speed, enable_lane_change=False)
+        self.target_speed = -goal if self.kind == "reverse" else goal
+        edge = EDGES[body.direction]
+        strips = [lane.strip for lane in road.network.graph[edge[0]][edge[1]]]
+        self.lane_index = self.target_lane_index = (*edge, strips.index(body.lane))
+        self.goal_index = (*edge, strips.index(body.goal_lane))
+        self.LENGTH, self.grip = body.asset.length, grip
+        self.TIME_WANTED = self.given.get("headway", 1.2)
+        self.DISTANCE_WANTED = 2.0 + self.LENGTH
+        braking = self.given["deceleration"] if self.kind == "follow_lane" else grip
+        self.ACC_MAX = min(braking, grip)
+
+    def lane_distance_to(self, other: Any, lane: Any = None) -> float:
+        """Return the distance between the middles as if the other were as long as this body."""
+        distance: float = super().lane_distance_to(other, lane)
+        return distance - 0.5 * float(other.LENGTH - self.LENGTH)
+
+    def act(self, action: Any = None) -> None:
+        """Choose steering and acceleration."""
+        if self.since is not None and self.kind in ("cut_in", "cut_out"):
+            self.target_lane_index = self.goal_index
+            # highway-env's gain would jump aside; growing, it takes the time that the scene says.
+            gain = 4.5 * self.since / self.given["duration"] ** 2
+            self.KP_LATERAL = min(gain, IDMVehicle.KP_LATERAL)
+        super().act()
+        if not self.is_driving:
+            self.action["steering"] = 0.0
+        chosen = self._acceleration(self.action["acceleration"])
+        chosen = min(max(chosen, -self.grip), self.grip)
+        if self.target_speed >= 0.0:
+            chosen = max(chosen, -self.speed / self.dt)
+        self.action["acceleration"] = chosen
+
+    def _acceleration(self, following: float) -> float:
+        given, waited = self.given, self.since
+        match self.kind:
+            case "hard_brake" | "stall" if waited is not None:
+                return -given["deceleration"]
+            case "halt" if waited is not None:
+                standing = given["speed"] / given["deceleration"] + given["pause"]
+                return min(-given["deceleration"], following) if waited < standing else following
+            case "stop_and_go" if waited is not None and waited / given["period"] % 1.0 < 0.5:
+                return min(-2.5, following)
+            case "wrong_way":
+                return float(self.speed_control(self.target_speed))
+        if self.is_driving:
+            return following
+        if waited is None and self.kind != "run_red":
+            return 0.0
+        if self.covered >= given.get("distance", math.inf):
+            return -math.inf
+        most: float = given.get("acceleration", float(self.COMFORT_ACC_MAX))
+        return float(np.clip(self.speed_control(self.target_speed), -most, most))
+
+    def step(self, dt: float) -> None:
+        """Move by one step."""
+        before = self.position.copy()
+        super().step(dt)
+        self.covered += float(np.hypot(*(self.position - before)))
+        if self.since is not None:
+            self.since += dt
+
+
+def road_of(staged: StagedScene, seed: int) -> Road:
+    """Return highway-env's road: every driving lane in both directions of travel."""
+    road = staged.corridor
+    locate = lru_cache(maxsize=64)(road.locate)
+    network = RoadNetwork()
+    for direction, edge in EDGES.items():
+        for strip in road.driving:
+            network.add_lane(*edge, StripLane(road, locate, strip, direction))
+    return Road(network, np_random=np.random.RandomState(seed))
+
+
+def placed(road: Road, staged: StagedScene, body: StagedBody, dt: float) -> Any:
+    """Return a body of the scene, which has been put on the road."""
+    place = (road, body.pose[:2], body.pose[3])
+    made: Any
+    if body.behaviour == "stand":
+        made = (Landmark if body.asset.is_passable(body.state) else Obstacle)(*place)
+        road.objects.append(made)
+    else:
+        grip = GRIP * staged.scene.weather.friction
+        made = Actor(road, body, grip) if body.behaviour else Vehicle(*place, body.speed)
+        road.vehicles.append(made)
+    made.LENGTH, made.WIDTH, made.dt = body.asset.length, body.asset.width, dt
+    made.MAX_SPEED = math.inf
+    made.collidable = False  # highway-env stops bodies that touch; here they move on.
+    return made

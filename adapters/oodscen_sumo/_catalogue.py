@@ -1,0 +1,23 @@
+"""What SUMO's drivers do, and what they can meet on the road; loads without SUMO."""
+
+from functools import lru_cache
+
+from oodscen.data import Catalogue
+from oodscen.driving import DynamicSimulator
+from oodscen.testing import FlatSimulator
+
+DRIVEN = frozenset("follow_lane cut_in cut_out hard_brake stall halt stop_and_go".split())
+"""Behaviours of SUMO's drivers."""
+GUIDED = frozenset(
+    "stand wrong_way reverse run_red roll_away cross_road hesitate walk_along bolt dart wander".split()
+)
+"""Behaviours that mind nobody: the library guides these bodies through SUMO's traffic, which sees them."""
+
+
+@lru_cache(maxsize=1)
+def load_catalogue() -> Catalogue:
+    """Return the flat simulator's bodies and weather, with SUMO's behaviours, on roads without junctions."""
+    kinds = tuple(kind for kind in DynamicSimulator.BEHAVIOURS if kind.id in DRIVEN | GUIDED)
+    roads = tuple(road for road in DynamicSimulator.MAPS if "junction" not in road.traits)
+    mine = {"simulator": "sumo", "behaviours": kinds, "maps": roads}
+    return FlatSimulator().catalogue().model_copy(update=mine)

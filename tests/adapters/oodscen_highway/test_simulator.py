@@ -1,0 +1,72 @@
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen import make_catalogue
+from oodscen.data import Actor, Behaviour, Placement
+from oodscen.protocols import Control
+from oodscen.testing import simulator_checks
+from oodscen.testing._kit.samples import sample_scene
+
+pytest.importorskip("highway_env")
+
+from oodscen_highway import HighwaySimulator
+from oodscen_highway._catalogue import load_catalogue
+
+CATALOGUE = load_catalogue()
+
+
+@pytest.mark.parametrize("check", simulator_checks(HighwaySimulator, quick=True), ids=str)
+def test_it_keeps_the_protocols_promises(check) -> None:
+    check()
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    acceleration=st.floats(-20.0, 20.0),
+    steering=st.floats(-2.0, 2.0),
+    behaviour=st.sampled_from([kind.id for kind in CATALOGUE.behaviours]),
+)
+def test_the_ego_never_reverses_and_a_restored_run_repeats(
+    acceleration, steering, behaviour
+) -> None:
+    kind = CATALOGUE.behaviour(behaviour)
+    asset = next(one for one in CATALOGUE.assets if one.category in kind.categories)
+    actor = Actor(
+        id="a", asset=asset.id, placement=Placement(ahead_m=20.0), behaviour=Behaviour(name=kind.id)
+    )
+    with HighwaySimulator() as simulator:
+        simulator.reset(sample_scene(CATALOGUE.map("urban_avenue"), (actor,)), 0)
+        simulator.step(Control(acceleration, steering))
+        kept, runs = simulator.snapshot(), []
+        for _ in range(2):
+            simulator.restore(kept)
+            states = [simulator.step(Control(acceleration, steering)) for _ in range(20)]
+            assert min(state.speeds[0] for state in states) >= 0.0
+            runs.append([state.fingerprint() for state in states])
+        assert runs[0] == runs[1]
+
+
+def test_the_catalogue_needs_no_highway_env_and_a_run_says_how_to_get_it() -> None:
+    code = """
+import sys
+sys.modules["highway_env"] = None
+from oodscen.errors import MissingExtra
+from oodscen.testing._kit.samples import sample_scene
+from oodscen_highway import HighwaySimulator
+with HighwaySimulator() as simulator:
+    scene = sample_scene(simulator.catalogue().maps[0], ())
+    try:
+        simulator.reset(scene, 0)
+    except MissingExtra as error:
+        print(error.extra, error.module)
+"""
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.split() == ["highway", "highway_env"]
+
+
+def test_the_registered_catalogue_is_the_simulators() -> None:
+    assert make_catalogue("oodscen_highway:HighwaySimulator") == CATALOGUE

@@ -1,0 +1,114 @@
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from oodscen import make_catalogue
+from oodscen.data import Actor, Behaviour, Placement, Trigger
+from oodscen.driving import load_corridor
+from oodscen.errors import SceneError, SimulatorError
+from oodscen.protocols import Control
+from oodscen.testing import simulator_checks
+from oodscen.testing._kit.samples import sample_scene
+
+pytest.importorskip("libsumo")
+pytest.importorskip("sumo")
+
+from oodscen_sumo import SumoSimulator
+from oodscen_sumo._catalogue import load_catalogue
+from oodscen_sumo._network import Networks, load_sumo
+
+CATALOGUE = load_catalogue()
+AVENUE = CATALOGUE.map("urban_avenue")
+
+
+def actor(behaviour: str, *, id: str = "a", asset: str = "car", ahead: float = 30.0, **parameters):
+    doing = Behaviour(name=behaviour, trigger=Trigger(value=0.5), parameters=parameters)
+    return Actor(id=id, asset=asset, placement=Placement(ahead_m=ahead), behaviour=doing)
+
+
+@pytest.mark.parametrize("check", simulator_checks(SumoSimulator, quick=True), ids=str)
+def test_it_keeps_the_protocols_promises(check) -> None:
+    check()
+
+
+def test_every_driving_lane_has_a_lane_of_sumo_in_its_middle() -> None:
+    sumo, _ = load_sumo()
+    for road in CATALOGUE.maps:
+        corridor = load_corridor(road)
+        with SumoSimulator() as simulator:
+            simulator.reset(sample_scene(road, ()), 0)
+            for strip in corridor.driving:
+                for s in np.arange(corridor.start - 10.0, corridor.start + 300.0, 9.0):
+                    x, y, *_ = corridor.point(s, corridor.centre(strip, s))
+                    middle = sumo.simulation.convert2D(*sumo.simulation.convertRoad(x, y))
+                    along, t = corridor.locate(*middle)
+                    assert abs(t - corridor.centre(strip, along)) < 0.1, (road.id, strip, s)
+                    assert abs(along - s) < 0.5, (road.id, strip, s)
+
+
+def test_drivers_brake_for_a_guided_body_that_crosses() -> None:
+    crossing = actor("cross_road", id="b", asset="adult", ahead=80.0, speed=0.2, distance=1.0)
+    with SumoSimulator() as simulator:
+        state = simulator.reset(sample_scene(AVENUE, (actor("follow_lane"), crossing)), 0)
+        for _ in range(200):
+            state = simulator.step(Control())
+    assert state.speeds[1] < 1.0
+    assert state.poses[1, 0] < state.poses[2, 0]
+
+
+def test_a_change_into_an_oncoming_lane_is_refused() -> None:
+    street = CATALOGUE.map("residential_two_lane")
+    with SumoSimulator() as simulator, pytest.raises(SceneError) as refused:
+        simulator.reset(sample_scene(street, (actor("cut_in", lanes=1.0),)), 0)
+    assert [issue.path for issue in refused.value.issues] == [
+        "actors[0].behaviour.parameters.lanes"
+    ]
+
+
+def test_one_simulation_runs_per_process() -> None:
+    scene = sample_scene(AVENUE, (actor("follow_lane"),))
+    with SumoSimulator() as one, SumoSimulator() as other:
+        first = one.reset(scene, 0).fingerprint()
+        assert other.reset(scene, 0).fingerprint() == first
+        with pytest.raises(SimulatorError):
+            one.step(Control())
+        one.reset(scene, 0)
+        one.step(Control())
+
+
+def test_a_driver_at_the_end_of_its_road_stays_there() -> None:
+    leaving = actor("hard_brake", ahead=300.0, speed=45.0, deceleration=1.0)
+    with SumoSimulator() as simulator:
+        states = [simulator.reset(sample_scene(AVENUE, (leaving,)), 0)]
+        states += [simulator.step(Control()) for _ in range(400)]
+    assert np.array_equal(states[-1].poses[1], states[-2].poses[1])
+
+
+def test_a_file_that_netconvert_refuses_is_named(tmp_path) -> None:
+    broken = tmp_path / "broken.xodr"
+    broken.write_text("no road")
+    networks = Networks(load_sumo()[1])
+    with pytest.raises(SimulatorError, match="broken"):
+        networks.path(str(broken))
+    networks.close()
+
+
+def test_the_catalogue_needs_no_sumo_and_a_run_says_how_to_get_it() -> None:
+    code = """
+import sys
+sys.modules["libsumo"] = None
+from oodscen.errors import MissingExtra
+from oodscen.testing._kit.samples import sample_scene
+from oodscen_sumo import SumoSimulator
+with SumoSimulator() as simulator:
+    scene = sample_scene(simulator.catalogue().maps[0], ())
+    try:
+        simulator.reset(scene, 0)
+    except MissingExtra as error:
+        print(error.extra, error.module)
+"""
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.split() == ["sumo", "libsumo"]
+    assert make_catalogue("oodscen_sumo:SumoSimulator") == CATALOGUE
