@@ -1,4 +1,4 @@
-"""What highway-env can move, in the shapes that the flat rasteriser can draw; loads without highway-env."""
+"""The catalogue: bodies that the flat rasteriser draws, moved by highway-env; loads without it."""
 
 from functools import lru_cache
 

@@ -1,4 +1,4 @@
-"""The scene in highway-env's terms: a lane on our road, the ego, drivers, walkers and obstacles.
+"""The scene in highway-env's terms: lanes along the corridor, the ego, drivers, walkers and obstacles.
 
 This is the one module that imports highway-env.
 """
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from oodscen.driving import Corridor, StagedBody, StagedScene
 
-os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")  # Its greeting goes to standard output.
 
 from highway_env.road.lane import AbstractLane
 from highway_env.road.road import Road, RoadNetwork

@@ -1,4 +1,4 @@
-"""What SUMO's drivers do, and what they can meet on the road; loads without SUMO."""
+"""The catalogue: SUMO's drivers, and bodies that they can meet on the road; loads without SUMO."""
 
 from functools import lru_cache
 
@@ -11,7 +11,7 @@ DRIVEN = frozenset("follow_lane cut_in cut_out hard_brake stall halt stop_and_go
 GUIDED = frozenset(
     "stand wrong_way reverse run_red roll_away cross_road hesitate walk_along bolt dart wander".split()
 )
-"""Behaviours that mind nobody: the library guides these bodies through SUMO's traffic, which sees them."""
+"""Behaviours without regard for others: the library guides these bodies through SUMO's traffic."""
 
 
 @lru_cache(maxsize=1)

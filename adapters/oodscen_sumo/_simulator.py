@@ -1,4 +1,4 @@
-"""The simulator: SUMO drives the traffic, the library guides the ego and whatever minds nobody."""
+"""The simulator: SUMO drives the traffic; the library guides the ego and bodies without drivers."""
 
 import math
 from collections.abc import Sequence
