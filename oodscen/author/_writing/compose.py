@@ -133,13 +133,9 @@ class Composer:
             phrases = _shortest(phrases, 0)
             events = self._short(hazard, setting)
         fit = [self._agreement.suits(event, setting) for event in events]
-        aside = [told_aside(event) for event in events] if may_be_aside(hazard) else []
-        if any(aside) and rng.random() < SHARE:
-            suits = [bool(event) and is_fit for event, is_fit in zip(aside, fit, strict=True)]
-            event = turns.first(f"aside {len(aside)}", aside, suits) or ""
-        else:
-            event = ""
-        event = event or turns.first(f"event {len(events)}", events, fit) or events[0]
+        event = turns.first(f"event {len(events)}", events, fit) or events[0]
+        if may_be_aside(hazard) and rng.random() < SHARE:
+            event = told_aside(event) or event
         details = self._agreement.suiting(hazard.details, setting)
         opening = turns.next("opening", self.knowledge.wording.openings)
         named_place = f"place {place.key} {len(wheres)}"

@@ -43,7 +43,8 @@ def test_every_kind_has_a_twin_without_its_event(
 def test_place_weather_and_name_stay(author: BuiltinAuthor, ask) -> None:
     text = "On a two-lane rural road at dusk, a fallen tree bars the road ahead of ego."
     found = twin(author, ask, text)
-    assert found.startswith("On a two-lane rural road at dusk, the trees stand upright beside")
+    assert found.startswith("On a two-lane rural road at dusk, ")
+    assert "fallen" not in found
     text = (
         "I am driving on a two-lane rural road. A fallen tree lies across the road in front of me."
     )
