@@ -17,6 +17,7 @@ DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 GENERATED = DOCS / "generated"
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+NOTEBOOKS = sorted((ROOT / "examples" / "notebooks").glob("*.ipynb"))
 
 project = "oodscen"
 author = copyright = "The oodscen contributors"
@@ -92,6 +93,10 @@ def _write_examples(file: Path) -> None:
         text = (ROOT / "examples" / name / "README.md").read_text("utf-8")
         text = re.sub(r"\]\((?:\.\./)+docs/", "](../", text)
         parts.append(f"## {name}\n\n" + re.sub(r"^#", "##", text, flags=re.MULTILINE))
+    parts.append("## notebooks\n\nDownload them with their outputs:")
+    for path in NOTEBOOKS:
+        shutil.copy(path, GENERATED)
+        parts.append(f"- [{path.stem}]({path.name})")
     designs = sorted(path.stem for path in (ROOT / "examples" / "made").glob("*.json"))
     listing = ", ".join(f"`{name}`" for name in designs)
     parts.append(f"## made\n\nDesigns of [things made to order](../made.md): {listing}.")
