@@ -33,18 +33,25 @@ autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 autodoc_default_options = {
     "members": True,
-    "exclude-members": "model_config, model_post_init, __init__, __new__",
+    "exclude-members": "model_config, model_post_init, noun, __init__, __new__",
 }
 python_use_unqualified_type_names = True
 add_module_names = False
 
 html_theme = "furo"
 html_title = "oodscen"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sphinx = False
 
 SECTION = re.compile(r"^## `([\w.]+)`\n\n([^\n]*)\n\n([^\n]*)$", re.MULTILINE)
 """A package of `api.md`, its line and its names."""
+
+LIMITED = re.compile(
+    r"(?:~?typing\.)?Annotated\[([~\w.]+), (?:[~\w.]+\((?:[^()']|'[^']*')*\)(?:, )?)+\]"
+)
+"""A type with limits in a signature."""
 
 
 def _slug(heading: str) -> str:
@@ -136,9 +143,18 @@ def _google_style(
     app: Any, what: str, name: str, value: Any, options: Any, lines: list[str]
 ) -> None:
     """Read sections of a docstring; those of fields have none, though they may have a colon."""
+    if "Attributes:" in lines:  # `help` lists the fields there; here each has an entry
+        del lines[lines.index("Attributes:") :]
     if what not in {"attribute", "data", "property"}:
         style = Config(napoleon_use_ivar=True)
         lines[:] = GoogleDocstring(lines, style, app, what, name, value, options).lines()
+
+
+def _plain_types(
+    app: Any, what: str, name: str, value: Any, options: Any, signature: str, returned: str
+) -> tuple[str, str] | None:
+    """Drop the limits of pydantic fields from a signature, which is long enough."""
+    return (LIMITED.sub(r"\1", signature), returned) if signature else None
 
 
 def setup(app: Any) -> None:
@@ -146,3 +162,4 @@ def setup(app: Any) -> None:
     app.connect("builder-inited", _generate)
     app.connect("source-read", _read)
     app.connect("autodoc-process-docstring", _google_style)
+    app.connect("autodoc-process-signature", _plain_types)
