@@ -26,7 +26,6 @@ root_doc = "index"
 exclude_patterns = ["_build"]
 default_role = "literal"  # docstrings put code between single backquotes
 nitpicky = False
-suppress_warnings = ["misc.highlighting_failure"]  # shortened JSON: `{"actors": [...]}`
 
 myst_heading_anchors = 4
 autodoc_member_order = "bysource"
