@@ -5,7 +5,7 @@ OUT ?= out
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test lint bench package clean
+.PHONY: demo test lint bench package docs clean
 
 demo: $(READY)
 	$(BIN)/oodscen run $(OUT)
@@ -29,8 +29,14 @@ package: $(READY)
 	$(BIN)/pip install --quiet -c constraints.txt -e '.[release]'
 	$(BIN)/python -m tools.check_package dist $(EXTRAS)
 
+# The site, in docs/_build; a warning is an error.
+docs: $(READY)
+	$(BIN)/pip install --quiet -c constraints.txt -e '.[docs]'
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build
+	@echo docs/_build/index.html
+
 clean:
-	rm -rf .venv dist $(OUT)
+	rm -rf .venv dist docs/_build docs/generated $(OUT)
 
 $(READY): pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv

@@ -24,7 +24,10 @@ UNLISTED = {
 """Packages that list no name."""
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 TEXTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.*") if path.suffix != ".pyc")
+EXAMPLES = [
+    *sorted((ROOT / "examples").glob("*.py")),
+    *sorted((ROOT / "examples" / "notebooks").glob("*.ipynb")),
+]
 
 
 def test_every_public_package_has_its_section():

@@ -1,7 +1,10 @@
-"""Every Python block of README and docs runs, file by file, in order; so does every example."""
+"""Every Python block of README and docs runs, file by file, in order; so does every example and notebook."""
 
+import ast
+import json
 import re
 import runpy
+import shutil
 from pathlib import Path
 
 import pytest
@@ -14,6 +17,7 @@ from tests.pipeline.quick import ORDINARY
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+NOTEBOOKS = sorted((ROOT / "examples" / "notebooks").glob("*.ipynb"))
 ARGUMENTS = {"learning_to_stop": ["250"]}
 """Arguments with which an example takes less time."""
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -53,6 +57,37 @@ def test_an_example_runs(example, workplace, capsys, monkeypatch):
     monkeypatch.setattr("sys.argv", [str(example), *ARGUMENTS.get(example.stem, ())])
     runpy.run_path(str(example), run_name="__main__")
     assert capsys.readouterr().out.strip()
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs(notebook, study, tmp_path, monkeypatch, capsys):
+    shutil.copytree(study, tmp_path / "out")
+    monkeypatch.chdir(tmp_path)
+    names = {"__name__": "__main__"}
+    for cell in cells(notebook):
+        tree = ast.parse("".join(cell["source"]))
+        last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
+        exec(compile(tree, notebook.name, "exec"), names)
+        if last is not None:
+            shown = eval(compile(ast.Expression(last.value), notebook.name, "eval"), names)
+            getattr(shown, "_repr_html_", str)()
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_shipped_with_its_outputs_and_small(notebook):
+    assert [cell["execution_count"] for cell in cells(notebook)] == [
+        number for number, _ in enumerate(cells(notebook), 1)
+    ]
+    outputs = [output for cell in cells(notebook) for output in cell["outputs"]]
+    assert outputs
+    assert all(output["output_type"] != "error" for output in outputs)
+    assert notebook.stat().st_size < 200_000
+
+
+def cells(notebook):
+    """Return the code cells of a notebook."""
+    read = json.loads(notebook.read_text(encoding="utf-8"))
+    return [cell for cell in read["cells"] if cell["cell_type"] == "code"]
 
 
 def test_links_lead_somewhere():
