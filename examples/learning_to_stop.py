@@ -4,6 +4,7 @@ Run it with `python examples/learning_to_stop.py [STEPS]`, after `pip install st
 """
 
 import sys
+from typing import Any
 
 from oodscen import drive, make_simulator
 from oodscen.testing import example_scene
@@ -24,7 +25,7 @@ def main(steps: str = "4000") -> None:
     from oodscen.gymnasium import PolicyDriver
 
     torch.set_num_threads(1)
-    settings = {"actions": "discrete", "step_s": 0.5}
+    settings: dict[str, Any] = {"actions": "discrete", "step_s": 0.5}
     env = gymnasium.wrappers.TransformAction(
         gymnasium.make("oodscen/Scene-v0", scenes=[example_scene()], twins=True, **settings),
         lambda choice: ACTIONS[choice],
@@ -34,7 +35,7 @@ def main(steps: str = "4000") -> None:
         "MultiInputPolicy", env, seed=0, n_steps=250, batch_size=50, gamma=0.95, learning_rate=2e-3
     )
 
-    def policy(seen):
+    def policy(seen: Any) -> int:
         return ACTIONS[int(model.predict(seen, deterministic=True)[0])]
 
     with make_simulator("flat") as simulator:

