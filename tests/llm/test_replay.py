@@ -129,7 +129,8 @@ def test_a_recording_that_is_cut_anywhere_keeps_its_whole_lines(tmp_path_factory
         0 if n < whole else 2 for n in range(3)
     ]
     assert sorted(Recording(file)._places) == sorted(Exchange.parse(line).key() for line in LINES)
-    assert file.read_bytes().count(b"\n") == 3
+    # A last line that lacks only its end is whole, and nothing was written.
+    assert file.read_bytes().rstrip(b"\n").count(b"\n") == 2
 
 
 @settings(max_examples=40)

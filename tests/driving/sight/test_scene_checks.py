@@ -39,7 +39,7 @@ def test_a_box_ahead_is_seen():
 @pytest.mark.parametrize(
     ("one", "words"),
     [
-        (staged(actor("box", "cardboard_box", ahead=-40.0), decision=Trigger(value=1.0)), "outside"),
+        (staged(actor("box", "cardboard_box", ahead=-40.0), decision=Trigger(value=1.0)), "behind the ego"),
         (
             staged(
                 actor("child", "adult", ahead=62.0),
