@@ -1,15 +1,14 @@
 """The competent and careful human driver of UN Regulation No. 157, as a reference driver."""
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
-from oodscen._display import Brief
-from oodscen.driving._drivers.braking import DECELERATION, DELAY_S, DelayedBrake
-from oodscen.driving._drivers.following import followed
-from oodscen.driving._drivers.perception import Neighbour, Perception
-from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._drivers.braking import DECELERATION, DELAY_S
+from oodscen.driving._drivers.perception import Neighbour
+from oodscen.driving._drivers.watching import HEADWAY_S, WatchingDriver
 from oodscen.driving._motion.bodies import GRAVITY
-from oodscen.protocols import Control, Observation, State
+from oodscen.protocols import Observation
 
 WANDER_M = 0.375
 """Sideways move from its usual place beyond which a body is perceived to leave its lane, m."""
@@ -17,8 +16,6 @@ EVALUATION_S = 0.4
 """Time from the perceived move to the end of the risk's evaluation, s."""
 CRITICAL_TTC_S = 2.0
 """Time to collision below which a perceived body is a risk, s."""
-HEADWAY_S = 2.0
-"""Time headway that the driver keeps, and below which a hard-braking leader is a risk, s."""
 HARD_BRAKING = 5.0
 """Deceleration of a leader that is a risk within the headway, m/s^2."""
 WRAPPED_DECELERATION = 0.85 * GRAVITY
@@ -29,8 +26,6 @@ _STILL = 0.1
 """Speed across the road below which a body keeps its place in its lane, m/s."""
 _SETTLED_S = 1.0
 """Time after which such a place becomes the body's usual place, s."""
-_MILDEST, _STANDING_M, _COMFORTABLE = 3.0, 2.5, 2.0
-"""Limit of comfortable braking, m/s^2; gap at a standstill, m; comfortable acceleration, m/s^2."""
 
 
 @dataclass
@@ -47,7 +42,7 @@ class _Memory:
     """Time since which it has been braking hard, s."""
 
 
-class R157Driver(Brief):
+class R157Driver(WatchingDriver):
     """The careful and competent human driver of UN Regulation No. 157, with perfect eyesight.
 
     The performance model of Annex 4, Appendix 3 (ECE/TRANS/WP.29/2020/81): a move of more than 0.375 m
@@ -62,41 +57,30 @@ class R157Driver(Brief):
     """
 
     def __init__(self) -> None:
-        self._keep = Cruise()
-        self._perception = Perception()
-        self._brake = DelayedBrake()
+        super().__init__()
         self._memories: dict[str, _Memory] = {}
-        self._desired: float | None = None
-        self._state: State | None = None
 
-    def look(self, state: State) -> None:
-        """Take the true state."""
-        self._state = state
-
-    def act(self, observation: Observation) -> Control:
-        """Follow, brake, or keep the speed."""
-        control = self._keep.act(observation)
-        if self._desired is None:
-            self._desired = max(observation.speed, 0.1)
-        if self._state is None:
-            return control
-        seen = self._perception.look(self._state, observation.visual_range_m)
+    def _emergency(self, seen: Sequence[Neighbour], observation: Observation) -> float:
         time, speed = observation.time, observation.speed
         self._remember(seen, time)
         risks = [one for one in seen if self._is_risk(one, time, speed)]
         is_wrapped = any(abs(one.aside) <= WANDER_M for one in risks)
-        deceleration = self._brake.deceleration(
+        return self._brake.deceleration(
             time,
             demanded=bool(risks),
             limit=WRAPPED_DECELERATION if is_wrapped else DECELERATION,
             friction=observation.friction,
         )
-        acceleration = min(control.acceleration, self._comfortable(seen, time, speed))
-        if deceleration > 0.0:
-            acceleration = min(acceleration, -deceleration)
-        return replace(control, acceleration=acceleration)
 
-    def _remember(self, seen: list[Neighbour], time: float) -> None:
+    def _minded(self, seen: Sequence[Neighbour], time: float) -> Iterable[Neighbour]:
+        evaluated = EVALUATION_S + DELAY_S
+        return (
+            one
+            for one in super()._minded(seen, time)
+            if _is_past(self._memories[one.id].noticed_at, evaluated, time)
+        )
+
+    def _remember(self, seen: Sequence[Neighbour], time: float) -> None:
         """Note which bodies have left their places, stand in the way or brake hard."""
         for one in seen:
             memory = self._memories.get(one.id)
@@ -129,25 +113,6 @@ class R157Driver(Brief):
             return False
         limit = RELEASE_TTC_S if self._brake.is_demanded else CRITICAL_TTC_S
         return one.time_to_collision(speed) < limit
-
-    def _comfortable(self, seen: list[Neighbour], time: float, speed: float) -> float:
-        """Return the acceleration that follows the bodies in the way without an emergency."""
-        assert self._desired is not None
-        accelerations = [
-            followed(
-                speed,
-                self._desired,
-                one.gap,
-                speed - one.along,
-                headway_s=HEADWAY_S,
-                standing_m=_STANDING_M,
-                comfortable=_COMFORTABLE,
-            )
-            for one in seen
-            if one.is_in_the_way
-            and _is_past(self._memories[one.id].noticed_at, EVALUATION_S + DELAY_S, time)
-        ]
-        return max(-_MILDEST, min(accelerations, default=math.inf))
 
 
 def _approaches(one: Neighbour, memory: _Memory) -> bool:

@@ -4,20 +4,15 @@ Source: Shalev-Shwartz, Shammah and Shashua, "On a formal model of safe and scal
 cars", arXiv:1708.06374, 2017. The paper fixes no parameters.
 """
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
-from oodscen._display import Brief
 from oodscen._numbers import finite_number
-from oodscen.driving._drivers.braking import DelayedBrake
-from oodscen.driving._drivers.following import followed
-from oodscen.driving._drivers.perception import Neighbour, Perception
-from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._drivers.perception import Neighbour
+from oodscen.driving._drivers.watching import WatchingDriver
 from oodscen.errors import UsageError
-from oodscen.protocols import Control, Observation, State
+from oodscen.protocols import Observation
 
-_HEADWAY_S, _STANDING_M, _COMFORTABLE, _MILDEST = 2.0, 2.5, 2.0, 3.0
-"""Ordinary following: headway, s; gap at a standstill, m; comfortable acceleration and hardest braking, m/s^2."""
 _ONCOMING = -0.5
 """Speed along the road below which a body counts as oncoming, m/s."""
 
@@ -113,7 +108,7 @@ def _sideways(speed: float, parameters: RSSParameters) -> float:
     return rho * 0.5 * (speed + after) + braked * braked / (2.0 * parameters.lateral_braking)
 
 
-class RSSDriver(Brief):
+class RSSDriver(WatchingDriver):
     """Follows in its lane, and gives the proper response of RSS to dangerous situations.
 
     A situation with a body ahead is dangerous while the distances along and across the road are both
@@ -136,50 +131,14 @@ class RSSDriver(Brief):
             )
         self.parameters = parameters or RSSParameters()
         self._own = replace(self.parameters, lateral_acceleration=0.0)
-        self._keep = Cruise()
-        self._perception = Perception()
-        self._brake = DelayedBrake(self.parameters.response_s)
-        self._desired: float | None = None
-        self._state: State | None = None
+        super().__init__(self.parameters.response_s)
 
-    def look(self, state: State) -> None:
-        """Take the true state."""
-        self._state = state
-
-    def act(self, observation: Observation) -> Control:
-        """Follow, give the proper response, or keep the speed."""
-        control = self._keep.act(observation)
-        if self._desired is None:
-            self._desired = max(observation.speed, 0.1)
-        if self._state is None:
-            return control
-        seen = self._perception.look(self._state, observation.visual_range_m)
-        speed = observation.speed
-        deceleration = self._brake.deceleration(
+    def _emergency(self, seen: Sequence[Neighbour], observation: Observation) -> float:
+        return self._brake.deceleration(
             observation.time,
-            demanded=any(self._is_dangerous(one, speed) for one in seen),
+            demanded=any(self._is_dangerous(one, observation.speed) for one in seen),
             friction=observation.friction,
         )
-        comfortable = min(
-            (
-                followed(
-                    speed,
-                    self._desired,
-                    one.gap,
-                    speed - one.along,
-                    headway_s=_HEADWAY_S,
-                    standing_m=_STANDING_M,
-                    comfortable=_COMFORTABLE,
-                )
-                for one in seen
-                if one.is_in_the_way
-            ),
-            default=math.inf,
-        )
-        acceleration = min(control.acceleration, max(-_MILDEST, comfortable))
-        if deceleration > 0.0:
-            acceleration = min(acceleration, -deceleration)
-        return replace(control, acceleration=acceleration)
 
     def _is_dangerous(self, one: Neighbour, speed: float) -> bool:
         """Return whether both distances to a body ahead are below their safe ones."""
