@@ -11,7 +11,6 @@ from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._trace import Course, Trace
-from oodscen.protocols import State
 
 DT = 0.1
 """Time step, s."""
@@ -39,13 +38,13 @@ def watch(scene: Scene, catalogue: Catalogue, *, seed: int = 0, after_s: float =
     corridor = load_corridor(scene.map, catalogue)
     world = KinematicWorld(corridor, scene, catalogue, seed, dt=DT)
     driver = Cruise()
-    states = [_state(world)]
+    states = [world.state()]
     end = np.inf
     while world.time < end:
         if end == np.inf and (world.time >= APPROACH_S or world.is_due(scene.decision)):
             end = world.time + min(after_s, scene.horizon_s)
         world.step(driver.act(world.observe()))
-        states.append(_state(world))
+        states.append(world.state())
     return Trace.measured(states, Course.of(scene, catalogue))
 
 
@@ -77,18 +76,3 @@ def beside(scene: Scene, catalogue: Catalogue, trace: Trace) -> Mapping[str, NDA
     middle = 0.5 * (strip.left + strip.right)
     lane = np.interp(trace["s"], corridor.s, middle)
     return {name: trace["t"][:, row] - lane[:, row] for row, name in enumerate(trace.ids)}
-
-
-def _state(world: KinematicWorld) -> State:
-    seen = world.publish()
-    return State(
-        world.step_count,
-        world.time,
-        world.ids,
-        seen.poses,
-        seen.speeds,
-        seen.gaps,
-        seen.is_off_road,
-        seen.accelerations,
-        seen.places,
-    )

@@ -122,21 +122,10 @@ class BaseSimulator(Brief, ABC):
 
     def _keep_state(self, seen: Published) -> State:
         """Return the state with what was measured, and keep it."""
-        world = self.world
         arrays = (seen.poses, seen.speeds, seen.gaps, seen.accelerations, seen.places)
         for array in arrays:
             array.setflags(write=False)
-        self._state = State(
-            world.step_count,
-            world.time,
-            world.ids,
-            seen.poses,
-            seen.speeds,
-            seen.gaps,
-            seen.is_off_road,
-            seen.accelerations,
-            seen.places,
-        )
+        self._state = self.world.state(seen)
         return self._state
 
 

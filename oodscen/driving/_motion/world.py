@@ -33,7 +33,7 @@ from oodscen.driving._roads.track import for_kernels
 from oodscen.driving._sight.visibility import visual_range
 from oodscen.numerics._exact import PI, TAU, cos, quantised, sincos, wrapped
 from oodscen.numerics._kernels import seen
-from oodscen.protocols import Control, Observation
+from oodscen.protocols import Control, Observation, State
 
 HEADLAMPS_M = 75.0
 """Distance at which dipped headlamps reveal bodies without lamps, m."""
@@ -188,6 +188,21 @@ class KinematicWorld(Brief):
         poses, rows, places = np.empty((count, 4)), np.empty((4, count)), np.empty((count, 2))
         off_road = publish(self._situation, seen(poses), seen(rows), seen(places))
         return Published(poses, rows[0], rows[1], rows[2], rows[3], places, bool(off_road))
+
+    def state(self, published: Published | None = None) -> State:
+        """Return the public state; `published` is what `publish` gave in this step, if it was called."""
+        found = self.publish() if published is None else published
+        return State(
+            self.step_count,
+            self.time,
+            self.ids,
+            found.poses,
+            found.speeds,
+            found.gaps,
+            found.is_off_road,
+            found.accelerations,
+            found.places,
+        )
 
     def poses(self) -> NDArray[np.float64]:
         """Return x, y, z and yaw of every body: [n, 4], rows as in `ids`."""
