@@ -1,6 +1,3 @@
-import subprocess
-import sys
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -15,6 +12,8 @@ pytest.importorskip("highway_env")
 
 from oodscen_highway import HighwaySimulator
 from oodscen_highway._catalogue import load_catalogue
+
+from tests.adapters.missing import told_without
 
 CATALOGUE = load_catalogue()
 
@@ -51,21 +50,8 @@ def test_the_ego_never_reverses_and_a_restored_run_repeats(
 
 
 def test_the_catalogue_needs_no_highway_env_and_a_run_says_how_to_get_it() -> None:
-    code = """
-import sys
-sys.modules["highway_env"] = None
-from oodscen.errors import MissingExtra
-from oodscen.testing._kit.samples import sample_scene
-from oodscen_highway import HighwaySimulator
-with HighwaySimulator() as simulator:
-    scene = sample_scene(simulator.catalogue().maps[0], ())
-    try:
-        simulator.reset(scene, 0)
-    except MissingExtra as error:
-        print(error.extra, error.module)
-"""
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert told.stdout.split() == ["highway", "highway_env"]
+    told = told_without("highway_env", "oodscen_highway:HighwaySimulator")
+    assert told == ["highway", "highway_env"]
 
 
 def test_the_registered_catalogue_is_the_simulators() -> None:

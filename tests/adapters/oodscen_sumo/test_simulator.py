@@ -1,6 +1,3 @@
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -18,6 +15,8 @@ pytest.importorskip("sumo")
 from oodscen_sumo import SumoSimulator
 from oodscen_sumo._catalogue import load_catalogue
 from oodscen_sumo._network import Networks, load_sumo
+
+from tests.adapters.missing import told_without
 
 CATALOGUE = load_catalogue()
 AVENUE = CATALOGUE.map("urban_avenue")
@@ -96,19 +95,6 @@ def test_a_file_that_netconvert_refuses_is_named(tmp_path) -> None:
 
 
 def test_the_catalogue_needs_no_sumo_and_a_run_says_how_to_get_it() -> None:
-    code = """
-import sys
-sys.modules["libsumo"] = None
-from oodscen.errors import MissingExtra
-from oodscen.testing._kit.samples import sample_scene
-from oodscen_sumo import SumoSimulator
-with SumoSimulator() as simulator:
-    scene = sample_scene(simulator.catalogue().maps[0], ())
-    try:
-        simulator.reset(scene, 0)
-    except MissingExtra as error:
-        print(error.extra, error.module)
-"""
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert told.stdout.split() == ["sumo", "libsumo"]
+    told = told_without("libsumo", "oodscen_sumo:SumoSimulator")
+    assert told == ["sumo", "libsumo"]
     assert make_catalogue("oodscen_sumo:SumoSimulator") == CATALOGUE
