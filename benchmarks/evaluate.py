@@ -28,7 +28,7 @@ from oodscen.errors import BudgetExceeded
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._items import CAUTIOUS
 from oodscen.judging._leaderboard.scores import Estimate
-from oodscen.judging._safety import safety_figures
+from oodscen.judging._safe_sets import safety_figures
 from oodscen.judging._selection import chosen
 from oodscen.judging._shortcuts.audit import audit
 from oodscen.llm._remote.limits import Limits

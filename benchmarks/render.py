@@ -21,7 +21,7 @@ from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet._meshes import asset_ids, asset_mesh, paints_of
 from oodscen_pybullet._rendering.appearance import Look
-from oodscen_pybullet._rendering.bullet_camera import BulletStage
+from oodscen_pybullet._rendering.bullet_camera import BulletRenderer
 from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.stage import Pose, Shot, Stage
@@ -137,9 +137,9 @@ def speeds() -> list[Row]:
     for index in range(len(SHIPPED_MAPS)):
         one = Set(index, 1)
         assert one.triangles >= SMALLEST_TRIANGLES
-        light = Light.of(weather, one.corridor.heading(one.corridor.start), is_snowy=False)
+        light = Light.of(weather, one.corridor.heading(one.corridor.start), reflects_snow=False)
         quick, fine = Rasteriser(detail=1), Rasteriser()
-        bare, shaded = BulletStage(engine), BulletStage(engine, casts_shadows=True)
+        bare, shaded = BulletRenderer(engine), BulletRenderer(engine, casts_shadows=True)
         for stage in (quick, fine, bare, shaded):
             one.dress(stage)
         shoot = one.shoot
@@ -179,7 +179,7 @@ def weathers() -> list[Row]:
     }
     rows = []
     for name, weather in kinds.items():
-        light = Light.of(weather, one.corridor.heading(one.corridor.start), is_snowy=False)
+        light = Light.of(weather, one.corridor.heading(one.corridor.start), reflects_snow=False)
         one.finish(stage, weather, light)
         times = []
         for _ in range(ROUNDS):
@@ -203,7 +203,7 @@ def others() -> list[Row]:
             for one in sets:
                 soup = soup_of(one.scenery.meshes, one.looks, one.poses)
                 drawing = kind(soup, CameraView.of(CAMERA, one.poses[0]))
-                light = Light.of(Weather(), 0.0, is_snowy=False)
+                light = Light.of(Weather(), 0.0, reflects_snow=False)
                 for detail, found in ratios.items():
                     stage = Rasteriser(detail=detail)
                     one.dress(stage)
@@ -221,12 +221,12 @@ def others() -> list[Row]:
 def agreement(scenes: int) -> list[Row]:
     """Compare what both cameras see in random scenes."""
     engine = load_pybullet()
-    light = Light.of(Weather(), 0.0, is_snowy=False)
+    light = Light.of(Weather(), 0.0, reflects_snow=False)
     overlaps: list[float] = []
     depths: list[float] = []
     for index in range(len(SHIPPED_MAPS)):
         one = Set(index, 2)
-        ours, theirs = Rasteriser(), BulletStage(engine)
+        ours, theirs = Rasteriser(), BulletRenderer(engine)
         for stage in (ours, theirs):
             one.dress(stage)
         for _ in range(-(-scenes // len(SHIPPED_MAPS))):

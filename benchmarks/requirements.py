@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from oodscen.statistics._bounds import p_below_many
+from oodscen.statistics._bar_test import p_below_many
 
 Floats = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 from zlib import compress, crc32
 
-from oodscen._conformance import reason, working
 from oodscen._files import temporary_folder
+from oodscen._members import reason, working
 from oodscen._progress import Progress
 from oodscen.errors import DataError, OodscenError, UsageError
 from oodscen.llm._call_log import Call, LoggedLLM

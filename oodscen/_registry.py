@@ -13,7 +13,7 @@ from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from oodscen._conformance import conforming, described, reason, working
+from oodscen._members import conforming, described, reason, working
 from oodscen._numbers import seed_number
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError, close_matches

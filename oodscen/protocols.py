@@ -3,7 +3,7 @@
 An `LLM` turns a request into text, an `Encoder` turns texts into vectors, a `Simulator` turns a
 scene into states and frames, and a `Driver` turns observations into controls. Implementations are
 plain classes with these members; no base class is required. Simulators are shorter as subclasses of
-`oodscen.driving.DynamicSimulator`, if they own motion, or of `KinematicSimulator`, if they only draw.
+`oodscen.driving.DynamicSimulator`, if they own motion, or of `MirrorSimulator`, if they only draw.
 
 What a simulator or driver may be able to do in addition has a protocol of its own: `Snapshots`,
 `Rehearses`, `ChecksScenes`, `Looks`, `WantsFrames`. An object has the ability if it has the members.

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from oodscen import Metrics, StudyConfig
 from oodscen import _registry as registry
 from oodscen._cli import main
-from oodscen._pipeline import Extras, run_study
+from oodscen._pipeline import Outputs, run_study
 from oodscen._pipeline.sweep import Job, run_chunk
 from oodscen._registry import driver_maker, make_catalogue, make_encoder, make_llm, make_simulator
 from oodscen.encoders._check import encode
@@ -285,7 +285,7 @@ def test_a_simulator_that_fails_while_it_works(method, fault, tmp_path, module):
         with pytest.raises(OodscenError):
             make_simulator("faulty_plugins:Simulator")
         return
-    (result,) = run_chunk(Job("faulty_plugins:Simulator", 0, Extras()), [example_scene()])
+    (result,) = run_chunk(Job("faulty_plugins:Simulator", 0, Outputs()), [example_scene()])
     assert (result.episode.status, result.episode.error_type) == ("failed", "SimulatorCrash")
 
 

@@ -77,7 +77,7 @@ def render(
     mesh = mesh_of(look)
     view = _framing(mesh, turn_deg, rise_deg)
     weather = _NIGHT if is_night else _DAY
-    light = Light.of(weather, math.radians(turn_deg) + math.pi, is_snowy=False)
+    light = Light.of(weather, math.radians(turn_deg) + math.pi, reflects_snow=False)
     canvas = Rasteriser()
     canvas.show_scenery([_ground()])
     canvas.show_actors([MeshBuilder().box((0, 0, -9), (1, 1, 1), "grey").build(), look])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from oodscen import make_catalogue
 from oodscen.data import Asset, Catalogue, Scene
-from oodscen.driving import KinematicSimulator
+from oodscen.driving import MirrorSimulator
 from oodscen.driving._roads.building import find_map, read_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import SimulatorError, SpawnError
@@ -33,7 +33,7 @@ _LIGHTS = {
 """`carla.VehicleLightState` by state of an asset."""
 
 
-class CarlaSimulator(KinematicSimulator):
+class CarlaSimulator(MirrorSimulator):
     """Drives a CARLA server of version 0.9.15 or 0.9.16 in synchronous mode.
 
     The server shows the scenes: it gets the road as OpenDRIVE, a blueprint for every body, the
@@ -98,7 +98,7 @@ class CarlaSimulator(KinematicSimulator):
         """
         Path(file).write_text(self._connected().map_text(), encoding="utf-8")
 
-    # ------------------------------------------------------------------ KinematicSimulator
+    # ------------------------------------------------------------------ MirrorSimulator
 
     def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
         """Remove the last scene, and set road, weather and clock.

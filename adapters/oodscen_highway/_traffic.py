@@ -36,7 +36,7 @@ STRAIGHT_ON = frozenset(
 """Behaviours that keep their heading; all others keep a lane."""
 
 
-class StripLane(AbstractLane):  # type: ignore[misc]  # highway-env has no types.
+class CorridorLane(AbstractLane):  # type: ignore[misc]  # highway-env has no types.
     """One driving lane of a corridor, in one direction of travel."""
 
     line_types = (0, 0)
@@ -156,7 +156,7 @@ def road_of(staged: StagedScene, seed: int) -> Road:
     network = RoadNetwork()
     for direction, edge in EDGES.items():
         for strip in road.driving:
-            network.add_lane(*edge, StripLane(road, locate, strip, direction))
+            network.add_lane(*edge, CorridorLane(road, locate, strip, direction))
     return Road(network, np_random=np.random.RandomState(seed))
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import KinematicSimulator
+from oodscen.driving import MirrorSimulator
 from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import SpawnError
@@ -25,7 +25,7 @@ from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh, asset_ids, learned
 from oodscen_pybullet._meshes.atlas import Snow
 from oodscen_pybullet._meshes.vehicles.ego import bonnet
-from oodscen_pybullet._rendering.appearance import Cast, Look, mesh_of
+from oodscen_pybullet._rendering.appearance import Look, SceneBodies, mesh_of
 from oodscen_pybullet._rendering.cameras import choose_camera
 from oodscen_pybullet._rendering.particles import Ball, filled, placed
 from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
@@ -46,7 +46,7 @@ SNOWED_ROADS_MM_H = 1.0
 """Snowfall rate below which the roads are cleared, and only the land is white, mm/h."""
 
 
-class PyBulletSimulator(KinematicSimulator):
+class PyBulletSimulator(MirrorSimulator):
     """Shows scenes with PyBullet; needs no display.
 
     PyBullet measures the distances between the catalogue's boxes; pictures come from a software
@@ -67,12 +67,12 @@ class PyBulletSimulator(KinematicSimulator):
         self._stages: OrderedDict[tuple[object, ...], tuple[Stage, Scenery]] = OrderedDict()
         self._loaded: tuple[Corridor, Scene, int] | None = None
         self._made: dict[str, str] = {}
-        self._cast: Cast
+        self._cast: SceneBodies
         self._poses: list[Pose] = []
         self._speeds: list[float] = []
         self._shown: object = None
 
-    # ------------------------------------------------------------------ KinematicSimulator
+    # ------------------------------------------------------------------ MirrorSimulator
 
     def catalogue(self) -> Catalogue:
         """Return the available assets, behaviours, maps and weather."""
@@ -91,7 +91,7 @@ class PyBulletSimulator(KinematicSimulator):
         self._bodies.clear()
         self._loaded = (corridor, scene, seed)
         self._made = {prop.id: learned(prop) for prop in scene.made}
-        self._cast = Cast(scene, seed)
+        self._cast = SceneBodies(scene, seed)
         self._poses, self._speeds = [], []
         self._shown = None
 
@@ -172,7 +172,7 @@ class PyBulletSimulator(KinematicSimulator):
         poses = self._stand(scenery)
         stage.pose_actors(poses)
         light = Light.of(
-            scene.weather, corridor.heading(corridor.start), is_snowy=_snow(scene) > Snow.NONE
+            scene.weather, corridor.heading(corridor.start), reflects_snow=_snow(scene) > Snow.NONE
         )
         ground = poses[0][2]
         portal = Shelter(corridor).portal(view)

@@ -12,7 +12,7 @@ from oodscen._cli.output import bars, say
 from oodscen._cli.paths import PathName
 
 if TYPE_CHECKING:
-    from oodscen.judging._drives import DriveRate, DriveRow
+    from oodscen.judging._drive_board import DriveRate, DriveRow
     from oodscen.judging._leaderboard.scores import Estimate
 
 
@@ -35,7 +35,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     """
     from oodscen._registry import driver_maker, make_simulator
     from oodscen.data._pairing import scene_of
-    from oodscen.judging._drives import current, drive_board, remarks
+    from oodscen.judging._drive_board import current, drive_board, remarks
     from oodscen.report._render import write_report
     from oodscen.stages._drive import drive as drive_scenes
     from oodscen.study._study import Study

@@ -354,7 +354,7 @@ def _scene_named(name: str, by_id: dict[str, Scene], catalogue: Catalogue, seed:
 
 def _enter(place: Path, found: "list[PlayedVerdict]") -> None:
     """Enter the drives into the study's table and write its report again."""
-    from oodscen.judging._drives import current
+    from oodscen.judging._drive_board import current
     from oodscen.report._render import write_report
     from oodscen.study._study import Study
 

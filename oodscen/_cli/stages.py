@@ -315,7 +315,7 @@ def simulate(
     is 1. A folder that already holds a study or simulation results is refused.
     """
     from oodscen import Scene, make_simulator
-    from oodscen._pipeline.sweep import Extras, Job, sweep
+    from oodscen._pipeline.sweep import Job, Outputs, sweep
     from oodscen.study._study import Study
 
     items = read_lines(Scene, scenes)
@@ -329,7 +329,7 @@ def simulate(
     job = Job(
         simulator,
         seed,
-        Extras(traces, annotations, video),
+        Outputs(traces, annotations, video),
         camera=camera,
         reaction=reaction or REACTIONS_S,
         horizon=horizon,

@@ -184,7 +184,7 @@ def run(
     Models judged by earlier runs of `oodscen evaluate` are kept. The exit code is 1 if items failed, and 3 if
     a cap or an unreachable server stopped the run; run the same command to continue.
     """
-    from oodscen._pipeline import Extras, RunOptions, estimate, run_study
+    from oodscen._pipeline import Outputs, RunOptions, estimate, run_study
     from oodscen.llm._accounting import Ledger
     from oodscen.study._config import StudyConfig
     from oodscen.study._study import Study
@@ -212,7 +212,7 @@ def run(
             config,
             workers=workers or os.cpu_count() or 1,
             progress=progress,
-            extras=Extras(traces, annotations, video),
+            outputs=Outputs(traces, annotations, video),
             limits=limits,
             ledger=ledger,
             retry=retry_failed,

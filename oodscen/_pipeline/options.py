@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 
-from oodscen._pipeline.sweep import Extras
+from oodscen._pipeline.sweep import Outputs
 from oodscen._progress import Progress as Progress
 from oodscen._progress import silent
 from oodscen.llm._accounting import Ledger
@@ -24,7 +24,7 @@ class RunOptions:
     """Called after every finished item."""
     models: Mapping[str, LLM] = field(default_factory=dict)
     """Models to use for names in the configuration."""
-    extras: Extras = field(default_factory=Extras)
+    outputs: Outputs = field(default_factory=Outputs)
     """Further outputs to keep for each newly simulated episode."""
     limits: Limits = field(default_factory=Limits)
     """Caps, prices and concurrency of the models."""

@@ -7,7 +7,7 @@ from typing import Any
 
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
-from oodscen._pipeline.sweep import Extras, check_workers
+from oodscen._pipeline.sweep import Outputs, check_workers
 from oodscen._progress import Progress, reporting
 from oodscen.llm._accounting import Ledger
 from oodscen.llm._remote.limits import Limits
@@ -24,7 +24,7 @@ def run_study(
     executor: Executor | None = None,
     progress: Progress | bool | None = None,
     models: Mapping[str, LLM] | None = None,
-    extras: Extras | None = None,
+    outputs: Outputs | None = None,
     limits: Limits | None = None,
     ledger: Ledger | None = None,
     retry: bool = False,
@@ -40,7 +40,7 @@ def run_study(
         progress: True for one progress bar per stage, which is a widget in a notebook; or a callable, called with
             the stage, the items done and their total after every finished item.
         models: Models to use for names in the configuration; other names are looked up by `make_llm`.
-        extras: Further outputs to keep for each newly simulated episode: traces, annotations, videos.
+        outputs: Further outputs to keep for each newly simulated episode: traces, annotations, videos.
         limits: Caps, prices and concurrency of the models.
         ledger: Keeps running totals of the calls.
         retry: Redo every failed item; otherwise only those that failed because no answer came.
@@ -55,7 +55,7 @@ def run_study(
     check_workers(config.simulator, workers, executor)
     given = {
         "models": models,
-        "extras": extras,
+        "outputs": outputs,
         "limits": limits,
         "ledger": ledger or Ledger(),
     }

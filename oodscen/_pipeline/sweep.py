@@ -11,8 +11,8 @@ from typing import Literal, TypeVar
 
 import numpy as np
 
-from oodscen._conformance import reason
 from oodscen._files import temporary_folder
+from oodscen._members import reason
 from oodscen._processes import Processes, is_importable, is_script
 from oodscen._redaction import redact
 from oodscen._registry import find, make_simulator
@@ -42,7 +42,7 @@ Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
-class Extras:
+class Outputs:
     """Outputs to keep for every episode besides its record and frames."""
 
     traces: bool = False
@@ -60,7 +60,7 @@ class Job:
     simulator: str
     """Registered name, or `module:attr`."""
     seed: int = 0
-    extras: Extras = Extras()
+    outputs: Outputs = Outputs()
     twins: bool = False
     """Run every scene's ordinary twin right after it, while the map's scenery is built."""
     demands: bool = False
@@ -208,7 +208,7 @@ def _demand(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) 
 
     def made() -> tuple[Scene, Simulated]:
         return demanding(
-            scene, simulated, simulator, job.seed, job.extras.traces, job.camera, job.reaction
+            scene, simulated, simulator, job.seed, job.outputs.traces, job.camera, job.reaction
         )
 
     name = demand_id(scene.id)
@@ -267,7 +267,7 @@ def _run(job: Job, simulator: Simulator, given: Scene) -> tuple[SweepResult, Sim
             seed=job.seed,
             camera=job.camera.behind() if job.is_rear else job.camera,
             actions=() if job.is_rear else ACTIONS,
-            traces=job.extras.traces,
+            traces=job.outputs.traces,
             protocol=job.protocol,
             reaction=job.reaction,
             horizon=job.horizon,
@@ -316,7 +316,7 @@ def _improved(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated
                 found.simulated,
                 simulator,
                 job.seed,
-                job.extras.traces,
+                job.outputs.traces,
                 job.camera,
                 job.claims.get(scene.scenario_id, ()),
                 job.reaction,
@@ -341,16 +341,16 @@ def _extra_files(
     """Return the requested outputs besides the frames, by path in the study."""
     files: dict[str, bytes] = {}
     catalogue = simulator.catalogue()
-    if job.extras.traces:
+    if job.outputs.traces:
         files[f"traces/{scene.id}.parquet"] = to_parquet(simulated.to_arrow())
-    if job.extras.annotations:
+    if job.outputs.annotations:
         for moment, frame in simulated.frames.items():
             state = simulated.state_of(moment)
             notes = annotate(frame, state, scene, catalogue, job.camera)
             classes = semantic_map(frame, state, scene, catalogue, job.camera)
             for name, data in encode_annotations(moment, frame, notes, classes).items():
                 files[f"frames/{scene.id}/{name}"] = data
-    if job.extras.video:
+    if job.outputs.video:
         action = next(iter(simulated.episode.safe_set), None)
         with temporary_folder() as folder:
             path = Path(folder, "video.mp4")
@@ -359,7 +359,7 @@ def _extra_files(
                 simulator,
                 path,
                 driver=action,
-                view=job.extras.video,
+                view=job.outputs.video,
                 seed=job.seed,
                 camera=job.camera,
             )

@@ -8,9 +8,9 @@ from pydantic import Field, model_validator
 from oodscen.data import _shapes as shapes
 from oodscen.data._base import Data, IssuesError
 from oodscen.data._category import Category
+from oodscen.data._extents import Measured, Size, Space, measured
 from oodscen.data._lettering import strokes
 from oodscen.data._shapes import Part, Parts
-from oodscen.data._solids import Measured, Size, Space, measured
 from oodscen.errors import Issue
 
 if TYPE_CHECKING:

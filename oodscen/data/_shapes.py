@@ -362,7 +362,7 @@ class TurnedOf(Part):
     to: Point = (0.0, 0.0, 0.0)
 
 
-class Shipped(Part):
+class AssetPart(Part):
     """A thing of the catalogue as a part."""
 
     asset: Annotated[str, Field(min_length=1, max_length=60)]
@@ -444,7 +444,7 @@ AnyPart = Annotated[
     | Annotated[Copies, Tag("at")]
     | Annotated[Condition, Tag("when")]
     | Annotated[Turned, Tag("turned")]
-    | Annotated[Shipped, Tag("asset")],
+    | Annotated[AssetPart, Tag("asset")],
     Discriminator(
         kind_of,
         custom_error_type="part_kind",

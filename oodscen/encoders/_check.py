@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._conformance import conforming, working
+from oodscen._members import conforming, working
 from oodscen.errors import EncoderError
 from oodscen.protocols import Encoder
 

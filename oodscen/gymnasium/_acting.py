@@ -79,7 +79,7 @@ def read_discrete(action: Any, source: str) -> str:
     return ACTIONS[int(number)]
 
 
-class Steerer:
+class ActionDecoder:
     """Turns the actions of one episode into controls, one per step of the simulator."""
 
     def __init__(self, kind: str) -> None:

@@ -8,14 +8,14 @@ from typing import Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._conformance import working
 from oodscen._display import Brief
+from oodscen._members import working
 from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving._trace import Course, least_time_to_collision
 from oodscen.errors import SimulatorError, UnknownComponent, UsageError
-from oodscen.gymnasium._acting import Steerer, action_space
+from oodscen.gymnasium._acting import ActionDecoder, action_space
 from oodscen.gymnasium._extra import gymnasium
 from oodscen.gymnasium._observing import (
     Space,
@@ -195,7 +195,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self.metadata = {**self.metadata, "render_fps": round(1.0 / self._step_s)}
         self._prepared: dict[str, _Prepared] = {}
         self._now: _Prepared | None = None
-        self._steerer = Steerer(actions)
+        self._steerer = ActionDecoder(actions)
         self._is_over = True
         self.episode = 0
         """Number of episodes that have begun."""
@@ -237,7 +237,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             self.state = self.simulator.reset(now.scene, self._seed)
             self.seen = self.simulator.observe()
         self._check(self.state, self.seen, "reset()")
-        self._steerer, self._count = Steerer(self.interface.actions), 0
+        self._steerer, self._count = ActionDecoder(self.interface.actions), 0
         self._start = self._place()
         self._initial = max(1.0, float(self.state.speeds[0]))
         self.episode += 1

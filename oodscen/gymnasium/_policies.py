@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._conformance import conforming, described, working
 from oodscen._display import Brief
+from oodscen._members import conforming, described, working
 from oodscen.errors import UsageError
-from oodscen.gymnasium._acting import Steerer, as_action
+from oodscen.gymnasium._acting import ActionDecoder, as_action
 from oodscen.gymnasium._env import ActionKind, Interface, ObservationKind, SceneEnv
 from oodscen.gymnasium._extra import gymnasium
 from oodscen.protocols import Camera, Control, Driver, Observation, State
@@ -48,7 +48,7 @@ class PolicyDriver(Brief):
     ) -> None:
         self.interface = Interface(observation, actions, neighbours, camera, step_s)
         self._ask, self._source = _asked(policy)
-        self._steerer = Steerer(actions)
+        self._steerer = ActionDecoder(actions)
         self._state: State | None = None
         self._due = 0.0
 

@@ -10,7 +10,7 @@ from oodscen._display import Brief
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene, Trigger
-from oodscen.driving import KinematicSimulator, action_driver, load_corridor
+from oodscen.driving import MirrorSimulator, action_driver, load_corridor
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
 from oodscen.driving._motion.triggers import MAX_APPROACH_S
@@ -29,7 +29,7 @@ _DIFFERS_M = 1e-3
 """Distance between two courses of an actor above which it minds the ego, m."""
 
 
-class UnrenderedSimulator(KinematicSimulator):
+class UnrenderedSimulator(MirrorSimulator):
     """The kinematic world of a catalogue without pictures."""
 
     name = "unrendered"

@@ -7,7 +7,7 @@ import numpy as np
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
-from oodscen.judging._drives import drives_and_passes, is_critical, path_of, paths_of
+from oodscen.judging._drive_board import drives_and_passes, is_critical, path_of, paths_of
 from oodscen.judging._items import Floats, Mask
 from oodscen.judging._leaderboard.requirements import (
     ALPHA,

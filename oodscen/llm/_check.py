@@ -1,6 +1,6 @@
 """The contract of `LLM.complete`, checked at the boundary."""
 
-from oodscen._conformance import conforming, described, working
+from oodscen._members import conforming, described, working
 from oodscen.errors import LLMError
 from oodscen.protocols import LLM, Completion, Request
 

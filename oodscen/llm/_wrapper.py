@@ -2,8 +2,8 @@
 
 from typing import Any, ClassVar
 
-from oodscen._conformance import conforming
 from oodscen._display import Brief
+from oodscen._members import conforming
 from oodscen.protocols import LLM
 
 

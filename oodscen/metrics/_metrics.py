@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._conformance import conforming
 from oodscen._display import Brief
+from oodscen._members import conforming
 from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._progress import Progress, reporting
 from oodscen._seeding import stream

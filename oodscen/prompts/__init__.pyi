@@ -1,2 +1,2 @@
 from ._base import Prompt as Prompt
-from ._questions import QUESTIONS as QUESTIONS
+from ._versions import QUESTIONS as QUESTIONS

@@ -9,7 +9,7 @@ from oodscen.judging._items import VALUES, AnswerColumns, Items
 from oodscen.judging._items import answer_values as values_of
 from oodscen.judging._leaderboard.figures import rates
 from oodscen.judging._scoring import AnswerKey
-from oodscen.publish._questions import TASKS
+from oodscen.publish._question_rows import TASKS
 
 FIGURES_OF_TASK: Mapping[str, tuple[str, ...]] = {
     "notice": ("notice-both", "notice", "alarms"),

@@ -12,7 +12,7 @@ from oodscen.judging._kinds import merged
 from oodscen.judging._leaderboard.requirements import FIGURES
 from oodscen.judging._leaderboard.scores import LeaderboardRow, Rate
 from oodscen.judging._people import person
-from oodscen.publish._questions import TASKS, PublishedDrive, question_rows
+from oodscen.publish._question_rows import TASKS, PublishedDrive, question_rows
 from oodscen.publish._splits import SPLITS
 from oodscen.study._study import Study
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from oodscen.data._base import canonical_json
-from oodscen.publish._questions import PublishedDrive, QuestionRow, question_rows
+from oodscen.publish._question_rows import PublishedDrive, QuestionRow, question_rows
 from oodscen.publish._vlmevalkit import LETTERS
 
 CAMERA = "CAM_FRONT"

@@ -10,7 +10,7 @@ from oodscen.data._episode import as_offered
 from oodscen.data._pairing import is_ordinary
 from oodscen.data._scene import Scene
 from oodscen.errors import MissingExtra
-from oodscen.publish._questions import TASKS, PublishedDrive, question_rows
+from oodscen.publish._question_rows import TASKS, PublishedDrive, question_rows
 
 GROUP = 32
 """Drives in a row group. Within one, the pictures of a drive are stored once for all its questions."""

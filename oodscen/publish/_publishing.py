@@ -16,7 +16,7 @@ from oodscen.publish._card import card
 from oodscen.publish._drivelm import write_drivelm
 from oodscen.publish._lmms_eval.tasks import write_tasks
 from oodscen.publish._parquet import write_drives, write_questions
-from oodscen.publish._questions import PublishedDrive, published_drives
+from oodscen.publish._question_rows import PublishedDrive, published_drives
 from oodscen.publish._splits import SPLITS, VALIDATION, splits
 from oodscen.publish._vlmevalkit import write_tsv
 from oodscen.study._asked import asked_drives

@@ -5,7 +5,7 @@ import csv
 from collections.abc import Sequence
 from pathlib import Path
 
-from oodscen.publish._questions import TASKS, PublishedDrive, question_rows
+from oodscen.publish._question_rows import TASKS, PublishedDrive, question_rows
 
 LETTERS = "ABCDEFGH"
 COLUMNS = (

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from oodscen.data._sighting import TO_NAME
-from oodscen.judging._drives import drive_board, remarks
+from oodscen.judging._drive_board import drive_board, remarks
 from oodscen.report._charts.rounds import saturation_chart
 from oodscen.report._charts.scores import intervals
 from oodscen.report._load import Material

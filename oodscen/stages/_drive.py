@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from oodscen._conformance import working
 from oodscen._display import Brief
+from oodscen._members import working
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen.data._catalogue import Catalogue

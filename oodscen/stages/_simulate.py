@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from oodscen._conformance import conforming, working
 from oodscen._display import Brief, picture, png
+from oodscen._members import conforming, working
 from oodscen._numbers import finite_number, seed_number
 from oodscen.data._bird_sketch import sketch
 from oodscen.data._catalogue import Catalogue

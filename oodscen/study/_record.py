@@ -9,7 +9,7 @@ from pydantic import ConfigDict
 from oodscen._registry import is_builtin
 from oodscen._version import __version__
 from oodscen.data._base import Data
-from oodscen.prompts._questions import prompt_versions
+from oodscen.prompts._versions import prompt_versions
 from oodscen.study._config import Status, StudyConfig
 
 _BUILTIN = (

@@ -28,7 +28,7 @@ from oodscen.errors import (
     UnknownComponent,
 )
 from oodscen.judging._aspects.opinions import Opinion
-from oodscen.judging._drives import DriveBoard, drive_board
+from oodscen.judging._drive_board import DriveBoard, drive_board
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
 from oodscen.judging._leaderboard.requirements import (
     RequirementResult,

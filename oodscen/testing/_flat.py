@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene, Weather
-from oodscen.driving._kinematic_simulator import KinematicSimulator
+from oodscen.driving._mirror_simulator import MirrorSimulator
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.protocols import Camera, Frame
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
@@ -50,7 +50,7 @@ _ROAD_VIEW_M = 400.0
 """Distance up to which lanes are painted, m."""
 
 
-class FlatSimulator(KinematicSimulator):
+class FlatSimulator(MirrorSimulator):
     """Renders the kinematic world as shaded boxes on a plane."""
 
     name = "flat"
@@ -89,7 +89,7 @@ class FlatSimulator(KinematicSimulator):
         self._assets, self._poses = [], []
 
     def draw(self, camera: Camera) -> Frame:
-        """Cast one ray through the centre of every pixel."""
+        """SceneBodies one ray through the centre of every pixel."""
         assert self._road is not None
         return flat_frame(camera, self._road, self._weather, self._assets, self._poses)
 

@@ -11,7 +11,7 @@ import pytest
 
 from oodscen import Study, StudyConfig
 from oodscen._pipeline import run_study
-from oodscen._pipeline.sweep import Extras, Job, sweep
+from oodscen._pipeline.sweep import Job, Outputs, sweep
 from oodscen.data._episode import MOMENTS
 from oodscen.errors import MissingExtra, StudyError, UsageError
 from oodscen.stages._annotations import FrameAnnotations
@@ -61,7 +61,7 @@ def test_a_picture_to_the_rear_is_taken_at_the_decision_and_nothing_else(here):
 
 
 def test_what_else_is_asked_for_comes_as_files(here, tmp_path):
-    job = Job("flat", extras=Extras(traces=True, annotations=True, video="bird"))
+    job = Job("flat", outputs=Outputs(traces=True, annotations=True, video="bird"))
     (result,) = sweep(job, scenes(1))
     store = Store(tmp_path)
     store.prepare()

@@ -141,7 +141,7 @@ def test_versions_are_stable_and_tell_questions_apart():
 
 
 @pytest.mark.parametrize(
-    "template", ["_catalogue.md", "_means.md", "stage_scene.md", "describe_frame.md"]
+    "template", ["_catalogue.md", "_vocabulary.md", "stage_scene.md", "describe_frame.md"]
 )
 def test_a_version_changes_with_every_template_it_shows(template, monkeypatch):
     before = {question: question.version() for question in QUESTIONS.values()}
@@ -161,7 +161,7 @@ def test_a_version_changes_with_every_template_it_shows(template, monkeypatch):
         differing
         == {
             "_catalogue.md": {"stage-scene"},
-            "_means.md": {"judge-branch", "judge-branches"},
+            "_vocabulary.md": {"judge-branch", "judge-branches"},
             "stage_scene.md": {"stage-scene"},
             "describe_frame.md": {
                 "describe-frame",

@@ -21,7 +21,7 @@ from oodscen.judging import leaderboard
 from oodscen.publish import answer_values, figures_of, publish
 from oodscen.publish._parquet import DRIVES, QUESTIONS
 from oodscen.publish._publishing import SUMS
-from oodscen.publish._questions import published_drives, question_rows
+from oodscen.publish._question_rows import published_drives, question_rows
 from oodscen.publish._splits import splits
 from oodscen.publish._vlmevalkit import COLUMNS, LETTERS
 from oodscen.study._asked import asked_drives

@@ -18,7 +18,7 @@ _AWAY = 5_000.0
 """Distance at which a stand-in waits where a picture has no vehicle of its own, m."""
 
 
-class Draughtsman(Protocol):
+class BodyRenderer(Protocol):
     """The part of a simulator that draws without a world of its own."""
 
     def catalogue(self) -> Catalogue:
@@ -75,10 +75,10 @@ class Shot(NamedTuple):
     """Time since the start, s."""
 
 
-class Studio:
+class PictureTaker:
     """Keeps the drawing simulator's bodies in step with the served world."""
 
-    def __init__(self, draughtsman: Draughtsman) -> None:
+    def __init__(self, draughtsman: BodyRenderer) -> None:
         self._draughtsman = draughtsman
         self._cast: object = None
 

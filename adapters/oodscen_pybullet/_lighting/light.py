@@ -43,13 +43,13 @@ class Light:
     """Direction towards the light that casts shadows: the sun, or near the zenith under an overcast sky."""
 
     @classmethod
-    def of(cls, weather: Weather, heading: float, *, is_snowy: bool) -> "Light":
+    def of(cls, weather: Weather, heading: float, *, reflects_snow: bool) -> "Light":
         """Derive the light from the weather.
 
         Args:
             weather: The weather of the scene.
             heading: Heading of the road at the ego's start, rad.
-            is_snowy: Whether lying snow reflects light.
+            reflects_snow: Whether lying snow reflects light.
         """
         elevation = weather.sun_elevation_deg
         daylight = _between(_DAYLIGHT, elevation)
@@ -71,7 +71,7 @@ class Light:
         dark = 1.0 - daylight
         return cls(
             sun=sun,
-            ambient=0.54 + 0.26 * low + 0.28 * (1.0 - clear) + (0.06 if is_snowy else 0.0),
+            ambient=0.54 + 0.26 * low + 0.28 * (1.0 - clear) + (0.06 if reflects_snow else 0.0),
             diffuse=0.10 + 0.50 * clear,
             daylight=daylight,
             shadow=0.34 + 0.06 * clear - 0.2 * low,

@@ -91,7 +91,7 @@ def _add_all(
                 whole = MeshBuilder()
                 _add_all(part.turned, whole, shown, Placing(), shipped)
                 _insert(mesh, whole.built(), part, 1.0, place)
-            case shapes.Shipped():
+            case shapes.AssetPart():
                 _insert(mesh, shipped(part.asset, part.state), part, part.scale, place)
             case _:
                 add(part, mesh, shown, place)
@@ -100,7 +100,7 @@ def _add_all(
 def _insert(
     mesh: MeshBuilder,
     inner: Mesh | None,
-    turn: shapes.TurnedOf | shapes.Shipped,
+    turn: shapes.TurnedOf | shapes.AssetPart,
     scale: float,
     place: Placing,
 ) -> None:

@@ -57,7 +57,7 @@ class Look(NamedTuple):
     """
 
 
-class Cast:
+class SceneBodies:
     """The bodies of one scene and their appearance, the ego first."""
 
     def __init__(self, scene: Scene, seed: int) -> None:

@@ -22,7 +22,7 @@ _MOST_TRIANGLES = 20_000
 """Triangles per shape; PyBullet accepts no more than about 130,000 corners."""
 
 
-class BulletStage:
+class BulletRenderer:
     """The stage of PyBullet's own software camera.
 
     Shapes and textures are created once; showing another scene moves the existing bodies where possible.

@@ -6,7 +6,7 @@ from functools import partial
 from types import ModuleType
 
 from oodscen.numerics._kernels import is_compiled
-from oodscen_pybullet._rendering.bullet_camera import BulletStage
+from oodscen_pybullet._rendering.bullet_camera import BulletRenderer
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.stage import Stage
 
@@ -21,4 +21,4 @@ def choose_camera(engine: ModuleType) -> Callable[[], Stage]:
         RuntimeWarning,
         stacklevel=2,
     )
-    return partial(BulletStage, engine, casts_shadows=True)
+    return partial(BulletRenderer, engine, casts_shadows=True)

@@ -37,7 +37,7 @@ from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.llm._remote.limits import JUDGING
 from oodscen.prompts._judging.name_aspect import NameAspect
-from oodscen.prompts._questions import prompt_versions
+from oodscen.prompts._versions import prompt_versions
 from oodscen.protocols import LLM
 from oodscen.stages._evaluate import evaluate as judge_episode
 from oodscen.stages._evaluate import unjudged

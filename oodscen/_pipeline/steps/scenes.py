@@ -276,7 +276,7 @@ def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
     job = Job(
         run.config.simulator,
         run.config.seed,
-        run.options.extras,
+        run.options.outputs,
         twins=True,
         demands=run.config.demands,
         restages=True,

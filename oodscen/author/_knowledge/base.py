@@ -280,7 +280,7 @@ class Driving(Data):
     """Position of the other road users that the clauses mention: in front of the ego, or elsewhere around it."""
 
 
-class Company(Data):
+class AmbientTraffic(Data):
     """Ordinary traffic that no text mentions, present when the ego must decide."""
 
     side: Literal["left", "right", "oncoming", "behind"]
@@ -343,7 +343,7 @@ class Knowledge(Data):
     traffic: tuple[BackgroundTraffic, ...] = ()
     clash: tuple[Clash, ...] = ()
     driving: tuple[Driving, ...] = ()
-    company: tuple[Company, ...] = ()
+    company: tuple[AmbientTraffic, ...] = ()
     things: tuple[Things, ...] = ()
     substitute: tuple[Replacement, ...] = ()
     wording: Wording

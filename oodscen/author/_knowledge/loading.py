@@ -11,9 +11,9 @@ from typing import Any
 
 from oodscen._files import read_utf8
 from oodscen.author._knowledge.base import (
+    AmbientTraffic,
     BackgroundTraffic,
     Clash,
-    Company,
     Condition,
     Driving,
     HazardKind,
@@ -36,7 +36,7 @@ _TABLES: dict[str, type[Data]] = {
     "traffic": BackgroundTraffic,
     "clash": Clash,
     "driving": Driving,
-    "company": Company,
+    "company": AmbientTraffic,
     "things": Things,
     "substitute": Replacement,
 }

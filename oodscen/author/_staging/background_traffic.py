@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oodscen.author._knowledge.base import BackgroundTraffic, Company, Recipe
+from oodscen.author._knowledge.base import AmbientTraffic, BackgroundTraffic, Recipe
 from oodscen.author._staging.actors import StagedActors
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.prompts._digest import MapLine
@@ -28,7 +28,7 @@ _DRIVES = frozenset(
 
 
 def company(
-    kinds: Sequence[Company],
+    kinds: Sequence[AmbientTraffic],
     road: MapLine,
     ego: tuple[int, float],
     actors: Sequence[Actor],
@@ -93,13 +93,13 @@ def company(
 
 
 def is_followed(
-    kinds: Sequence[Company],
+    kinds: Sequence[AmbientTraffic],
     recipe: Recipe,
     told: BackgroundTraffic | None,
     rng: np.random.Generator,
     *,
     is_dense: bool = False,
-) -> Company | None:
+) -> AmbientTraffic | None:
     """Return the kind of vehicle close behind the ego, if there is one.
 
     Args:
@@ -118,7 +118,7 @@ def is_followed(
     return behind if told is None and (is_dense or draw < behind.share) else None
 
 
-def follower(kind: Company, scene: StagedActors, actors: Sequence[Actor]) -> list[Actor]:
+def follower(kind: AmbientTraffic, scene: StagedActors, actors: Sequence[Actor]) -> list[Actor]:
     """Draw the vehicle close behind the ego, unless another actor is there.
 
     It wants to drive faster than the ego, keeps less than the usual distance and brakes less hard

@@ -112,14 +112,14 @@ def _has_way_out(world: KinematicWorld, scene: Scene) -> bool:
     """Return whether some action is safe from the current state, to which the world returns."""
     start = world.snapshot()
     for action in CODES:
-        is_safe = _is_safe(world, scene, action)
+        may_pass = _may_pass(world, scene, action)
         world.restore(start)
-        if is_safe:
+        if may_pass:
             return True
     return False
 
 
-def _is_safe(world: KinematicWorld, scene: Scene, action: str) -> bool:
+def _may_pass(world: KinematicWorld, scene: Scene, action: str) -> bool:
     """Execute an action up to the scene's horizon; return whether the ego touches nothing and stays on the road."""
     if not is_available(action, world.observe()):
         return False

@@ -4,7 +4,7 @@ A requirement is a list of bars. A model meets it if every bar is shown to be re
 the whole level (an intersection-union test); it fails if one is shown to be missed, each tested at its share of
 the level. The level of 5 % is divided by the number of models. One of "meets" and "fails" is true of a model, so
 the probability of any false word on a board is at most 5 %. Whole paths are the units of the test
-(`oodscen.statistics._bounds`). Missing answers count as wrong for "meets", and as right for "fails".
+(`oodscen.statistics._bar_test`). Missing answers count as wrong for "meets", and as right for "fails".
 """
 
 import math
@@ -21,7 +21,7 @@ from oodscen.data._verdict import Verdict
 from oodscen.errors import UsageError
 from oodscen.judging._items import AnswerColumns, Floats, Items, Mask
 from oodscen.judging._leaderboard.figures import figures
-from oodscen.statistics._bounds import p_below, times_needed
+from oodscen.statistics._bar_test import p_below, times_needed
 
 ALPHA = 0.05
 """The largest probability of any false "meets" or "fails" on a board."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from oodscen.judging._leaderboard.figures import FAULTS
 from oodscen.publish._answers import FIGURES_OF_TASK
-from oodscen.publish._questions import TASKS
+from oodscen.publish._question_rows import TASKS
 
 _COMMON = """\
 dataset_path: parquet

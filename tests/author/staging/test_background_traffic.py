@@ -1,14 +1,16 @@
 import numpy as np
 import pytest
 
-from oodscen.author._knowledge.base import Company
+from oodscen.author._knowledge.base import AmbientTraffic
 from oodscen.author._staging.background_traffic import company
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.prompts._digest import MapLine
 
-LEFT = Company(side="left", share=1.0, asset=("car",), gap=(1.0, 3.0))
-RIGHT = Company(side="right", share=1.0, asset=("car",), gap=(1.0, 3.0))
-ONCOMING = Company(side="oncoming", share=1.0, asset=("van",), gap=(50.0, 60.0), speed=(8.0, 8.0))
+LEFT = AmbientTraffic(side="left", share=1.0, asset=("car",), gap=(1.0, 3.0))
+RIGHT = AmbientTraffic(side="right", share=1.0, asset=("car",), gap=(1.0, 3.0))
+ONCOMING = AmbientTraffic(
+    side="oncoming", share=1.0, asset=("van",), gap=(50.0, 60.0), speed=(8.0, 8.0)
+)
 DECISION = (Trigger(kind="distance", value=20.0), "a")
 
 

@@ -8,8 +8,8 @@ from typing import Annotated
 from pydantic import AfterValidator
 
 from oodscen.data import _shapes as shapes
+from oodscen.data._extents import bands, hung
 from oodscen.data._shapes import Part, Point, Rectangle
-from oodscen.data._solids import bands, hung
 from oodscen_pybullet._meshes.atlas import REGIONS
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data import _shapes as shapes
+from oodscen.data._extents import OUTLINE, cells
 from oodscen.data._lettering import HEIGHT, strokes, width_of
-from oodscen.data._solids import OUTLINE, cells
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import Placing, add

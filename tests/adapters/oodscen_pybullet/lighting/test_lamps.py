@@ -9,8 +9,8 @@ from oodscen.data._scene import Weather
 from oodscen.protocols import Camera
 
 VIEW = CameraView.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, 0.0))
-DAY = Light.of(Weather(), 0.0, is_snowy=False)
-NIGHT = Light.of(Weather(sun_elevation_deg=-20.0), 0.0, is_snowy=False)
+DAY = Light.of(Weather(), 0.0, reflects_snow=False)
+NIGHT = Light.of(Weather(sun_elevation_deg=-20.0), 0.0, reflects_snow=False)
 
 
 def test_a_lamp_glows_where_it_is_and_only_when_nothing_hides_it() -> None:
@@ -55,7 +55,7 @@ def test_street_lamps_light_what_is_below_them_most(ahead: float, aside: float) 
 def test_only_a_low_sun_ahead_dazzles() -> None:
     far = np.full((120, 160), np.inf, np.float32)
     for elevation, dazzles in ((5.0, True), (50.0, False)):
-        light = Light.of(Weather(sun_elevation_deg=elevation), 0.0, is_snowy=False)
+        light = Light.of(Weather(sun_elevation_deg=elevation), 0.0, reflects_snow=False)
         image = np.full((120, 160, 3), 90, np.uint8)
         add_glare(image, VIEW, light, far)
         assert bool((image > 200).any()) == dazzles

@@ -10,8 +10,8 @@ from oodscen_pybullet._meshes.builder import Mesh
 from oodscen_pybullet._rendering.triangles import SHINING, Triangles
 
 from oodscen.author._knowledge.designs import load_designs
+from oodscen.data._extents import measured
 from oodscen.data._prop import MOST_TRIANGLES, Prop, check_prop, sizes_of
-from oodscen.data._solids import measured
 from tests.made import CLOUD, WALL, designs
 
 SIZES = sizes_of(load_catalogue().assets)

@@ -10,8 +10,8 @@ from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, asset_mesh
 from oodscen_pybullet._meshes.look import Appearance, reacting
 from oodscen_pybullet._rendering.appearance import (
     BRAKING,
-    Cast,
     Look,
+    SceneBodies,
     frame_of,
     mesh_of,
     phase_of,
@@ -64,8 +64,8 @@ def test_smoke_goes_round_in_eight_pictures(asset: str) -> None:
 
 def looks(
     make_scene: Callable[..., Scene], actor: Actor, speed: float, acceleration: float, **sky: float
-) -> tuple[Cast, Look]:
-    cast = Cast(make_scene(actor, **sky), 3)
+) -> tuple[SceneBodies, Look]:
+    cast = SceneBodies(make_scene(actor, **sky), 3)
     cast.add("ego", CATALOGUE.ego, "")
     cast.add(actor.id, ASSETS[actor.asset], actor.state)
     assert len(cast) == 2

@@ -10,7 +10,7 @@ import pytest
 from oodscen_pybullet import PyBulletSimulator
 from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._rendering import cameras
-from oodscen_pybullet._rendering.bullet_camera import BulletStage
+from oodscen_pybullet._rendering.bullet_camera import BulletRenderer
 from oodscen_pybullet._rendering.cameras import choose_camera
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
 
@@ -39,7 +39,7 @@ def test_without_numba_pybullets_camera_stands_in_with_one_warning() -> None:
         stages = [choose() for choose in [choose_camera(load_pybullet())] * 2]
     assert len(caught) == 1
     for stage in stages:
-        assert isinstance(stage, BulletStage)
+        assert isinstance(stage, BulletRenderer)
         stage.close()
         stage.close()
 

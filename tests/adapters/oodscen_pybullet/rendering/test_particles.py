@@ -9,8 +9,8 @@ from oodscen.data._scene import Weather
 from oodscen.protocols import Camera
 
 VIEW = CameraView.of(Camera(width=160, height=120, pitch_deg=0.0), (0.0, 0.0, 0.0, 0.0))
-DAY = Light.of(Weather(), 0.0, is_snowy=False)
-NIGHT = Light.of(Weather(sun_elevation_deg=-20.0), 0.0, is_snowy=False)
+DAY = Light.of(Weather(), 0.0, reflects_snow=False)
+NIGHT = Light.of(Weather(sun_elevation_deg=-20.0), 0.0, reflects_snow=False)
 
 
 def blend(

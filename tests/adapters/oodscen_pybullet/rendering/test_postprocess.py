@@ -41,7 +41,7 @@ def shot(depth: float, *, kind: int = 0, colour: int = 0) -> Shot:
 
 def show(raw: Shot, *glows: Glow, **weather: object) -> np.ndarray:
     conditions = Weather.model_validate(weather)
-    light = Light.of(conditions, 0.0, is_snowy=False)
+    light = Light.of(conditions, 0.0, reflects_snow=False)
     return postprocessed(
         RawPicture(raw, VIEW, conditions, light, glows, time=0.5, seed=1, road_height=0.0)
     )
@@ -117,7 +117,7 @@ def test_tunnels_are_lit_by_their_own_lamps_and_hazy_only_outside() -> None:
 
     def inside(**weather: object) -> float:
         conditions = Weather.model_validate(weather)
-        light = Light.of(conditions, 0.0, is_snowy=False)
+        light = Light.of(conditions, 0.0, reflects_snow=False)
         one = RawPicture(raw, VIEW, conditions, light, (), 0.5, 1, road_height=0.0, portal=portal)
         return float(postprocessed(one)[40:, :38].mean())
 

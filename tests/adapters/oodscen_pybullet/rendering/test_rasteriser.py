@@ -13,7 +13,7 @@ from oodscen_pybullet._meshes import Mesh, asset_ids, paints_of
 from oodscen_pybullet._meshes.atlas import Snow
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.appearance import Look
-from oodscen_pybullet._rendering.bullet_camera import BulletStage
+from oodscen_pybullet._rendering.bullet_camera import BulletRenderer
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.stage import Pose, Shot, Stage
 from oodscen_pybullet._rendering.triangles import MIRROR, PLAIN, SHINING
@@ -54,14 +54,14 @@ def cast(rng: np.random.Generator) -> tuple[list[Look], list[Pose]]:
 
 
 @pytest.fixture(scope="module")
-def bullet() -> Iterator[BulletStage]:
-    stage = BulletStage(load_pybullet())
+def bullet() -> Iterator[BulletRenderer]:
+    stage = BulletRenderer(load_pybullet())
     yield stage
     stage.close()
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_it_sees_what_pybullet_sees(seed: int, bullet: BulletStage) -> None:
+def test_it_sees_what_pybullet_sees(seed: int, bullet: BulletRenderer) -> None:
     rng = np.random.Generator(np.random.PCG64(seed))
     mesh, (looks, poses) = scenery(rng), cast(rng)
     shots = []

@@ -24,8 +24,8 @@ from oodscen.protocols import Camera
 VIEW = CameraView.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, 0.0))
 SNOW = Weather(precipitation="snow", precipitation_mm_h=9.0)
 RAIN = Weather(precipitation="rain", precipitation_mm_h=20.0)
-DAY = Light.of(Weather(), 0.0, is_snowy=False)
-NIGHT = Light.of(Weather(sun_elevation_deg=-20.0), 0.0, is_snowy=False)
+DAY = Light.of(Weather(), 0.0, reflects_snow=False)
+NIGHT = Light.of(Weather(sun_elevation_deg=-20.0), 0.0, reflects_snow=False)
 
 
 @given(st.floats(15, 9_000))

@@ -20,7 +20,7 @@ LEAST_M = 1e-4
 """Smallest measured gap, m: 0 means contact, which only the catalogue's boxes decide."""
 
 
-class KinematicSimulator(BaseSimulator):
+class MirrorSimulator(BaseSimulator):
     """Implements the `Simulator` protocol on top of `KinematicWorld`.
 
     A subclass sets `name` and implements `catalogue`, `load`, `spawn`, `place` and `draw`. It may

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Trigger
-from oodscen.driving import KinematicSimulator
+from oodscen.driving import MirrorSimulator
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.errors import SceneError, SimulatorError
@@ -17,7 +17,7 @@ from tests.driving.staging import CATALOGUE, actor, scene
 BOX = scene(actor("box", "cardboard_box", ahead=60.0), actor("far", ahead=250.0), speed=12.0)
 
 
-class Recorder(KinematicSimulator):
+class Recorder(MirrorSimulator):
     """Shows nothing and remembers what it was asked."""
 
     name = "recorder"

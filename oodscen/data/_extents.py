@@ -13,7 +13,7 @@ from oodscen.data._shapes import Part, Point
 
 STEP = 0.5
 """Longest stretch of a slanted bar that is boxed as one, m."""
-SHIPPED_TRIANGLES = 1_500
+ASSET_TRIANGLES = 1_500
 """Triangles that a thing of the catalogue counts for; none has more."""
 
 Row = tuple[float, float, float]
@@ -173,7 +173,7 @@ class _Walk:
             found.texts.append((f"{path}.text", part.text))
         if isinstance(part, shapes.Veil):
             found.puffs += part.puffs
-        if isinstance(part, shapes.Shipped):
+        if isinstance(part, shapes.AssetPart):
             found.shipped.append((f"{path}.asset", part.asset))
             size = self.sizes.get(part.asset)
             if size is not None:
@@ -427,7 +427,7 @@ _COSTS: dict[type[Part], Callable[..., int]] = {
     shapes.Swarm: lambda part: SPECK * part.count,
     shapes.Blot: lambda part: OUTLINE,
     shapes.Strip: lambda part: 2 * (40 if part.dash else 1) * (len(part.strip) - 1),
-    shapes.Shipped: lambda part: SHIPPED_TRIANGLES,
+    shapes.AssetPart: lambda part: ASSET_TRIANGLES,
 }
 
 

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._drive_result import DriveResult
-from oodscen.judging._drives import HARDLY_DRIVES, RULE_BASED, current, drive_board, remarks
+from oodscen.judging._drive_board import HARDLY_DRIVES, RULE_BASED, current, drive_board, remarks
 from oodscen.testing._scenes import example_scene
 
 
