@@ -23,7 +23,7 @@ from oodscen.stages._visibility import sighting
 
 MOST_MOMENTS = 6
 """Largest number of moments that are tried per approach speed."""
-SLOWER = (1.0, 0.85, 0.7, 0.55)
+SLOWER = (1.0, 0.85, 0.7, 0.55, 0.4)
 """Shares of the approach speed that are tried in turn."""
 _MARGIN = 0.8
 """Share of the least size at which the outline of boxes makes a frame worth rendering."""
@@ -50,8 +50,9 @@ def retimed(
 
     The blind approach does not depend on the decision. It is driven on, and the first moments at which the
     hazard can be named are tried, until some action is safe and another is not; where all were safe, all may
-    stay safe. If there is none, the ego approaches more slowly. If nothing helps, the scene and its run are
-    returned unchanged, with the reasons.
+    stay safe. If there is none, the ego approaches more slowly. If that does not help either, the first moment at
+    which every action is safe is taken: the scene still asks what is there. If nothing helps, the scene and its run
+    are returned unchanged, with the reasons.
 
     Args:
         scene: A scene whose hazard cannot be named at the decision.
@@ -66,6 +67,24 @@ def retimed(
     tried: list[Attempt] = []
     before = simulated.episode
     is_too_easy = bool(before.safe_set) and not before.is_decidable
+    easy: tuple[Scene, str] | None = None
+
+    def rerun(variant: Scene, how: str) -> Restaging | None:
+        """Return the variant and its rendered run, or `None` if the hazard still cannot be named."""
+        again = simulate(
+            variant,
+            simulator,
+            seed=seed,
+            camera=camera,
+            traces=traces,
+            moments=tuple(simulated.frames) or MOMENTS,
+            reaction=reaction,
+        )
+        if again.episode.is_below_floor:
+            return None
+        episode = again.episode.model_copy(update={"restaged": how})
+        return Restaging(variant, replace(again, episode=episode), tuple(tried))
+
     for share in SLOWER if scene.ego.speed > 0.0 else SLOWER[:1]:
         slowed, how = scene, TO_NAME
         if share < 1.0:
@@ -79,32 +98,23 @@ def retimed(
                 probe = simulate(
                     variant, simulator, seed=seed, render=False, reaction=reaction
                 ).episode
-                if not (probe.is_decidable or (is_too_easy and probe.safe_set)):
-                    fate = "every action is safe" if probe.safe_set else "no action is safe"
-                    whys.append(f"{distance:g} m away it can be named, but {fate}")
-                    continue
-                if why := contradiction(claims, scene, variant, simulator.catalogue()):
+                what = f"{how}decision {_said(scene.decision)} -> {_said(variant.decision)}"
+                is_usable = probe.is_decidable or (is_too_easy and probe.safe_set)
+                why = "" if probe.safe_set else "no action is safe"
+                why = why or contradiction(claims, scene, variant, simulator.catalogue())
+                if not (is_usable or why):
+                    easy = easy or (variant, what)
+                    why = "every action is safe"
+                if why:
                     whys.append(f"{distance:g} m away it can be named, but {why}")
-                    continue
-                again = simulate(
-                    variant,
-                    simulator,
-                    seed=seed,
-                    camera=camera,
-                    traces=traces,
-                    moments=tuple(simulated.frames) or MOMENTS,
-                    reaction=reaction,
-                )
-                if again.episode.is_below_floor:
-                    continue
-                how += f"decision {_said(scene.decision)} -> {_said(variant.decision)}"
-                episode = again.episode.model_copy(update={"restaged": how})
-                return Restaging(variant, replace(again, episode=episode), tuple(tried))
+                elif done := rerun(variant, what):
+                    return done
         except OodscenError as error:
             whys.append(f"it cannot be run: {str(error).strip().splitlines()[-1].strip(' -')}")
         why = whys[0] if whys else "the hazard cannot be named before the ego reaches it"
         tried.append(Attempt(f"{how}a later decision", why))
-    return Restaging(scene, simulated, tuple(tried))
+    done = rerun(*easy) if easy else None
+    return done or Restaging(scene, simulated, tuple(tried))
 
 
 def _slowed(scene: Scene, share: float) -> Scene:

@@ -64,6 +64,25 @@ def test_a_slower_approach_is_tried_and_else_nothing_changes(flat):
     ] * len(SLOWER)
 
 
+def test_a_hazard_that_can_be_named_too_late_to_matter_is_named_all_the_same(flat):
+    """From where the box is large enough, a fast ego is past it before a change of lanes could touch it."""
+    box = example_scene().actors[0]
+    aside = box.placement.model_copy(update={"offset_m": 3.8})
+    fast = example_scene().ego.model_copy(update={"speed": 16.0})
+    scene = far(actors=(box.model_copy(update={"placement": aside}),), ego=fast)
+    before = simulate(scene, flat, camera=SMALL)
+    assert before.episode.is_decidable
+    assert before.episode.is_below_floor
+    told = (said("ego_speed", "58"),)
+    found = retimed(scene, before, flat, 0, camera=SMALL, claims=told)
+    after = found.simulated.episode
+    assert found.scene.ego == fast
+    assert not after.is_below_floor
+    assert after.safe_set
+    assert not after.is_decidable
+    assert found.tried[0].why.endswith("every action is safe")
+
+
 @pytest.mark.parametrize("share", [0.85, 0.5])
 def test_only_ordinary_traffic_behind_slows_with_the_ego(share):
     scene = example_scene()

@@ -29,6 +29,7 @@ _WIDE = frozenset(
         "fallen_tree",
         "fallen_pole",
         "spilled_logs",
+        "spilled_gravel",
         "flood_water",
         "overturned_truck",
         "trailer",
