@@ -25,6 +25,8 @@ _STILL = 0.5
 """Speed below which an actor counts as standing, m/s; gusts and milling about exceed it."""
 _MOVES = 0.3
 """Speed above which an actor counts as moving, m/s."""
+_SLOW, _SLOW_MPS = 0.7, 5.0
+"""Share of the ego's speed, and speed in m/s, below either of which an actor counts as slow."""
 _ACROSS_M = 0.8
 """Lateral movement that counts as crossing, m."""
 _ASIDE_M = 0.5
@@ -203,12 +205,15 @@ class ObservedActor:
         found = f"it moves at {speed[0]:.1f} m/s at first and at most at {fastest:.1f} m/s"
         if value == "stationary":
             still = speed[:1] if moves else speed[self.before]
-            return bool(still.max() < _STILL), found
+            return bool(
+                still.max() < _STILL
+            ), f"{found}; what stands moves at less than {_STILL:g} m/s"
         if value == "moving":
             return fastest > _MOVES, found
         if value == "slow":
-            slowest = float(speed[self.before].max())
-            return slowest < max(0.7 * self.ego_speed, 5.0) and fastest > _MOVES, found
+            limit = max(_SLOW * self.ego_speed, _SLOW_MPS)
+            is_slow = float(speed[self.before].max()) < limit and fastest > _MOVES
+            return is_slow, f"{found}; slow is less than {limit:.1f} m/s until the decision"
         if value == "oncoming":
             return bool(along.min() < -_MOVES), f"it moves along the road at {along.min():+.1f} m/s"
         if value == "same_way":

@@ -181,6 +181,8 @@ def _together(contradicted: Sequence[Mismatch], scene: Scene) -> list[Issue]:
         hint = ""
         if subject and path == "actors" and subject not in scene.stands_for:
             hint = "; if one of the actors shows it, say which in `stands_for`"
+        elif not issues:
+            hint = " (if no honest scene can show it, say so in `cannot_show`)"
         issues.append(Issue(path, f"the text says {about}{said}, but {found}{hint}"))
     return issues
 

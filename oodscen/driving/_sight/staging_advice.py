@@ -94,12 +94,13 @@ def _remedy(scene: Scene, large: tuple[Sighting, float] | None) -> str:
     if large is None:
         return (
             "before the ego reaches it, it is never seen well enough: place it nearer to the ego's way and clear of "
-            "other things, or use something larger"
+            "other things, or use something larger; if the text allows neither, say so in `cannot_show`"
         )
     seen, value = large
     return (
         f"{seen.distance_m:.0f} m away it is seen well enough ({scene.decision.kind} {value:.3g}), but no action is safe any "
-        f"more from there: decide there with a slower ego than {scene.ego.speed:g} m/s or a free lane, or use something larger"
+        f"more from there: decide there with a slower ego than {scene.ego.speed:g} m/s or a free lane, or use something "
+        "larger; if the text allows none of these, say so in `cannot_show`"
     )
 
 
