@@ -8,7 +8,14 @@ from typing import Any, NamedTuple
 from oodscen._numbers import finite_number
 from oodscen._redaction import redact
 from oodscen._text import one_line, plain, whole
-from oodscen.errors import EncoderError, LLMError, OodscenError, SimulatorCrash, UsageError
+from oodscen.errors import (
+    DataError,
+    EncoderError,
+    LLMError,
+    OodscenError,
+    SimulatorCrash,
+    UsageError,
+)
 
 _MOST_SAID = 500
 
@@ -109,14 +116,16 @@ def working(kind: str, label: str) -> Iterator[None]:
     """Turn any exception that a component raises into the error type of its kind.
 
     Raises:
-        OodscenError: Passed through unchanged. Any other exception becomes an `LLMError`, `EncoderError` or
-            `SimulatorCrash`, or a `UsageError` for other kinds.
+        OodscenError: Passed through unchanged, except for a model's own malformed data. Any other exception
+            becomes an `LLMError`, `EncoderError` or `SimulatorCrash`, or a `UsageError` for other kinds.
     """
     try:
         yield
-    except OodscenError:
+    except OodscenError as error:
+        if kind == "llm" and isinstance(error, DataError):
+            raise _broken(kind, label, error) from error
         raise
-    except (Exception, SystemExit) as error:
+    except (Exception, GeneratorExit, SystemExit) as error:
         raise _broken(kind, label, error) from error
 
 

@@ -210,7 +210,9 @@ def _digits(value: str) -> set[str]:
     data = value.encode("utf-8", "replace")
     return {
         _BETWEEN.join(f"(?i:{byte:02x})" for byte in data),
-        r"(?<!\d)" + r"[\s,;]{1,3}".join(f"0{{0,2}}{byte}" for byte in data) + r"(?!\d)",
+        r"(?<!\d)"
+        + rf"(?:[,;]|{_BREAK}){{1,3}}".join(f"0{{0,2}}{byte}" for byte in data)
+        + r"(?!\d)",
     }
 
 

@@ -16,7 +16,9 @@ from oodscen._pipeline.sweep import Job, run_chunk
 from oodscen._registry import driver_maker, make_catalogue, make_encoder, make_llm, make_simulator
 from oodscen.encoders._check import encode
 from oodscen.errors import (
+    DataError,
     EncoderError,
+    Issue,
     LLMError,
     OodscenError,
     SimulatorCrash,
@@ -250,7 +252,11 @@ def test_an_encoder_of_no_dimension(dimension):
 
 
 @pytest.mark.parametrize(
-    "answer", [None, 3, "text", {}, KeyError("x"), SystemExit(0), RecursionError()]
+    "answer",
+    [
+        *(None, 3, "text", {}, KeyError("x"), SystemExit(0), GeneratorExit(), RecursionError()),
+        DataError("completion", [Issue("text", "Input should be a valid string")]),
+    ],
 )
 def test_a_model_that_fails_while_it_works(answer, tmp_path, module):
     def complete(self, request):

@@ -209,6 +209,7 @@ def spaced(data, width):
     digits = [f"{byte:02x}" for byte in data]
     yield from (data.hex(), data.hex().upper(), *(data.hex(mark) for mark in " :-_"))
     yield from ("".join(f"\\x{two}" for two in digits), ", ".join(f"0x{two}" for two in digits))
+    yield repr("\n".join(map(str, data)))
     yield from (str(list(data)), json.dumps({"type": "Buffer", "data": list(data)}))
     yield "\n".join(data.hex()[at : at + width] for at in range(0, 2 * len(data), width))
     lines = base64.b64encode(data).decode()

@@ -14,7 +14,7 @@ from oodscen._files import read_utf8, replace
 from oodscen._progress import Progress, counted, reporting
 from oodscen._text import plain
 from oodscen.data._base import Data
-from oodscen.errors import DataError, FolderTaken, Issue, OodscenError
+from oodscen.errors import DataError, Issue, OodscenError
 
 if TYPE_CHECKING:
     from oodscen.data._verdict import Verdict
@@ -247,29 +247,21 @@ def write_bytes(out: Path, data: bytes) -> None:
         FolderTaken: When the file belongs to a study.
         OodscenError: When the file cannot be written.
     """
+    from oodscen.study._study import refuse_own
+
     try:
         if is_written_through(out):
             with out.open("wb") as stream:
                 stream.write(data)
             return
         target = Path(os.path.realpath(out))
-        _refuse_study(target)
+        refuse_own(target)
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.exists() and not os.access(target, os.W_OK):
             raise PermissionError(13, "Permission denied")
         replace(target, data)
     except OSError as error:
         raise OodscenError(f"cannot write {out}: {error.strerror or error}") from None
-
-
-def _refuse_study(target: Path) -> None:
-    """Refuse to replace a study's own file; a missing comparison of catalogues may be added."""
-    from oodscen.study._study import CATALOGUES, is_own
-
-    if target.name == CATALOGUES and not target.exists():
-        return
-    if is_own(target.name) and (target.parent / "study.json").exists():
-        raise FolderTaken(str(target.parent), [target.name])
 
 
 def write_lines(out: Path | None, items: Iterable[Data]) -> None:

@@ -287,13 +287,13 @@ def evaluate(
     from oodscen.study._config import StudyConfig
     from oodscen.study._study import Study
 
-    if required:
+    if required is not None:
         parse_requirement(required)
     before = Study.open(out)
     click.get_current_context().with_resource(before.store.writing())
     is_paper = protocol == "paper"
     is_wider = any(one is not None for one in (chain, rear_view, ordinary))
-    if not (vlms or dropped or judge or answers or is_paper or is_wider or required):
+    if not (vlms or dropped or judge or answers or is_paper or is_wider or required is not None):
         raise UsageError(
             "name a model to judge (--vlm MODEL), to remove (--drop MODEL), or to score open answers "
             "(--judge MODEL), or give a person's answers (--answers FILE) or a requirement (--require)"
@@ -328,7 +328,7 @@ def evaluate(
                 retry=retry_failed,
             )
     board = Leaderboard.load(study.folder / "leaderboard.json")
-    grades = study.requirements(required) if required else None
+    grades = None if required is None else study.requirements(required)
     if as_json:
         shown = board.model_dump(mode="json")
         if grades is not None:
@@ -357,10 +357,10 @@ def report(out: Path, required: str | None) -> None:
     from oodscen.report._render import write_report
     from oodscen.study._study import Study
 
-    bars = parse_requirement(required) if required else ()
+    bars = () if required is None else parse_requirement(required)
     study = Study.open(out)
     click.echo(str(write_report(study, bars).resolve()))
-    if required:
+    if required is not None:
         grades = study.requirements(required)
         say(graded(grades))
         sys.exit(_exit_code(grades))

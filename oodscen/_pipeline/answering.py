@@ -13,7 +13,7 @@ def add_answers(study: Study, file: Path) -> str:
         DataError: When the file holds no answers to a quiz, or not to this study's.
     """
     given = QuizAnswers.load(file)
-    PersonAnswers.matched(given, study.episodes)
+    PersonAnswers.matched(given, study.episodes, str(file))
     others = [line for line in study.store.lines(PEOPLE) if line["id"] != given.id]
     study.store.write_lines(PEOPLE, [*others, given])
     return given.id

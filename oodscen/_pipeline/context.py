@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from oodscen._pipeline.models import Models, is_asked
 from oodscen._pipeline.options import RunOptions
 from oodscen._redaction import redact
-from oodscen._registry import make_encoder, make_simulator
+from oodscen._registry import make_catalogue, make_encoder, make_simulator
 from oodscen.baselines import load_baseline
 from oodscen.baselines._baseline import Baseline
 from oodscen.data._base import Data
@@ -58,6 +58,7 @@ class Context:
                 f"the simulator {self.config.simulator!r} draws views from above only, and models are asked about "
                 f"the view of a driver: leave out --vlm {asked[0]}, or choose another simulator"
             )
+        self.compared = {name: make_catalogue(name) for name in self.config.compared}
         self.encoder = CachedEncoder(make_encoder(self.config.encoder))
         self.llm = self.models.author(self.config.llm)
         self.red_llm = self.models.author(self.config.red_llm or self.config.llm)

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from importlib import resources
@@ -11,6 +10,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 
 from oodscen._display import brief
 from oodscen._files import read_utf8
+from oodscen._json import parse_json
 from oodscen._text import whole
 from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError, Issue
@@ -155,7 +155,7 @@ def csv_rows(reader: Rows) -> Iterator[tuple[int, dict[str, str] | Issue]]:
 
 def _list(content: str) -> Iterator[tuple[str, Any]]:
     try:
-        values = json.loads(content)
+        values = parse_json(content)
     except (ValueError, RecursionError) as error:
         yield "", Issue("", f"is not a JSON list: {error}")
         return
@@ -166,7 +166,7 @@ def _list(content: str) -> Iterator[tuple[str, Any]]:
 def _json_lines(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
     if suffix == ".json":
         try:
-            value = json.loads(content)
+            value = parse_json(content)
         except (ValueError, RecursionError):
             pass  # Several objects, one a line: JSON lines under another name.
         else:
@@ -174,7 +174,7 @@ def _json_lines(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
             return
     for number, line in _lines(content):
         try:
-            yield f"line {number}", json.loads(line)
+            yield f"line {number}", parse_json(line)
         except (ValueError, RecursionError) as error:
             yield "", Issue(f"line {number}", f"is not JSON: {error}")
 

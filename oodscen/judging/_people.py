@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from pydantic import Field, StringConstraints
+from pydantic import Field, StrictBool, StringConstraints
 
 from oodscen._display import Brief
 from oodscen.data._base import Data, canonical_json, digest
@@ -27,7 +27,7 @@ class QuizAnswer(Data):
 
     item: str = Field(max_length=64)
     """The drive's token; see `token`."""
-    is_ood: bool
+    is_ood: StrictBool
     confidence: float | None = Field(default=None, ge=0.5, le=1.0)
     aspect: str = Field(default="", max_length=500)
     choice: str | None = Field(default=None, max_length=200)
@@ -77,8 +77,15 @@ class PersonAnswers(Brief):
         self.sha256 = hashlib.sha256(canonical_json(said).encode()).hexdigest()
 
     @classmethod
-    def matched(cls, given: QuizAnswers, episodes: Iterable[Episode]) -> "PersonAnswers":
+    def matched(
+        cls, given: QuizAnswers, episodes: Iterable[Episode], source: str = ""
+    ) -> "PersonAnswers":
         """Return the answers of a file to the drives of a study.
+
+        Args:
+            given: The answers.
+            episodes: The episodes of the study.
+            source: The file, for error messages; by default the person's name.
 
         Raises:
             DataError: If an answer is about no drive of the study, or two are about one.
@@ -93,7 +100,7 @@ class PersonAnswers(Brief):
             else:
                 found[items[answer.item]] = answer
         if issues:
-            raise DataError(QuizAnswers.noun, issues, source=given.id)
+            raise DataError(QuizAnswers.noun, issues, source=source or given.id)
         return cls(given.id, found)
 
     @classmethod

@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import re
 from collections import Counter
 from collections.abc import Collection, Iterable
 from contextlib import suppress
@@ -11,7 +12,7 @@ from typing import Literal
 
 from oodscen._files import check_name, inside, read_regular
 from oodscen._numbers import finite_number
-from oodscen.errors import DataError, FolderTaken, Issue, StudyError
+from oodscen.errors import DataError, FolderTaken, Issue, StudyError, UsageError
 from oodscen.publish._card import card
 from oodscen.publish._drivelm import write_drivelm
 from oodscen.publish._lmms_eval.tasks import write_tasks
@@ -27,6 +28,7 @@ FORMS: tuple[Form, ...] = ("vlmevalkit", "lmms-eval", "drivelm")
 """Forms for other tools beside the Parquet files."""
 
 LICENCE = "cc-by-4.0"
+_LICENCE = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+-]{0,60}")
 SUMS = "SHA256SUMS"
 """File with the SHA-256 of every other file."""
 
@@ -77,10 +79,12 @@ def publish(
         FolderTaken: If the folder holds other files.
         MissingExtra: If pyarrow is not installed.
         StudyError: If a file cannot be written.
-        UsageError: If the share or the name of the folder is none.
+        UsageError: If the share, the licence or the name of the folder is none.
     """
     finite_number("validation", validation, 0.0, 0.9)
     check_name(out)
+    if not _LICENCE.fullmatch(licence):
+        raise UsageError(f"licence: {licence!r} is no identifier such as {LICENCE}")
     folder = Path(out)
     asked = asked_drives(study)
     labels = {one.truth.leaf: one.truth.path[-1] for one in asked if one.truth.path}

@@ -21,7 +21,7 @@ from oodscen.judging._questions import (
 )
 from oodscen.report._render import environment
 from oodscen.study._asked import AskedDrive, asked_drives
-from oodscen.study._study import Study
+from oodscen.study._study import QUIZ, Study, refuse_own
 
 SCENES = 20
 """Scenes of a quiz, unless told otherwise; each comes with its ordinary drives."""
@@ -40,8 +40,11 @@ def write_quiz(study: Study, out: Path | None = None, *, scenes: int = SCENES) -
 
     Raises:
         DataError: If no episode of the study has frames.
+        FolderTaken: If the file is one of a study's, other than its quiz.
     """
-    target = out or study.folder / "quiz.html"
+    target = out or study.folder / QUIZ
+    if target.name != QUIZ:
+        refuse_own(target)
     page = environment().get_template("quiz.html.j2").render(payload=_payload(study, scenes))
     replace(target, page.encode("utf-8"))
     return target

@@ -174,7 +174,7 @@ def _together(contradicted: Sequence[Mismatch], scene: Scene) -> list[Issue]:
     causes: dict[tuple[str, str, str], list[Mismatch]] = {}
     for one in contradicted:
         causes.setdefault((one.path, one.claim.subject, one.found), []).append(one)
-    issues = []
+    issues: list[Issue] = []
     for (path, subject, found), group in causes.items():
         said = "; ".join(str(one.claim).removeprefix(f"{subject}: ") for one in group)
         about = f"{subject}: " if subject else ""

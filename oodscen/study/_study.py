@@ -67,6 +67,9 @@ TREES = ("initial", "diverse", "simulatable")
 CATALOGUES = "catalogues.json"
 """The comparison with other simulators' catalogues."""
 
+QUIZ = "quiz.html"
+"""The page that puts the questions to a person."""
+
 TABLES: Mapping[str, str] = {
     "redteam": "redteam.jsonl",
     "edits": "edits.jsonl",
@@ -156,7 +159,7 @@ _OTHERS = (
     "drives.jsonl",
     "answers.jsonl",
     "report.html",
-    "quiz.html",
+    QUIZ,
 )
 _FOLDERS = ("frames", "traces", "videos")
 _TEXTS = re.compile(r"texts\.diverse\.\d+\.jsonl")
@@ -166,6 +169,19 @@ def is_own(name: str) -> bool:
     """Return whether this is the name of a file or folder that a run or a command writes into a study."""
     trees = {f"tree.{tree}.json" for tree in TREES}
     return name in {*_OTHERS, *_FOLDERS, *_KINDS, *trees} or bool(_TEXTS.fullmatch(name))
+
+
+def refuse_own(target: Path) -> None:
+    """Refuse to replace a file that belongs to a study; a missing comparison of catalogues may be added.
+
+    Raises:
+        FolderTaken: When a study's folder holds the file, links followed, or would use its name.
+    """
+    target = Path(os.path.realpath(target))
+    if target.name == CATALOGUES and not target.exists():
+        return
+    if is_own(target.name) and (target.parent / "study.json").exists():
+        raise FolderTaken(str(target.parent), [target.name])
 
 
 class Study(Brief):

@@ -55,6 +55,7 @@ def test_every_kind_of_file_gives_its_texts(tmp_path, name, content):
         ("a.jsonl", b'{"text": "\\ud800"}', "1"),
         ("a.json", b'["a", {"b": 1}, null]', ["[1]", "[2]"]),
         ("a.json", b'["a", ', [""]),
+        ("a.jsonl", b'{"text": "a", "text": "b"}', "1"),
         ("a.json", b"[" * 100_000, [""]),
         ("a.csv", b"id,words\n1,one\n", ["line 1"]),
         ("a.csv", b"id,text\n1,one\n2\n", ["line 3"]),
@@ -140,7 +141,6 @@ def test_csv_of_any_texts_is_read_as_it_was_written(tmp_path_factory, rows, end)
         ("text\nA deer, jumping.\n", "line 2", "has 2 fields"),
         ("text,text\nA deer.,A sofa.\n", "line 1", "two columns"),
         ("words\nA deer.\n", "line 1", "no column 'text'"),
-        (f"text\n{'x' * 200_000}\n", "line 2", "is not CSV"),
         ("text,leaf\n,a\nA deer.\n", "line 2", "is blank"),
     ],
 )

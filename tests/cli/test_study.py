@@ -119,6 +119,8 @@ def test_a_model_is_dropped_without_asking_anybody_and_others_can_be_judged_at_o
 
 def test_a_requirement_is_graded_by_the_exit_code(study) -> None:
     assert invoke("evaluate", study, "--require", "sane>=1").exit_code == 2
+    for command in ("evaluate", "report"):
+        assert invoke(command, study, "--require", "").exit_code == 2
     none = invoke("evaluate", study, "--require", "safe>=0")
     assert none.exit_code == 5
     file = study / "verdicts.jsonl"

@@ -56,7 +56,14 @@ def test_answers_about_no_drive_of_the_study_or_twice_about_one_are_refused(item
 
 @pytest.mark.parametrize(
     "fault",
-    [{"name": "../x"}, {"name": ""}, {"action": "fly"}, {"confidence": 0.1}, {"more": 1}],
+    [
+        {"name": "../x"},
+        {"name": ""},
+        {"action": "fly"},
+        {"confidence": 0.1},
+        {"more": 1},
+        {"is_ood": "yes"},
+    ],
 )
 def test_a_malformed_file_is_refused(fault):
     with pytest.raises(DataError):

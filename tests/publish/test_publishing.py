@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import Study, evaluate
-from oodscen.errors import FolderTaken
+from oodscen.errors import FolderTaken, UsageError
 from oodscen.judging import leaderboard
 from oodscen.publish import answer_values, figures_of, publish
 from oodscen.publish._parquet import DRIVES, QUESTIONS
@@ -125,6 +125,13 @@ def test_it_is_the_same_again_and_other_files_are_left_alone(study, data, tmp_pa
         publish(study, again)
     with pytest.raises(FolderTaken):
         publish(study, study.folder)
+
+
+@pytest.mark.parametrize("licence", ["", "mit\n---\ninjected: true", "mit other"])
+def test_a_licence_is_one_identifier(study, tmp_path, licence):
+    with pytest.raises(UsageError, match="licence"):
+        publish(study, tmp_path / "set", licence=licence)
+    assert not (tmp_path / "set").exists()
 
 
 def test_right_answers_are_right_and_are_scored_like_a_study(study, data):

@@ -9,7 +9,7 @@ import pytest
 
 from oodscen import Study
 from oodscen._pipeline.answering import add_answers
-from oodscen.errors import DataError
+from oodscen.errors import DataError, FolderTaken
 from oodscen.judging._people import PEOPLE
 from oodscen.report._quiz import write_quiz
 from tests.report.conftest import build_study
@@ -49,6 +49,14 @@ def test_a_scene_comes_with_its_ordinary_drive_and_the_number_is_kept(study: Stu
     first, again = (write_quiz(study, tmp_path / name, scenes=1).read_bytes() for name in "ab")
     assert first == again
     assert len(payload(first.decode())["items"]) == 2
+
+
+@pytest.mark.parametrize("name", ["study.json", "scenes.jsonl", "episodes.jsonl"])
+def test_no_file_of_a_study_is_replaced(study: Study, name: str):
+    before = (study.folder / name).read_bytes()
+    with pytest.raises(FolderTaken):
+        write_quiz(study, study.folder / name)
+    assert (study.folder / name).read_bytes() == before
 
 
 def test_the_file_that_it_saves_is_taken_once_per_name(study: Study, page: str, tmp_path: Path):

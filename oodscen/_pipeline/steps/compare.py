@@ -1,7 +1,6 @@
 """The stage that compares other simulators with the study's own."""
 
 from oodscen._pipeline.context import Context
-from oodscen._registry import make_catalogue
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.stages._prune.side_by_side import compare
@@ -15,11 +14,9 @@ def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
     Branches that only substitutes can show are kept and marked. The questions about the study's own simulator
     equal those of the pruning stage, so a recorded model is not asked them again.
     """
-    names = run.config.compared
-    if not names or _is_compared(run, tree):
+    if not run.compared or _is_compared(run, tree):
         return
-    offered = {run.config.simulator: run.simulator.catalogue()}
-    offered |= {name: make_catalogue(name) for name in names}
+    offered = {run.config.simulator: run.simulator.catalogue(), **run.compared}
     total = len(offered) * len(tree.leaves)
     judged: dict[str, list[PruneDecision]] = {}
     done = 0
