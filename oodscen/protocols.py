@@ -391,9 +391,10 @@ class Rehearses(Protocol):
         friction: float = 1.0,
         speed: float = 1.0,
     ) -> bool:
-        """Return whether an action, begun now, touches nothing and stays on the road.
+        """Return whether an action, begun now, passes.
 
-        The simulator stays in its current state.
+        The ego touches nothing, stays on the road, and does not pass the scene's `stop_line` while the light is
+        red. The simulator stays in its current state.
 
         Args:
             action: Id of a discrete action.

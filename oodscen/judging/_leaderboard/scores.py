@@ -99,7 +99,7 @@ class ActionScore(Data):
     noun: ClassVar[str] = "control"
 
     safe: Rate = Rate()
-    """Over all scenes: the ego touched nothing and stayed on the road."""
+    """Over all scenes: the ego touched nothing, stayed on the road and ran no red light."""
     collision_free: Rate = Rate()
     """The paper's success: the action could be executed and the ego touched nothing."""
     decidable: Rate = Rate()
