@@ -192,6 +192,11 @@ judging_options = _options(
         help="Show a model the view from the rear window at the decision as well.  [default: --no-rear-view]",
     ),
     click.option(
+        "--without-pictures",
+        is_flag=True,
+        help="Also ask the same questions with the pictures withheld; adds a row MODEL without pictures.",
+    ),
+    click.option(
         "--ordinary",
         type=click.IntRange(1, 2),
         help="Ordinary drives asked about per scene: its twin or its demand, or both.  [default: 1]",

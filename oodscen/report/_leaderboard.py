@@ -114,7 +114,7 @@ def _line(row: LeaderboardRow, floor: LeaderboardRow | None) -> PrintedRow:
 
 def _series(board: Leaderboard) -> list[LeaderboardRow]:
     """Return the rows that the charts show: the models, or without any the most different references."""
-    models = [row for row in board.standings if row.kind == "model"]
+    models = [row for row in board.standings if row.is_judged]
     if models:
         return models[:_MOST_SERIES]
     names = ("oracle", "novelty", "blind", "random")
@@ -165,7 +165,7 @@ def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material
     rows = []
     order = list(dict.fromkeys(labels.values()))
     place = {label: index for index, label in enumerate(order)}
-    for row in [row for row in board.standings if row.kind == "model"][:_MOST_SERIES]:
+    for row in [row for row in board.standings if row.is_judged][:_MOST_SERIES]:
         counts: Counter[tuple[int, int]] = Counter()
         for verdict in verdicts:
             if verdict.model != row.model or verdict.protocol != row.protocol:

@@ -117,7 +117,7 @@ def simulate(
 
     An action is rolled out by several drivers: with every reaction time, and, if the simulator can `rehearse`,
     on a road with a tenth less friction and at a speed of the ego that differs by a twentieth. In a demand whose
-    event is a red light, nobody passes who drives over the stop line while it is red. An action is safe if
+    event is a red light, driving over the stop line while it is red fails as well. An action is safe if
     all of them pass, unsafe if none does, and marginal otherwise. The margins and the trace are those of the
     driver with the middle reaction time on the road as it is.
 

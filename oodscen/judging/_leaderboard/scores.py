@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import ClassVar, Literal
 
 from oodscen.data._base import Data
-from oodscen.data._verdict import Protocol
+from oodscen.data._verdict import Protocol, is_without_pictures
 from oodscen.statistics._intervals import Interval
 from oodscen.statistics._significance import PairedTest
 
@@ -16,8 +16,6 @@ PRIVILEGED = "oracle"
 """The reference that is told the truth: a ceiling, never a baseline to beat."""
 
 
-WITHHELD = "{} without pictures"
-"""Name of the row of a model that was asked without the pictures."""
 BLIND = ("constant:", "random", "blind")
 """Beginnings of the names of references that see no picture."""
 
@@ -144,7 +142,7 @@ class PairedScores(Data):
     over_blind: tuple[Gain, ...] = ()
     """Lead over the best answerer without the pictures: a constant, `random` or `blind`."""
     over_withheld: tuple[Gain, ...] = ()
-    """Lead over the same model with the pictures withheld, the row named `WITHHELD.format(model)`."""
+    """Lead over the same model with the pictures withheld, the row `MODEL without pictures`."""
 
 
 class SceneGroup(Data):
@@ -200,6 +198,11 @@ class LeaderboardRow(Data):
     groups: tuple[SceneGroup, ...] = ()
     confusions: tuple[Confusion, ...] = ()
     """Wrong closed choices, most frequent first."""
+
+    @property
+    def is_judged(self) -> bool:
+        """Return whether the row is that of a model that saw the pictures."""
+        return self.kind == "model" and not is_without_pictures(self.model)
 
 
 class ModelComparison(Data):

@@ -1,9 +1,8 @@
 """A leaderboard in a few sentences: the main figures of every model beside the reference to beat."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from oodscen.judging._leaderboard.scores import Estimate, Gain, LeaderboardRow, Rate
+from oodscen.judging._leaderboard.scores import Estimate, LeaderboardRow, PairedScores, Rate
 
 if TYPE_CHECKING:
     from oodscen.judging._leaderboard.board import Leaderboard
@@ -15,7 +14,7 @@ _TO = "\N{WORD JOINER}–\N{WORD JOINER}"
 
 def sentences(board: "Leaderboard") -> list[str]:
     """Return a few sentences: the main figures of every model beside the reference to beat."""
-    models = [row for row in board.standings if row.kind == "model" and row.protocol == "ours"]
+    models = [row for row in board.standings if row.is_judged and row.protocol == "ours"]
     if not models:
         return _without_models(board)
     found = [sentence for row in models for sentence in (_main(row), _unfinished(board, row))]
@@ -44,7 +43,7 @@ def _main(row: LeaderboardRow) -> str:
     if paired.notice.n:
         parts.append(
             f"notices {percent(paired.notice.value)}{spread(paired.notice)} of the scenes and leaves their "
-            f"ordinary drives alone{_gain(paired.over_blind, 'notice')}"
+            f"ordinary drives alone{_gain(paired, 'notice')}"
         )
     elif row.detection.sensitivity.n:
         parts.append(
@@ -54,7 +53,7 @@ def _main(row: LeaderboardRow) -> str:
     if paired.act.n:
         parts.append(
             f"acts rightly in {percent(paired.act.value)}{spread(paired.act)} of the scenes and their ordinary "
-            f"drives alike{_gain(paired.over_blind, 'act')}"
+            f"drives alike{_gain(paired, 'act')}"
         )
     if not parts:
         return f"{row.model} gave no answer that can be scored."
@@ -68,13 +67,17 @@ def _main(row: LeaderboardRow) -> str:
     return f"{row.model} {', and '.join(parts)}.{worst}"
 
 
-def _gain(gains: Sequence[Gain], figure: str) -> str:
-    for one in gains:
+def _gain(scores: PairedScores, figure: str) -> str:
+    """Return the leads in a figure over those who see no picture, in brackets."""
+    against = [(one, f"“{one.against}” without the pictures") for one in scores.over_blind]
+    against += [(one, "itself without the pictures") for one in scores.over_withheld]
+    parts = []
+    for one, whom in against:
         if one.figure == figure and one.difference.value is not None:
             points = 100 * one.difference.value
             word = "more" if points >= 0 else "fewer"
-            return f" ({abs(points):.0f} points {word} than “{one.against}” without the pictures)"
-    return ""
+            parts.append(f"{abs(points):.0f} points {word} than {whom}")
+    return f" ({', '.join(parts)})" if parts else ""
 
 
 def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
