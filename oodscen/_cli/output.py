@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -141,15 +141,6 @@ def _notes(board: "Leaderboard") -> list[str]:
     return notes
 
 
-def measured_judge(info: Mapping[str, Any]) -> list[str]:
-    """State on how many labelled answers the judge of a study agrees with the person who labelled them."""
-    counts = info.get("counts", {}).get("judged", {})
-    if not counts.get("labelled"):
-        return []
-    agrees, of = counts["agrees"], counts["labelled"]
-    return [f"the judge agrees with a person on {agrees} of {of} labelled answers"]
-
-
 def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
     """State, one line per model, how many items it was not asked about or failed on, and how to ask again."""
     found: dict[tuple[str, str], list[Verdict]] = {}
@@ -175,7 +166,13 @@ def _points(found: "Estimate") -> str:
     return f"{100 * (found.value or 0.0):+.0f}{spread} points in"
 
 
-_BESIDE = ("constant:stop", "random", "blind", "novelty", "oracle")
+_BESIDE = (
+    *(f"constant:{action}" for action in ("stop", "emergency_brake", "keep_speed")),
+    "random",
+    "blind",
+    "novelty",
+    "oracle",
+)
 
 
 def _share(found: "Rate | Estimate") -> str:

@@ -34,7 +34,6 @@ from oodscen._cli.output import (
     estimated,
     graded,
     left_out,
-    measured_judge,
     say,
     standings,
     summary,
@@ -295,6 +294,7 @@ def evaluate(
     from oodscen._pipeline import RunOptions, estimate, run_study
     from oodscen._pipeline.answering import add_answers
     from oodscen._pipeline.dropping import drop_models
+    from oodscen.judging._aspects.labelled import agreement_in_words
     from oodscen.judging._leaderboard.leaderboard import Leaderboard
     from oodscen.judging._leaderboard.requirements import parse_requirement
     from oodscen.llm._accounting import Ledger
@@ -360,7 +360,7 @@ def evaluate(
             shown["requirements"] = [one.model_dump(mode="json") for one in grades]
         click.echo(json.dumps(shown, indent=2, ensure_ascii=False))
     else:
-        say("\n".join([standings(board), *measured_judge(study.info)]))
+        say("\n".join(filter(None, (standings(board), agreement_in_words(study.info)))))
         if grades is not None:
             say(graded(grades))
         click.echo(f"report: {(study.folder / 'report.html').resolve()}")

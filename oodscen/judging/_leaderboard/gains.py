@@ -8,7 +8,7 @@ import numpy as np
 from oodscen.data._verdict import Protocol, without_pictures
 from oodscen.judging._items import AnswerColumns, Items, Ratio
 from oodscen.judging._leaderboard.figures import PairColumns
-from oodscen.judging._leaderboard.scores import BLIND, Estimate, Gain, LeaderboardRow
+from oodscen.judging._leaderboard.scores import Estimate, Gain, LeaderboardRow
 from oodscen.statistics._intervals import percentiles
 from oodscen.statistics._resampling import Resampler
 
@@ -35,7 +35,7 @@ def with_gains(
 ) -> list[LeaderboardRow]:
     """Return the rows, with the leads of models over the best blind reference and over themselves blindfolded."""
     ours = [row for row in rows if row.protocol == "ours"]
-    blind = [row for row in ours if row.kind == "reference" and row.model.startswith(BLIND)]
+    blind = [row for row in ours if row.is_blind]
     names = {row.model: row for row in ours}
     pairs = {row.model: PairColumns.of(items, sheets[row.model, "ours"]) for row in ours}
 

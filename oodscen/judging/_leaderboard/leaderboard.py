@@ -216,6 +216,14 @@ def _paired_scores(
     return PairedScores(
         notice=rates["notice-both"],
         act=rates["act-both"],
+        act_by_kind={
+            kind: rate(
+                study.resampler,
+                Ratio(pairs.act, pairs.mask & mask, is_neutral=pairs.is_neutral),
+                sheet,
+            )
+            for kind, mask in pairs.kinds.items()
+        },
         drop=mean_of(study.resampler, Ratio(pairs.drop, pairs.mask)),
     )
 

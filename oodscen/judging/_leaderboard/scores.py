@@ -136,7 +136,10 @@ class PairedScores(Data):
     notice: Rate = Rate()
     """Scenes that are called out of the ordinary while none of their ordinary drives is."""
     act: Rate = Rate()
-    """Scenes with a safe action whose ordinary drives all have a safe action that is not needless."""
+    """Scenes with a safe action whose ordinary drives all have a safe action that is neither a stop nor a lane
+    change where keeping the speed is safe with enough margin."""
+    act_by_kind: dict[str, Rate] = {}
+    """`act` by kind of ordinary drive that goes with the scene."""
     drop: Estimate = Estimate()
     """Share of safe actions in the ordinary drives minus that in their scenes, in [-1, 1]."""
     over_blind: tuple[Gain, ...] = ()
@@ -198,6 +201,12 @@ class LeaderboardRow(Data):
     groups: tuple[SceneGroup, ...] = ()
     confusions: tuple[Confusion, ...] = ()
     """Wrong closed choices, most frequent first."""
+
+    @property
+    def is_blind(self) -> bool:
+        """Return whether the row is that of a reference that sees no picture, judged by our protocol."""
+        is_reference = self.kind == "reference" and self.protocol == "ours"
+        return is_reference and self.model.startswith(BLIND)
 
     @property
     def is_judged(self) -> bool:

@@ -18,10 +18,31 @@ def sentences(board: "Leaderboard") -> list[str]:
     if not models:
         return _without_models(board)
     found = [sentence for row in models for sentence in (_main(row), _unfinished(board, row))]
+    found.append(constants(board))
     found.append(
         f"This rests on {board.scenes} scenes of {board.paths} kinds. Brackets hold 95{_GAP}% intervals."
     )
     return [sentence for sentence in found if sentence]
+
+
+_SHOWN_CONSTANTS = ("stop", "emergency_brake", "keep_speed")
+
+
+def constants(board: "Leaderboard") -> str:
+    """Return the sentence on what the same action everywhere reaches; empty without ordinary drives."""
+    parts = []
+    for action in _SHOWN_CONSTANTS:
+        row = board.standing(f"constant:{action}")
+        if row is not None and row.paired.act.value is not None:
+            kinds = ", ".join(
+                f"{percent(found.value)} with a {kind}"
+                for kind, found in row.paired.act_by_kind.items()
+            )
+            what = f"“{action.replace('_', ' ')}” {percent(row.paired.act.value)}"
+            parts.append(f"{what}{spread(row.paired.act)} ({kinds})")
+    if not parts:
+        return ""
+    return f"The same action everywhere, without looking, acts rightly in: {'; '.join(parts)}."
 
 
 def percent(value: float | None) -> str:
