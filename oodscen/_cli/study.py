@@ -22,6 +22,7 @@ from oodscen._cli.options import (
     limits_from,
     llm_options,
     picture_options,
+    rear_view_option,
     red_options,
     require_option,
     rollout_options,
@@ -411,14 +412,23 @@ def _exit_code(grades: Sequence["RequirementResult"]) -> int:
     show_default=True,
     help="Maximum number of scenes; each comes with its ordinary drives.",
 )
-def quiz(out: Path, file: Path | None, scenes: int) -> None:
+@rear_view_option
+def quiz(out: Path, file: Path | None, scenes: int, rear_view: bool | None) -> None:
     """Write a page that puts the questions of the study in the folder OUT to a person.
 
     The page needs no network and holds no answers. It saves a file that `oodscen evaluate OUT --answers FILE`
     takes as the row human:NAME.
     """
-    from oodscen.report._quiz import write_quiz
+    from oodscen._pipeline import RunOptions
+    from oodscen._pipeline.answering import rear_views
+    from oodscen.report._quiz import drawn, write_quiz
     from oodscen.study._study import Study
 
-    target = write_quiz(Study.open(out), file, scenes=scenes)
+    study, rears = Study.open(out), dict[str, str]()
+    if rear_view:
+        drives = [drive.episode for drive in drawn(study, scenes)]
+        with bars() as progress:
+            options = RunOptions(workers=os.cpu_count() or 1, progress=progress)
+            rears = rear_views(study, drives, options)
+    target = write_quiz(study, file, scenes=scenes, rears=rears)
     click.echo(str(target.resolve()))

@@ -10,7 +10,8 @@ import pytest
 from lxml import html
 
 from oodscen import Study
-from oodscen._pipeline import run_study
+from oodscen._pipeline import RunOptions, run_study
+from oodscen._pipeline.answering import rear_views
 from oodscen._pipeline.dropping import drop_models
 from oodscen._pipeline.steps.judge import OPINIONS
 from oodscen.data._episode import ACTIONS
@@ -19,6 +20,7 @@ from oodscen.errors import BudgetExceeded, DataError, LLMError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.leaderboard import Leaderboard
 from oodscen.llm._remote.limits import Limits
+from oodscen.report._quiz import drawn, write_quiz
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.pipeline.quick import QUICK, asked_about
 
@@ -511,6 +513,16 @@ def test_the_view_to_the_rear_is_shown_once_it_is_asked_for_and_then_asked_about
     ]
     assert not asked
     assert all((out / name).stat().st_size for name in shown[1])
+
+
+def test_a_quiz_takes_the_views_to_the_rear_that_a_study_lacks(folder, tmp_path):
+    study = Study.open(shutil.copytree(folder, tmp_path / "out"))
+    taken = [rear_views(study, study.episodes[:count], RunOptions()) for count in (1, 3, 1)]
+    assert [len(one) for one in taken] == [1, 3, 3]
+    page = write_quiz(study, rears=taken[1]).read_text()
+    items = json.loads(html.fromstring(page).get_element_by_id("payload").text)["items"]
+    drives = [drive.episode.scene_id for drive in drawn(study, 20)]
+    assert ["rear" in one for one in items] == [name in taken[1] for name in drives]
 
 
 def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder, tmp_path):
