@@ -40,9 +40,9 @@ def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     config, verdicts = study.config, study.verdicts
     made = {name: _called(name, config) for name in config.vlms}
     made |= {
-        without_pictures(name): None if made[name] is None else without_pictures(made[name])
-        for name in config.withheld
-        if name in made
+        without_pictures(name): called and without_pictures(called)
+        for name, called in tuple(made.items())
+        if name in config.withheld
     }
     made |= {person(name): person(name) for name in config.people}
     called = {name: other or name for name, other in made.items()}

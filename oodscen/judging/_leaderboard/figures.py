@@ -43,6 +43,7 @@ class PairColumns:
         n = len(items.episodes)
         rows = np.flatnonzero((items.owners >= 0) & sheet.was_asked)
         owner = items.owners[rows]
+        drives = np.array(items.kinds)[rows]
         count = np.bincount(owner, minlength=n).astype(np.float64)
         quiet = _products(owner, 1.0 - sheet.called[rows], n)
         apt = _products(owner, sheet.apt[rows], n)
@@ -62,9 +63,8 @@ class PairColumns:
             drop=share - sheet.safe,
             is_neutral=neutral & ~(wrong & answered),
             kinds={
-                kind: _sums(owner, np.array([items.kinds[row] == kind for row in rows]) * 1.0, n)
-                > 0
-                for kind in sorted({items.kinds[row] for row in rows})
+                kind: _sums(owner, (drives == kind).astype(np.float64), n) > 0
+                for kind in sorted(set(drives.tolist()))
             },
         )
 
