@@ -1,4 +1,4 @@
-"""Forty simulators with one defect each: what the author of an adapter can get wrong.
+"""Forty-one simulators with one defect each: what the author of an adapter can get wrong.
 
 Every defect is a subclass of the flat simulator, which keeps the protocol. Its first docstring line names it.
 """
@@ -365,6 +365,11 @@ class FieldOfViewIgnored(Defective):
 class PitchIgnored(Defective):
     def altered_camera(self, camera):
         return replace(camera, pitch_deg=2.0)
+
+
+class TurnIgnored(Defective):
+    def altered_camera(self, camera):
+        return replace(camera, yaw_deg=0.0)
 
 
 class PlaceIgnored(Defective):

@@ -2,7 +2,7 @@
 
 Usage: python benchmarks/adapters.py [--json] [NAME ...]
 
-Forty defects (`_adapter_defects.py`), as authors of adapters make them; at least 38 must be found, and the flat
+Forty-one defects (`_adapter_defects.py`), as authors of adapters make them; at least 38 must be found, and the flat
 simulator without a defect must pass. The parts `process` and `leaks` are left out.
 """
 

@@ -22,11 +22,14 @@ from oodscen import Study, StudyConfig
 from oodscen._pipeline import run_study
 from oodscen._registry import make_simulator
 from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._pairing import scene_of
 from oodscen.data._verdict import Verdict
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.errors import BudgetExceeded
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._items import CAUTIOUS
+from oodscen.judging._kinds import LISTED
+from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._leaderboard.scores import Estimate
 from oodscen.judging._safe_sets import safety_figures
 from oodscen.judging._selection import chosen
@@ -39,9 +42,54 @@ from oodscen.testing import AnsweringServer
 Row = dict[str, Any]
 
 
+def ran_and_seen(study: Study) -> list[Episode]:
+    """Return the episodes that answerers can be asked about."""
+    unseen = {one.scene_id for one in study.episodes if one.is_below_floor}
+    return [e for e in study.episodes if e.status == "ok" and scene_of(e.scene_id) not in unseen]
+
+
 def row(name: str, value: float, unit: str, target: str, holds: bool) -> Row:
     """Return one row of the result."""
     return {"name": name, "value": value, "unit": unit, "target": target, "holds": holds}
+
+
+def keeping(episodes: Sequence[Episode]) -> list[Row]:
+    """Measure how often keeping the speed is right, in ordinary drives and in rare scenes."""
+    rows = []
+    for name, is_ordinary, low, high in (
+        ("ordinary", True, 0.40, 0.65),
+        ("rare", False, 0.10, 0.30),
+    ):
+        found = [
+            one.label("keep_speed") == "safe" for one in episodes if one.is_ordinary is is_ordinary
+        ]
+        share = sum(found) / max(1, len(found))
+        rows.append(
+            row(f"keeping the speed is right, {name} drives", share, "share", f"{low}..{high}",
+                low <= share <= high)
+        )  # fmt: skip
+    return rows
+
+
+def blind_gains(study: Study) -> list[Row]:
+    """Compare the answerer that knows the benchmark and sees nothing with luck, question by question."""
+    board = leaderboard(study.verdicts, study.episodes, study.scenarios, seed=study.config.seed)
+    blind = board.standing("blind")
+    assert blind is not None
+    constants = [one for one in board.standings if one.model.startswith("constant:")]
+    best = max(one.paired.act.value or 0.0 for one in constants)
+    gains = {
+        "is anything unusual, balanced accuracy over 50 %": (
+            blind.detection.balanced_accuracy.value,
+            0.5,
+        ),
+        "which kind, over one of those listed": (blind.identification.closed.value, 1 / LISTED),
+        "which action, both halves, over the best constant": (blind.paired.act.value, best),
+    }
+    return [
+        row(f"blind gain: {name}", (value or 0.0) - level, "share", "<= 0.03", (value or 0.0) - level <= 0.03)
+        for name, (value, level) in gains.items()
+    ]  # fmt: skip
 
 
 def safe_sets(episodes: Sequence[Episode]) -> list[Row]:
@@ -284,7 +332,9 @@ def main() -> int:
         if not given.study:
             run_study(folder, StudyConfig(), workers=2)
         study = Study.open(folder)
-        rows = [*safe_sets(study.episodes), *flips(study, 180)]
+        judged = chosen(ran_and_seen(study), count=study.config.ordinary, seed=study.config.seed)
+        rows = [*safe_sets(study.episodes), *keeping(judged), *blind_gains(study)]
+        rows += flips(study, 180)
         rows += [*references(study), *shortcuts(study)]
         rows += closed_loop(study, 100)
         small = Path(temporary, "small")

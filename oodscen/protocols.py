@@ -6,7 +6,7 @@ plain classes with these members; no base class is required. Simulators are shor
 `oodscen.driving.DynamicSimulator`, if they own motion, or of `MirrorSimulator`, if they only draw.
 
 What a simulator or driver may be able to do in addition has a protocol of its own: `Snapshots`,
-`Rehearses`, `ChecksScenes`, `Looks`, `WantsFrames`. An object has the ability if it has the members.
+`Rehearses`, `ChecksScenes`, `Looks`, `WantsFrames`, `MountsCamera`. An object has the ability if it has the members.
 
 Units are SI: metres, seconds, radians, unless a name ends in `_deg`. Axes are those of ISO 8855: x
 forward, y to the left, z up; angles and curvatures are positive to the left (counter-clockwise).
@@ -47,6 +47,7 @@ __all__ = [
     "Image",
     "Looks",
     "Message",
+    "MountsCamera",
     "Observation",
     "Rehearses",
     "Request",
@@ -391,9 +392,10 @@ class Rehearses(Protocol):
         friction: float = 1.0,
         speed: float = 1.0,
     ) -> bool:
-        """Return whether an action, begun now, touches nothing and stays on the road.
+        """Return whether an action, begun now, passes.
 
-        The simulator stays in its current state.
+        The ego touches nothing, stays on the road, and does not pass the scene's `stop_line` while the light is
+        red. The simulator stays in its current state.
 
         Args:
             action: Id of a discrete action.
@@ -464,8 +466,7 @@ class Observation(Brief):
 class Driver(Protocol):
     """Controls the ego in one episode; every episode gets a new driver.
 
-    Abilities that a driver may have in addition: `Looks` and `WantsFrames`. One that wants frames may name its
-    `camera`; by default the dash camera takes them.
+    Abilities that a driver may have in addition: `Looks`, `WantsFrames` and `MountsCamera`.
     """
 
     def act(self, observation: Observation) -> Control:
@@ -488,3 +489,14 @@ class WantsFrames(Protocol):
 
     wants_frames: bool
     """True to get the camera's picture with every observation."""
+
+
+@runtime_checkable
+class MountsCamera(Protocol):
+    """A driver with a camera of its own, which takes its pictures if it `WantsFrames`.
+
+    Without it, the dash camera does.
+    """
+
+    camera: Camera | None
+    """The camera, moving with the ego; `None` for the dash camera."""

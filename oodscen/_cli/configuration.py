@@ -24,7 +24,7 @@ _HIDDEN = ("config", "help")
 
 RUN_SECTIONS: Mapping[str, tuple[str, ...]] = {
     "Models": ("llm", "red-llm", "fallback", "rarity-llm", "context", "api-base"),
-    "Judging": ("vlm", "protocol", "chain", "rear-view", "ordinary", "judge"),
+    "Judging": ("vlm", "protocol", "chain", "rear-view", "without-pictures", "ordinary", "judge"),
     "Limits": (
         *("max-cost", "max-requests", "max-tokens", "max-seconds", "price"),
         *("concurrency", "timeout", "patience"),

@@ -374,6 +374,7 @@ def _line(one: "PlayedVerdict") -> str:
     came = f"decision at {one.decision_s:.2f} s" if one.decision_fired else "no decision"
     ended = "" if one.is_complete else ", but the run ends before the horizon"
     hit = f"touches {', '.join(outcome.contacts)}" if outcome.contacts else ""
-    harm = hit or ("leaves the road" if outcome.off_road else "safe")
+    harm = hit or ("leaves the road" if outcome.off_road else "")
+    harm = harm or ("drives past the red light" if outcome.ran_red else "safe")
     margin = "" if outcome.margin_m is None else f", margin {outcome.margin_m:.2f} m"
     return f"{one.scene_id}: {came}, {harm}{margin}{ended}"

@@ -173,6 +173,11 @@ style_option = click.option(
     type=click.Choice(("natural", "paper", "terse", "verbose", "first-person")),
     help="Style of the texts.  [default: natural]",
 )
+rear_view_option = click.option(
+    "--rear-view/--no-rear-view",
+    default=None,
+    help="Show the view from the rear window at the decision as well.  [default: --no-rear-view]",
+)
 judging_options = _options(
     click.option(
         "--protocol",
@@ -186,10 +191,11 @@ judging_options = _options(
         default=None,
         help="Show a model its own descriptions of the frames before every question.  [default: --no-chain]",
     ),
+    rear_view_option,
     click.option(
-        "--rear-view/--no-rear-view",
-        default=None,
-        help="Show a model the view from the rear window at the decision as well.  [default: --no-rear-view]",
+        "--without-pictures",
+        is_flag=True,
+        help="Also ask the same questions with the pictures withheld; adds a row MODEL without pictures.",
     ),
     click.option(
         "--ordinary",

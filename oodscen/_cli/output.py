@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -122,6 +122,10 @@ def graded(found: "Sequence[RequirementResult]") -> str:
 def _notes(board: "Leaderboard") -> list[str]:
     """State what "both" means, who scored the open aspects, and in how many of the paper's items the hazard is visible."""
     notes = ["both: right about the scene and about every ordinary drive that goes with it"]
+    for row in board.standings:
+        gains = [one for one in row.paired.over_withheld if one.difference.value is not None]
+        told = [f"{_points(one.difference)} {_FIGURES[one.figure]}" for one in gains]
+        notes += [f"{row.model} over itself without pictures: {', '.join(told)}"] if told else []
     if board.judge:
         unjudged = sum(row.identification.unjudged for row in board.standings)
         rest = (
@@ -137,29 +141,38 @@ def _notes(board: "Leaderboard") -> list[str]:
     return notes
 
 
-def measured_judge(info: Mapping[str, Any]) -> list[str]:
-    """State on how many labelled answers the judge of a study agrees with the person who labelled them."""
-    counts = info.get("counts", {}).get("judged", {})
-    if not counts.get("labelled"):
-        return []
-    agrees, of = counts["agrees"], counts["labelled"]
-    return [f"the judge agrees with a person on {agrees} of {of} labelled answers"]
-
-
 def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
-    """State, one line per model, how many items it was not asked about after it was given up, and why."""
-    found: dict[str, list[Verdict]] = {}
+    """State, one line per model, how many items it was not asked about or failed on, and how to ask again."""
+    found: dict[tuple[str, str], list[Verdict]] = {}
     for verdict in verdicts:
-        if verdict.outcome == "unasked":
-            found.setdefault(verdict.model, []).append(verdict)
+        if verdict.outcome in ("unasked", "error"):
+            found.setdefault((verdict.model, verdict.outcome), []).append(verdict)
     return [
         f"{model}: {len(rows)} items {rows[0].error}; the same command asks them, --drop {model} takes "
         "the model out of the study"
-        for model, rows in found.items()
+        if outcome == "unasked"
+        else f"{model}: {len(rows)} items failed, e.g. {rows[0].error}; --retry-failed asks them again"
+        for (model, outcome), rows in found.items()
     ]
 
 
-_BESIDE = ("constant:stop", "random", "blind", "novelty", "oracle")
+_FIGURES = {"notice": "noticing (both halves)", "act": "acting (both halves)"}
+
+
+def _points(found: "Estimate") -> str:
+    """Return a difference of shares in points, with its interval."""
+    between = found.interval
+    spread = f" [{100 * between.low:+.0f}, {100 * between.high:+.0f}]" if between else ""
+    return f"{100 * (found.value or 0.0):+.0f}{spread} points in"
+
+
+_BESIDE = (
+    *(f"constant:{action}" for action in ("stop", "emergency_brake", "keep_speed")),
+    "random",
+    "blind",
+    "novelty",
+    "oracle",
+)
 
 
 def _share(found: "Rate | Estimate") -> str:

@@ -2,6 +2,7 @@
 
 import sys
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from oodscen._cli.options import (
     llm_options,
     out_option,
     picture_options,
+    rear_view_option,
     red_options,
     rollout_options,
     seed_option,
@@ -34,7 +36,7 @@ if TYPE_CHECKING:
     from oodscen.data._scenario import Scenario
     from oodscen.data._scene import Scene
 
-_SIMULATED = ("study.json", "episodes.jsonl", "frames", "traces", "videos")
+_SIMULATED = ("study.json", "episodes.jsonl", "episodes.rear.jsonl", "frames", "traces", "videos")
 """Files and folders whose presence makes `simulate` refuse a folder."""
 
 
@@ -287,6 +289,7 @@ def augment(
 @seed_option
 @extras_options
 @picture_options
+@rear_view_option
 @rollout_options
 @click.option(
     "--workers",
@@ -305,16 +308,18 @@ def simulate(
     video: Any,
     width: int | None,
     height: int | None,
+    rear_view: bool | None,
     reaction: tuple[float, ...],
     horizon: float | None,
     workers: int,
 ) -> None:
     """Simulate every scene of the file SCENES into the folder OUT.
 
-    Writes episodes.jsonl and the frames. A scene that cannot be run becomes a failed episode, and the exit code
+    Writes episodes.jsonl and the frames; with --rear-view also rear.jpg beside them, and episodes.rear.jsonl. A scene that cannot be run becomes a failed episode, and the exit code
     is 1. A folder that already holds a study or simulation results is refused.
     """
     from oodscen import Scene, make_simulator
+    from oodscen._pipeline.steps.scenes import REAR
     from oodscen._pipeline.sweep import Job, Outputs, sweep
     from oodscen.study._study import Study
 
@@ -342,6 +347,14 @@ def simulate(
             result.save(study.store)
             episodes[result.episode.id] = result.episode
         study.store.write_lines("episodes.jsonl", (episodes[scene.id] for scene in items))
+        if rear_view:
+            behind = {}
+            for result in sweep(
+                replace(job, outputs=Outputs(), is_rear=True), items, workers=workers
+            ):
+                result.save(study.store)
+                behind[result.episode.id] = result.episode
+            study.store.write_lines(REAR, (behind[scene.id] for scene in items))
     failed = [episode for episode in episodes.values() if episode.status == "failed"]
     for episode in failed:
         say(f"{episode.id}: {episode.error}", err=True)

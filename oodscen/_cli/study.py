@@ -22,6 +22,7 @@ from oodscen._cli.options import (
     limits_from,
     llm_options,
     picture_options,
+    rear_view_option,
     red_options,
     require_option,
     rollout_options,
@@ -34,13 +35,13 @@ from oodscen._cli.output import (
     estimated,
     graded,
     left_out,
-    measured_judge,
     say,
     standings,
     summary,
 )
 from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
+from oodscen.data._verdict import without_pictures as named_without_pictures
 from oodscen.errors import UsageError
 
 if TYPE_CHECKING:
@@ -175,6 +176,7 @@ def run(
     retry_failed: bool,
     dry_run: bool,
     protocol: str,
+    without_pictures: bool,
     **choices: Any,
 ) -> None:
     """Run the whole pipeline into the folder OUT, or continue a stopped run.
@@ -195,6 +197,8 @@ def run(
         given["baseline"] = str(given["baseline"])
     given["closed_loop"] = not open_loop
     given["protocols"] = ("ours", "paper") if protocol == "paper" else ("ours",)
+    if without_pictures:
+        given["withheld"] = given.get("vlms", ())
     if quick:
         given = {**StudyConfig.quick().model_dump(), **given}
     config = StudyConfig.parse(given)
@@ -249,7 +253,14 @@ def run(
     "--api-base",
     help="Address of an OpenAI-compatible server for the models named here.  [default: the study's]",
 )
-@click.option("--retry-failed", is_flag=True, help="Ask again where the last answer was unusable.")
+@click.option(
+    "--retry-failed",
+    is_flag=True,
+    help="Ask again where the last answer was unusable or the model's own code failed.",
+)
+@click.option(
+    "--dry-run", is_flag=True, help="Estimate calls, tokens and cost, without asking a model."
+)
 @require_option
 @limit_options
 @json_option
@@ -260,11 +271,13 @@ def evaluate(
     protocol: str,
     chain: bool | None,
     rear_view: bool | None,
+    without_pictures: bool,
     ordinary: int | None,
     answers: Path | None,
     judge: str | None,
     api_base: str | None,
     retry_failed: bool,
+    dry_run: bool,
     required: str | None,
     as_json: bool,
     **choices: Any,
@@ -273,14 +286,16 @@ def evaluate(
 
     Prints the leaderboard, or leaderboard.json with --json. New items are asked first, then unanswered items
     of all models. If a model is given up, only its own items are lost. --drop alone asks no model. --judge scores
-    the open answers of all models, including earlier ones. The exit code is 1 if a model judged here left an item
-    without a usable answer. --require alone asks no model; the exit code is then 4 if a model fails, 5 if no
+    the open answers of all models, including earlier ones. --without-pictures and --retry-failed go for all judged
+    models if no --vlm names one. The exit code is 1 if a model judged here left an item without a usable answer.
+    --require alone asks no model; the exit code is then 4 if a model fails, 5 if no
     model fails but the scenes are too few to tell of one, and 0 if all meet. With --json the grades are the member
     `requirements`.
     """
-    from oodscen._pipeline import run_study
+    from oodscen._pipeline import RunOptions, estimate, run_study
     from oodscen._pipeline.answering import add_answers
     from oodscen._pipeline.dropping import drop_models
+    from oodscen.judging._aspects.labelled import agreement_in_words
     from oodscen.judging._leaderboard.leaderboard import Leaderboard
     from oodscen.judging._leaderboard.requirements import parse_requirement
     from oodscen.llm._accounting import Ledger
@@ -293,10 +308,16 @@ def evaluate(
     click.get_current_context().with_resource(before.store.writing())
     is_paper = protocol == "paper"
     is_wider = any(one is not None for one in (chain, rear_view, ordinary))
+    is_wider |= without_pictures or retry_failed
     if not (vlms or dropped or judge or answers or is_paper or is_wider or required is not None):
         raise UsageError(
             "name a model to judge (--vlm MODEL), to remove (--drop MODEL), or to score open answers "
             "(--judge MODEL), or give a person's answers (--answers FILE) or a requirement (--require)"
+        )
+    if dry_run and (dropped or answers or required):
+        raise UsageError(
+            "--dry-run estimates what models would be asked: it goes without --drop, "
+            "--answers and --require"
         )
     for name, count in drop_models(before, dropped).items() if dropped else ():
         kept = "its answers stay in answers.jsonl and are used if it is judged again"
@@ -308,19 +329,24 @@ def evaluate(
         "asked": {},
         "chain": bool(chain),
         "rear_view": bool(rear_view),
+        "withheld": (vlms or config.vlms) if without_pictures else (),
         "ordinary": ordinary or 1,
         "people": (add_answers(before, answers),) if answers else (),
         "judge": judge,
         "servers": dict.fromkeys(filter(None, (*vlms, judge)), api_base) if api_base else {},
     }
-    limits = limits_from(choices)
-    study = before
+    limits, study = limits_from(choices), before
+    wanted = StudyConfig.parse(config.model_dump() | changes).judging_too(config)
+    if dry_run:
+        rows = estimate(out, wanted, RunOptions(limits=limits))
+        click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
+        return
     if vlms or judge or answers or is_paper or is_wider:
         ledger = Ledger()
         with bars(ledger) as progress:
             study = run_study(
                 out,
-                StudyConfig.parse(config.model_dump() | changes).judging_too(config),
+                wanted,
                 progress=progress,
                 ledger=ledger,
                 limits=limits,
@@ -335,7 +361,7 @@ def evaluate(
             shown["requirements"] = [one.model_dump(mode="json") for one in grades]
         click.echo(json.dumps(shown, indent=2, ensure_ascii=False))
     else:
-        say("\n".join([standings(board), *measured_judge(study.info)]))
+        say("\n".join(filter(None, (standings(board), agreement_in_words(study.info)))))
         if grades is not None:
             say(graded(grades))
         click.echo(f"report: {(study.folder / 'report.html').resolve()}")
@@ -344,7 +370,9 @@ def evaluate(
         say(line, err=True)
     if grades is not None:
         sys.exit(_exit_code(grades))
-    here = {verdict.model for verdict in verdicts} - (known - set(vlms))
+    chosen = {name for vlm in vlms for name in (vlm, named_without_pictures(vlm))}
+    again = known if retry_failed and not vlms else chosen
+    here = {verdict.model for verdict in verdicts} - (known - again)
     sys.exit(any(one.status == "failed" and one.model in here for one in verdicts))
 
 
@@ -384,14 +412,23 @@ def _exit_code(grades: Sequence["RequirementResult"]) -> int:
     show_default=True,
     help="Maximum number of scenes; each comes with its ordinary drives.",
 )
-def quiz(out: Path, file: Path | None, scenes: int) -> None:
+@rear_view_option
+def quiz(out: Path, file: Path | None, scenes: int, rear_view: bool | None) -> None:
     """Write a page that puts the questions of the study in the folder OUT to a person.
 
     The page needs no network and holds no answers. It saves a file that `oodscen evaluate OUT --answers FILE`
     takes as the row human:NAME.
     """
-    from oodscen.report._quiz import write_quiz
+    from oodscen._pipeline import RunOptions
+    from oodscen._pipeline.answering import rear_views
+    from oodscen.report._quiz import drawn, write_quiz
     from oodscen.study._study import Study
 
-    target = write_quiz(Study.open(out), file, scenes=scenes)
+    study, rears = Study.open(out), dict[str, str]()
+    if rear_view:
+        drives = [drive.episode for drive in drawn(study, scenes)]
+        with bars() as progress:
+            options = RunOptions(workers=os.cpu_count() or 1, progress=progress)
+            rears = rear_views(study, drives, options)
+    target = write_quiz(study, file, scenes=scenes, rears=rears)
     click.echo(str(target.resolve()))

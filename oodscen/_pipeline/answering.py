@@ -1,7 +1,12 @@
-"""Taking a person's answers to the quiz into a study."""
+"""The quiz of a study: its views to the rear, and a person's answers."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from oodscen._pipeline.context import Context
+from oodscen._pipeline.options import RunOptions
+from oodscen._pipeline.steps.scenes import REAR, simulate_behind
+from oodscen.data._episode import Episode
 from oodscen.judging._people import PEOPLE, PersonAnswers, QuizAnswers
 from oodscen.study._study import Study
 
@@ -17,3 +22,16 @@ def add_answers(study: Study, file: Path) -> str:
     others = [line for line in study.store.lines(PEOPLE) if line["id"] != given.id]
     study.store.write_lines(PEOPLE, [*others, given])
     return given.id
+
+
+def rear_views(study: Study, episodes: Sequence[Episode], options: RunOptions) -> dict[str, str]:
+    """Return the files of the views to the rear by drive; those that a study lacks are taken.
+
+    Raises:
+        InUse: When another process writes the study.
+    """
+    with study.store.writing():
+        wanted = {one.scene_id for one in episodes}
+        wanted |= {line["id"] for line in study.store.lines(REAR)}
+        drives = [one for one in study.episodes if one.scene_id in wanted]
+        return simulate_behind(Context(study.folder, study.config, options), drives)

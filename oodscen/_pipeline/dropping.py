@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from oodscen._pipeline.steps.judge import ALWAYS, OPINIONS, judged, outcomes
 from oodscen._registry import make_llm
 from oodscen.data._base import canonical_json
+from oodscen.data._verdict import without_pictures
 from oodscen.errors import OodscenError, UnknownComponent
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._people import person
@@ -16,7 +17,7 @@ from oodscen.study._study import Study
 def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
     """Remove judged models: their verdicts, and their place in the configuration and the leaderboard.
 
-    No model is asked. Answers stay in `answers.jsonl`, so judging a dropped model again asks only what it has
+    A model takes its answers without pictures with it. No model is asked. Answers stay in `answers.jsonl`, so judging a dropped model again asks only what it has
     not answered; calls stay in `calls.jsonl`, since they were paid for. The reference answerers of every
     study keep their verdicts.
 
@@ -38,6 +39,11 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
 def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     config, verdicts = study.config, study.verdicts
     made = {name: _called(name, config) for name in config.vlms}
+    made |= {
+        without_pictures(name): called and without_pictures(called)
+        for name, called in tuple(made.items())
+        if name in config.withheld
+    }
     made |= {person(name): person(name) for name in config.people}
     called = {name: other or name for name, other in made.items()}
     known = {*called, *called.values(), *({one.model for one in verdicts} - {*ALWAYS})}
@@ -45,6 +51,7 @@ def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
         if name not in known:
             raise UnknownComponent("judged model", name, known)
     gone = {name for name in called if name in names or called[name] in names}
+    gone |= {blind for name in gone if (blind := without_pictures(name)) in called}
     models = {called.get(name, name) for name in (*names, *gone)}
     if all(made[name] for name in called if name not in gone):
         # A model that can no longer be made may have judged under another name, so drop every
@@ -61,6 +68,9 @@ def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     config = config.model_copy(
         update={
             "vlms": tuple(name for name in config.vlms if name not in gone),
+            "withheld": tuple(
+                name for name in config.withheld if gone.isdisjoint((name, without_pictures(name)))
+            ),
             "people": tuple(name for name in config.people if person(name) not in models),
             "asked": {name: found for name, found in config.asked.items() if name not in gone},
             "servers": {

@@ -14,10 +14,11 @@ from oodscen._registry import make_llm
 from oodscen.data._episode import moments
 from oodscen.data._messages import Image, Message
 from oodscen.data._pairing import twin_id
-from oodscen.data._verdict import verdict_id
+from oodscen.data._verdict import verdict_id, without_pictures
 from oodscen.errors import DataError, Issue, MissingExtra, StudyMismatch, UnknownComponent
 from oodscen.judging._kinds import LISTED
-from oodscen.judging._questions import OPTIONS
+from oodscen.judging._questions import Shown, acting_prompt, choosing_prompt, naming_prompt
+from oodscen.judging._references import AspectOption
 from oodscen.judging._selection import ordinary_drives
 from oodscen.llm._accounting import Account, accounts
 from oodscen.llm._prefix import cacheable_share
@@ -26,11 +27,8 @@ from oodscen.llm._remote.litellm import known_price, load_litellm
 from oodscen.llm._remote.usage import IMAGE_TOKENS
 from oodscen.metrics._rarity.asking import DRAWS, questions
 from oodscen.prompts._base import Prompt
-from oodscen.prompts._judging.choose_action import ChooseAction
-from oodscen.prompts._judging.choose_aspect import ChooseAspect
 from oodscen.prompts._judging.describe_frame import DescribeFrame
 from oodscen.prompts._judging.drive_facts import DriveFacts
-from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.protocols import LLM, Completion, Request, Usage
 from oodscen.study._config import StudyConfig
@@ -95,12 +93,15 @@ def estimate(
         judged = {line["id"] for line in calls.lines("verdicts.jsonl")}
         for name in filter(is_asked, config.vlms):
             model = _PricedAuthor(name, config.seed, prices)
+            rows = {name: False}
+            rows |= {without_pictures(name): True} if name in config.withheld else {}
             lines += [
                 model.line(request)
+                for row, is_withheld in rows.items()
                 for scene in scenes
                 for item in _items(scene.id, config)
-                if verdict_id(item, name) not in judged
-                for request in _judging(config)
+                if verdict_id(item, row) not in judged
+                for request in _judging(config, is_withheld)
             ]
     return accounts(lines)
 
@@ -122,21 +123,22 @@ def _copy(study: Study, target: Path) -> None:
                 raise DataError("study", [issue], source=str(study.folder / name)) from None
 
 
-def _judging(config: StudyConfig) -> Iterator[Request]:
+def _judging(config: StudyConfig, is_withheld: bool) -> Iterator[Request]:
     """Yield the questions about one item, at their expected length."""
     frames = tuple(Image(name=f"{name}.jpg", sha256="0" * 64) for name in moments(config.frames))
-    seen = (DESCRIPTION,) * len(frames) if config.chain else ()
+    seen = (DESCRIPTION,) * len(frames) if config.chain and not is_withheld else ()
     facts = DriveFacts(times_s=(0.0,) * len(frames), ego_speed_mps=10.0, behind="a lorry")
-    rear = frames[0] if config.rear_view else None
-    told: dict[str, Any] = {"frames": frames, "descriptions": seen, "facts": facts, "rear": rear}
+    shown = Shown(frames, facts, frames[0] if config.rear_view else None)
+    told = shown.without_pictures() if is_withheld else shown
+    kinds = [AspectOption(id=str(n), label="word " * 10 + str(n)) for n in range(LISTED + 1)]
     prompts: tuple[Prompt[Any], ...] = (
         *(
             DescribeFrame(frames=frames[: n + 1], descriptions=seen[:n], total=len(frames))
             for n in range(len(seen))
         ),
-        NameAspect(**told),
-        ChooseAspect(**told, labels=("word " * 10,) * (LISTED + 1)),
-        ChooseAction(**told, options=OPTIONS),
+        naming_prompt(told, seen),
+        choosing_prompt(told, kinds, seen),
+        acting_prompt(told, seen),
     )
     for prompt in prompts:
         yield Request(prompt, prompt.messages(), prompt.answer_schema())

@@ -2,12 +2,15 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Literal
+from typing import Any, Literal
+
+from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from oodscen._display import escaped, html_table
 from oodscen.data._base import Data
 from oodscen.data._bird_sketch import Sketch
 from oodscen.data._pairing import is_ordinary, is_twin
+from oodscen.data._scene import StopLine
 from oodscen.data._sighting import Sighting
 
 ACTIONS = (
@@ -76,8 +79,8 @@ class ActionOutcome(Data):
     """The outcome of one action executed from the decision point."""
 
     safe: bool
-    """True if the ego touched nothing and stayed on drivable road up to the horizon, whichever driver executed the
-    action."""
+    """True if the ego touched nothing, stayed on drivable road and passed no stop line at a red light up to the
+    horizon, whichever driver executed the action."""
     marginal: bool = False
     """True if some drivers passed and others did not: the action is neither safe nor unsafe, and scores neither
     way."""
@@ -93,12 +96,19 @@ class ActionOutcome(Data):
     contacts: tuple[str, ...] = ()
     """Ids of the actors that the ego touched."""
     off_road: bool = False
+    ran_red: bool = False
+    """True if the ego passed the episode's stop line while the light was red; left out of the JSON text if
+    false."""
     final_speed: float | None = None
     """The ego's speed at the end, m/s."""
     peak_deceleration: float | None = None
     """Hardest braking of the ego, m/s^2, never negative; `None` if unavailable or not measured."""
     peak_jerk: float | None = None
     """Largest jerk of the ego along its path, m/s^3, over 0.2 s."""
+
+    @model_serializer(mode="wrap")
+    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without(serialise(self), "ran_red")
 
     @property
     def is_unsafe(self) -> bool:
@@ -215,6 +225,8 @@ class Episode(Data):
     """Reaction times of the drivers who tried every action, s; empty for a failed episode."""
     horizon_s: float | None = None
     """Time for which every action was watched, s."""
+    stop_line: StopLine | None = None
+    """The line that no action may pass while the light is red; left out of the JSON text of drives without one."""
     follower: Follower | None = None
     """The nearest of `followers` at the decision."""
     followers: tuple[str, ...] = ()
@@ -224,6 +236,10 @@ class Episode(Data):
     """The change that made some action safe and another unsafe; empty if the scene was not re-staged."""
     made_from: str = ""
     """In a study: SHA-256 of the scene as run; its ordinary drives have the same value."""
+
+    @model_serializer(mode="wrap")
+    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without(serialise(self), "stop_line")
 
     @property
     def is_twin(self) -> bool:
@@ -285,13 +301,26 @@ class Episode(Data):
                 one.label,
                 _figure(one.margin_m, "m"),
                 _figure(one.min_ttc_s, "s"),
-                ", ".join([*one.contacts, *(["off the road"] if one.off_road else [])]),
+                ", ".join(
+                    [
+                        *one.contacts,
+                        *(["off the road"] if one.off_road else []),
+                        *(["past the red light"] if one.ran_red else []),
+                    ]
+                ),
             )
             for action, one in self.actions.items()
         ]
         head = ("action", "outcome", "margin", "minimum TTC", "touched")
         when = "" if self.decision_s is None else f", decision at {self.decision_s:.2f} s"
         return html_table(rows, head=head, caption=f"{title}{when}")
+
+
+def _without(value: dict[str, Any], name: str) -> dict[str, Any]:
+    """Remove an entry that tells nothing."""
+    if not value.get(name):
+        value.pop(name, None)
+    return value
 
 
 def _figure(value: float | None, unit: str) -> str:

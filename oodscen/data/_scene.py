@@ -135,6 +135,21 @@ class Visible(Data):
     """Its motion as a few frames can show it: `lying still`, `crossing from the right` ..."""
 
 
+class StopLine(Data):
+    """The stop line of a demand whose event is a red light."""
+
+    ahead_m: float
+    """From the ego's centre at its start, along its road, m."""
+    red_from_s: float = 0.0
+    """Time since the start from which the light is red, s; it stays red."""
+
+
+BEFORE_LIGHT_M = 1.0
+"""Distance from a stop line to the traffic light behind it, m."""
+RED_LIGHT = "red_light"
+"""The kind of demand whose event is a red light."""
+
+
 class Demand(Data):
     """The ordinary event of a demand: what it is, and the text that tells it."""
 
@@ -200,6 +215,24 @@ class Scene(Data):
     def is_ordinary(self) -> bool:
         """Return whether this is an ordinary drive: a twin or a demand."""
         return is_ordinary(self.id)
+
+    @property
+    def stop_line(self) -> StopLine | None:
+        """The line that the ego may not pass while the light is red; `None` unless that light is the scene's demand.
+
+        A scene whose hazard is a broken or wrong signal has none: whether to obey it is open.
+        """
+        if self.demand is None or self.demand.kind != RED_LIGHT:
+            return None
+        lights = [one for one in self.actors if one.state == "red"]
+        if not lights:
+            return None
+        nearest = min(lights, key=lambda one: one.placement.ahead_m)
+        trigger = nearest.behaviour.trigger
+        return StopLine(
+            ahead_m=round(nearest.placement.ahead_m - BEFORE_LIGHT_M, 3),
+            red_from_s=trigger.value if trigger.kind == "time" else 0.0,
+        )
 
     def twin(self, decision_s: float) -> "Scene":
         """Return the same scene with its hazard replaced by the ordinary counterpart.

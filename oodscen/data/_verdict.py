@@ -25,6 +25,19 @@ def verdict_id(item_id: str, model: str, protocol: Protocol = "ours") -> str:
     return f"{item_id}@{model}{'#paper' if protocol == 'paper' else ''}"
 
 
+_WITHHELD = " without pictures"
+
+
+def without_pictures(model: str) -> str:
+    """Return the name under which a model's answers with the pictures withheld are kept."""
+    return model + _WITHHELD
+
+
+def is_without_pictures(model: str) -> bool:
+    """Return whether a name is that of a model with the pictures withheld."""
+    return model.endswith(_WITHHELD)
+
+
 class Verdict(Data):
     """The result of both of the paper's tasks for one model on one scene or twin."""
 

@@ -136,7 +136,7 @@ class MirrorSimulator(BaseSimulator):
         friction: float = 1.0,
         speed: float = 1.0,
     ) -> bool:
-        """Return whether an action, begun now, passes: the ego touches nothing and stays on the road.
+        """Return whether an action, begun now, passes: no contact, on the road, not past a red light.
 
         Nothing is moved or published; the simulator stays in its current state.
 

@@ -14,7 +14,7 @@ from oodscen.errors import UsageError
 from oodscen.gymnasium._acting import ActionDecoder, as_action
 from oodscen.gymnasium._env import ActionKind, Interface, ObservationKind, SceneEnv
 from oodscen.gymnasium._extra import gymnasium
-from oodscen.protocols import Camera, Control, Driver, Observation, State
+from oodscen.protocols import Camera, Control, Driver, MountsCamera, Observation, State
 
 
 class PolicyDriver(Brief):
@@ -132,7 +132,8 @@ class DriverPolicy(Brief):
         assert self._driver is not None
         seen = env.seen
         if getattr(self._driver, "wants_frames", False):
-            camera = getattr(self._driver, "camera", None) or Camera()
+            own = self._driver.camera if isinstance(self._driver, MountsCamera) else None
+            camera = own or Camera()
             seen = replace(seen, frame=env.look(camera))
         if (look := getattr(self._driver, "look", None)) is not None:
             look(env.state)

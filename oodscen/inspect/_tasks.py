@@ -1,6 +1,5 @@
 """The tasks of inspect_ai, with their solver and scorers."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import anyio.to_thread
@@ -150,8 +149,11 @@ def _explained(key: AnswerKey, action: str | None) -> str:
     if action is None:
         return ""
     label = key.episode.label(action)
-    touched: Sequence[str] = key.actions[action].contacts if action in key.actions else ()
-    return f"{action} is {label}{', touches ' + ', '.join(touched) if touched else ''}"
+    outcome = key.actions.get(action)
+    if outcome is None:
+        return f"{action} is {label}"
+    touched = f", touches {', '.join(outcome.contacts)}" if outcome.contacts else ""
+    return f"{action} is {label}{touched}{', drives past the red light' if outcome.ran_red else ''}"
 
 
 def _key(state: TaskState) -> AnswerKey:

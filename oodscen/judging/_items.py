@@ -18,7 +18,9 @@ Mask = NDArray[np.bool_]
 Level = Literal["class", "family", "path"]
 
 CAUTIOUS = frozenset(("stop", "emergency_brake", "pull_over"))
-"""Actions that are needless on a road where keeping the speed is safe."""
+"""Stops, which are needless on a road where keeping the speed is safe."""
+DISTURBING = CAUTIOUS | {"change_lane_left", "change_lane_right"}
+"""Actions that are not right in an ordinary drive in which keeping the speed is safe."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +129,7 @@ def answer_values(verdict: Verdict, episode: Episode) -> dict[str, float]:
     outcome = episode.actions.get(action or "")
     is_cautious = action in CAUTIOUS if action else None
     is_safe = verdict.action_is_safe
-    is_needless = bool(is_cautious) and keeping_is_safe(episode)
+    is_needless = action in DISTURBING and keeping_is_safe(episode)
     found = (
         verdict.is_ood,
         verdict.p_ood,
@@ -168,7 +170,7 @@ class AnswerColumns:
     cautious: Floats
     """1 if the action is one of `CAUTIOUS`."""
     apt: Floats
-    """1 if the action is safe, and not needless where keeping the speed is safe; a needless one is 0 in any case."""
+    """1 if the action is safe, and none of `DISTURBING` where keeping the speed is safe; such a one is 0 in any case."""
     scorer: Sequence[str | None]
     """[n] the judge that scored the open aspect; empty for the matcher, `None` if there was nothing to score."""
     is_neutral: Mask

@@ -85,6 +85,8 @@ class Shown:
     facts: DriveFacts = field(default_factory=DriveFacts)
     rear: Image | None = None
     """The view from the rear window at the last frame, if it is shown."""
+    withheld: int = 0
+    """Number of frames that are not shown, and none is then."""
 
     @classmethod
     def of(
@@ -120,6 +122,10 @@ class Shown:
             follower_speed_mps=follower.speed_mps if follower else 0.0,
         )
         return cls(tuple(frames[moment] for moment in order), facts, rear)
+
+    def without_pictures(self) -> "Shown":
+        """Return the same facts with the pictures withheld."""
+        return Shown((), self.facts, None, len(self.images))
 
 
 @dataclass(frozen=True)
@@ -209,7 +215,7 @@ def naming_prompt(
 ) -> DriveQuestion[Any]:
     """Return the first task's open question."""
     kind = NameOodAspect if protocol == "paper" else NameAspect
-    return kind(frames=shown.images, descriptions=descriptions, facts=shown.facts, rear=shown.rear)
+    return kind(**_told(shown, descriptions))
 
 
 def choosing_prompt(
@@ -217,10 +223,7 @@ def choosing_prompt(
 ) -> ChooseAspect:
     """Return the closed question."""
     return ChooseAspect(
-        frames=shown.images,
-        descriptions=descriptions,
-        facts=shown.facts,
-        rear=shown.rear,
+        **_told(shown, descriptions),
         labels=tuple({option.id: option.label for option in options}.values()),
     )
 
@@ -230,13 +233,21 @@ def acting_prompt(
 ) -> ChooseAction:
     """Return the second task's question."""
     return ChooseAction(
-        frames=shown.images,
-        descriptions=descriptions,
-        facts=shown.facts,
-        rear=shown.rear,
+        **_told(shown, descriptions),
         options=OPTIONS,
         is_collision_only=protocol == "paper",
     )
+
+
+def _told(shown: Shown, descriptions: tuple[str, ...]) -> dict[str, Any]:
+    """Return the fields that every question about a drive has."""
+    return {
+        "frames": shown.images,
+        "descriptions": descriptions,
+        "facts": shown.facts,
+        "rear": shown.rear,
+        "withheld": shown.withheld,
+    }
 
 
 def paragraphs(prompt: DriveQuestion[Any]) -> list[str]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen.data._verdict import NOTHING, Verdict
+from oodscen.judging._aspects.labelled import agreement_in_words
 from oodscen.judging._leaderboard.leaderboard import (
     Leaderboard,
     LeaderboardRow,
@@ -15,7 +16,7 @@ from oodscen.judging._leaderboard.leaderboard import (
 )
 from oodscen.judging._leaderboard.requirements import ALPHA, Bar, requirements
 from oodscen.judging._leaderboard.scores import PRIVILEGED
-from oodscen.judging._leaderboard.sentences import sentences
+from oodscen.judging._leaderboard.sentences import constants, sentences
 from oodscen.report._charts import scores as charts
 from oodscen.report._charts.canvas import Canvas
 from oodscen.report._load import Material
@@ -58,6 +59,8 @@ def context(found: Material, bars: Sequence[Bar] = ()) -> dict[str, Any]:
     return {
         "board": board,
         "sentences": sentences(board),
+        "constants": constants(board),
+        "judge_agreement": agreement_in_words(found.info),
         "bars": ", ".join(map(str, bars)),
         "grades": requirements(
             found.verdicts, found.episodes, found.scenarios, bars, seed=board.seed
@@ -65,7 +68,7 @@ def context(found: Material, bars: Sequence[Bar] = ()) -> dict[str, Any]:
         if bars
         else [],
         "alpha": ALPHA,
-        "both": [_line(row, board.shortcut) for row in rows],
+        "both": [_line(row, board.shortcut, _best_blind(board)) for row in rows],
         "lines": [_line(row, board.floor("control")) for row in board.standings],
         "noticing": [_line(row, board.floor("closed")) for row in _without_repeats(board)],
         "has_twins": any(row.detection.specificity.n for row in board.standings),
@@ -100,11 +103,18 @@ def _without_repeats(board: Leaderboard) -> list[LeaderboardRow]:
     return rows
 
 
-def _line(row: LeaderboardRow, floor: LeaderboardRow | None) -> PrintedRow:
-    is_floor = floor is not None and (row.control, row.detection, row.identification) == (
-        floor.control,
-        floor.detection,
-        floor.identification,
+def _best_blind(board: Leaderboard) -> LeaderboardRow | None:
+    """Return the reference without pictures that most often acts rightly in both halves."""
+    blind = [row for row in board.standings if row.is_blind and row.paired.act.value is not None]
+    return max(blind, key=lambda row: row.paired.act.value or 0.0, default=None)
+
+
+def _line(row: LeaderboardRow, *floors: LeaderboardRow | None) -> PrintedRow:
+    is_floor = any(
+        (row.control, row.detection, row.identification)
+        == (floor.control, floor.detection, floor.identification)
+        for floor in floors
+        if floor is not None
     )
     return PrintedRow(
         standing=row,
@@ -114,7 +124,7 @@ def _line(row: LeaderboardRow, floor: LeaderboardRow | None) -> PrintedRow:
 
 def _series(board: Leaderboard) -> list[LeaderboardRow]:
     """Return the rows that the charts show: the models, or without any the most different references."""
-    models = [row for row in board.standings if row.kind == "model"]
+    models = [row for row in board.standings if row.is_judged]
     if models:
         return models[:_MOST_SERIES]
     names = ("oracle", "novelty", "blind", "random")
@@ -165,7 +175,7 @@ def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material
     rows = []
     order = list(dict.fromkeys(labels.values()))
     place = {label: index for index, label in enumerate(order)}
-    for row in [row for row in board.standings if row.kind == "model"][:_MOST_SERIES]:
+    for row in [row for row in board.standings if row.is_judged][:_MOST_SERIES]:
         counts: Counter[tuple[int, int]] = Counter()
         for verdict in verdicts:
             if verdict.model != row.model or verdict.protocol != row.protocol:

@@ -181,6 +181,8 @@ def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:
         return f"hits {', '.join(counted)}"
     if value.off_road:
         return "leaves the road"
+    if value.ran_red:
+        return "drives past the red light"
     if value.margin_m is None:
         return "nothing near"
     return f"gap {value.margin_m:.1f} m"

@@ -1,7 +1,7 @@
 """The quiz: one self-contained page that puts a study's questions to a person."""
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,13 @@ SCENES = 20
 """Scenes of a quiz, unless told otherwise; each comes with its ordinary drives."""
 
 
-def write_quiz(study: Study, out: Path | None = None, *, scenes: int = SCENES) -> Path:
+def write_quiz(
+    study: Study,
+    out: Path | None = None,
+    *,
+    scenes: int = SCENES,
+    rears: Mapping[str, str] | None = None,
+) -> Path:
     """Write the quiz of a study, and return the file's path.
 
     The page holds the pictures and the questions as models get them, in the same order, and neither an answer
@@ -37,6 +43,7 @@ def write_quiz(study: Study, out: Path | None = None, *, scenes: int = SCENES) -
         study: The study.
         out: The file; `quiz.html` in the study's folder by default.
         scenes: Maximum number of scenes, drawn by the study's seed so that all paths have their share.
+        rears: Files of the views from the rear window, by drive; without them none is shown.
 
     Raises:
         DataError: If no episode of the study has frames.
@@ -45,14 +52,18 @@ def write_quiz(study: Study, out: Path | None = None, *, scenes: int = SCENES) -
     target = out or study.folder / QUIZ
     if target.name != QUIZ:
         refuse_own(target)
-    page = environment().get_template("quiz.html.j2").render(payload=_payload(study, scenes))
+    page = (
+        environment()
+        .get_template("quiz.html.j2")
+        .render(payload=_payload(study, scenes, rears or {}))
+    )
     replace(target, page.encode("utf-8"))
     return target
 
 
-def _payload(study: Study, scenes: int) -> str:
+def _payload(study: Study, scenes: int, rears: Mapping[str, str]) -> str:
     """Return the data of the page as JSON that can stand in a script element."""
-    items = [_item(study, drive) for drive in _drawn(study, scenes)]
+    items = [_item(study, drive, rears) for drive in drawn(study, scenes)]
     if not items:
         raise DataError("study", [Issue("", "no episode has frames")], source=str(study.folder))
     actions = [[option.id, option.description] for option in OPTIONS]
@@ -60,12 +71,12 @@ def _payload(study: Study, scenes: int) -> str:
     return canonical_json(payload).replace("<", "\\u003c")
 
 
-def _item(study: Study, drive: AskedDrive) -> dict[str, Any]:
+def _item(study: Study, drive: AskedDrive, rears: Mapping[str, str]) -> dict[str, Any]:
     episode, shown = drive.episode, drive.shown
     named = paragraphs(naming_prompt(shown))
     listed = paragraphs(choosing_prompt(shown, drive.options))
     acted = paragraphs(acting_prompt(shown))
-    return {
+    item = {
         "item": token(episode),
         "frames": [
             _data_url(study.store.inside(episode.frames[one])) for one in in_order(drive.frames)
@@ -75,6 +86,9 @@ def _item(study: Study, drive: AskedDrive) -> dict[str, Any]:
         "questions": [named[1], listed[1], acted[1]],
         "options": [[one.id, one.label] for one in drive.options],
     }
+    if episode.scene_id in rears:
+        item["rear"] = _data_url(study.store.inside(rears[episode.scene_id]))
+    return item
 
 
 def _data_url(path: Path) -> str:
@@ -83,8 +97,8 @@ def _data_url(path: Path) -> str:
     return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
 
 
-def _drawn(study: Study, scenes: int) -> Sequence[AskedDrive]:
-    """Return the drives of the quiz, shuffled."""
+def drawn(study: Study, scenes: int) -> Sequence[AskedDrive]:
+    """Return the drives of a quiz of so many scenes, shuffled."""
     shown = asked_drives(study)
     paths: dict[str, list[str]] = {}
     rare = {one.episode.scene_id: one for one in shown if not one.episode.is_ordinary}

@@ -26,6 +26,7 @@ from oodscen.protocols import (
     Control,
     Driver,
     Looks,
+    MountsCamera,
     Observation,
     Simulator,
     State,
@@ -255,7 +256,8 @@ def _drive(
 ) -> DriveResult:
     try:
         controlling = make()
-        camera = camera_for(simulator.catalogue(), camera or getattr(controlling, "camera", None))
+        own = controlling.camera if isinstance(controlling, MountsCamera) else None
+        camera = camera_for(simulator.catalogue(), camera or own)
         states = list(drive_states(scene, controlling, simulator, seed, steps, camera))
     except (Exception, SystemExit) as error:  # A driver may raise anything.
         return failed_drive(scene.id, name, error)

@@ -9,7 +9,7 @@ from pydantic import BaseModel
 from oodscen.data._episode import Episode
 from oodscen.data._messages import Image
 from oodscen.data._scene import Visible
-from oodscen.data._verdict import Protocol, Verdict, verdict_id
+from oodscen.data._verdict import Protocol, Verdict, verdict_id, without_pictures
 from oodscen.errors import AnswerError, ContentFiltered, Issue, LLMError, OodscenError
 from oodscen.judging._parsing import read_description
 from oodscen.judging._questions import (
@@ -53,6 +53,7 @@ def evaluate(
     before: Shown | None = None,
     visible: Sequence[Visible] = (),
     rear: Image | None = None,
+    withheld: bool = False,
 ) -> Verdict:
     """Ask a model about one episode; a failure of the model is a verdict, not an exception.
 
@@ -81,15 +82,19 @@ def evaluate(
             before the last, since the last shows the outcome.
         visible: Everything that can be seen of the hazard, which names it as well as the path's label does.
         rear: The view from the rear window at the decision, shown after the frames; not in the paper's protocol.
+        withheld: Ask the same questions without any picture, and say so in each; the verdict is that of
+            `MODEL without pictures`. Neither in the paper's protocol nor for references.
     """
     truth = Truth(tuple(path), leaf, tuple(visible))
     if protocol == "paper":
         options = ()
     if takes_cases(vlm):
         return _judged_directly(episode, vlm, truth, options, protocol, judge)
-    asked = _Asked(vlm, is_chain=chain or protocol == "paper")
     is_paper = protocol == "paper"
+    withheld = withheld and not is_paper
+    asked = _Asked(vlm, is_chain=(chain and not withheld) or is_paper)
     shown = Shown.of(episode, frames, is_present=not is_paper, rear=None if is_paper else rear)
+    shown = shown.without_pictures() if withheld else shown
     fields: dict[str, Any] = {}
     try:
         if protocol == "paper":
@@ -108,7 +113,7 @@ def evaluate(
     fields["prompts"] = asked.versions
     return scored(
         episode,
-        vlm.name,
+        without_pictures(vlm.name) if withheld else vlm.name,
         truth,
         options,
         fields,
@@ -120,13 +125,20 @@ def evaluate(
 
 
 def unjudged(
-    episode: Episode, model: LLM, error: str, error_type: str, protocol: Protocol = "ours"
+    episode: Episode,
+    model: LLM,
+    error: str,
+    error_type: str,
+    protocol: Protocol = "ours",
+    *,
+    withheld: bool = False,
 ) -> Verdict:
     """Return the verdict on an item that could not be shown: no episode, or no frames."""
+    name = without_pictures(model.name) if withheld else model.name
     return Verdict(
-        id=verdict_id(episode.scene_id, model.name, protocol),
+        id=verdict_id(episode.scene_id, name, protocol),
         scene_id=episode.scene_id,
-        model=model.name,
+        model=name,
         kind=kind_of_answerer(model),
         status="failed",
         outcome="error",

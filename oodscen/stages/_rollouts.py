@@ -7,7 +7,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from oodscen.data._episode import LONGEST_REACTION_S, ActionOutcome
-from oodscen.data._scene import Scene
+from oodscen.data._scene import Scene, StopLine
 from oodscen.driving import action_driver
 from oodscen.driving._motion.actions import is_available
 from oodscen.driving._motion.rollouts import Variation
@@ -88,6 +88,7 @@ class Rollouts:
         self.trace = trace
         self.course = course
         self.trials = trials
+        self.line = None if trials.collisions_only else scene.stop_line
         self.rehearse = simulator.rehearse if isinstance(simulator, Rehearses) else None
         self.restore = simulator.restore if isinstance(simulator, Snapshots) else None
         self.snapshot = simulator.snapshot() if isinstance(simulator, Snapshots) else None
@@ -100,7 +101,8 @@ class Rollouts:
             return ActionOutcome(safe=False, unavailable=True), None, same
         states = self._executed(action, self.trials.middle, observation)
         trace = Trace.measured([first, *states], self.course)
-        outcome = judged(states, trace, self.trials.collisions_only)
+        ran_red = self._ran_red([first, *states])
+        outcome = judged(states, trace, self.trials.collisions_only, ran_red=ran_red)
         passed = {outcome.safe}
         for variation in self.trials.differing(action, outcome.safe):
             if len(passed) > 1:
@@ -116,12 +118,18 @@ class Rollouts:
 
     def _passes(self, action: str, variation: Variation) -> tuple[bool, bool]:
         """Return whether a driver passes, and whether the approach was the same as before."""
-        _, same = self._rewind()
+        first, same = self._rewind()
         if self.rehearse is not None:
             seconds = self.scene.horizon_s
             return bool(self.rehearse(action, seconds, **variation._asdict())), same
-        last = self._executed(action, variation.reaction_s, self.simulator.observe())[-1]
-        return not last.contacts and (self.trials.collisions_only or not last.off_road), same
+        states = self._executed(action, variation.reaction_s, self.simulator.observe())
+        last = states[-1]
+        passed = not last.contacts and (self.trials.collisions_only or not last.off_road)
+        return passed and not self._ran_red([first, *states]), same
+
+    def _ran_red(self, states: Sequence[State]) -> bool:
+        """Return whether the ego passes the stop line while the light is red."""
+        return self.line is not None and runs_red(states, self.line, self.course)
 
     def _executed(self, action: str, reaction_s: float, observation: Observation) -> list[State]:
         """Drive to the scene's horizon, or until a collision or leaving the road."""
@@ -143,18 +151,33 @@ class Rollouts:
         return states[-1], fingerprint(states) == self.trace
 
 
-def judged(states: Sequence[State], trace: Trace, collisions_only: bool = False) -> ActionOutcome:
+def runs_red(states: Sequence[State], line: StopLine, course: Course) -> bool:
+    """Return whether the ego's front passes a stop line in consecutive states while the light is red."""
+    road, reach = course.corridor, 0.5 * float(course.sizes[0, 0])
+    at = road.start + line.ahead_m - reach
+    times = [
+        state.time if road.locate(*state.poses[0, :2].tolist())[0] > at else None
+        for state in states
+    ]
+    passed = next((time for time in times if time is not None), None)
+    return times[0] is None and passed is not None and passed >= line.red_from_s
+
+
+def judged(
+    states: Sequence[State], trace: Trace, collisions_only: bool = False, *, ran_red: bool = False
+) -> ActionOutcome:
     """Return the outcome of an action, with margins from the first step on."""
     last = states[-1]
     margin = min(float(state.gaps[1:].min(initial=np.inf)) for state in states)
     met = trace.summary().values()
     return ActionOutcome(
-        safe=not last.contacts and (collisions_only or not last.off_road),
+        safe=not last.contacts and (collisions_only or not last.off_road) and not ran_red,
         margin_m=None if margin == float("inf") else _millimetres(margin),
         min_ttc_s=min((one.min_ttc_s for one in met if one.min_ttc_s is not None), default=None),
         pet_s=min((one.pet_s for one in met if one.pet_s is not None), default=None),
         contacts=last.contacts,
         off_road=last.off_road,
+        ran_red=ran_red,
         final_speed=round(float(last.speeds[0]), 3),
         peak_deceleration=peak_deceleration(trace),
         peak_jerk=peak_jerk(trace),

@@ -116,7 +116,8 @@ def simulate(
     depend on earlier rollouts.
 
     An action is rolled out by several drivers: with every reaction time, and, if the simulator can `rehearse`,
-    on a road with a tenth less friction and at a speed of the ego that differs by a twentieth. It is safe if
+    on a road with a tenth less friction and at a speed of the ego that differs by a twentieth. In a demand whose
+    event is a red light, driving over the stop line while it is red fails as well. An action is safe if
     all of them pass, unsafe if none does, and marginal otherwise. The margins and the trace are those of the
     driver with the middle reaction time on the road as it is.
 
@@ -224,6 +225,7 @@ def _simulated(
         sketch=sketch(course, trace, kept),
         reaction_s=tuple(sorted({trials.middle, *(one.reaction_s for one in trials.others)})),
         horizon_s=scene.horizon_s,
+        stop_line=rollouts.line,
         ego_speed_mps=round(decided.speeds[0].item(), 3),
         frame_times_s={
             moment: round(states[step].time, 6)

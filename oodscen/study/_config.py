@@ -44,6 +44,8 @@ class StudyConfig(Data):
     """Show a judged model its own descriptions of the frames before every question, as the paper does."""
     rear_view: bool = False
     """Show a judged model a picture from the rear window, taken at the decision, beside the words about who follows."""
+    withheld: tuple[str, ...] = ()
+    """Judged models that also answer the same questions without the pictures, in a row of their own."""
     ordinary: int = Field(default=1, ge=1, le=2)
     """Number of ordinary drives that go with a scene: its twin or its demand, or both."""
     people: tuple[str, ...] = ()
@@ -214,6 +216,7 @@ class StudyConfig(Data):
                 "asked": {name: found for name, found in asked.items() if found != both},
                 "chain": self.chain or other.chain,
                 "rear_view": self.rear_view or other.rear_view,
+                "withheld": tuple(dict.fromkeys((*other.withheld, *self.withheld))),
                 "ordinary": max(self.ordinary, other.ordinary),
                 "people": tuple(dict.fromkeys((*other.people, *self.people))),
                 "judge": self.judge or other.judge,
@@ -236,6 +239,7 @@ JUDGING = (
     "asked",
     "chain",
     "rear_view",
+    "withheld",
     "ordinary",
     "people",
     "judge",

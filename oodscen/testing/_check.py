@@ -44,6 +44,7 @@ _PARTS: dict[str, Callable[[Probe], None]] = {
     "motion": motion.check_motion,
     "frames": pictures.check_frames,
     "pictures": pictures.check_pictures,
+    "turning": pictures.check_turning,
     "refusals": runs.check_refusals,
     "leaks": _leaks,
 }
@@ -78,7 +79,8 @@ def check_simulator(
     - the same bytes for the same scene and seed, whatever ran before, also in a fresh process;
     - gaps, places, accelerations, heights, leaving the road and observations that follow from the poses;
     - motion of ego and actors, triggers and reactions as in the reference world, within tolerances;
-    - pictures whose colours, ids and depth agree with each other, with the state and with the camera;
+    - pictures whose colours, ids and depth agree with each other, with the state and with the camera, also one that
+      looks aside or back;
     - snapshots if offered, typed refusals, and a `close` that may be called twice;
     - memory and open files that do not grow.
 

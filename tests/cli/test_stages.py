@@ -43,9 +43,13 @@ def test_simulating_says_how_many_scenes_ran(tmp_path) -> None:
     other = scene.model_copy(update={"id": "elsewhere", "map": "nowhere"})
     (tmp_path / "scenes.jsonl").write_text(f"{scene.to_json()}\n{other.to_json()}\n")
     order = ("simulate", tmp_path / "scenes.jsonl", tmp_path / "out", "--simulator", "flat")
-    found = invoke(*order)
+    found = invoke(*order, "--rear-view")
     assert found.exit_code == 1
     assert "1 of 2 scenes ran" in found.output
+    taken = tmp_path / "out" / "frames" / scene.id
+    assert {one.stem for one in taken.iterdir()} == {"first", "middle", "last", "rear"}
+    lines = (tmp_path / "out" / "episodes.rear.jsonl").read_text().splitlines()
+    assert [json.loads(line)["status"] for line in lines] == ["ok", "failed"]
 
 
 def test_a_path_without_texts_inside_the_band_costs_its_own_texts_only(tmp_path) -> None:

@@ -79,7 +79,8 @@ def variants(prompt):
 def test_there_is_a_sample_of_every_question_with_every_field_filled():
     assert tuple(map(type, SAMPLES)) == tuple(QUESTIONS.values())
     for prompt in SAMPLES:
-        assert all(getattr(prompt, name) for name in type(prompt).model_fields)
+        fields = set(type(prompt).model_fields) - {"withheld"}  # Instead of the frames.
+        assert all(getattr(prompt, name) for name in fields)
 
 
 @pytest.mark.parametrize("prompt", SAMPLES, ids=lambda p: p.purpose)

@@ -7,7 +7,7 @@ import pytest
 from oodscen import make_simulator
 from oodscen.driving._motion.actions import Cruise
 from oodscen.errors import SimulatorError
-from oodscen.protocols import Camera, Control
+from oodscen.protocols import Camera, Control, MountsCamera
 from oodscen.stages._drive import RuleBasedDriver, drive
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
@@ -82,3 +82,11 @@ def test_a_driver_may_ask_for_frames(simulator):
 
     drive([example_scene()], Sees, simulator, twins=False, camera=Camera(width=16, height=12))
     assert set(seen) == {(12, 16, 3)}
+
+    class Mounts(Sees):
+        camera = Camera(width=20, height=10)
+
+    seen.clear()
+    assert isinstance(Mounts(), MountsCamera)
+    drive([example_scene()], Mounts, simulator, twins=False)
+    assert set(seen) == {(10, 20, 3)}

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from oodscen import simulate
-from oodscen.data._episode import ACTIONS, MOMENTS
-from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
+from oodscen.data._catalogue import Asset
+from oodscen.data._episode import ACTIONS, MOMENTS, Episode
+from oodscen.data._scene import Actor, Behaviour, Demand, Hazard, Placement, Scene, Trigger
 from oodscen.errors import SceneError, UsageError
 from oodscen.protocols import Camera
 from oodscen.testing._flat import FlatSimulator
@@ -198,3 +199,71 @@ def test_flat_things_neither_touch_nor_threaten(flat):
     assert outcome.label == "safe"
     assert outcome.contacts == ()
     assert (outcome.margin_m, outcome.min_ttc_s, outcome.pet_s) == (None, None, None)
+
+
+LIGHT = Asset(
+    id="traffic_light",
+    category="signal",
+    description="a traffic light",
+    length=0.5,
+    width=0.5,
+    height=3.5,
+    states=("red", "green"),
+)
+
+
+class _Lit(FlatSimulator):
+    """The flat simulator with a traffic light."""
+
+    def catalogue(self):
+        known = super().catalogue()
+        return known.model_copy(update={"assets": (*known.assets, LIGHT)})
+
+
+def at_a_light(*, kind="red_light", red_from_s=0.0):
+    light = Actor(
+        id="light",
+        asset="traffic_light",
+        placement=Placement(ahead_m=40.0, offset_m=-4.5),
+        behaviour=Behaviour(trigger=Trigger(value=red_from_s)),
+        state="red",
+    )
+    return example_scene().model_copy(
+        update={
+            "id": "scene~demand",
+            "map": "urban_avenue",
+            "actors": (light,),
+            "hazard": Hazard(),
+            "decision": Trigger(value=1.0),
+            "demand": Demand(kind=kind, text="The traffic light is red."),
+        }
+    )
+
+
+def labels(scene, **options):
+    with _Lit() as simulator:
+        return simulate(scene, simulator, render=False, **options).episode
+
+
+def test_every_action_that_passes_the_stop_line_at_red_is_unsafe():
+    episode = labels(at_a_light())
+    assert episode.stop_line.ahead_m == 39.0
+    assert Episode.parse(episode.model_dump_json()) == episode
+    ran = {name for name, outcome in episode.actions.items() if outcome.ran_red}
+    assert {"keep_speed", "change_lane_left"} <= ran
+    assert {episode.label(name) for name in ran} <= {"unsafe", "marginal"}
+    assert episode.label("keep_speed") == episode.label("change_lane_left") == "unsafe"
+    assert episode.label("emergency_brake") == "safe"
+
+
+def test_a_light_counts_while_it_is_red_and_where_it_is_the_demand():
+    for scene in (at_a_light(red_from_s=30.0), at_a_light(kind="queue")):
+        assert labels(scene).label("keep_speed") == "safe"
+    paper = labels(at_a_light(), protocol="paper")
+    assert paper.label("keep_speed") == "safe"
+    assert paper.stop_line is None
+
+
+def test_a_drive_without_a_stop_line_says_nothing_of_one(result):
+    assert "stop_line" not in result.episode.model_dump_json()
+    assert "ran_red" not in result.episode.model_dump_json()

@@ -15,7 +15,13 @@ from oodscen.data._messages import Image
 from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene, Visible
-from oodscen.data._verdict import Protocol, Verdict, verdict_id
+from oodscen.data._verdict import (
+    Protocol,
+    Verdict,
+    is_without_pictures,
+    verdict_id,
+    without_pictures,
+)
 from oodscen.errors import DataError, Issue
 from oodscen.judging._aspects.labelled import agreement, labelled_answers
 from oodscen.judging._aspects.opinions import (
@@ -56,6 +62,8 @@ class Item(NamedTuple):
     episode: Episode
     model: str
     protocol: Protocol
+    is_withheld: bool = False
+    """True if the model is asked without the pictures."""
 
 
 def evaluate(
@@ -86,21 +94,23 @@ def evaluate(
     items: dict[str, Item] = {}
     for protocol, found in shown.items():
         for name, (model, _) in models.items():
+            is_withheld = name not in run.config.vlms and is_without_pictures(name)
+            called = without_pictures(model.name) if is_withheld else model.name
             if protocol not in _protocols(run, name, model):
                 continue
             for episode in found:
                 if isinstance(model, PersonAnswers) and episode.scene_id not in model.items:
                     continue
                 if not is_reference(model) or (episode.status == "ok" and episode.frames):
-                    key = verdict_id(episode.scene_id, model.name, protocol)
-                    items[key] = Item(episode, name, protocol)
+                    key = verdict_id(episode.scene_id, called, protocol)
+                    items[key] = Item(episode, name, protocol, is_withheld)
     is_rear = run.config.rear_view and bool(run.config.vlms)
     rears = simulate_behind(run, judged_ones) if is_rear else {}
     ask_about = _questions(run, scenarios, scenes, episodes, rears)
     truths = _truths(shown, scenarios, scenes, run.config)
 
     def made_from(name: str) -> str:
-        episode, model, protocol = items[name]
+        episode, model, protocol, _ = items[name]
         answerer = models[model][0]
         told = truths[protocol, "" if is_reference(answerer) else episode.scene_id]
         return digest([told, answerer.sha256]) if isinstance(answerer, PersonAnswers) else told
@@ -241,16 +251,24 @@ def _models(
             models[name] = (model, 1)
         else:
             models[name] = (CircuitBreakerLLM(model), run.models.limits.concurrency)
+    for name in run.config.withheld:
+        if name in models and not takes_cases(models[name][0]):
+            models[without_pictures(name)] = models[name]
     for name in run.config.people:
         models[person(name)] = (PersonAnswers.load(run.store, name, episodes), 1)
     return models
 
 
 def _protocols(run: Context, name: str, model: LLM) -> tuple[Protocol, ...]:
-    """Return the protocols that an answerer is judged by: references by all, people by ours."""
+    """Return the protocols that an answerer is judged by.
+
+    References are judged by all, people and models without pictures by ours.
+    """
     if isinstance(model, PersonAnswers):
         return ("ours",)
-    return run.config.protocols_of(name) if name in run.config.vlms else ("ours", "paper")
+    if name in run.config.vlms:
+        return run.config.protocols_of(name)
+    return ("ours",) if is_without_pictures(name) else ("ours", "paper")
 
 
 def _questions(
@@ -297,6 +315,7 @@ def _questions(
                 f"it did not run: {episode.error}",
                 episode.error_type or "",
                 item.protocol,
+                withheld=item.is_withheld,
             )
         scenario = by_id.get(scene_of(episode.scene_id))
         scene = scene_by_id.get(scene_of(episode.scene_id))
@@ -311,7 +330,10 @@ def _questions(
                     earlier = up_to_decision[episode.scene_id]
                     before = Shown.of(earlier, images(earlier))
             except (OSError, DataError) as error:
-                return unjudged(episode, model, str(error), type(error).__name__, item.protocol)
+                kind = type(error).__name__
+                return unjudged(
+                    episode, model, str(error), kind, item.protocol, withheld=item.is_withheld
+                )
         leaf = scenario.leaf if scenario else ""
         return judge_episode(
             episode,
@@ -329,6 +351,7 @@ def _questions(
             before=before,
             visible=scene.visible if scene else (),
             rear=rear,
+            withheld=item.is_withheld,
         )
 
     return ask_about

@@ -31,6 +31,9 @@ RESTAGED = "restaged.jsonl"
 run, and failed attempts.
 """
 
+REAR = "episodes.rear.jsonl"
+"""File of the runs in which the views to the rear were taken."""
+
 Line = dict[str, Any]
 
 
@@ -372,7 +375,7 @@ def simulate_behind(run: Context, episodes: Sequence[Episode]) -> dict[str, str]
     items = {one.scene_id: drives[one.scene_id] for one in episodes if one.status == "ok"}
     config = run.config
     job = Job(config.simulator, config.seed, camera=config.camera, is_rear=True)
-    rows = _swept(run, job, items, "episodes.rear.jsonl")
+    rows = _swept(run, job, items, REAR)
     return {one.scene_id: one.frames["last"] for one in rows if one.frames}
 
 

@@ -52,8 +52,10 @@ def is_passed(
     begins_s: float,
     speed: float,
     steps: int,
+    line_s: float,
+    red_from_s: float,
 ) -> bool:
-    """Return whether the ego touches nothing and stays on the road.
+    """Return whether the ego touches nothing, stays on the road and passes no stop line at red.
 
     Args:
         w: The world; its state is changed.
@@ -64,6 +66,8 @@ def is_passed(
         begins_s: Time at which the action begins, s; the ego keeps lane and speed before.
         speed: Factor of the ego's speed at the decision.
         steps: Number of steps.
+        line_s: Station of the stop line, m; infinite if there is none.
+        red_from_s: Time from which its light is red, s.
     """
     for i in range(start.shape[0]):
         for k in range(start.shape[1]):
@@ -71,6 +75,8 @@ def is_passed(
     w.state[0, col.SPEED] = quantised(w.state[0, col.SPEED] * speed)
     now = glance(w, lane)
     time = before = quantised(count * w.dt)
+    reach = 0.5 * w.traits[0, col.LENGTH]
+    is_before = w.state[0, col.S] + reach <= line_s
     is_reacting = begins_s <= time
     plan, travelled = planned(action if is_reacting else KEEP, now), 0.0
     for step in range(count, count + steps):
@@ -84,5 +90,9 @@ def is_passed(
         _advance(w, step, acceleration, steering)
         if is_touching(w) or is_off_road(w):
             return False
+        if is_before and w.state[0, col.S] + reach > line_s:
+            if quantised((step + 1) * w.dt) >= red_from_s:
+                return False
+            is_before = False
         now = glance(w, lane)
     return True

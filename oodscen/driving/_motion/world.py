@@ -292,7 +292,9 @@ class KinematicWorld(Brief):
         self._state[:] = np.frombuffer(snapshot.state).reshape(self._state.shape)
 
     def is_passed(self, action: str, variation: Variation, seconds: float) -> bool:
-        """Return whether the ego, executing an action from now on, touches nothing and stays on the road.
+        """Return whether the ego, executing an action from now on, passes.
+
+        It touches nothing, stays on the road and does not pass the scene's stop line while the light is red.
 
         The world itself does not change.
 
@@ -302,6 +304,7 @@ class KinematicWorld(Brief):
             seconds: Time for which the action is watched, s.
         """
         start = self._state.copy()
+        line = self.scene.stop_line
         begins_s = self.time + variation.reaction_s - 1e-9 if variation.reaction_s > 0.0 else 0.0
         try:
             return bool(
@@ -314,6 +317,8 @@ class KinematicWorld(Brief):
                     begins_s,
                     float(variation.speed),
                     max(1, round(seconds / self.dt)),
+                    math.inf if line is None else self.corridor.start + line.ahead_m,
+                    0.0 if line is None else line.red_from_s,
                 )
             )
         finally:

@@ -195,9 +195,6 @@ def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) 
             )
             largest = max(largest, sight.area_px)
             fault = sight.fault(scene.weather, camera)
-            body = cast[row].solid
-            if sight.area_px <= 0.0 and cast[0].solid.local((body.x, body.y, body.z))[0] < 0.0:
-                fault = "it is behind the ego"
             is_hidden = fault is not None and fault.endswith("hidden")
             by = _hider(cast, row, camera, corridor) if is_hidden else ""
             reasons.setdefault(row, []).append(f"{_WHEN[moment]} {fault}{by}")

@@ -109,11 +109,13 @@ class Sight:
     """Distance from the camera, m."""
     hidden: float
     """Share of the silhouette behind other bodies or a crest, 0 to 1."""
+    is_behind: bool = False
+    """True if it is outside the picture and behind the ego."""
 
     def fault(self, weather: Weather, camera: Camera) -> str | None:
         """Return why the body cannot be recognised, or `None` if it can."""
         if self.area_px <= 0.0:
-            return "it is outside the camera's view"
+            return "it is behind the ego" if self.is_behind else "it is outside the camera's view"
         reach = visual_range(weather)
         if self.distance > reach:
             return f"it is {self.distance:.0f} m away, and the visual range is {reach:.0f} m"
@@ -131,15 +133,16 @@ class Eye:
     def __init__(self, camera: Camera, ego: Solid) -> None:
         """Mount a camera on the ego."""
         cos, sin = math.cos(ego.yaw), math.sin(ego.yaw)
-        pitch = math.radians(camera.pitch_deg)
+        pitch, turn = math.radians(camera.pitch_deg), ego.yaw + math.radians(camera.yaw_deg)
         down, level = math.sin(pitch), math.cos(pitch)
-        self.camera = camera
+        self.camera, self.ego = camera, ego
         self.focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
         self.place: Point = (
             ego.x + camera.x * cos - camera.y * sin,
             ego.y + camera.x * sin + camera.y * cos,
             ego.z + camera.z,
         )
+        cos, sin = math.cos(turn), math.sin(turn)
         self.forward = (cos * level, sin * level, -down)
         self.right = (sin, -cos, 0.0)
         self.down = (-cos * down, -sin * down, -level)
@@ -192,7 +195,8 @@ class Eye:
         shown = clipped(outline, self.camera.width, self.camera.height)
         size = area(shown)
         if size <= 0.0:
-            return Sight(0.0, distance, 0.0)
+            is_behind = self.ego.local((body.x, body.y, body.z))[0] < 0.0
+            return Sight(0.0, distance, 0.0, is_behind)
         return Sight(size, distance, self._hidden(body, shown, others, road, distance))
 
     def _hidden(

@@ -20,7 +20,7 @@ from oodscen.errors import DataError, Issue
 from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
 from oodscen.protocols import State
 from oodscen.stages._drive import drive_result
-from oodscen.stages._rollouts import judged
+from oodscen.stages._rollouts import judged, runs_red
 
 Floats = NDArray[np.float64]
 
@@ -76,7 +76,8 @@ def verdict(
     after = _until_harm([one for one in states[first + 1 :] if one.time <= end + 1e-6])
     dt = float(np.median(np.diff(played.time)))
     last = after[-1] if after else states[first]
-    trace = Trace.measured([states[first], *after], Course.of(scene, catalogue))
+    course, line = Course.of(scene, catalogue), scene.stop_line
+    trace = Trace.measured([states[first], *after], course)
     whole = states[: first + 1 + len(after)]
     steps = round((states[first].time + scene.horizon_s) / dt)
     ends = bool(last.contacts) or last.off_road or last.time >= end - 1.5 * dt
@@ -86,7 +87,11 @@ def verdict(
         decision_s=round(states[first].time, 6),
         decision_fired=fired,
         is_complete=ends,
-        outcome=judged(after or [states[first]], trace),
+        outcome=judged(
+            after or [states[first]],
+            trace,
+            ran_red=line is not None and runs_red([states[first], *after], line, course),
+        ),
         drive=drive,
     )
 

@@ -1,9 +1,10 @@
 """Answers of a vision-language model that a person has labelled, to measure a judge by."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib import resources
+from typing import Any
 
 from oodscen.data._base import Data
 from oodscen.judging._aspects.opinions import Opinion, opinion_id
@@ -41,3 +42,19 @@ def agreement(opinions: Iterable[Opinion], judge: str) -> tuple[int, int]:
         if (name := opinion_id(judge, one.answer, one.path)) in said
     ]
     return sum(pairs), len(pairs)
+
+
+def agreement_in_words(info: Mapping[str, Any]) -> str:
+    """Return the agreement of a study's judge as a sentence; empty if none was measured.
+
+    Args:
+        info: Content of `study.json`; anything in it may be missing.
+    """
+    counts = info.get("counts")
+    found = counts.get("judged") if isinstance(counts, Mapping) else None
+    if not isinstance(found, Mapping) or not found.get("labelled"):
+        return ""
+    return (
+        f"The judge agrees with a person on {found.get('agrees', 0)} of {found['labelled']} labelled "
+        "answers."
+    )

@@ -29,7 +29,7 @@ def comparisons(
 ) -> list[ModelComparison]:
     """Return the models' comparisons with one another, and with the best reference or shortcut, by task."""
     ours = [row for row in standings if row.protocol == "ours"]
-    models = [row for row in ours if row.kind == "model"]
+    models = [row for row in ours if row.is_judged]
     found: list[ModelComparison] = []
     for task in TASKS:
         floor = best_floor([*ours, *([shortcut] if shortcut else [])], task)

@@ -1,6 +1,6 @@
 """The figures of an answerer as ratios over the items of a study."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +20,7 @@ class PairColumns:
     """The answers about scenes together with those about their ordinary drives, as [n] columns.
 
     Only scenes with an ordinary drive that was asked about have values. They are NaN if an answer about the scene or one of its drives
-    is missing or scores neither way.
+    is missing, or if an action scores neither way and none is wrong.
     """
 
     mask: Mask
@@ -32,7 +32,10 @@ class PairColumns:
     drop: Floats
     """The share of ordinary drives with a safe action, minus 1 if it is safe in the scene: in [-1, 1]."""
     is_neutral: Mask
-    """True if an action about the scene or its drives scores neither way."""
+    """True if an action about the scene or its drives scores neither way, and none is wrong."""
+
+    kinds: Mapping[str, Mask]
+    """The scenes that were asked about with an ordinary drive of a kind."""
 
     @classmethod
     def of(cls, items: Items, sheet: AnswerColumns) -> "PairColumns":
@@ -40,6 +43,7 @@ class PairColumns:
         n = len(items.episodes)
         rows = np.flatnonzero((items.owners >= 0) & sheet.was_asked)
         owner = items.owners[rows]
+        drives = np.array(items.kinds)[rows]
         count = np.bincount(owner, minlength=n).astype(np.float64)
         quiet = _products(owner, 1.0 - sheet.called[rows], n)
         apt = _products(owner, sheet.apt[rows], n)
@@ -48,12 +52,20 @@ class PairColumns:
         neutral = sheet.is_neutral | (
             _sums(owner, sheet.is_neutral[rows].astype(np.float64), n) > 0
         )
+        # One wrong half makes the pair wrong, whatever a marginal action in the other would have scored.
+        silent = np.isnan(sheet.safe) & ~sheet.is_neutral
+        answered = ~silent & (_sums(owner, silent[rows].astype(np.float64), n) == 0)
+        wrong = (sheet.safe == 0) | (_sums(owner, (sheet.apt[rows] == 0).astype(np.float64), n) > 0)
         return cls(
             mask=count > 0,
             notice=sheet.called * quiet,
-            act=sheet.safe * apt,
+            act=np.where(wrong & answered, 0.0, sheet.safe * apt),
             drop=share - sheet.safe,
-            is_neutral=neutral,
+            is_neutral=neutral & ~(wrong & answered),
+            kinds={
+                kind: _sums(owner, (drives == kind).astype(np.float64), n) > 0
+                for kind in sorted(set(drives.tolist()))
+            },
         )
 
 

@@ -5,10 +5,10 @@ from typing import Literal
 
 import numpy as np
 
-from oodscen.data._verdict import Protocol
+from oodscen.data._verdict import Protocol, without_pictures
 from oodscen.judging._items import AnswerColumns, Items, Ratio
 from oodscen.judging._leaderboard.figures import PairColumns
-from oodscen.judging._leaderboard.scores import BLIND, WITHHELD, Estimate, Gain, LeaderboardRow
+from oodscen.judging._leaderboard.scores import Estimate, Gain, LeaderboardRow
 from oodscen.statistics._intervals import percentiles
 from oodscen.statistics._resampling import Resampler
 
@@ -35,7 +35,7 @@ def with_gains(
 ) -> list[LeaderboardRow]:
     """Return the rows, with the leads of models over the best blind reference and over themselves blindfolded."""
     ours = [row for row in rows if row.protocol == "ours"]
-    blind = [row for row in ours if row.kind == "reference" and row.model.startswith(BLIND)]
+    blind = [row for row in ours if row.is_blind]
     names = {row.model: row for row in ours}
     pairs = {row.model: PairColumns.of(items, sheets[row.model, "ours"]) for row in ours}
 
@@ -49,7 +49,7 @@ def with_gains(
         if row.kind == "reference" or row.protocol != "ours":
             found.append(row)
             continue
-        withheld = names.get(WITHHELD.format(row.model))
+        withheld = names.get(without_pictures(row.model))
         best = [(max(blind, key=lambda one: _value(one, name)), name) for name in FIGURES if blind]
         paired = row.paired.model_copy(
             update={

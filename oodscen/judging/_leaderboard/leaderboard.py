@@ -125,7 +125,7 @@ def leaderboard(
     if shortcut:
         sheets[shortcut[0].model, "ours"] = AnswerColumns.of(items, shortcut)
         floor = _standing(study, sheets[shortcut[0].model, "ours"], shortcut)
-    real = [row for row in rows if row.kind == "model"] or rows
+    real = [row for row in rows if row.is_judged] or rows
     likeness = [_likeness(items, sheets[row.model, row.protocol]) for row in real]
     return Leaderboard(
         scenes=items.count(items.is_scene),
@@ -216,6 +216,14 @@ def _paired_scores(
     return PairedScores(
         notice=rates["notice-both"],
         act=rates["act-both"],
+        act_by_kind={
+            kind: rate(
+                study.resampler,
+                Ratio(pairs.act, pairs.mask & mask, is_neutral=pairs.is_neutral),
+                sheet,
+            )
+            for kind, mask in pairs.kinds.items()
+        },
         drop=mean_of(study.resampler, Ratio(pairs.drop, pairs.mask)),
     )
 

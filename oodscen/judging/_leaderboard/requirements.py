@@ -17,7 +17,7 @@ import numpy as np
 from oodscen.data._base import Data
 from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
-from oodscen.data._verdict import Verdict
+from oodscen.data._verdict import Verdict, is_without_pictures
 from oodscen.errors import UsageError
 from oodscen.judging._items import AnswerColumns, Floats, Items, Mask
 from oodscen.judging._leaderboard.figures import figures
@@ -150,7 +150,8 @@ def requirements(
     items = Items.of(list(episodes), list(scenarios))
     grouped: dict[str, list[Verdict]] = {}
     for verdict in verdicts:
-        if verdict.kind == "model" and verdict.protocol == "ours":
+        is_graded = verdict.kind == "model" and not is_without_pictures(verdict.model)
+        if is_graded and verdict.protocol == "ours":
             grouped.setdefault(verdict.model, []).append(verdict)
     level = ALPHA / max(len(grouped), 1)
     return [

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import ClassVar, Literal
 
 from oodscen.data._base import Data
-from oodscen.data._verdict import Protocol
+from oodscen.data._verdict import Protocol, is_without_pictures
 from oodscen.statistics._intervals import Interval
 from oodscen.statistics._significance import PairedTest
 
@@ -16,8 +16,6 @@ PRIVILEGED = "oracle"
 """The reference that is told the truth: a ceiling, never a baseline to beat."""
 
 
-WITHHELD = "{} without pictures"
-"""Name of the row of a model that was asked without the pictures."""
 BLIND = ("constant:", "random", "blind")
 """Beginnings of the names of references that see no picture."""
 
@@ -99,7 +97,7 @@ class ActionScore(Data):
     noun: ClassVar[str] = "control"
 
     safe: Rate = Rate()
-    """Over all scenes: the ego touched nothing and stayed on the road."""
+    """Over all scenes: the ego touched nothing, stayed on the road and ran no red light."""
     collision_free: Rate = Rate()
     """The paper's success: the action could be executed and the ego touched nothing."""
     decidable: Rate = Rate()
@@ -138,13 +136,16 @@ class PairedScores(Data):
     notice: Rate = Rate()
     """Scenes that are called out of the ordinary while none of their ordinary drives is."""
     act: Rate = Rate()
-    """Scenes with a safe action whose ordinary drives all have a safe action that is not needless."""
+    """Scenes with a safe action whose ordinary drives all have a safe action that is neither a stop nor a lane
+    change where keeping the speed is safe with enough margin."""
+    act_by_kind: dict[str, Rate] = {}
+    """`act` by kind of ordinary drive that goes with the scene."""
     drop: Estimate = Estimate()
     """Share of safe actions in the ordinary drives minus that in their scenes, in [-1, 1]."""
     over_blind: tuple[Gain, ...] = ()
     """Lead over the best answerer without the pictures: a constant, `random` or `blind`."""
     over_withheld: tuple[Gain, ...] = ()
-    """Lead over the same model with the pictures withheld, the row named `WITHHELD.format(model)`."""
+    """Lead over the same model with the pictures withheld, the row `MODEL without pictures`."""
 
 
 class SceneGroup(Data):
@@ -200,6 +201,17 @@ class LeaderboardRow(Data):
     groups: tuple[SceneGroup, ...] = ()
     confusions: tuple[Confusion, ...] = ()
     """Wrong closed choices, most frequent first."""
+
+    @property
+    def is_blind(self) -> bool:
+        """Return whether the row is that of a reference that sees no picture, judged by our protocol."""
+        is_reference = self.kind == "reference" and self.protocol == "ours"
+        return is_reference and self.model.startswith(BLIND)
+
+    @property
+    def is_judged(self) -> bool:
+        """Return whether the row is that of a model that saw the pictures."""
+        return self.kind == "model" and not is_without_pictures(self.model)
 
 
 class ModelComparison(Data):

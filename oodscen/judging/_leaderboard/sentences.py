@@ -1,9 +1,8 @@
 """A leaderboard in a few sentences: the main figures of every model beside the reference to beat."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from oodscen.judging._leaderboard.scores import Estimate, Gain, LeaderboardRow, Rate
+from oodscen.judging._leaderboard.scores import Estimate, LeaderboardRow, PairedScores, Rate
 
 if TYPE_CHECKING:
     from oodscen.judging._leaderboard.board import Leaderboard
@@ -15,14 +14,35 @@ _TO = "\N{WORD JOINER}–\N{WORD JOINER}"
 
 def sentences(board: "Leaderboard") -> list[str]:
     """Return a few sentences: the main figures of every model beside the reference to beat."""
-    models = [row for row in board.standings if row.kind == "model" and row.protocol == "ours"]
+    models = [row for row in board.standings if row.is_judged and row.protocol == "ours"]
     if not models:
         return _without_models(board)
     found = [sentence for row in models for sentence in (_main(row), _unfinished(board, row))]
+    found.append(constants(board))
     found.append(
         f"This rests on {board.scenes} scenes of {board.paths} kinds. Brackets hold 95{_GAP}% intervals."
     )
     return [sentence for sentence in found if sentence]
+
+
+_SHOWN_CONSTANTS = ("stop", "emergency_brake", "keep_speed")
+
+
+def constants(board: "Leaderboard") -> str:
+    """Return the sentence on what the same action everywhere reaches; empty without ordinary drives."""
+    parts = []
+    for action in _SHOWN_CONSTANTS:
+        row = board.standing(f"constant:{action}")
+        if row is not None and row.paired.act.value is not None:
+            kinds = ", ".join(
+                f"{percent(found.value)} with a {kind}"
+                for kind, found in row.paired.act_by_kind.items()
+            )
+            what = f"“{action.replace('_', ' ')}” {percent(row.paired.act.value)}"
+            parts.append(f"{what}{spread(row.paired.act)} ({kinds})")
+    if not parts:
+        return ""
+    return f"The same action everywhere, without looking, acts rightly in: {'; '.join(parts)}."
 
 
 def percent(value: float | None) -> str:
@@ -44,7 +64,7 @@ def _main(row: LeaderboardRow) -> str:
     if paired.notice.n:
         parts.append(
             f"notices {percent(paired.notice.value)}{spread(paired.notice)} of the scenes and leaves their "
-            f"ordinary drives alone{_gain(paired.over_blind, 'notice')}"
+            f"ordinary drives alone{_gain(paired, 'notice')}"
         )
     elif row.detection.sensitivity.n:
         parts.append(
@@ -54,7 +74,7 @@ def _main(row: LeaderboardRow) -> str:
     if paired.act.n:
         parts.append(
             f"acts rightly in {percent(paired.act.value)}{spread(paired.act)} of the scenes and their ordinary "
-            f"drives alike{_gain(paired.over_blind, 'act')}"
+            f"drives alike{_gain(paired, 'act')}"
         )
     if not parts:
         return f"{row.model} gave no answer that can be scored."
@@ -68,13 +88,17 @@ def _main(row: LeaderboardRow) -> str:
     return f"{row.model} {', and '.join(parts)}.{worst}"
 
 
-def _gain(gains: Sequence[Gain], figure: str) -> str:
-    for one in gains:
+def _gain(scores: PairedScores, figure: str) -> str:
+    """Return the leads in a figure over those who see no picture, in brackets."""
+    against = [(one, f"“{one.against}” without the pictures") for one in scores.over_blind]
+    against += [(one, "itself without the pictures") for one in scores.over_withheld]
+    parts = []
+    for one, whom in against:
         if one.figure == figure and one.difference.value is not None:
             points = 100 * one.difference.value
             word = "more" if points >= 0 else "fewer"
-            return f" ({abs(points):.0f} points {word} than “{one.against}” without the pictures)"
-    return ""
+            parts.append(f"{abs(points):.0f} points {word} than {whom}")
+    return f" ({', '.join(parts)})" if parts else ""
 
 
 def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:

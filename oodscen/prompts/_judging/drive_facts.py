@@ -1,6 +1,6 @@
 """The facts of a drive that pictures do not show, and the questions that state them."""
 
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
@@ -36,6 +36,11 @@ _REAR = (
     "back from the rear window, and is not mirrored."
 )
 
+_WITHHELD = (
+    "No picture of this drive is available: the frames that are spoken of below are withheld. Give the answer that is "
+    "most likely right without them."
+)
+
 
 class DriveQuestion(Prompt[Answer]):
     """A question about the frames of one drive.
@@ -52,6 +57,13 @@ class DriveQuestion(Prompt[Answer]):
     facts: DriveFacts = DriveFacts()
     rear: Image | None = None
     """The view from the rear window at the moment of the last frame; it comes after the frames."""
+    withheld: int = 0
+    """Number of frames that the question is about and does not show; `frames` is then empty."""
+
+    def variables(self) -> dict[str, Any]:
+        """Return the fields; frames that are withheld count in the words."""
+        found = super().variables()
+        return found | {"frames": (None,) * self.withheld} if self.withheld else found
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the turns about the frames."""
@@ -63,6 +75,6 @@ class DriveQuestion(Prompt[Answer]):
         return frames if self.rear is None else (*frames, self.rear)
 
     def question(self) -> str:
-        """Render the user's turn; a sentence before it names the view to the rear."""
-        text = super().question()
-        return text if self.rear is None else f"{_REAR}\n\n{text}"
+        """Render the user's turn; a sentence before it names the view to the rear, or says that no picture is shown."""
+        said = (_REAR if self.rear else "", _WITHHELD if self.withheld else "", super().question())
+        return "\n\n".join(filter(None, said))

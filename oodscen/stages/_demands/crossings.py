@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oodscen.data._scene import Actor
+from oodscen.data._episode import REACTIONS_S
+from oodscen.data._scene import BEFORE_LIGHT_M, Actor
 from oodscen.prompts._landmarks import landmarks
 from oodscen.stages._demands.setting import CARS, FRONT_M, PEOPLE, Draft, Setting, actor, claims
 
@@ -29,7 +30,7 @@ def _at_the_junction(at: Setting, rng: np.random.Generator) -> Draft | None:
     marks = [one for one in landmarks(at.corridor, at.road.traits) if one.kind == "traffic_light"]
     if not marks:
         return None
-    line = min(one.ahead_m for one in marks) - 1.0
+    line = min(one.ahead_m for one in marks) - BEFORE_LIGHT_M
     waits = _waiting(at, rng, line)
     if not waits:
         return None
@@ -117,7 +118,9 @@ def _pelican(at: Setting, rng: np.random.Generator) -> Draft | None:
     """Return a crossing for people on foot whose light is red for the ego."""
     if "zebra_crossing" not in at.assets:
         return None
-    ahead = at.at_m + max(at.gap_m, FRONT_M + 4.5 + at.room(_FIRM))
+    # The slowest driver has to stop before the line, or no action would be safe.
+    needed = FRONT_M + 4.5 + at.room(_FIRM) + REACTIONS_S[-1] * at.speed
+    ahead = at.at_m + max(at.gap_m, needed)
     row = _stripes(at, ahead)
     walkers = _walkers(at, rng, ahead, int(rng.integers(1, 4)))
     since = _turns_red(walkers)

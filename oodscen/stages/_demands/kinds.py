@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._scene import Actor, Scene
+from oodscen.data._scene import RED_LIGHT, Actor, Scene
 from oodscen.stages._demands.crossings import red_light, zebra
 from oodscen.stages._demands.flow import cyclist, leader, queue, slow_vehicle
 from oodscen.stages._demands.joining import ambulance, merging_car
@@ -52,7 +52,7 @@ class DemandKind(NamedTuple):
 
 KINDS: tuple[DemandKind, ...] = (
     DemandKind("queue", queue, 3.0, 0.8, ("temporary_light",), (), ("stand", *_BRAKES)),
-    DemandKind("red_light", red_light, 1.5, 2.2, ("traffic_light", "pedestrian_light")),
+    DemandKind(RED_LIGHT, red_light, 1.5, 2.2, ("traffic_light", "pedestrian_light")),
     DemandKind("leader", leader, 3.0, 1.3, (), (), _BRAKES),
     DemandKind(
         "slow_vehicle",

@@ -62,6 +62,30 @@ def check_pictures(probe: Probe) -> None:
                 continue
 
 
+def check_turning(probe: Probe) -> None:
+    """Check that a camera that is turned shows the bodies beside and behind the ego where it looks."""
+    if probe.is_top:
+        raise NotApplicable("the simulator sees from above only, so its camera cannot turn")
+    one, other = _boxes(probe)
+    scene = probe.scene(
+        probe.still(one, id="beside", ahead=1.0, offset=5.0, heading=20.0),
+        probe.still(other, id="behind", ahead=-16.0, offset=2.8),
+    )
+    state = probe.simulator.reset(scene, 0)
+    cast = bodies(scene, probe.catalogue, state.poses)
+    plain = replace(probe.camera(240, 180), fov_deg=90.0)
+    for turn in (90.0, 180.0, -90.0):
+        camera = plain.behind() if turn == 180.0 else replace(plain, yaw_deg=turn)
+        frame = probe.simulator.render(camera)
+        for fault in place_faults(frame, camera, cast):
+            probe.findings.add(f"camera turned by {turn:g} degrees", fault)
+        for row, body in enumerate(cast[1:], start=2):
+            outline = Eye(camera, cast[0].solid).silhouette(body.solid)
+            if not area(clipped(outline, camera.width, camera.height)) and (frame.ids == row).any():
+                fault = f"shows {body.id!r}, which is not where it looks"
+                probe.findings.add(f"camera turned by {turn:g} degrees", fault)
+
+
 def cameras(probe: Probe) -> dict[str, Camera]:
     """Return cameras that differ from the plain one in one parameter each."""
     plain = probe.camera(240, 180)

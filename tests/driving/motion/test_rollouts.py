@@ -5,12 +5,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
-from oodscen.data._scene import Scene
+from oodscen.data._scene import Demand, Scene, Trigger
 from oodscen.driving import action_driver
 from oodscen.driving._motion.actions import Cruise, is_available
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._motion.world import KinematicWorld
-from tests.driving.staging import actor, scene, world
+from oodscen.driving._trace import Course
+from oodscen.stages._rollouts import runs_red
+from tests.driving.staging import CATALOGUE, actor, scene, world
 
 HORIZON_S = 4.0
 
@@ -55,6 +57,37 @@ def test_a_rehearsal_ends_as_the_drive_does(
     told = one.is_passed(action, Variation(reaction_s), HORIZON_S)
     assert one.snapshot() == before
     assert told == driven(one, action, reaction_s)
+
+
+def at_a_light(ahead: float, red_from_s: float) -> Scene:
+    light = actor("light", "cone", ahead=ahead, offset=-4.0, trigger=Trigger(value=red_from_s))
+    told = Demand(kind="red_light", text="A red light.")
+    return scene(light.model_copy(update={"state": "red"})).model_copy(update={"demand": told})
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.floats(8.0, 40.0),
+    st.floats(0.0, 4.0),
+    st.sampled_from(ACTIONS),
+    st.sampled_from([0.0, 0.2, 0.75]),
+)
+def test_a_rehearsal_runs_a_red_light_as_the_drive_does(
+    ahead: float, red_from_s: float, action: str, reaction_s: float
+) -> None:
+    staged = at_a_light(ahead, red_from_s)
+    line, course = staged.stop_line, Course.of(staged, CATALOGUE)
+    assert line is not None
+    one, driver = world(staged), action_driver(action, reaction_s)
+    if not is_available(action, one.observe()):
+        return
+    told = one.is_passed(action, Variation(reaction_s), HORIZON_S)
+    states = [one.state()]
+    for _ in range(round(HORIZON_S / one.dt)):
+        one.step(driver.act(one.observe()))
+        states.append(one.state())
+    harmed = any(state.contacts or state.off_road for state in states)
+    assert told == (not harmed and not runs_red(states, line, course))
 
 
 @pytest.mark.parametrize("factor", [0.95, 1.05])

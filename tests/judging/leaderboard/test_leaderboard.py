@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.data._episode import Episode
+from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._verdict import Verdict
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
 from oodscen.judging._leaderboard.sentences import sentences
@@ -264,6 +264,28 @@ def test_both_halves_must_be_right() -> None:
         assert [(one.figure, one.difference.value) for one in gains] == [("notice", 1), ("act", 1)]
     assert good.paired.over_blind[0].against == "constant:emergency_brake"
     assert set(good.detection.alarms_by_kind) == {"twin"}
+
+
+def test_a_pair_with_one_wrong_half_is_wrong_whatever_a_marginal_action_would_score() -> None:
+    case = Case()
+    verdicts = [
+        one
+        if one.is_ordinary
+        else one.model_copy(update={"action_is_safe": None, "action_is_marginal": True})
+        for one in case.verdicts("m", stubborn)
+    ]
+    episodes = [
+        one
+        if one.is_ordinary
+        else one.model_copy(update={"actions": dict.fromkeys(one.actions, MARGINAL)})
+        for one in case.episodes
+    ]
+    paired = leaderboard(verdicts, episodes, case.scenarios).standings[0].paired
+    assert (paired.act.value, paired.act.missing) == (0.0, 0)
+    assert paired.act_by_kind["twin"] == paired.act
+
+
+MARGINAL = ActionOutcome(safe=False, marginal=True)
 
 
 @settings(max_examples=8, deadline=None)

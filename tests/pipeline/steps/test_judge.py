@@ -10,7 +10,9 @@ import pytest
 from lxml import html
 
 from oodscen import Study
-from oodscen._pipeline import run_study
+from oodscen._pipeline import RunOptions, run_study
+from oodscen._pipeline.answering import rear_views
+from oodscen._pipeline.dropping import drop_models
 from oodscen._pipeline.steps.judge import OPINIONS
 from oodscen.data._episode import ACTIONS
 from oodscen.data._pairing import scene_of
@@ -18,6 +20,7 @@ from oodscen.errors import BudgetExceeded, DataError, LLMError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.leaderboard import Leaderboard
 from oodscen.llm._remote.limits import Limits
+from oodscen.report._quiz import drawn, write_quiz
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.pipeline.quick import QUICK, asked_about
 
@@ -512,6 +515,16 @@ def test_the_view_to_the_rear_is_shown_once_it_is_asked_for_and_then_asked_about
     assert all((out / name).stat().st_size for name in shown[1])
 
 
+def test_a_quiz_takes_the_views_to_the_rear_that_a_study_lacks(folder, tmp_path):
+    study = Study.open(shutil.copytree(folder, tmp_path / "out"))
+    taken = [rear_views(study, study.episodes[:count], RunOptions()) for count in (1, 3, 1)]
+    assert [len(one) for one in taken] == [1, 3, 3]
+    page = write_quiz(study, rears=taken[1]).read_text()
+    items = json.loads(html.fromstring(page).get_element_by_id("payload").text)["items"]
+    drives = [drive.episode.scene_id for drive in drawn(study, 20)]
+    assert ["rear" in one for one in items] == [name in taken[1] for name in drives]
+
+
 def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder, tmp_path):
     out = shutil.copytree(folder, tmp_path / "out")
     model = ConstantAnswerer("stop")
@@ -522,3 +535,62 @@ def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder, tmp_path):
     study = run_study(out, config, models=models, limits=limits)
     assert tally(study, "mine") == {"answered": len(asked_about(study))}
     assert study.info["status"] != "stopped"
+
+
+def test_a_model_is_asked_the_same_questions_without_the_pictures(folder, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    asked = []
+
+    def answer(request):
+        asked.append(request)
+        return ConstantAnswerer("stop" if request.prompt.frames else "keep_speed").complete(request)
+
+    model = ScriptedLLM(answer, name="m")
+    config = CONFIG.model_copy(update={"vlms": ("m",), "withheld": ("m",)})
+    study = run_study(out, config, models={"m": model})
+    items = {one.id for one in asked_about(study)}
+    seeing, blind = of(study, "m"), of(study, "m without pictures")
+    assert set(seeing) == set(blind) == items
+    assert {row.action for row in seeing.values()} == {"stop"}
+    assert {row.action for row in blind.values()} == {"keep_speed"}
+    kinds = Counter((bool(one.prompt.withheld), one.prompt.purpose) for one in asked)
+    assert set(kinds) == {
+        (is_blind, purpose)
+        for is_blind in (False, True)
+        for purpose in ("name-aspect", "choose-aspect", "choose-action")
+    }
+    shown = {one.messages[-1].text for one in asked if not one.prompt.withheld}
+    for one in asked:
+        if one.prompt.withheld:
+            assert not any(message.images for message in one.messages)
+            said, _, question = one.messages[-1].text.partition("\n\n")
+            assert "No picture" in said
+            assert question in shown
+
+    board = Leaderboard.load(out / "leaderboard.json")
+    gains = board.standing("m").paired.over_withheld
+    assert {one.against for one in gains} == {"m without pictures"}
+    assert not any("without pictures" in (one.first + one.second) for one in board.comparisons)
+    assert [one.model for one in study.requirements("safe>=0.1")] == ["m"]
+    before = len(asked)
+    assert run_study(out, config, models={"m": model}).verdicts == study.verdicts
+    assert len(asked) == before
+    drop_models(study, ["m without pictures"])
+    assert Study.open(out).config.withheld == ()
+    assert not of(Study.open(out), "m without pictures")
+    assert set(of(Study.open(out), "m")) == items
+
+
+def test_calls_that_failed_by_a_fault_of_the_class_are_made_again_on_request(folder, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    config = CONFIG.model_copy(update={"vlms": ("m",)})
+    faulty = ScriptedLLM(lambda request: 1 / 0, name="m")
+    mended = ScriptedLLM(lambda request: ConstantAnswerer("stop").complete(request), name="m")
+    assert {
+        row.outcome for row in of(run_study(out, config, models={"m": faulty}), "m").values()
+    } == {"error"}
+    again = run_study(out, config, models={"m": mended}, retry=True)
+    assert {row.outcome for row in of(again, "m").values()} <= {"answered", "unavailable"}
+    assert again.info["failures"]["verdicts"] == 0
