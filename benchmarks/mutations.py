@@ -32,7 +32,10 @@ from oodscen.study._study import TABLES, TREES
 from oodscen.testing import ScriptedLLM
 
 ORDINARY = "A car waits at a red light.\nA bus stops at its stop.\nThe road is dry and clear.\n"
-OPTIONS = "--quick --simulator flat --encoder hash --max-paths 1 --iterations 2 --workers 1 --protocol paper"
+OPTIONS = (
+    "--quick --simulator flat --encoder hash --max-paths 1 --iterations 2 --workers 1 --protocol paper "
+    "--width 160 --height 120"
+)
 
 Row = dict[str, object]
 Files = dict[str, tuple[bytes, int]]
@@ -66,6 +69,8 @@ def make_study(folder: Path) -> Path:
         baseline=str(folder / "ordinary.txt"),
         max_paths=1,
         iterations=2,
+        width=160,
+        height=120,
         vlms=(f"{__name__}:Answerer",),
         judge=f"{__name__}:Answerer",
         protocols=("ours", "paper"),

@@ -20,17 +20,38 @@ settings.register_profile("thorough", max_examples=5_000, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "suite"))
 
 
+def _shared(factory: pytest.TempPathFactory) -> Path:
+    """Return the folder that the processes of a parallel run have in common."""
+    base = factory.getbasetemp()
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+
 @pytest.fixture(scope="session", autouse=True)
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Keep cached embeddings out of the user's folder; return where they are kept.
 
     The processes of a parallel run share one folder, so that a text is encoded once.
     """
-    base = tmp_path_factory.getbasetemp()
-    folder = base.parent / "cache" if "PYTEST_XDIST_WORKER" in os.environ else base / "cache"
+    folder = _shared(tmp_path_factory) / "cache"
     folder.mkdir(exist_ok=True)
     os.environ["XDG_CACHE_HOME"] = str(folder)
     return folder
+
+
+@pytest.fixture(scope="session")
+def small(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the finished study of `tests.pipeline.quick.SMALL`, which no test may change."""
+    from tests.pipeline.quick import SMALL, finished
+
+    return finished(SMALL, _shared(tmp_path_factory) / "small")
+
+
+@pytest.fixture(scope="session")
+def quick(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the finished study of `tests.pipeline.quick.QUICK`, which no test may change."""
+    from tests.pipeline.quick import QUICK, finished
+
+    return finished(QUICK, _shared(tmp_path_factory) / "quick")
 
 
 @pytest.fixture(autouse=True)

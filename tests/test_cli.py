@@ -13,7 +13,7 @@ from oodscen.testing._scenes import example_scene
 from tests.pipeline.quick import ORDINARY
 
 QUICK = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "1"]
-QUICK += ["--baseline", str(ORDINARY)]
+QUICK += ["--baseline", str(ORDINARY), "--width", "160", "--height", "120", "--max-paths", "1"]
 
 
 def call(*arguments):

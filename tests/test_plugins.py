@@ -1,5 +1,6 @@
 """Plugins that break every promise: by name and as objects, through the library and the commands."""
 
+import shutil
 import sys
 import types
 from importlib.metadata import EntryPoint
@@ -32,7 +33,6 @@ from oodscen.stages._simulate import simulate
 from oodscen.testing import check_simulator
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
-from tests.pipeline.quick import QUICK
 
 MAKERS = {
     "llm": make_llm,
@@ -331,10 +331,9 @@ def called(code, *arguments):
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory):
+def study(small, tmp_path_factory):
     """Return the folder of a small study, with files for every command."""
-    folder = tmp_path_factory.mktemp("plugins") / "study"
-    run_study(folder, QUICK.model_copy(update={"max_paths": 1, "iterations": 2}))
+    folder = shutil.copytree(small, tmp_path_factory.mktemp("plugins") / "study")
     (folder / "texts.txt").write_text("A deer.\nA sofa.\n")
     return folder
 

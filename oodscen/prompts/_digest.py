@@ -3,12 +3,14 @@
 import re
 from collections import Counter
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Self
 
 from oodscen.data._additions import FOG_M, ICE
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import DataError, UnknownComponent
 from oodscen.prompts._landmarks import Landmark, landmarks
 from oodscen.prompts._layout import layout
@@ -220,7 +222,15 @@ def _seen_along(road: RoadMap, catalogue: Catalogue) -> tuple[tuple[Landmark, ..
         corridor = load_corridor(road.id, catalogue)
     except (DataError, UnknownComponent):
         return (), ""
-    return landmarks(corridor, road.traits), layout(corridor)
+    return _described_road(corridor, road.traits)
+
+
+@lru_cache(maxsize=64)
+def _described_road(
+    corridor: Corridor, traits: tuple[str, ...]
+) -> tuple[tuple[Landmark, ...], str]:
+    """Return the landmarks and layout of a road, which every question about its map tells again."""
+    return landmarks(corridor, traits), layout(corridor)
 
 
 def _weather_line(catalogue: Catalogue) -> str:

@@ -1,11 +1,10 @@
 import json
+import shutil
 import sys
 
 from click.testing import CliRunner
 
 from oodscen._cli import main
-from oodscen._pipeline import run_study
-from tests.pipeline.quick import QUICK
 
 STACK = """
 from oodscen.driving._motion.actions import Cruise
@@ -19,8 +18,8 @@ class Broken:
 """
 
 
-def test_a_stack_in_the_current_folder_drives(tmp_path, monkeypatch) -> None:
-    run_study(tmp_path / "out", QUICK.model_copy(update={"max_paths": 1, "iterations": 2}))
+def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch) -> None:
+    shutil.copytree(small, tmp_path / "out")
     (tmp_path / "stack_beside.py").write_text(STACK)
     monkeypatch.chdir(tmp_path)
     paths = list(sys.path)

@@ -7,23 +7,14 @@ from click.testing import CliRunner
 
 from oodscen import Study, make_catalogue
 from oodscen._cli import main
-from oodscen._pipeline import run_study
 from oodscen.interchange import read_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, replayed
 from tests.interchange.staging import SCENES
-from tests.pipeline.quick import QUICK
-
-
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("interchange") / "out"
-    run_study(folder, QUICK.model_copy(update={"max_paths": 1, "iterations": 2}))
-    return folder
 
 
 @pytest.fixture
-def study(made, tmp_path):
-    return shutil.copytree(made, tmp_path / "out")
+def study(small, tmp_path):
+    return shutil.copytree(small, tmp_path / "out")
 
 
 def run(*words):

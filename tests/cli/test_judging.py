@@ -1,4 +1,5 @@
 import json
+import shutil
 
 import pytest
 from click.testing import CliRunner
@@ -6,14 +7,12 @@ from click.testing import CliRunner
 import oodscen._pipeline.models as models
 from oodscen import Study
 from oodscen._cli import main
-from oodscen._pipeline import run_study
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.testing import AnsweringServer
-from tests.pipeline.quick import QUICK
 
 
-def test_models_on_other_servers_than_the_author_s_are_judged(tmp_path, monkeypatch) -> None:
-    run_study(tmp_path, QUICK.model_copy(update={"max_paths": 1, "iterations": 2}))
+def test_models_on_other_servers_than_the_author_s_are_judged(small, tmp_path, monkeypatch) -> None:
+    out = shutil.copytree(small, tmp_path / "out")
     make, addresses = models.make_llm, {}
 
     def announced(name, *, api_base=None, **more):
@@ -25,14 +24,14 @@ def test_models_on_other_servers_than_the_author_s_are_judged(tmp_path, monkeypa
 
     monkeypatch.setattr(models, "make_llm", announced)
     with AnsweringServer(ConstantAnswerer("stop")) as server:
-        order = ["evaluate", str(tmp_path), "--vlm", "one", "--api-base", server.api_base]
+        order = ["evaluate", str(out), "--vlm", "one", "--api-base", server.api_base]
         assert CliRunner().invoke(main, order).exit_code == 0
         asked = len(server.received)
-        again = ["evaluate", str(tmp_path), "--vlm", "one"]
+        again = ["evaluate", str(out), "--vlm", "one"]
         assert CliRunner().invoke(main, again).exit_code == 0
         assert len(server.received) == asked
         assert addresses == {"one": server.api_base}
-    judged = [verdict for verdict in Study.open(tmp_path).verdicts if verdict.model == "one"]
+    judged = [verdict for verdict in Study.open(out).verdicts if verdict.model == "one"]
     assert {verdict.outcome for verdict in judged} <= {"answered", "unavailable"}
     assert len(judged) == 2 == asked / 3
 

@@ -16,11 +16,11 @@ from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
 from oodscen.llm._replay import Exchange
 from oodscen.testing import ScriptedLLM
-from tests.pipeline.quick import QUICK
+from tests.pipeline.quick import SMALL
 
-SMALL = QUICK.model_copy(update={"max_paths": 1, "iterations": 2})
 ORDER = (
-    "--quick --simulator flat --encoder hash --seed 3 --max-paths 1 --iterations 2 --baseline"
+    "--quick --simulator flat --encoder hash --seed 3 --max-paths 1 --iterations 2 "
+    "--width 160 --height 120 --baseline"
 ).split()
 
 
@@ -31,16 +31,9 @@ def invoke(*order):
     return CliRunner().invoke(main, [str(word) for word in order])
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("made") / "study"
-    run_study(folder, SMALL)
-    return folder
-
-
 @pytest.fixture
-def study(made, tmp_path):
-    return shutil.copytree(made, tmp_path / "study")
+def study(small, tmp_path):
+    return shutil.copytree(small, tmp_path / "study")
 
 
 def test_a_model_that_nobody_knows_leaves_the_study_as_it_was(study) -> None:

@@ -39,7 +39,7 @@ ENCODER = Directions()
 words = st.lists(
     st.text("abcdefgh", min_size=1, max_size=3) | st.just("zero"), min_size=2, max_size=12
 )
-quick = settings(deadline=None, max_examples=40)
+quick = settings(deadline=None, max_examples=25)
 
 
 @quick

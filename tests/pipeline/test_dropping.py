@@ -13,9 +13,8 @@ from oodscen._pipeline.steps.judge import ALWAYS
 from oodscen.errors import UnknownComponent
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.testing import ScriptedLLM
-from tests.pipeline.quick import QUICK, asked_about
+from tests.pipeline.quick import SMALL, asked_about
 
-SMALL = QUICK.model_copy(update={"max_paths": 1, "iterations": 2})
 ADDRESS = "http://127.0.0.1:1/v1"
 
 
@@ -26,10 +25,10 @@ def named(name, answer=None):
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def made(small, tmp_path_factory):
     folder = tmp_path_factory.mktemp("made")
-    run_study(folder / "plain", SMALL)
-    shutil.copytree(folder / "plain", folder / "judged")
+    for name in ("plain", "judged"):
+        shutil.copytree(small, folder / name)
     servers = {"good": ADDRESS, "mute": ADDRESS}
     config = SMALL.model_copy(update={"vlms": ("good", "mute", "random"), "servers": servers})
     models = {"good": named("good"), "mute": named("mute", lambda asked: "")}

@@ -17,7 +17,7 @@ from oodscen.llm._remote.limits import Limits, Price
 from oodscen.llm._wrapper import Wrapper
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.llm.rogue import dripping, talking
-from tests.pipeline.quick import QUICK
+from tests.pipeline.quick import QUICK, SMALL
 
 PATIENCE_S = 60.0
 KEY = "sk-test-planted-0123456789abcdef"
@@ -150,7 +150,7 @@ def test_an_interruption_of_the_very_end_leaves_the_study_stopped(tmp_path, monk
 
     monkeypatch.setattr("oodscen._pipeline.pipeline.write_report", interrupt)
     with pytest.raises(KeyboardInterrupt):
-        run_study(tmp_path, QUICK)
+        run_study(tmp_path, SMALL)
     assert Study.open(tmp_path).info["status"] == "stopped"
     assert (tmp_path / "report.html").exists()
 

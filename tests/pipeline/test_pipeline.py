@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import signal
 import subprocess
 import sys
 import threading
@@ -26,7 +25,7 @@ from oodscen.errors import (
     UnknownComponent,
 )
 from oodscen.testing import AnsweringServer, ScriptedLLM
-from tests.pipeline.quick import QUICK, asked_about
+from tests.pipeline.quick import QUICK, SMALL, asked_about
 
 TIMED = {"study.json", "calls.jsonl", "answers.jsonl", "report.html"}
 
@@ -47,10 +46,8 @@ def under(name, files, former):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    out = tmp_path_factory.mktemp("study") / "out"
-    run_study(out, QUICK)
-    return out
+def folder(quick, tmp_path_factory):
+    return shutil.copytree(quick, tmp_path_factory.mktemp("study") / "out")
 
 
 @pytest.fixture
@@ -89,9 +86,14 @@ def test_every_node_of_the_diverse_tree_has_a_decision_with_a_reason(study):
     assert set(study.tree("simulatable").by_id) == {i for i, d in decisions.items() if d.keep}
 
 
-def test_another_folder_and_more_workers_give_the_same_bytes(folder, tmp_path):
-    run_study(tmp_path / "again", QUICK, workers=2)
-    assert content(tmp_path / "again") == content(folder)
+def test_another_folder_with_other_files_and_more_workers_give_the_same_bytes(folder, tmp_path):
+    mine = {".probe": "a", ".study.json.part": "b", "notes.txt": "c"}
+    for name, text in mine.items():
+        (tmp_path / name).write_text(text)
+    run_study(tmp_path, QUICK, workers=2)
+    assert {name: (tmp_path / name).read_text() for name in mine} == mine
+    found = {name: data for name, data in content(tmp_path).items() if name not in mine}
+    assert found == content(folder)
 
 
 def test_running_again_changes_nothing(folder):
@@ -103,43 +105,42 @@ def test_running_again_changes_nothing(folder):
 
 
 KILLED = """
-import os, signal, sys
+import json, os, signal, sys
 from oodscen import StudyConfig
 from oodscen._pipeline import run_study
 
-stage, number = sys.argv[2], int(sys.argv[3])
+out, config = sys.argv[1], StudyConfig.model_validate_json(sys.argv[2])
+# What is slow to load is loaded once for all processes.
+run_study(out + ".first", config.model_copy(update={"max_paths": 1, "iterations": 2}))
 
-def progress(at, done, total):
-    if at == stage and done >= number:
-        os.kill(os.getpid(), signal.SIGKILL)
+for stage, number in json.loads(sys.argv[3]):
+    def progress(at, done, total):
+        if at == stage and done >= number:
+            os.kill(os.getpid(), signal.SIGKILL)
 
-run_study(sys.argv[1], StudyConfig.model_validate_json(sys.argv[4]), progress=progress)
+    child = os.fork()
+    if not child:
+        run_study(out, config, progress=progress)
+        os._exit(0)
+    _, status = os.waitpid(child, 0)
+    assert os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL, stage
+    with open(out + "/study.json") as file:
+        assert json.load(file)["status"] == "running", stage
 """
 
 
 def test_killed_at_five_moments_and_continued_it_ends_the_same(folder, tmp_path):
     out = tmp_path / "killed"
     moments = [("redteam", 4), ("prune", 3), ("describe sets", 5), ("augment", 2), ("simulate", 1)]
-    for stage, number in moments:
-        order = [
-            sys.executable,
-            "-c",
-            KILLED,
-            str(out),
-            stage,
-            str(number),
-            QUICK.model_dump_json(),
-        ]
-        process = subprocess.run(order)
-        assert process.returncode == -signal.SIGKILL, stage
-        assert json.loads((out / "study.json").read_text())["status"] == "running"
+    order = [sys.executable, "-c", KILLED, str(out), QUICK.model_dump_json(), json.dumps(moments)]
+    process = subprocess.run(order, capture_output=True, text=True)
+    assert process.returncode == 0, process.stderr
     run_study(out, QUICK)
     assert content(out) == content(folder)
 
 
 def test_a_torn_line_is_done_again(folder, tmp_path):
-    out = tmp_path / "torn"
-    run_study(out, QUICK)
+    out = shutil.copytree(folder, tmp_path / "torn")
     for name in ("scenes.jsonl", "episodes.jsonl", "redteam.jsonl", "scenarios.jsonl"):
         path = out / name
         path.write_bytes(path.read_bytes()[:-20])
@@ -173,16 +174,6 @@ def test_what_is_in_the_way_is_named_and_stays(tmp_path, name):
             begin(tmp_path, QUICK)
         assert caught.value.names == (name.partition("/")[0],)
     assert content(tmp_path) == before
-
-
-def test_other_files_in_the_folder_are_let_be(folder, tmp_path):
-    mine = {".probe": "a", ".study.json.part": "b", "notes.txt": "c"}
-    for name, text in mine.items():
-        (tmp_path / name).write_text(text)
-    run_study(tmp_path, QUICK)
-    assert {name: (tmp_path / name).read_text() for name in mine} == mine
-    found = {name: data for name, data in content(tmp_path).items() if name not in mine}
-    assert found == content(folder)
 
 
 WRITING = {
@@ -345,12 +336,13 @@ def test_images_arrive_as_jpeg_and_a_model_is_judged(folder, tmp_path):
     }
     with AnsweringServer(ScriptedLLM(answers)) as server:
         config = QUICK.model_copy(update={"vlms": ("served",)})
-        study = run_study(tmp_path / "out", config, models={"served": server.client()})
+        out = shutil.copytree(folder, tmp_path / "out")
+        study = run_study(out, config, models={"served": server.client()})
     pictures = [image for request in server.received for image in request.images]
     assert pictures
     for data in pictures[:6]:
         decoded = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
-        assert decoded.shape == (480, 640, 3)
+        assert decoded.shape == (QUICK.height, QUICK.width, 3)
     judged = [verdict for verdict in study.verdicts if verdict.model == "served"]
     labels = {episode.id: episode.label("stop") for episode in asked_about(study)}
     scores = {"safe": True, "marginal": None}
@@ -361,7 +353,7 @@ def test_images_arrive_as_jpeg_and_a_model_is_judged(folder, tmp_path):
 def test_a_small_baseline_of_ones_own_is_enough(tmp_path):
     texts = tmp_path / "own.txt"
     texts.write_text("A car waits at a red light.\nA bus stops at its stop.\nEgo follows a van.\n")
-    config = QUICK.model_copy(update={"baseline": str(texts), "max_paths": 1})
+    config = SMALL.model_copy(update={"baseline": str(texts)})
     study = run_study(tmp_path / "out", config)
     assert study.metrics["baseline"]["N"] == 3
     assert study.metrics["baseline_batch"]["size"] == 1

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -14,12 +15,14 @@ from oodscen._pipeline import run_study
 from oodscen._pipeline.sweep import Job, Outputs, sweep
 from oodscen.data._episode import MOMENTS
 from oodscen.errors import MissingExtra, StudyError, UsageError
+from oodscen.protocols import Camera
 from oodscen.stages._annotations import FrameAnnotations
 from oodscen.study._store import Store
 from oodscen.testing._scenes import example_scene
-from tests.pipeline.quick import QUICK
+from tests.pipeline.quick import SMALL
 
-JOB = Job(simulator="flat")
+CAMERA = Camera(width=160, height=120)
+JOB = Job("flat", camera=CAMERA)
 
 
 def scenes(count):
@@ -41,7 +44,7 @@ def test_every_scene_comes_back_with_decodable_frames(here):
         assert result.episode.status == "ok"
         assert tuple(result.frames) == MOMENTS
         picture = cv2.imdecode(np.frombuffer(result.frames["last"], np.uint8), cv2.IMREAD_COLOR)
-        assert picture.shape == (480, 640, 3)
+        assert picture.shape == (CAMERA.height, CAMERA.width, 3)
         assert result.episode.frames["last"] == f"frames/{name}/last.jpg"
 
 
@@ -53,7 +56,7 @@ def test_processes_and_executors_change_no_byte(here):
 
 def test_a_picture_to_the_rear_is_taken_at_the_decision_and_nothing_else(here):
     (scene,) = scenes(1)
-    (result,) = sweep(Job("flat", is_rear=True), [scene])
+    (result,) = sweep(replace(JOB, is_rear=True), [scene])
     assert result.episode.frames == {"last": f"frames/{scene.id}/rear.jpg"}
     assert result.episode.trace_sha256 == here[scene.id].episode.trace_sha256
     assert result.episode.actions == {}
@@ -61,7 +64,7 @@ def test_a_picture_to_the_rear_is_taken_at_the_decision_and_nothing_else(here):
 
 
 def test_what_else_is_asked_for_comes_as_files(here, tmp_path):
-    job = Job("flat", outputs=Outputs(traces=True, annotations=True, video="bird"))
+    job = replace(JOB, outputs=Outputs(traces=True, annotations=True, video="bird"))
     (result,) = sweep(job, scenes(1))
     store = Store(tmp_path)
     store.prepare()
@@ -105,7 +108,7 @@ def test_a_dead_process_costs_only_the_scene_that_killed_it(tmp_path, monkeypatc
     )
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
     monkeypatch.syspath_prepend(str(tmp_path))
-    job = Job(simulator="deadly_simulator:Deadly")
+    job = replace(JOB, simulator="deadly_simulator:Deadly")
     results = by_id(sweep(job, scenes(3), workers=2))
     assert results["s-001"].episode.status == "failed"
     assert "process died" in results["s-001"].episode.error
@@ -127,7 +130,7 @@ def test_one_worker_survives_a_scene_that_kills_it(tmp_path, monkeypatch, here):
     )
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
     monkeypatch.syspath_prepend(str(tmp_path))
-    results = by_id(sweep(Job(simulator="killed_simulator:Killed"), scenes(2), workers=1))
+    results = by_id(sweep(replace(JOB, simulator="killed_simulator:Killed"), scenes(2), workers=1))
     assert results["s-000"].episode.error_type == "SimulatorCrash"
     assert results["s-001"].episode == here["s-001"].episode
 
@@ -148,7 +151,7 @@ def test_a_broken_simulator_is_replaced_and_the_rest_goes_on(tmp_path, monkeypat
         "        super().close()\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
-    results = by_id(sweep(Job(simulator="breaking_simulator:Breaking"), scenes(4)))
+    results = by_id(sweep(replace(JOB, simulator="breaking_simulator:Breaking"), scenes(4)))
     failed = results["s-001"].episode
     assert (failed.status, failed.error_type) == ("failed", "SimulatorCrash")
     assert "physics server" in failed.error
@@ -173,13 +176,20 @@ UNGUARDED = """
 from oodscen._pipeline.sweep import Job, sweep
 from oodscen.testing import example_scene
 
-for result in sweep(Job("flat"), [example_scene()], workers=2):
+for result in sweep(Job("flat", is_rear=True), [example_scene()], workers=2):
     print(result.episode.status)
 """
 
 
 def ran(*order, **more):
-    return subprocess.run([sys.executable, *order], capture_output=True, text=True, **more)
+    """Run a script in which no kernel is worth loading what compiles it."""
+    return subprocess.run(
+        [sys.executable, *order],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        **more,
+    )
 
 
 def test_scripts_need_no_main_guard(tmp_path):
@@ -230,7 +240,7 @@ def test_scenes_whose_process_died_are_run_again_by_the_same_command(tmp_path, m
         "        return super().step(control)\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
-    config = QUICK.model_copy(update={"simulator": "fragile_simulator:Fragile", "max_paths": 1})
+    config = SMALL.model_copy(update={"simulator": "fragile_simulator:Fragile"})
     (tmp_path / "bad").touch()
     study = run_study(tmp_path / "out", config, workers=1)
     assert study.info["status"] == "incomplete"

@@ -87,7 +87,7 @@ class MeshBuilder:
     def polygon(self, points: Sequence[Sequence[float]] | Array, colour: str) -> Self:
         """Add a flat convex polygon, counter-clockwise seen from the side that shows."""
         corners = np.asarray(points, dtype=np.float64)
-        return self._add(corners, np.tile(swatch_uv(colour), (len(corners), 1)))
+        return self._add(corners, np.full((len(corners), 2), swatch_uv(colour)))
 
     def picture(self, points: Sequence[Sequence[float]] | Array, region: str) -> Self:
         """Add a quad that shows a region of the atlas.
@@ -121,7 +121,7 @@ class MeshBuilder:
             normal = flat_normal(corners.tolist())
             if normal is None:
                 return self
-            normals = np.tile(np.array(normal), (len(corners), 1))
+            normals = np.full((len(corners), 3), normal)
         rows = _fan(len(corners))
         self._points.append(corners[rows])
         self._normals.append(normals[rows])
@@ -199,7 +199,7 @@ class MeshBuilder:
         self, ring_a: Array, ring_b: Array, colour: str, cap_colour: str, *, smooth: bool
     ) -> Self:
         sides = len(ring_a)
-        uvs = np.tile(swatch_uv(colour), (4, 1))
+        uvs = np.full((4, 2), swatch_uv(colour))
         outward_a = unit_rows(ring_a - ring_a.mean(axis=0), ring_b - ring_b.mean(axis=0))
         for i in range(sides):
             j = (i + 1) % sides

@@ -38,19 +38,28 @@ def ring(
     """Return points around the axis from `start` to `end`, counter-clockwise seen from `end`."""
     axis = np.array(end) - np.array(start)
     axis = axis / math.sqrt(float((axis * axis).sum()))
-    helper = np.array([0.0, 0.0, 1.0]) if abs(axis[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
-    first = np.cross(helper, axis)
-    first = first / math.sqrt(float((first * first).sum()))
-    second = np.cross(axis, first)
+    helper = (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 else (1.0, 0.0, 0.0)
+    along = axis.tolist()
+    across = np.array(_cross(helper, along))
+    first = (across / math.sqrt(float((across * across).sum()))).tolist()
+    second = _cross(along, first)
     if sides == 4:
         radii = [radius * math.sqrt(2.0) for radius in radii]
         phase += math.pi / 4
-    turns = [2 * math.pi * i / sides + phase for i in range(sides)]
-    return np.array(
-        [
-            np.array(at) + radius * (cos(turn) * first + sin(turn) * second)
-            for radius, turn in zip(radii, turns, strict=True)
-        ]
+    points = []
+    for i, radius in zip(range(sides), radii, strict=True):
+        turn = 2 * math.pi * i / sides + phase
+        c, s = cos(turn), sin(turn)
+        points.append([at[k] + radius * (c * first[k] + s * second[k]) for k in range(3)])
+    return np.array(points)
+
+
+def _cross(one: Sequence[float], two: Sequence[float]) -> Point:
+    """Return the vector product."""
+    return (
+        one[1] * two[2] - one[2] * two[1],
+        one[2] * two[0] - one[0] * two[2],
+        one[0] * two[1] - one[1] * two[0],
     )
 
 

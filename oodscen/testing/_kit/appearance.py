@@ -13,6 +13,7 @@ from oodscen.protocols import Frame
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.pictures import share_inside
 from oodscen.testing._kit.probe import Probe, clear_day
+from oodscen.testing._kit.shapes import colour_count
 from oodscen.testing._truth import FOGGY_M, RANGE_TOLERANCE, measured_visual_range
 
 LEAST_SHARE = 0.02
@@ -86,7 +87,7 @@ def check_weather(probe: Probe) -> None:
         except OodscenError as error:
             probe.findings.add(what, str(error))
             continue
-        if len(np.unique(frame.rgb.reshape(-1, 3), axis=0)) < 4:
+        if colour_count(frame.rgb) < 4:
             probe.findings.add(what, "the frame is blank")
         change = np.abs(frame.rgb.astype(np.int16) - clear.rgb.astype(np.int16)).mean()
         if weather.friction == 1.0 and change < 1.0:

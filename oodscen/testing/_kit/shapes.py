@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from oodscen.data._scene import Scene
 from oodscen.protocols import Camera, Frame, State
@@ -72,7 +73,7 @@ def _frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
             yield f"{name} is {array.dtype} {array.shape}, not {np.dtype(kind)} {shape}"
     if not is_formed:
         return
-    colours = len(np.unique(frame.rgb.reshape(-1, 3), axis=0))
+    colours = colour_count(frame.rgb)
     if colours < 4:
         yield f"the picture is blank ({colours} colours)"
     if not ((frame.ids >= 0).all() and (frame.ids <= bodies).all()):
@@ -87,3 +88,9 @@ def _frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
         counts = np.bincount(frame.ids.ravel(), minlength=bodies + 1)[1 : bodies + 1]
         if frame.unhidden.shape != (bodies,) or not (frame.unhidden >= counts).all():
             yield "unhidden must count at least the visible pixels of each body"
+
+
+def colour_count(rgb: NDArray[np.uint8]) -> int:
+    """Return the number of different colours in a picture."""
+    red, green, blue = (rgb[..., channel].astype(np.int64) for channel in range(3))
+    return len(np.unique(red << 16 | green << 8 | blue))

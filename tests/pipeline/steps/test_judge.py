@@ -115,7 +115,8 @@ def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
     assert len(rows) == len(asked_about(study))
     assert asked == 3 * len(rows)
     for data in pictures[:6]:
-        assert cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR).shape == (480, 640, 3)
+        decoded = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+        assert decoded.shape == (CONFIG.height, CONFIG.width, 3)
     episodes = {episode.id: episode for episode in study.episodes}
     for name, row in rows.items():
         assert row.action_is_safe is {"safe": True, "marginal": None}.get(
@@ -158,7 +159,7 @@ def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path
     ]
     Study(out).store.write_lines("episodes.jsonl", episodes)
     for picture in (out / "frames" / cut).iterdir():
-        picture.write_bytes(picture.read_bytes()[:2_000])
+        picture.write_bytes(picture.read_bytes()[: picture.stat().st_size // 2])
     study = run_study(out, config, models={"mine": model})
     rows = of(study, "mine")
     assert rows[cut].outcome == "error"
