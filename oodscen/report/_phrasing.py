@@ -3,7 +3,16 @@
 from collections.abc import Mapping
 
 from oodscen.data._episode import ActionOutcome
-from oodscen.data._scene import Actor, Behaviour, Placement, Trigger, Weather
+from oodscen.data._scene import (
+    CLEAR_AIR_M,
+    DUSK_DEG,
+    FOG_M,
+    Actor,
+    Behaviour,
+    Placement,
+    Trigger,
+    Weather,
+)
 
 BEHAVIOURS = {
     "stand": "stands still",
@@ -82,16 +91,16 @@ def duration(seconds: float) -> str:
 def weather(value: Weather) -> str:
     """Describe weather and light in one phrase."""
     parts = [_light(value.sun_elevation_deg)]
-    if value.fog_visual_range_m < 10_000:
+    if value.fog_visual_range_m < CLEAR_AIR_M:
         sight = amount(value.fog_visual_range_m)
         kind = "thick fog" if value.fog_visual_range_m < 150 else "fog"
-        kind = kind if value.fog_visual_range_m < 1000 else "haze"
+        kind = kind if value.fog_visual_range_m < FOG_M else "haze"
         parts.append(f"{kind}, sight {sight} m")
     if value.precipitation != "none":
         rate = value.precipitation_mm_h
         degree = "light" if rate < 2.5 else "moderate" if rate < 10 else "heavy"
         parts.append(f"{degree} {value.precipitation}, {amount(rate)} mm/h")
-    elif value.fog_visual_range_m >= 10_000 and value.sun_elevation_deg > -6:
+    elif value.fog_visual_range_m >= CLEAR_AIR_M and value.sun_elevation_deg > DUSK_DEG:
         parts.append("overcast" if value.cloud_cover > 0.7 else "dry")
     if value.friction < 0.95:
         degree = "icy" if value.friction <= 0.2 else "slippery" if value.friction <= 0.5 else "wet"
@@ -201,7 +210,7 @@ def measures(value: ActionOutcome) -> str:
 
 
 def _light(sun_elevation_deg: float) -> str:
-    if sun_elevation_deg <= -6:
+    if sun_elevation_deg <= DUSK_DEG:
         return "night"
     if sun_elevation_deg < 3:
         return "twilight"

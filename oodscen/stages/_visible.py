@@ -3,14 +3,15 @@
 import math
 
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Actor, Hazard, Visible, Weather
+from oodscen.data._scene import DARK_DEG, FOG_M, Actor, Hazard, Visible, Weather
 
 _INSIDE_M = 1.4
 """Offset from a lane's centre up to which a thing is in that lane, m."""
 _SLOW = 0.6
 """Share of the ego's speed below which others are slow."""
 _ALONG_DEG, _TOWARDS_DEG = 45.0, 135.0
-_FOG_M, _DARK_DEG, _LOW_DEG = 1_000.0, -3.0, 12.0
+_LOW_DEG = 12.0
+"""Sun elevation below which the sun stands low, degrees."""
 _SLIPPERY = 0.5
 
 _DOING = {
@@ -140,11 +141,11 @@ def _doing(actor: Actor, asset: Asset, ego_speed: float) -> str:
 def _sky(weather: Weather, ordinary: Weather) -> list[str]:
     """Return what can be seen of unusual weather."""
     found = []
-    if weather.fog_visual_range_m < min(_FOG_M, ordinary.fog_visual_range_m):
+    if weather.fog_visual_range_m < min(FOG_M, ordinary.fog_visual_range_m):
         found.append("fog")
     if weather.precipitation_mm_h > ordinary.precipitation_mm_h:
         found.append(f"heavy {weather.precipitation}")
-    if weather.sun_elevation_deg < _DARK_DEG < ordinary.sun_elevation_deg:
+    if weather.sun_elevation_deg < DARK_DEG < ordinary.sun_elevation_deg:
         found.append("darkness")
     elif weather.sun_elevation_deg < _LOW_DEG < ordinary.sun_elevation_deg:
         found.append("low sun")

@@ -11,7 +11,7 @@ from oodscen._display import Brief, brief
 from oodscen._numbers import finite_number, seed_number
 from oodscen._seeding import stream
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Actor, Scene, Trigger
+from oodscen.data._scene import DARK_DEG, Actor, Scene, Trigger
 from oodscen.driving._motion import actions
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.behaviour_kernels import Code, stand_in_world, stand_on_road
@@ -37,8 +37,6 @@ from oodscen.protocols import Control, Observation, State
 
 HEADLAMPS_M = 75.0
 """Distance at which dipped headlamps reveal bodies without lamps, m."""
-NIGHT_DEG = -3.0
-"""Sun elevation below which it is dark, degrees."""
 _LIT = frozenset({"vehicle", "cyclist", "work_zone", "signal"})
 """Categories with lamps or reflectors."""
 _BY_CHANCE = frozenset({"swerve", "wobble", "wander", "blown"})
@@ -145,7 +143,7 @@ class KinematicWorld(Brief):
         self._traits = np.zeros((count, col.TRAITS_WIDTH))
         self._codes = np.zeros((count, col.CODES_WIDTH), dtype=np.int64)
         order = self._order(scene)
-        is_dark = scene.weather.sun_elevation_deg < NIGHT_DEG
+        is_dark = scene.weather.sun_elevation_deg < DARK_DEG
         self._situation = Situation(
             track=for_kernels(corridor.track),
             state=seen(self._state),
