@@ -13,27 +13,7 @@ from oodscen.data._scene import (
     Trigger,
     Weather,
 )
-
-BEHAVIOURS = {
-    "stand": "stands still",
-    "follow_lane": "keeps its lane",
-    "wrong_way": "drives against its lane’s direction",
-    "cut_in": "changes lane",
-    "hard_brake": "brakes hard to a stop",
-    "stall": "coasts to a stop",
-    "stop_and_go": "stops and goes",
-    "reverse": "drives backwards",
-    "swerve": "swerves",
-    "pull_out": "pulls out from the roadside",
-    "u_turn": "turns across the road",
-    "cross_road": "crosses the road",
-    "hesitate": "steps out, stops and goes back",
-    "walk_along": "moves along its heading",
-    "bolt": "bolts along its heading",
-    "wobble": "weaves in its lane",
-    "drift": "drifts out of its lane",
-}
-"""Phrase for an actor's behaviour, by behaviour id; other behaviours are shown by their id."""
+from oodscen.driving._motion.behaviours import BUILT_IN
 
 _STATES = {
     "brake": "brake lights",
@@ -135,7 +115,8 @@ def place(value: Placement) -> str:
 
 def behaviour(value: Behaviour) -> str:
     """Describe an actor's behaviour, with its parameters and its start."""
-    text = BEHAVIOURS.get(value.name, plain(value.name))
+    row = BUILT_IN.get(value.name)
+    text = (row.phrase if row else "") or plain(value.name)
     given = [
         f"{plain(name)} {amount(number)} {_UNITS.get(name, '')}".strip()
         for name, number in sorted(value.parameters.items())

@@ -14,8 +14,8 @@ from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import DARK_DEG, Actor, Scene, Trigger
 from oodscen.driving._motion import actions
 from oodscen.driving._motion import columns as col
-from oodscen.driving._motion.behaviour_kernels import Code, stand_in_world, stand_on_road
-from oodscen.driving._motion.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER, QUICKNESS
+from oodscen.driving._motion.behaviour_kernels import IN_WORLD, Code, stand_in_world, stand_on_road
+from oodscen.driving._motion.behaviours import ATTACHED, BUILT_IN, QUICKNESS
 from oodscen.driving._motion.bodies import WHEELBASE, Situation
 from oodscen.driving._motion.car_following import curve_speed, free_road, grip
 from oodscen.driving._motion.rollouts import Variation, is_passed
@@ -39,8 +39,6 @@ HEADLAMPS_M = 75.0
 """Distance at which dipped headlamps reveal bodies without lamps, m."""
 _LIT = frozenset({"vehicle", "cyclist", "work_zone", "signal"})
 """Categories with lamps or reflectors."""
-_BY_CHANCE = frozenset({"swerve", "wobble", "wander", "blown"})
-"""Behaviours with a phase drawn from the seed."""
 
 
 class WorldSnapshot(NamedTuple):
@@ -395,12 +393,12 @@ class KinematicWorld(Brief):
         s = quantised(road.start + place.ahead_m)
         t = quantised(road.centre(lane, s) + place.offset_m)
         asset, trigger = self._bodies[row][1], actor.behaviour.trigger
-        phase = 0.0
-        if name in _BY_CHANCE:
+        behaviour = BUILT_IN[name]
+        code, phase = behaviour.code, 0.0
+        if behaviour.has_chance:
             phase = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
-        code = BEHAVE[name]
         owner = actor.behaviour.other
-        if code in (Code.FALL, Code.TOWED, Code.OPEN_DOOR) and owner is None:
+        if code in ATTACHED and owner is None:
             raise ValueError(f"{actor.id!r} needs another actor to do {name!r}")
         self._codes[row] = [
             code,
@@ -419,18 +417,18 @@ class KinematicWorld(Brief):
         traits[col.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
         traits[col.HOME_S], traits[col.HOME_T] = s, t
         traits[col.FIRST :] = [parameters.get(name, 0.0) for name in col.PARAMETERS]
-        speed = parameters.get("speed", 0.0) if name in MOVES_BEFORE_TRIGGER else 0.0
+        speed = parameters.get("speed", 0.0) if behaviour.moves_before_trigger else 0.0
         state[col.S], state[col.T], state[col.HEADING] = s, t, heading
         state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
         stand_on_road(self._situation, row)
-        if speed > 0.0 and code < Code.RUN_RED:
+        if speed > 0.0 and code not in IN_WORLD:
             fastest = float(curve_speed(self._situation, row, grip(self._situation)))
             state[col.SPEED] = quantised(min(speed, fastest))
 
     def _attach(self, row: int) -> None:
         """Store an actor's pose relative to the body that it belongs to."""
         code, other = self._codes[row, col.BEHAVIOUR], int(self._codes[row, col.OTHER])
-        if code not in (Code.FALL, Code.TOWED, Code.OPEN_DOOR):
+        if code not in ATTACHED:
             return
         mine, its = self._state[row].tolist(), self._state[other].tolist()
         sine, cosine = sincos(its[col.YAW])
