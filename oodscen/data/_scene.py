@@ -33,7 +33,7 @@ LONGEST_HORIZON_S = 60.0
 
 
 Precipitation = Literal["none", "rain", "snow"]
-"""What falls from the sky."""
+"""Forms of precipitation."""
 PRECIPITATIONS: tuple[Precipitation, ...] = get_args(Precipitation)
 WeatherKind = Literal["night", "fog", "rain", "snow", "ice"]
 """Kinds of weather and light that a scene can ask for by its numbers."""

@@ -12,7 +12,7 @@ from oodscen.data._category import Category
 from oodscen.driving._motion.behaviour_kernels import Code
 
 Effect = Literal["", "brakes", "joins", "crosses"]
-"""What a road user does to those behind it: it slows down, comes into a lane, or crosses the road."""
+"""Effects on those behind: an actor slows down, comes into their lane, or crosses the road."""
 
 
 @dataclass(frozen=True)
