@@ -77,9 +77,9 @@ WALKING = tuple(
         ),
     )
 )
-"""Codes of what moves along its own heading."""
+"""Codes of actors that move along their own heading."""
 IN_WORLD = tuple(map(int, (Code.RUN_RED, Code.ROLL_AWAY, Code.FALL, Code.TOWED, Code.OPEN_DOOR)))
-"""Codes of what moves in world coordinates; all else moves along the road."""
+"""Codes of actors that move in world coordinates; all others move along the road."""
 _SLIDING = 0.5
 """Share of the road's grip for a sliding body."""
 _PASSED_M = 15.0

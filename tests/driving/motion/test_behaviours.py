@@ -5,12 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen.author._staging import actors, drafting, lanes
 from oodscen.data._scene import Actor, Trigger, Weather
 from oodscen.driving import KinematicWorld
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.behaviour_kernels import Code
 from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN, MOVES_BEFORE_TRIGGER
+from oodscen.interchange._writing import scenario_runner
 from oodscen.protocols import Control
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
@@ -34,6 +36,13 @@ def test_every_behaviour_is_described_and_done() -> None:
     assert [row.code.name.lower() for row in BUILT_IN.values()] == [kind.id for kind in BEHAVIOURS]
     assert {row.code for row in BUILT_IN.values()} == set(Code)
     assert all(row.doing for row in BUILT_IN.values())
+
+
+@pytest.mark.parametrize(
+    "listed", [actors._WALKS, actors._COURSES, drafting._STILL, lanes._CROSSES, scenario_runner._WALKING]
+)
+def test_side_lists_name_built_in_behaviours_only(listed) -> None:
+    assert set(listed) <= set(BUILT_IN)
 
 
 @pytest.mark.parametrize("code", [-1, max(Code) + 1])
