@@ -39,7 +39,8 @@ def test_every_behaviour_is_described_and_done() -> None:
 
 
 @pytest.mark.parametrize(
-    "listed", [actors._WALKS, actors._COURSES, drafting._STILL, lanes._CROSSES, scenario_runner._WALKING]
+    "listed",
+    [actors._WALKS, actors._COURSES, drafting._STILL, lanes._CROSSES, scenario_runner._WALKING],
 )
 def test_side_lists_name_built_in_behaviours_only(listed) -> None:
     assert set(listed) <= set(BUILT_IN)
