@@ -46,6 +46,12 @@ def check_name(name: str | Path) -> None:
         raise UsageError(f"{str(name)[:80]!r} cannot be the name of a file")
 
 
+def file_sha256(path: str | Path) -> bytes:
+    """Return the SHA-256 of a file's bytes, read in pieces."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").digest()
+
+
 def read_regular(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> bytes:
     """Return the bytes of a regular file.
 

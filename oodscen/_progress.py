@@ -51,9 +51,11 @@ def reporting(progress: Progress | bool | None, note: object = "") -> Iterator[P
             bar.close()
 
 
-def counted(items: Iterable[Item], stage: str, total: int, told: Progress) -> Iterator[Item]:
+def counted(
+    items: Iterable[Item], stage: str, total: int, report_progress: Progress
+) -> Iterator[Item]:
     """Yield items, and report each as done when the next one is asked for."""
-    told(stage, 0, total)
+    report_progress(stage, 0, total)
     for done, item in enumerate(items, start=1):
         yield item
-        told(stage, done, total)
+        report_progress(stage, done, total)

@@ -61,7 +61,7 @@ def test_a_recording_and_a_picture_are_regular_files(tmp_path, kind):
 
 
 def test_a_line_without_an_end_is_no_exchange(tmp_path, monkeypatch):
-    monkeypatch.setattr("oodscen.llm._replay._LONGEST", 1_000)
+    monkeypatch.setattr("oodscen.llm._recording._LONGEST", 1_000)
     (tmp_path / "x").write_bytes(b'{"answer":' + b" " * 2_000)
     with pytest.raises(DataError, match="line 1"):
         RecordingLLM(ScriptedLLM([]), tmp_path / "x")

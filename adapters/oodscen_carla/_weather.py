@@ -1,8 +1,9 @@
 """Weather in CARLA's parameters and back."""
 
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from oodscen.data import Weather
+from oodscen.data._scene import Precipitation
 
 CLEAR_M = 10_000.0
 """Visual range from which the air counts as clear, m."""
@@ -57,7 +58,7 @@ def from_carla(given: WeatherParameters) -> Weather:
     back unchanged from the 32-bit floats of the wire.
     """
     fall = max(0.0, min(100.0, given.precipitation)) * _HEAVY_MM_H / 100.0
-    kind: Literal["none", "rain", "snow"] = "none"
+    kind: Precipitation = "none"
     if round(fall, 3) > 0.0:
         kind = "snow" if given.fog_falloff >= _SNOW_FALLOFF else "rain"
     is_default = abs(given.fog_density - 2.0) < 1e-6 and abs(given.fog_distance - 0.75) < 1e-6

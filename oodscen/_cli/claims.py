@@ -52,7 +52,7 @@ def check_claims(
     there are any, or if a scene contradicts its text.
     """
     from oodscen import Scenario, Scene, make_llm, make_simulator
-    from oodscen.claims._faithfulness import check_text
+    from oodscen.claims._faithfulness import compare_text
     from oodscen.driving import check_scene
     from oodscen.llm._accounting import Ledger
 
@@ -80,7 +80,7 @@ def check_claims(
             rows.append(Unjudged(id=scene.id, faults=tuple(faults)))
             continue
         try:
-            rows.append(check_text(model, text, scene, catalogue, encoder=measure))
+            rows.append(compare_text(model, text, scene, catalogue, encoder=measure))
         except (AnswerError, LLMError) as error:
             rows.append(Unjudged(id=scene.id, faults=(str(error),)))
     judged = [row for row in rows if isinstance(row, Faithfulness)]

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 _WIDEST = 80
 """Maximum width of a picture, in columns of the terminal."""
-_CLEAR_M = 10_000.0
 
 
 @click.command()
@@ -174,8 +173,10 @@ def _words(
 
 
 def _weather(weather: "Weather") -> str:
+    from oodscen.data._scene import CLEAR_AIR_M
+
     parts = [f"sun at {weather.sun_elevation_deg:g} degrees"]
-    if weather.fog_visual_range_m < _CLEAR_M:
+    if weather.fog_visual_range_m < CLEAR_AIR_M:
         parts.append(f"fog, {weather.fog_visual_range_m:g} m of sight")
     if weather.precipitation != "none":
         parts.append(f"{weather.precipitation}, {weather.precipitation_mm_h:g} mm/h")

@@ -6,7 +6,8 @@ from oodscen.judging._references import is_reference
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.llm._capped import CappedLLM
 from oodscen.llm._fallback import FallbackLLM
-from oodscen.llm._replay import Recorder, RecordingLLM, ReplayLLM
+from oodscen.llm._recording import Recorder
+from oodscen.llm._replay import RecordingLLM, ReplayLLM
 from oodscen.protocols import LLM
 from oodscen.study._config import StudyConfig
 from oodscen.study._store import Store

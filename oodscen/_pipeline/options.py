@@ -14,7 +14,7 @@ from oodscen.protocols import LLM
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """The means of a run: they may differ between a run and its continuation."""
+    """Options that may differ between a run and its continuation."""
 
     workers: int = 0
     """Simulation processes; 0 simulates in this process."""

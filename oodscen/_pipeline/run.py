@@ -53,15 +53,16 @@ def run_study(
     """
     config = config or StudyConfig()
     check_workers(config.simulator, workers, executor)
-    given = {
-        "models": models,
-        "outputs": outputs,
-        "limits": limits,
-        "ledger": ledger or Ledger(),
-    }
-    options: dict[str, Any] = {name: one for name, one in given.items() if one is not None}
-    with reporting(progress, options["ledger"]) as told:
-        means = RunOptions(
-            workers=workers, executor=executor, retry=retry, progress=told, **options
+    ledger = ledger or Ledger()
+    optional = {"models": models, "outputs": outputs, "limits": limits}
+    chosen: dict[str, Any] = {name: one for name, one in optional.items() if one is not None}
+    with reporting(progress, ledger) as report_progress:
+        options = RunOptions(
+            workers=workers,
+            executor=executor,
+            progress=report_progress,
+            ledger=ledger,
+            retry=retry,
+            **chosen,
         )
-        return Pipeline(out, config, means).run()
+        return Pipeline(out, config, options).run()

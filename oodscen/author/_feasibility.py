@@ -8,9 +8,9 @@ from oodscen.author._reading.label_reading import Alternative, LabelReading, Req
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._staging.anchors import has_landmarks, landmarks_needed
 from oodscen.data._additions import Addition, map_with
+from oodscen.data._scene import is_weather_kind
 from oodscen.prompts._digest import CatalogueDigest, WeatherLimits
 from oodscen.prompts._tree.judge_branch import (
-    WEATHER_SCALES,
     BranchJudgement,
     BranchJudgements,
     JudgeBranch,
@@ -242,7 +242,7 @@ def realise(hazard: HazardKind, catalogue: CatalogueDigest, knowledge: Knowledge
     for name in hazard.needs.weather:
         if not limits.offers(name):
             found.lack(Addition(kind="weather", name=name))
-        elif name in WEATHER_SCALES:
+        elif is_weather_kind(name):
             found.weather.append(name)
     _find_map(hazard, found, catalogue)
     if recipe is None:

@@ -1,12 +1,11 @@
 """A set of texts of ordinary driving."""
 
-import hashlib
 from typing import ClassVar
 
 from pydantic import Field, field_validator
 
 from oodscen.baselines._texts import check_texts
-from oodscen.data._base import Data, IssuesError, canonical_json
+from oodscen.data._base import Data, IssuesError, digest
 from oodscen.errors import DataError
 
 
@@ -36,4 +35,4 @@ class Baseline(Data):
 
     def digest(self) -> str:
         """Return the SHA-256 of the texts in their order; the name does not enter."""
-        return hashlib.sha256(canonical_json(self.texts).encode()).hexdigest()
+        return digest(self.texts)

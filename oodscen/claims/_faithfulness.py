@@ -61,7 +61,7 @@ def extract_claims(llm: LLM, text: str, *, attempts: int = ATTEMPTS) -> tuple[Cl
     return tuple(ask(llm, ExtractClaims(text=text), attempts=attempts).claims)
 
 
-def check_text(
+def compare_text(
     llm: LLM,
     text: str,
     scene: Scene,

@@ -6,13 +6,11 @@ from collections.abc import Callable, Mapping
 from oodscen.claims._roads import is_so_or_has
 from oodscen.data._catalogue import RoadMap
 from oodscen.data._claim import Claim
-from oodscen.data._scene import Scene, Weather
+from oodscen.data._scene import DARK_DEG, FOG_M, Scene, Weather
 from oodscen.driving._trace import Trace
 
-NIGHT_DEG = -3.0
-"""Sun elevation below which it is dark, degrees."""
-FOG_M, THICK_FOG_M, MIST_M = 1000.0, 200.0, 5000.0
-"""Largest visual ranges of fog, thick fog and mist, m (WMO: fog is below 1 km)."""
+THICK_FOG_M, MIST_M = 200.0, 5000.0
+"""Largest visual ranges of thick fog and mist, m."""
 LIGHT_RAIN, HEAVY_RAIN = 2.5, 7.6
 """Upper limit of light rain and lower limit of heavy rain, mm/h (American Meteorological Society)."""
 LIGHT_SNOW, HEAVY_SNOW = 2.0, 4.0
@@ -108,7 +106,7 @@ _WEATHER: Mapping[str, Callable[[Weather], bool]] = {
 }
 _TIME: Mapping[str, Callable[[Weather], bool]] = {
     "day": lambda w: w.sun_elevation_deg > 0.0,
-    "night": lambda w: w.sun_elevation_deg < NIGHT_DEG,
+    "night": lambda w: w.sun_elevation_deg < DARK_DEG,
     "twilight": lambda w: -9.0 <= w.sun_elevation_deg <= 6.0,
     "low_sun": lambda w: 0.0 < w.sun_elevation_deg <= 15.0,
 }

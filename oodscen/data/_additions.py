@@ -2,28 +2,25 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal, get_args
+from typing import Any, Literal, assert_never, get_args
 
 from pydantic import Field, model_validator
 
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap, WeatherRange
 from oodscen.data._category import Category
+from oodscen.data._scene import WeatherKind, is_weather_kind
 
 AdditionKind = Literal["asset", "state", "behaviour", "weather", "map", "other"]
 """`other` is something no catalogue can provide, e.g. an author that knows how to stage a hazard."""
 
-WEATHER = {
-    "night": "night",
-    "fog": "fog",
-    "rain": "rain",
-    "snow": "snow",
+_WEATHER_WORDS = {
     "ice": "a road as slippery as ice",
     "low_sun": "a low sun that dazzles",
     "glare": "glare in the camera",
 }
 """Readable words for the weather names that need them."""
-FOG_M = 60.0
+DENSE_FOG_M = 60.0
 """Visual range up to which fog counts as dense, m."""
 ICE = 0.25
 """Friction up to which a road counts as icy."""
@@ -57,7 +54,7 @@ class Addition(Data):
         if self.kind == "map":
             return f"a map with: {', '.join(trait.replace('_', ' ') for trait in self.traits)}"
         if self.kind == "weather":
-            return f"weather: {WEATHER.get(self.name, name)}"
+            return f"weather: {_WEATHER_WORDS.get(self.name, name)}"
         if self.kind == "other":
             return name
         article = "an" if self.kind == "asset" else "a"
@@ -160,16 +157,27 @@ def _asset(addition: Addition) -> Asset:
 
 
 def _with_weather(weather: WeatherRange, name: str) -> WeatherRange:
-    if name in ("rain", "snow"):
-        kinds = (*weather.precipitation, *({name} - set(weather.precipitation)))
-        most = max(weather.max_precipitation_mm_h, 30.0)
-        return weather.model_copy(update={"precipitation": kinds, "max_precipitation_mm_h": most})
-    changes: dict[str, dict[str, Any]] = {
-        "night": {"min_sun_elevation_deg": -90.0},
-        "fog": {"min_fog_visual_range_m": min(weather.min_fog_visual_range_m, 30.0)},
-        "ice": {"min_friction": min(weather.min_friction, 0.1)},
-    }
-    return weather.model_copy(update=changes.get(name, {"others": (*weather.others, name)}))
+    if is_weather_kind(name):
+        return weather.model_copy(update=_widened(weather, name))
+    return weather.model_copy(update={"others": (*weather.others, name)})
+
+
+def _widened(weather: WeatherRange, kind: WeatherKind) -> dict[str, Any]:
+    """Return the fields of a range that must change to hold a kind of weather."""
+    match kind:
+        case "night":
+            return {"min_sun_elevation_deg": -90.0}
+        case "fog":
+            return {"min_fog_visual_range_m": min(weather.min_fog_visual_range_m, 30.0)}
+        case "ice":
+            return {"min_friction": min(weather.min_friction, 0.1)}
+        case "rain" | "snow":
+            return {
+                "precipitation": tuple(dict.fromkeys((*weather.precipitation, kind))),
+                "max_precipitation_mm_h": max(weather.max_precipitation_mm_h, 30.0),
+            }
+        case _:
+            assert_never(kind)
 
 
 def _map(model: RoadMap, addition: Addition) -> RoadMap:

@@ -9,7 +9,7 @@ from oodscen._field_docs import with_fields
 from oodscen.data._base import Data
 from oodscen.data._category import Category
 from oodscen.data._prop import Prop, check_prop, sizes_of
-from oodscen.data._scene import Actor, Scene, Weather
+from oodscen.data._scene import CLEAR_AIR_M, Actor, Precipitation, Scene, Weather
 from oodscen.errors import Issue, close_matches
 
 if TYPE_CHECKING:
@@ -124,9 +124,9 @@ class WeatherRange(Data):
     """Lowest sun elevation; -90 with night, 0 with dusk, more for daylight only."""
     sun_is_drawn: bool = True
     """False if every sun looks alike, as in a simulator without shade: no scene can be about the sun."""
-    min_fog_visual_range_m: float = 10_000.0
+    min_fog_visual_range_m: float = CLEAR_AIR_M
     """Shortest visual range in fog, m; 10 km if the simulator has no fog."""
-    precipitation: tuple[Literal["none", "rain", "snow"], ...] = ("none",)
+    precipitation: tuple[Precipitation, ...] = ("none",)
     max_precipitation_mm_h: float = 0.0
     min_friction: float = 1.0
     """Lowest friction; 1 if the road is always dry."""

@@ -5,7 +5,7 @@ left, headings counter-clockwise (ISO 8855). Speeds are in m/s. Validation sorts
 JSON: nothing may depend on the order of keys.
 """
 
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeGuard, get_args
 
 from pydantic import (
     Field,
@@ -32,14 +32,35 @@ LONGEST_HORIZON_S = 60.0
 """Longest time for which an action is watched, s."""
 
 
+Precipitation = Literal["none", "rain", "snow"]
+"""Forms of precipitation."""
+PRECIPITATIONS: tuple[Precipitation, ...] = get_args(Precipitation)
+WeatherKind = Literal["night", "fog", "rain", "snow", "ice"]
+"""Kinds of weather and light that a scene can ask for by its numbers."""
+WEATHER_KINDS: tuple[WeatherKind, ...] = get_args(WeatherKind)
+CLEAR_AIR_M = 10_000.0
+"""Visual range from which the air is clear, m."""
+FOG_M = 1_000.0
+"""Visual range below which the air is fog, m (WMO)."""
+DARK_DEG = -3.0
+"""Sun elevation below which it is dark enough for lamps, degrees."""
+DUSK_DEG = -6.0
+"""Sun elevation at which civil twilight ends, degrees."""
+
+
+def is_weather_kind(name: str) -> TypeGuard[WeatherKind]:
+    """Return whether a word names a kind of weather that a scene can ask for."""
+    return name in WEATHER_KINDS
+
+
 class Weather(Data):
     """Weather and light, in OpenSCENARIO's terms."""
 
     sun_elevation_deg: float = Field(default=45.0, ge=-90, le=90)
     """Negative at night."""
-    fog_visual_range_m: float = Field(default=10_000.0, gt=0)
+    fog_visual_range_m: float = Field(default=CLEAR_AIR_M, gt=0)
     """Distance at which contrast falls to 5 %; 10 km and more is clear air."""
-    precipitation: Literal["none", "rain", "snow"] = "none"
+    precipitation: Precipitation = "none"
     precipitation_mm_h: float = Field(default=0.0, ge=0, le=100)
     cloud_cover: float = Field(default=0.1, ge=0, le=1)
     """Share of the sky: OpenSCENARIO's oktas divided by eight."""

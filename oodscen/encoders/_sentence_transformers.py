@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
+from oodscen._files import file_sha256
 from oodscen.encoders._check import check_embeddings
 from oodscen.errors import EncoderError, MissingExtra
 
@@ -155,6 +156,5 @@ def _weights(folder: Path) -> list[Path]:
 def _digest(files: Sequence[Path]) -> str:
     total = hashlib.sha256()
     for file in files:
-        with file.open("rb") as stream:
-            total.update(hashlib.file_digest(stream, "sha256").digest())
+        total.update(file_sha256(file))
     return total.hexdigest()

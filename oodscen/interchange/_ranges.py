@@ -12,7 +12,7 @@ from oodscen.claims._checking import mismatches
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
-from oodscen.data._scene import Scene
+from oodscen.data._scene import CLEAR_AIR_M, Scene
 from oodscen.driving import check_scene
 from oodscen.errors import DataError
 
@@ -25,7 +25,6 @@ _HALVINGS = 3
 _TRIES = 20
 _MOST = 100_000
 """Draws for each variant that is asked for."""
-_CLEAR_M = 10_000.0
 _DIGITS = 3
 
 
@@ -155,10 +154,10 @@ def _parameters(scene: Scene, catalogue: Catalogue) -> list[tuple[str, Path, flo
     weather, limits = scene.weather, catalogue.weather
     if weather.friction < 1.0:
         add("friction", ("weather", "friction"), weather.friction, limits.min_friction, 1.0)
-    if weather.fog_visual_range_m < _CLEAR_M:
+    if weather.fog_visual_range_m < CLEAR_AIR_M:
         path: Path = ("weather", "fog_visual_range_m")
         least = limits.min_fog_visual_range_m
-        add("fog_visual_range", path, weather.fog_visual_range_m, least, _CLEAR_M)
+        add("fog_visual_range", path, weather.fog_visual_range_m, least, CLEAR_AIR_M)
     for index, actor in enumerate(scene.actors):
         here, own = ("actors", index), _name(actor.id)
         add(f"ahead_{own}", (*here, "placement", "ahead_m"), actor.placement.ahead_m, -150, 300)

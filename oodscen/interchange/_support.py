@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from oodscen.data._catalogue import BehaviourKind
-from oodscen.driving._motion.behaviours import BEHAVIOURS, MOVES_BEFORE_TRIGGER
+from oodscen.driving._motion.behaviours import BEHAVIOURS, MOVES_BEFORE_TRIGGER, WITHOUT_TRIGGER
 
 
 class ElementSupport(NamedTuple):
@@ -80,7 +80,7 @@ def behaviour_table() -> str:
 def _form(kind: BehaviourKind) -> str:
     if kind.id == "stand":
         return "its place"
-    if kind.id in ("follow_lane", "wrong_way", "run_red", "towed"):
+    if kind.id in WITHOUT_TRIGGER:
         return "its recorded course; a follower of the ego keeps its first distance"
     if kind.id == "overtake":
         return "its recorded course from the trigger on; not exact for another ego"

@@ -3,11 +3,11 @@
 The operational design domain follows ISO 34503 (BSI PAS 1883), whose classes the ontology has.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
-from oodscen.data._scene import Actor, Scene, Weather
+from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, FOG_M, Actor, Precipitation, Scene, Weather
 from oodscen.driving import load_corridor
 from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
@@ -15,10 +15,8 @@ from oodscen.interchange._writing.entities import classified
 
 ONTOLOGY = "https://openlabel.asam.net/V1-0-0/ontologies/openlabel_ontology_scenario_tags.ttl"
 
-_FOG_M, _CLEAR_M = 1_000.0, 10_000.0
-"""Visual range below which the air has fog, and from which it is clear, m."""
-_NIGHT_DEG, _LOW_DEG = -6.0, 10.0
-"""Sun elevations below which it is night, and below which light is low, degrees."""
+_LOW_DEG = 10.0
+"""Sun elevation below which light is low, degrees."""
 _CURVE = 1e-3
 """Curvature from which a road bends, 1/m."""
 _SLOPE = 0.02
@@ -124,9 +122,16 @@ def openlabel(scene: Scene, catalogue: Catalogue) -> dict[str, Any]:
     }
 
 
+_FALLING: Mapping[Precipitation, tuple[str, str, str]] = {
+    "rain": ("WeatherRain", "weatherRainValue", "SurfaceConditionWet"),
+    "snow": ("WeatherSnow", "weatherSnowValue", "SurfaceConditionSnow"),
+}
+"""Tags of the weather, of its amount and of the road's surface."""
+
+
 def _weather(weather: Weather) -> Iterator[tuple[str, float | None]]:
     yield "daySunElevationValue", weather.sun_elevation_deg
-    if weather.sun_elevation_deg < _NIGHT_DEG:
+    if weather.sun_elevation_deg < DUSK_DEG:
         yield "LowLightNight", None
     elif weather.sun_elevation_deg < _LOW_DEG:
         yield "LowLightAmbient", None
@@ -136,14 +141,13 @@ def _weather(weather: Weather) -> Iterator[tuple[str, float | None]]:
     yield "IlluminationCloudiness", None
     yield "illuminationCloudinessValue", round(8.0 * weather.cloud_cover)
     if weather.precipitation != "none":
-        is_rain = weather.precipitation == "rain"
-        yield "WeatherRain" if is_rain else "WeatherSnow", None
-        amount = weather.precipitation_mm_h
-        yield "weatherRainValue" if is_rain else "weatherSnowValue", amount
-        yield "SurfaceConditionWet" if is_rain else "SurfaceConditionSnow", None
-    if weather.fog_visual_range_m < _CLEAR_M:
+        weather_tag, value_tag, surface_tag = _FALLING[weather.precipitation]
+        yield weather_tag, None
+        yield value_tag, weather.precipitation_mm_h
+        yield surface_tag, None
+    if weather.fog_visual_range_m < CLEAR_AIR_M:
         yield "particulatesWaterValue", weather.fog_visual_range_m
-    if weather.fog_visual_range_m < _FOG_M:
+    if weather.fog_visual_range_m < FOG_M:
         yield "ParticulatesWater", None
 
 

@@ -1,13 +1,12 @@
 """Answers of people to the quiz, as rows beside those of models."""
 
-import hashlib
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import Field, StrictBool, StringConstraints
 
 from oodscen._display import Brief
-from oodscen.data._base import Data, canonical_json, digest
+from oodscen.data._base import Data, digest
 from oodscen.data._episode import ACTIONS, Episode
 from oodscen.errors import DataError, Issue, LLMError
 from oodscen.judging._references import Answers, Case
@@ -74,7 +73,7 @@ class PersonAnswers(Brief):
         self.name = person(name)
         self.items = dict(items)
         said = {item: answer.model_dump() for item, answer in sorted(self.items.items())}
-        self.sha256 = hashlib.sha256(canonical_json(said).encode()).hexdigest()
+        self.sha256 = digest(said)
 
     @classmethod
     def matched(

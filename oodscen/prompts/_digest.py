@@ -4,11 +4,12 @@ import re
 from collections import Counter
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Self
+from typing import Self, assert_never
 
-from oodscen.data._additions import FOG_M, ICE
+from oodscen.data._additions import DENSE_FOG_M, ICE
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
+from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, WeatherKind, is_weather_kind
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import DataError, UnknownComponent
@@ -99,7 +100,7 @@ class WeatherLimits:
         others = re.search(r"\balso ([^;]*), which no scene", line)
         return cls(
             night=re.search(r"\bno night\b", line) is None and "night" in line,
-            fog_m=number(r"fog down to ([\d.e+]+)", 10_000.0),
+            fog_m=number(r"fog down to ([\d.e+]+)", CLEAR_AIR_M),
             rain=re.search(r"\brain\b", line) is not None,
             snow=re.search(r"\bsnow\b", line) is not None,
             intensity=number(r"up to ([\d.e+]+) mm/h", 0.0),
@@ -108,15 +109,23 @@ class WeatherLimits:
         )
 
     def offers(self, need: str) -> bool:
-        """Return whether a kind of weather can be shown: `night`, `fog`, `rain`, `snow`, `ice` ..."""
-        offered = {
-            "night": self.night,
-            "fog": self.fog_m <= FOG_M,
-            "rain": self.rain,
-            "snow": self.snow,
-            "ice": self.friction <= ICE,
-        }
-        return offered.get(need, need in self.others)
+        """Return whether a kind of weather can be shown, whether or not it has a scale in a scene."""
+        return self._shows(need) if is_weather_kind(need) else need in self.others
+
+    def _shows(self, kind: WeatherKind) -> bool:
+        match kind:
+            case "night":
+                return self.night
+            case "fog":
+                return self.fog_m <= DENSE_FOG_M
+            case "rain":
+                return self.rain
+            case "snow":
+                return self.snow
+            case "ice":
+                return self.friction <= ICE
+            case _:
+                assert_never(kind)
 
 
 class CatalogueDigest(Data):
@@ -236,7 +245,7 @@ def _described_road(
 def _weather_line(catalogue: Catalogue) -> str:
     weather = catalogue.weather
     lowest = weather.min_sun_elevation_deg
-    sun = "" if lowest < -6 else f" (sun at {lowest:g} degrees or higher)"
+    sun = "" if lowest < DUSK_DEG else f" (sun at {lowest:g} degrees or higher)"
     parts = ["no night" + sun if sun else "night"]
     if not weather.sun_is_drawn:
         parts.append("every sun looks alike: neither dusk nor glare")

@@ -1,6 +1,5 @@
 """Writing a study as a data set, whole and with its card."""
 
-import hashlib
 import os
 import re
 from collections import Counter
@@ -10,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from oodscen._files import check_name, inside, read_regular
+from oodscen._files import check_name, file_sha256, inside, read_regular
 from oodscen._numbers import finite_number
 from oodscen.errors import DataError, FolderTaken, Issue, StudyError, UsageError
 from oodscen.publish._card import card
@@ -95,10 +94,13 @@ def publish(
         _clear(folder)
         questions = _write(folder, study, drives, forms)
         text = card(
-            study, drives, licence, {name: _digest(folder / name) for name in _names(folder)}
+            study,
+            drives,
+            licence,
+            {name: file_sha256(folder / name).hex() for name in _names(folder)},
         )
         (folder / "README.md").write_text(text, encoding="utf-8")
-        sums = "".join(f"{_digest(folder / name)}  {name}\n" for name in _names(folder))
+        sums = "".join(f"{file_sha256(folder / name).hex()}  {name}\n" for name in _names(folder))
         (folder / SUMS).write_text(sums, encoding="utf-8")
     except OSError as error:
         raise StudyError(f"cannot write {folder}: {error.strerror or error}") from error
@@ -153,8 +155,3 @@ def _names(folder: Path) -> Iterable[str]:
         for place, _, names in os.walk(folder)
         for name in names
     )
-
-
-def _digest(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()

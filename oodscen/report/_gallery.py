@@ -12,7 +12,7 @@ from oodscen.data._bird_sketch import Sketch
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode, in_order
 from oodscen.data._pairing import demand_id, is_ordinary, twin_id
 from oodscen.data._scenario import Scenario
-from oodscen.data._scene import Scene, Weather
+from oodscen.data._scene import DUSK_DEG, FOG_M, Scene, Weather
 from oodscen.data._verdict import Verdict
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.canvas import signed
@@ -102,8 +102,8 @@ def choice(episode: Episode) -> str:
 
 def conditions(weather: Weather) -> list[str]:
     """Return the filter terms that match a weather."""
-    found = ["night" if weather.sun_elevation_deg <= -6 else "twilight" if weather.sun_elevation_deg < 3 else "day"]  # fmt: skip
-    if weather.fog_visual_range_m < 1_000:
+    found = ["night" if weather.sun_elevation_deg <= DUSK_DEG else "twilight" if weather.sun_elevation_deg < 3 else "day"]  # fmt: skip
+    if weather.fog_visual_range_m < FOG_M:
         found.append("fog")
     if weather.precipitation != "none":
         found.append(weather.precipitation)

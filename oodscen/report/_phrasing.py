@@ -3,28 +3,17 @@
 from collections.abc import Mapping
 
 from oodscen.data._episode import ActionOutcome
-from oodscen.data._scene import Actor, Behaviour, Placement, Trigger, Weather
-
-BEHAVIOURS = {
-    "stand": "stands still",
-    "follow_lane": "keeps its lane",
-    "wrong_way": "drives against its lane’s direction",
-    "cut_in": "changes lane",
-    "hard_brake": "brakes hard to a stop",
-    "stall": "coasts to a stop",
-    "stop_and_go": "stops and goes",
-    "reverse": "drives backwards",
-    "swerve": "swerves",
-    "pull_out": "pulls out from the roadside",
-    "u_turn": "turns across the road",
-    "cross_road": "crosses the road",
-    "hesitate": "steps out, stops and goes back",
-    "walk_along": "moves along its heading",
-    "bolt": "bolts along its heading",
-    "wobble": "weaves in its lane",
-    "drift": "drifts out of its lane",
-}
-"""Phrase for an actor's behaviour, by behaviour id; other behaviours are shown by their id."""
+from oodscen.data._scene import (
+    CLEAR_AIR_M,
+    DUSK_DEG,
+    FOG_M,
+    Actor,
+    Behaviour,
+    Placement,
+    Trigger,
+    Weather,
+)
+from oodscen.driving._motion.behaviours import BUILT_IN
 
 _STATES = {
     "brake": "brake lights",
@@ -82,16 +71,16 @@ def duration(seconds: float) -> str:
 def weather(value: Weather) -> str:
     """Describe weather and light in one phrase."""
     parts = [_light(value.sun_elevation_deg)]
-    if value.fog_visual_range_m < 10_000:
+    if value.fog_visual_range_m < CLEAR_AIR_M:
         sight = amount(value.fog_visual_range_m)
         kind = "thick fog" if value.fog_visual_range_m < 150 else "fog"
-        kind = kind if value.fog_visual_range_m < 1000 else "haze"
+        kind = kind if value.fog_visual_range_m < FOG_M else "haze"
         parts.append(f"{kind}, sight {sight} m")
     if value.precipitation != "none":
         rate = value.precipitation_mm_h
         degree = "light" if rate < 2.5 else "moderate" if rate < 10 else "heavy"
         parts.append(f"{degree} {value.precipitation}, {amount(rate)} mm/h")
-    elif value.fog_visual_range_m >= 10_000 and value.sun_elevation_deg > -6:
+    elif value.fog_visual_range_m >= CLEAR_AIR_M and value.sun_elevation_deg > DUSK_DEG:
         parts.append("overcast" if value.cloud_cover > 0.7 else "dry")
     if value.friction < 0.95:
         degree = "icy" if value.friction <= 0.2 else "slippery" if value.friction <= 0.5 else "wet"
@@ -126,7 +115,8 @@ def place(value: Placement) -> str:
 
 def behaviour(value: Behaviour) -> str:
     """Describe an actor's behaviour, with its parameters and its start."""
-    text = BEHAVIOURS.get(value.name, plain(value.name))
+    row = BUILT_IN.get(value.name)
+    text = (row.phrase if row else "") or plain(value.name)
     given = [
         f"{plain(name)} {amount(number)} {_UNITS.get(name, '')}".strip()
         for name, number in sorted(value.parameters.items())
@@ -203,7 +193,7 @@ def measures(value: ActionOutcome) -> str:
 
 
 def _light(sun_elevation_deg: float) -> str:
-    if sun_elevation_deg <= -6:
+    if sun_elevation_deg <= DUSK_DEG:
         return "night"
     if sun_elevation_deg < 3:
         return "twilight"

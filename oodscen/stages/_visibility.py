@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._scene import Scene
+from oodscen.data._scene import DARK_DEG, Scene
 from oodscen.data._sighting import Sighting, apparent_size
 from oodscen.driving import load_corridor
 from oodscen.driving._sight.decision_view import SCALE_PX, best, drawn, groups
@@ -14,8 +14,6 @@ from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye
 from oodscen.protocols import Camera, Frame, State
 
-NIGHT_DEG = -3.0
-"""Sun elevation below which a hazard must be lit, degrees."""
 _RING = 0.25
 """Width of the surroundings around a hazard, as a share of its size in the picture."""
 
@@ -59,7 +57,7 @@ def _measured(
     whole = 0 if frame.unhidden is None else int(frame.unhidden[list(rows)].sum())
     look: tuple[float | None, float | None] = None, None
     if scene.hazard.weather is None:
-        look = _look(frame.rgb, mask, is_dark=scene.weather.sun_elevation_deg < NIGHT_DEG)
+        look = _look(frame.rgb, mask, is_dark=scene.weather.sun_elevation_deg < DARK_DEG)
     return Sighting(
         actor=cast[row].id,
         distance_m=round(eye.distance(cast[row].solid), 1),

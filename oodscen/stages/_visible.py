@@ -3,46 +3,18 @@
 import math
 
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Actor, Hazard, Visible, Weather
+from oodscen.data._scene import DARK_DEG, FOG_M, Actor, Hazard, Visible, Weather
+from oodscen.driving._motion.behaviours import BUILT_IN
 
 _INSIDE_M = 1.4
 """Offset from a lane's centre up to which a thing is in that lane, m."""
 _SLOW = 0.6
 """Share of the ego's speed below which others are slow."""
 _ALONG_DEG, _TOWARDS_DEG = 45.0, 135.0
-_FOG_M, _DARK_DEG, _LOW_DEG = 1_000.0, -3.0, 12.0
+_LOW_DEG = 12.0
+"""Sun elevation below which the sun stands low, degrees."""
 _SLIPPERY = 0.5
 
-_DOING = {
-    "wrong_way": "coming towards the ego vehicle",
-    "cut_in": "moving over into another lane",
-    "cut_out": "moving over into another lane",
-    "hard_brake": "braking hard",
-    "halt": "slowing down",
-    "stall": "slowing down",
-    "stop_and_go": "stopping and starting again",
-    "reverse": "driving backwards",
-    "swerve": "weaving from side to side",
-    "wobble": "swaying from side to side",
-    "pull_out": "moving from the roadside into the lane",
-    "u_turn": "turning across the road",
-    "drift": "drifting out of its lane",
-    "overtake": "overtaking",
-    "roll_away": "rolling",
-    "wander": "walking about",
-    "fall": "falling off a vehicle",
-    "towed": "drawn by another vehicle",
-    "open_door": "swinging open",
-    "blown": "blown along by the wind",
-}
-_CROSSING = {
-    "cross_road": "crossing",
-    "run_red": "crossing",
-    "bolt": "running across",
-    "dart": "running across",
-    "hesitate": "stepping onto the road and back",
-    "walk_along": "crossing",
-}
 _SHOWN = {
     "hazard": "with its hazard lights on",
     "beacon": "with its beacon flashing",
@@ -119,32 +91,31 @@ def _doing(actor: Actor, asset: Asset, ego_speed: float) -> str:
     shown = _SHOWN.get(actor.state, "")
     if actor.state in _SIGNALS and asset.category in ("signal", "work_zone"):
         return shown
-    if name == "stand":
-        moves = "standing still"
-    elif name == "follow_lane":
+    if name == "follow_lane":
         speed = actor.behaviour.parameters.get("speed", ego_speed)
-        moves = "driving slowly ahead" if speed < _SLOW * ego_speed else "driving the same way"
-        moves = "standing still" if speed == 0.0 else moves
+        moves = "driving slowly ahead" if speed < _SLOW * ego_speed else BUILT_IN[name].doing
+        moves = BUILT_IN["stand"].doing if speed == 0.0 else moves
     elif name == "walk_along" and abs(heading) < _ALONG_DEG:
         moves = "moving the same way"
     elif name == "walk_along" and abs(heading) > _TOWARDS_DEG:
         moves = "coming towards the ego vehicle"
-    elif name in _CROSSING:
-        side = "right" if math.sin(math.radians(heading)) > 0.0 else "left"
-        moves = f"{_CROSSING[name]} from the {side}"
+    elif name not in BUILT_IN:
+        moves = "moving"
     else:
-        moves = _DOING.get(name, "moving")
+        moves = BUILT_IN[name].doing
+        if BUILT_IN[name].has_side:
+            moves += f" from the {'right' if math.sin(math.radians(heading)) > 0.0 else 'left'}"
     return f"{moves} {shown}".strip()
 
 
 def _sky(weather: Weather, ordinary: Weather) -> list[str]:
     """Return what can be seen of unusual weather."""
     found = []
-    if weather.fog_visual_range_m < min(_FOG_M, ordinary.fog_visual_range_m):
+    if weather.fog_visual_range_m < min(FOG_M, ordinary.fog_visual_range_m):
         found.append("fog")
     if weather.precipitation_mm_h > ordinary.precipitation_mm_h:
         found.append(f"heavy {weather.precipitation}")
-    if weather.sun_elevation_deg < _DARK_DEG < ordinary.sun_elevation_deg:
+    if weather.sun_elevation_deg < DARK_DEG < ordinary.sun_elevation_deg:
         found.append("darkness")
     elif weather.sun_elevation_deg < _LOW_DEG < ordinary.sun_elevation_deg:
         found.append("low sun")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Scene, Weather
+from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
 from oodscen.driving._mirror_simulator import MirrorSimulator
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.protocols import Camera, Frame
@@ -336,7 +336,7 @@ def _lit(colour: Floats, depth: Floats, view: _FlatView, weather: Weather) -> ND
         off_axis = np.minimum(np.abs(view.u) / 0.6, 1.0)[None, :]
         light = np.minimum(1.0, day + (1.0 - day) * beam * (1.0 - 0.8 * off_axis * off_axis))
         colour = colour * np.where(is_sky, day, light)[..., None]
-    if weather.fog_visual_range_m < 10_000.0:
+    if weather.fog_visual_range_m < CLEAR_AIR_M:
         air = np.array((0.74, 0.76, 0.78)) * day
         clear = _transmittance(np.where(is_sky, 1e6, depth), weather.fog_visual_range_m)[..., None]
         colour = colour * clear + air * (1.0 - clear)

@@ -2,6 +2,7 @@
 
 from oodscen.data._catalogue import Asset, Catalogue, WeatherRange
 from oodscen.data._category import Category
+from oodscen.data._scene import PRECIPITATIONS
 from oodscen.driving._motion.behaviours import BEHAVIOURS
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
@@ -87,7 +88,7 @@ FLAT_CATALOGUE = Catalogue(
     weather=WeatherRange(
         min_sun_elevation_deg=-90.0,
         min_fog_visual_range_m=20.0,
-        precipitation=("none", "rain", "snow"),
+        precipitation=PRECIPITATIONS,
         max_precipitation_mm_h=50.0,
         min_friction=0.1,
     ),

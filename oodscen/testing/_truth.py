@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from oodscen.data._episode import ACTIONS, MOMENTS
-from oodscen.data._scene import Scene, Weather
+from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
 from oodscen.driving import load_corridor
 from oodscen.driving._motion.world import ego_strip, neighbour_strip
 from oodscen.driving._roads.corridor import Corridor
@@ -213,7 +213,7 @@ def _fog(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> list[
     wanted = scene.weather.fog_visual_range_m
     sun = max(scene.weather.sun_elevation_deg, _DAYLIGHT_DEG)
     frames = []
-    for visual_range in (wanted, 10_000.0):
+    for visual_range in (wanted, CLEAR_AIR_M):
         weather = Weather(
             fog_visual_range_m=visual_range, cloud_cover=_OVERCAST, sun_elevation_deg=sun
         )

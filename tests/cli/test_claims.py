@@ -99,6 +99,6 @@ def test_the_encoder_of_a_run_compares_things_with_actors(tmp_path, monkeypatch,
         used.append(encoder)
         return Faithfulness(id=scene.id, findings=())
 
-    monkeypatch.setattr("oodscen.claims._faithfulness.check_text", check)
+    monkeypatch.setattr("oodscen.claims._faithfulness.compare_text", check)
     assert call(tmp_path, example_scene(), TEXT, *option).exit_code == 0
     assert [one and one.name for one in used] == [name and make_encoder(name).name]

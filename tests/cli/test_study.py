@@ -14,7 +14,7 @@ from oodscen._cli.output import left_out
 from oodscen._pipeline import run_study
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
-from oodscen.llm._replay import Exchange
+from oodscen.llm._recording import Exchange
 from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import SMALL
 

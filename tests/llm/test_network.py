@@ -15,12 +15,13 @@ import pytest
 
 from oodscen.errors import LLMError, LLMTimeout
 from oodscen.llm._ask import ask
+from oodscen.llm._recording import Recorder
 from oodscen.llm._remote.call_bounds import HEAD, CallBounds, bounded
 from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.offline import OutsideError, enforce, is_offline
 from oodscen.llm._remote.transport import guard, responds
-from oodscen.llm._replay import Recorder, RecordingLLM
+from oodscen.llm._replay import RecordingLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
 from oodscen.testing import AnsweringServer, ScriptedLLM

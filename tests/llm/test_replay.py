@@ -13,7 +13,8 @@ from oodscen._lock import locked
 from oodscen.data._messages import Image
 from oodscen.errors import DataError, InUse, LLMError, ReplayMiss, StudyError, UsageError
 from oodscen.llm._ask import ask
-from oodscen.llm._replay import Exchange, Recorder, Recording, RecordingLLM, ReplayLLM
+from oodscen.llm._recording import Exchange, Recorder, Recording
+from oodscen.llm._replay import RecordingLLM, ReplayLLM
 from oodscen.prompts._judging.describe_frame import DescribeFrame
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Completion, Request, Usage

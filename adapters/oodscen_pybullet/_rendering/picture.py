@@ -42,6 +42,7 @@ _NO_GRID = np.zeros((1, 1, 3), np.float32)
 _NO_SHADE = np.zeros((1, 1), np.float32)
 _TUNNEL = (1.03, 1.0, 0.93)
 """Colour of a tunnel's lamps."""
+_ADD_DROPS = {"rain": add_rain, "snow": add_snow}
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +91,7 @@ def postprocessed(picture: RawPicture) -> NDArray[np.uint8]:
         )
     add_glare(image, view, light, shot.depth)
     if weather.precipitation != "none":
-        add_drops = add_rain if is_raining else add_snow
-        add_drops(
+        _ADD_DROPS[weather.precipitation](
             image, view, weather, light, shot.reach, plate.kinds, picture.portal, picture.seed,
             picture.time,
         )  # fmt: skip

@@ -4,13 +4,14 @@ Fog follows Koschmieder's law: contrast falls to 5 % at the visual range.
 """
 
 import math
+from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._seeding import stream
-from oodscen.data._scene import Weather
+from oodscen.data._scene import Precipitation, Weather
 from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._lighting.light import Light
@@ -30,15 +31,17 @@ SHEET = (256, 1024)
 _EYE_M = 1.3
 """Height of a camera above the road for the cut-off of the beams, m."""
 _TAU = 6.283185307179586
+_GREY: Mapping[Precipitation, Colour] = {
+    "none": (196.0, 201.0, 207.0),
+    "rain": (158.0, 164.0, 171.0),
+    "snow": (208.0, 212.0, 219.0),
+}
+"""Colours of the air by day, 0 to 255."""
 
 
 def air_colour(weather: Weather, light: Light) -> Colour:
     """Return the colour of the air, into which everything fades, 0 to 255."""
-    grey: Colour = (196.0, 201.0, 207.0)
-    if weather.precipitation == "rain":
-        grey = (158.0, 164.0, 171.0)
-    elif weather.precipitation == "snow":
-        grey = (208.0, 212.0, 219.0)
+    grey = _GREY[weather.precipitation]
     bright = 0.045 + 0.955 * light.daylight
     return (
         grey[0] * bright * light.tint[0],

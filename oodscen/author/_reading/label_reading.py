@@ -1,7 +1,7 @@
 """Interpretation, thing by thing, of labels that the author did not write itself."""
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -10,6 +10,7 @@ from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.alternatives import NamedThing, Split, alternatives, conjuncts, subject
 from oodscen.author._reading.stemming import stems
 from oodscen.data._category import Category
+from oodscen.data._scene import WeatherKind
 
 _MOST = 12
 """Largest number of hazards for one word that names a whole category."""
@@ -21,7 +22,7 @@ _NEGATED = re.compile(
     re.IGNORECASE,
 )
 _NEGATION = re.compile(r"\b(?:no|not|without|missing|never|absent|lack)\b", re.IGNORECASE)
-_WEATHER = {
+_WEATHER: Mapping[WeatherKind, tuple[str, ...]] = {
     "rain": ("rain", "rainfall", "downpour", "rainstorm", "cloudburst"),
     "snow": ("snow", "snowfall", "snowstorm", "blizzard"),
     "fog": ("fog", "mist", "foggy"),

@@ -30,7 +30,7 @@ from oodscen.numerics._kernels import part
 
 
 class Code(IntEnum):
-    """The behaviours by number; from `RUN_RED` on, they move in world coordinates."""
+    """The behaviours by number; a code without a branch below raises `ValueError` as its actor moves."""
 
     STAND = 0
     FOLLOW_LANE = 1
@@ -62,6 +62,24 @@ class Code(IntEnum):
     OPEN_DOOR = 27
 
 
+WALKING = tuple(
+    map(
+        int,
+        (
+            Code.CROSS_ROAD,
+            Code.HESITATE,
+            Code.WALK_ALONG,
+            Code.BOLT,
+            Code.DART,
+            Code.WANDER,
+            Code.BLOWN,
+            Code.REVERSE,
+        ),
+    )
+)
+"""Codes of actors that move along their own heading."""
+IN_WORLD = tuple(map(int, (Code.RUN_RED, Code.ROLL_AWAY, Code.FALL, Code.TOWED, Code.OPEN_DOOR)))
+"""Codes of actors that move in world coordinates; all others move along the road."""
 _SLIDING = 0.5
 """Share of the road's grip for a sliding body."""
 _PASSED_M = 15.0
@@ -75,20 +93,11 @@ def act(w: Situation, i: int, time: float) -> None:
     if code == Code.STAND:
         return
     before, waited = w.state[i, col.SPEED], since(w, i, time)
-    if code >= Code.RUN_RED:
+    if code in IN_WORLD:
         _act_in_world(w, i, code, waited)
         stand_in_world(w, i)
     else:
-        if code in (
-            Code.CROSS_ROAD,
-            Code.HESITATE,
-            Code.WALK_ALONG,
-            Code.BOLT,
-            Code.DART,
-            Code.WANDER,
-            Code.BLOWN,
-            Code.REVERSE,
-        ):
+        if code in WALKING:
             if waited >= 0.0:
                 _walk(w, i, code, waited)
         elif code == Code.U_TURN and waited >= 0.0:
@@ -161,8 +170,17 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
     elif code == Code.FOLLOW_LANE:
         acceleration = attentive(w, i, desired_speed(w, i), traits[i, col.HEADWAY], -math.inf)
         keep_lane(w, i, accelerate(w, i, max(acceleration, -traits[i, col.DECELERATION])), 0.0, 0.0)
-    else:
+    elif code in (
+        Code.HARD_BRAKE,
+        Code.STALL,
+        Code.HALT,
+        Code.STOP_AND_GO,
+        Code.U_TURN,
+        Code.DRIFT,
+    ):  # Before the trigger.
         cruise(w, i, 0.0, 0.0)
+    else:
+        raise ValueError("a behaviour without a kernel")
 
 
 @part
@@ -219,7 +237,7 @@ def _turn_round(w: Situation, i: int) -> None:
 @part
 def _walk(w: Situation, i: int, code: int, waited: float) -> None:
     """Move along the actor's own heading once triggered."""
-    state, distance = w.state, w.traits[i, col.DISTANCE]
+    distance = w.traits[i, col.DISTANCE]
     if code == Code.REVERSE:
         move(w, i, speed_up(w, i, 1.5, -w.traits[i, col.GOAL]))
     elif code == Code.WALK_ALONG:
@@ -230,7 +248,19 @@ def _walk(w: Situation, i: int, code: int, waited: float) -> None:
         _wander(w, i)
     elif code == Code.BLOWN:
         _blow(w, i, waited)
-    elif code != Code.HESITATE or state[i, col.MEMORY] < distance - 1e-9:
+    elif code in (Code.CROSS_ROAD, Code.BOLT):
+        _go(w, i, distance, w.traits[i, col.QUICKNESS])
+    elif code == Code.HESITATE:
+        _hesitate(w, i)
+    else:
+        raise ValueError("a behaviour without a kernel")
+
+
+@part
+def _hesitate(w: Situation, i: int) -> None:
+    """Go a given distance, pause, and go back."""
+    state, distance = w.state, w.traits[i, col.DISTANCE]
+    if state[i, col.MEMORY] < distance - 1e-9:
         _go(w, i, distance, w.traits[i, col.QUICKNESS])
     elif state[i, col.MEMORY + 1] < w.traits[i, col.PAUSE] - 1e-9:
         state[i, col.MEMORY + 1] = quantised(state[i, col.MEMORY + 1] + w.dt)
@@ -331,6 +361,8 @@ def _act_in_world(w: Situation, i: int, code: int, waited: float) -> None:
         sine, cosine = sincos(state[i, col.YAW])
         state[i, col.X] = quantised(hinge_x - half * cosine)
         state[i, col.Y] = quantised(hinge_y - half * sine)
+    elif code != Code.FALL:
+        raise ValueError("a behaviour without a kernel")
     elif waited < 0.0:
         ride(w, i)
         sine, cosine = sincos(w.state[w.codes[i, col.OTHER], col.YAW])

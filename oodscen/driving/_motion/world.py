@@ -11,11 +11,11 @@ from oodscen._display import Brief, brief
 from oodscen._numbers import finite_number, seed_number
 from oodscen._seeding import stream
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Actor, Scene, Trigger
+from oodscen.data._scene import DARK_DEG, Actor, Scene, Trigger
 from oodscen.driving._motion import actions
 from oodscen.driving._motion import columns as col
-from oodscen.driving._motion.behaviour_kernels import Code, stand_in_world, stand_on_road
-from oodscen.driving._motion.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER, QUICKNESS
+from oodscen.driving._motion.behaviour_kernels import IN_WORLD, Code, stand_in_world, stand_on_road
+from oodscen.driving._motion.behaviours import ATTACHED, BUILT_IN, QUICKNESS
 from oodscen.driving._motion.bodies import WHEELBASE, Situation
 from oodscen.driving._motion.car_following import curve_speed, free_road, grip
 from oodscen.driving._motion.rollouts import Variation, is_passed
@@ -37,12 +37,8 @@ from oodscen.protocols import Control, Observation, State
 
 HEADLAMPS_M = 75.0
 """Distance at which dipped headlamps reveal bodies without lamps, m."""
-NIGHT_DEG = -3.0
-"""Sun elevation below which it is dark, degrees."""
 _LIT = frozenset({"vehicle", "cyclist", "work_zone", "signal"})
 """Categories with lamps or reflectors."""
-_BY_CHANCE = frozenset({"swerve", "wobble", "wander", "blown"})
-"""Behaviours with a phase drawn from the seed."""
 
 
 class WorldSnapshot(NamedTuple):
@@ -145,7 +141,7 @@ class KinematicWorld(Brief):
         self._traits = np.zeros((count, col.TRAITS_WIDTH))
         self._codes = np.zeros((count, col.CODES_WIDTH), dtype=np.int64)
         order = self._order(scene)
-        is_dark = scene.weather.sun_elevation_deg < NIGHT_DEG
+        is_dark = scene.weather.sun_elevation_deg < DARK_DEG
         self._situation = Situation(
             track=for_kernels(corridor.track),
             state=seen(self._state),
@@ -402,12 +398,12 @@ class KinematicWorld(Brief):
         s = quantised(road.start + place.ahead_m)
         t = quantised(road.centre(lane, s) + place.offset_m)
         asset, trigger = self._bodies[row][1], actor.behaviour.trigger
-        phase = 0.0
-        if name in _BY_CHANCE:
+        behaviour = BUILT_IN[name]
+        code, phase = behaviour.code, 0.0
+        if behaviour.has_chance:
             phase = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
-        code = BEHAVE[name]
         owner = actor.behaviour.other
-        if code in (Code.FALL, Code.TOWED, Code.OPEN_DOOR) and owner is None:
+        if code in ATTACHED and owner is None:
             raise ValueError(f"{actor.id!r} needs another actor to do {name!r}")
         self._codes[row] = [
             code,
@@ -426,18 +422,18 @@ class KinematicWorld(Brief):
         traits[col.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
         traits[col.HOME_S], traits[col.HOME_T] = s, t
         traits[col.FIRST :] = [parameters.get(name, 0.0) for name in col.PARAMETERS]
-        speed = parameters.get("speed", 0.0) if name in MOVES_BEFORE_TRIGGER else 0.0
+        speed = parameters.get("speed", 0.0) if behaviour.moves_before_trigger else 0.0
         state[col.S], state[col.T], state[col.HEADING] = s, t, heading
         state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
         stand_on_road(self._situation, row)
-        if speed > 0.0 and code < Code.RUN_RED:
+        if speed > 0.0 and code not in IN_WORLD:
             fastest = float(curve_speed(self._situation, row, grip(self._situation)))
             state[col.SPEED] = quantised(min(speed, fastest))
 
     def _attach(self, row: int) -> None:
         """Store an actor's pose relative to the body that it belongs to."""
         code, other = self._codes[row, col.BEHAVIOUR], int(self._codes[row, col.OTHER])
-        if code not in (Code.FALL, Code.TOWED, Code.OPEN_DOOR):
+        if code not in ATTACHED:
             return
         mine, its = self._state[row].tolist(), self._state[other].tolist()
         sine, cosine = sincos(its[col.YAW])

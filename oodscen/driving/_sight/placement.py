@@ -4,7 +4,7 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import MOMENTS
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.actions import Cruise
-from oodscen.driving._motion.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER
+from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._motion.world import KinematicWorld, ego_strip, neighbour_strip
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
@@ -66,7 +66,7 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
             f"the catalogue does not say which built-in behaviour {actor.behaviour.name!r} is like",
         )
         for path, actor in _all_actors(scene)
-        if (kind := kinds.get(actor.behaviour.name)) is not None and kind.built_in not in BEHAVE
+        if (kind := kinds.get(actor.behaviour.name)) is not None and kind.built_in not in BUILT_IN
     ]
     try:
         corridor = load_corridor(scene.map, catalogue)
@@ -132,7 +132,8 @@ def _place_issues(
             f"{place.offset_m:g} m is beside the map; here it reaches from {low:.1f} to {high:.1f}"
         )
         return [*issues, Issue(f"{path}.placement.offset_m", message)]
-    moves = kind.built_in in MOVES_BEFORE_TRIGGER or kind.built_in in ("pull_out", "reverse")
+    behaviour = BUILT_IN[kind.built_in]
+    moves = behaviour.moves_before_trigger or behaviour.drives_from_rest
     strip = corridor.strip_at(s, min(t, left - 1e-6))
     beneath = "none" if strip is None else corridor.strips[strip].kind
     is_on_road = beneath in DRIVABLE or corridor.is_drivable(s, t, t)

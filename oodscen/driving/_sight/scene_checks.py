@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import FLAT_M, Catalogue
 from oodscen.data._scene import Scene
+from oodscen.driving._motion.behaviours import AIRBORNE
 from oodscen.driving._motion.boxes import Box, gap, radius
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.visibility import Eye, Solid, is_noticeable
@@ -28,8 +29,6 @@ _NEAREST_M = 6.0
 _SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
 """Shares of a hidden body's distance, and of its offset, at which to look for it."""
 _WHEN = {"first": "at the start", "middle": "half-way", "last": "at the decision"}
-_AIRBORNE = frozenset({"fall", "blown"})
-"""Behaviours that leave the ground."""
 
 
 class PlacedBody(NamedTuple):
@@ -128,7 +127,7 @@ def floating(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
     exempt = {
         actor.id
         for actor in scene.actors
-        if actor.behaviour.other is not None or actor.behaviour.name in _AIRBORNE
+        if actor.behaviour.other is not None or actor.behaviour.name in AIRBORNE
     }
     rows = {actor.id: row for row, actor in enumerate(scene.actors)}
     issues: dict[str, Issue] = {}

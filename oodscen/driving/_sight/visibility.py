@@ -3,8 +3,9 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import assert_never
 
-from oodscen.data._scene import Weather
+from oodscen.data._scene import CLEAR_AIR_M, FOG_M, Weather
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.numerics._exact import power
 from oodscen.protocols import Camera
@@ -16,7 +17,6 @@ MOST_HIDDEN = 0.8
 
 _GRID = 6
 """Number of sight lines per direction through a silhouette."""
-_CLEAR_AIR_M = 10_000.0
 _LN_20 = 2.995732273553991
 """Number of extinction lengths over which contrast falls to 5 %: ln 20."""
 _NEAR = 0.1
@@ -38,7 +38,7 @@ def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
     little, much = sorted((weather.precipitation_mm_h, ordinary.precipitation_mm_h))
     low, high = sorted((weather.sun_elevation_deg, ordinary.sun_elevation_deg))
     return (
-        (near < 1000.0 and near <= 0.5 * far)
+        (near < FOG_M and near <= 0.5 * far)
         or (weather.precipitation != ordinary.precipitation and much >= 0.5)
         or (much >= 2.0 and much >= 3.0 * little)
         or high - low >= 15.0
@@ -51,18 +51,22 @@ def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
 def extinction(weather: Weather) -> float:
     """Return the extinction coefficient, 1/m: fog (Koschmieder) plus rain or snow."""
     fog, intensity = weather.fog_visual_range_m, weather.precipitation_mm_h
-    rate = _LN_20 / fog if fog < _CLEAR_AIR_M else 0.0
-    if weather.precipitation == "rain":
-        rate += 0.0011 * power(intensity, 0.67)
-    elif weather.precipitation == "snow":
-        rate += 0.0085 * power(intensity, 0.6)
-    return rate
+    rate = _LN_20 / fog if fog < CLEAR_AIR_M else 0.0
+    match weather.precipitation:
+        case "none":
+            return rate
+        case "rain":
+            return rate + 0.0011 * power(intensity, 0.67)
+        case "snow":
+            return rate + 0.0085 * power(intensity, 0.6)
+        case kind:
+            assert_never(kind)
 
 
 def visual_range(weather: Weather) -> float:
     """Return the distance at which contrast falls to 5 % in fog, rain and snow together, m."""
     rate = extinction(weather)
-    return min(_CLEAR_AIR_M, _LN_20 / rate) if rate > 0.0 else _CLEAR_AIR_M
+    return min(CLEAR_AIR_M, _LN_20 / rate) if rate > 0.0 else CLEAR_AIR_M
 
 
 @dataclass(frozen=True)

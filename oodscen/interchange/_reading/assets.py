@@ -2,15 +2,13 @@
 
 import math
 import re
-from typing import Literal
 
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Weather
+from oodscen.data._scene import CLEAR_AIR_M, PRECIPITATIONS, Precipitation, Weather
 from oodscen.interchange._reading.tree import Node
 from oodscen.interchange._writing.entities import classified
 from oodscen.interchange._writing.environment import OKTAS
 
-_CLEAR_M = 10_000.0
 _CLOUDS = {"free": 0.0, "skyOff": 0.0, "cloudy": 0.5, "overcast": 1.0, "rainy": 1.0}
 """Cloud cover by the cloud states of version 1.0 and 1.1."""
 _HEAVIEST_MM_H = 100.0
@@ -80,13 +78,13 @@ def weather(root: Node) -> Weather:
     kind, amount = _precipitation(sky)
     road = environment.first("RoadCondition")
     friction = road.number("frictionScaleFactor", 1.0) if road is not None else 1.0
-    sight = fog.number("visualRange", _CLEAR_M) if fog is not None else _CLEAR_M
+    sight = fog.number("visualRange", CLEAR_AIR_M) if fog is not None else CLEAR_AIR_M
     for left in ("Wind", "DomeImage"):
         if (node := sky.first(left)) is not None:
             node.leave_out("a scene's weather has none")
     return Weather(
         sun_elevation_deg=round(min(max(elevation, -90.0), 90.0), 2),
-        fog_visual_range_m=round(min(max(sight, 1.0), _CLEAR_M), 2),
+        fog_visual_range_m=round(min(max(sight, 1.0), CLEAR_AIR_M), 2),
         precipitation=kind,
         precipitation_mm_h=amount,
         cloud_cover=_clouds(sky),
@@ -108,10 +106,13 @@ def _clouds(sky: Node) -> float:
     return _CLOUDS.get(sky.get("cloudState"), 0.1)
 
 
-def _precipitation(sky: Node) -> tuple[Literal["none", "rain", "snow"], float]:
+def _precipitation(sky: Node) -> tuple[Precipitation, float]:
     falling = sky.first("Precipitation")
-    kind = falling.get("precipitationType") if falling is not None else "dry"
-    if falling is None or kind not in ("rain", "snow"):
+    if falling is None:
+        return "none", 0.0
+    name = falling.get("precipitationType")
+    kind: Precipitation = next((one for one in PRECIPITATIONS if one == name), "none")
+    if kind == "none":
         return "none", 0.0
     if falling.get("precipitationIntensity"):
         amount = falling.number("precipitationIntensity")
@@ -121,4 +122,4 @@ def _precipitation(sky: Node) -> tuple[Literal["none", "rain", "snow"], float]:
     amount = round(min(amount, _HEAVIEST_MM_H), 2)
     if amount <= 0.0:
         return "none", 0.0
-    return ("rain" if kind == "rain" else "snow"), amount
+    return kind, amount

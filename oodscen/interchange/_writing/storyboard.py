@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._scene import Actor, Scene
-from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
+from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER, WITHOUT_TRIGGER
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.interchange._recording import Reactions, Recording
 from oodscen.interchange._writing.elements import Element, child, within
@@ -24,8 +24,6 @@ from oodscen.interchange._writing.triggers import EgoConditions, after_event, at
 
 Floats = NDArray[np.float64]
 
-_WITHOUT_REACTION = frozenset({"stand", "follow_lane", "wrong_way", "run_red", "towed"})
-"""Behaviours whose course a trigger does not change."""
 _BESIDE_M = 1.5
 """Largest offset to the ego at which an actor behind counts as its follower, m."""
 
@@ -214,7 +212,7 @@ class _ReactionWriter:
         """Append the maneuver of one actor, unless it never moves."""
         one, run = self.entities[row], self.run
         timed = actor.behaviour.trigger.kind == "time"
-        reacts = actor.behaviour.name not in _WITHOUT_REACTION and not timed
+        reacts = actor.behaviour.name not in WITHOUT_TRIGGER and not timed
         source = run.quiet if reacts else run.nominal
         before = reference_poses(source, row, one, self.corridor)
         spans = phases(before)

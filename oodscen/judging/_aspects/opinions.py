@@ -1,11 +1,10 @@
 """Scores open aspects with a judge model, asked once per distinct answer and path."""
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from typing import ClassVar, Literal
 
 from oodscen._redaction import redact
-from oodscen.data._base import Data, canonical_json
+from oodscen.data._base import Data, digest
 from oodscen.data._scene import Visible
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
@@ -53,7 +52,7 @@ def opinion_id(
 ) -> str:
     """Return the id of a judge's opinion; equal answers about equal truths share one."""
     truth = [list(path), *([[one.model_dump() for one in visible]] if visible else [])]
-    return hashlib.sha256(canonical_json([label, aspect, *truth]).encode()).hexdigest()[:20]
+    return digest([label, aspect, *truth])[:20]
 
 
 def opinion(

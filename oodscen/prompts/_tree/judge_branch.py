@@ -7,6 +7,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from oodscen._display import Brief
 from oodscen.data._additions import Addition
+from oodscen.data._scene import WEATHER_KINDS
 from oodscen.errors import Issue, close_matches
 from oodscen.prompts._base import Prompt, without_blanks
 from oodscen.prompts._digest import CatalogueDigest
@@ -108,7 +109,7 @@ class JudgeBranch(Prompt[BranchJudgement]):
             "assets": [asset.id for asset in self.catalogue.assets],
             "states": [f"{a.id}: {state}" for a in self.catalogue.assets for state in a.states],
             "behaviours": [behaviour.id for behaviour in self.catalogue.behaviours],
-            "weather": [w for w in WEATHER_SCALES if self.catalogue.limits.offers(w)],
+            "weather": [w for w in WEATHER_KINDS if self.catalogue.limits.offers(w)],
             "traits": [*dict.fromkeys(t for road in self.catalogue.maps for t in road.features)],
         }
 
@@ -170,10 +171,6 @@ class JudgeBranches(Prompt[BranchJudgements]):
                 for fault in self.single(one.number).check(one)
             ]
         return issues
-
-
-WEATHER_SCALES = ("night", "fog", "rain", "snow", "ice")
-"""Kinds of weather that a scene can ask for."""
 
 
 def _unknown(path: str, name: str, known: list[str]) -> list[Issue]:

@@ -1,6 +1,6 @@
 """The ordinary demand of a scene: drawn, checked like a scene, and run."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from pydantic import ValidationError
@@ -9,7 +9,17 @@ from oodscen._seeding import stream
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._episode import MOMENTS, REACTIONS_S, Episode
 from oodscen.data._pairing import demand_id
-from oodscen.data._scene import Actor, Demand, Hazard, Scene, Trigger, Weather
+from oodscen.data._scene import (
+    DARK_DEG,
+    FOG_M,
+    Actor,
+    Demand,
+    Hazard,
+    Precipitation,
+    Scene,
+    Trigger,
+    Weather,
+)
 from oodscen.driving import check_scene
 from oodscen.errors import Issue, SceneError
 from oodscen.protocols import Camera, Simulator
@@ -155,15 +165,15 @@ _PLACES = (
     ("rural", "a country road"),
 )
 """Names of roads by the first trait that a map has."""
-_NIGHT_DEG, _FOG_M = -3.0, 1_000.0
+_FALLING: Mapping[Precipitation, str] = {"rain": " in the rain", "snow": " while it snows"}
 
 
 def _opening(at: Setting, weather: Weather) -> str:
     """Return a sentence with place, time and weather."""
     place = next((name for trait, name in _PLACES if at.has(trait)), "a road")
-    when = " at night" if weather.sun_elevation_deg < _NIGHT_DEG else ""
+    when = " at night" if weather.sun_elevation_deg < DARK_DEG else ""
     if weather.precipitation != "none":
-        when += " in the rain" if weather.precipitation == "rain" else " while it snows"
-    elif weather.fog_visual_range_m < _FOG_M:
+        when += _FALLING[weather.precipitation]
+    elif weather.fog_visual_range_m < FOG_M:
         when += " in fog"
     return f"The ego vehicle drives along {place}{when}."

@@ -8,6 +8,7 @@ import numpy as np
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import RED_LIGHT, Actor, Scene
+from oodscen.driving._motion.behaviours import having_effect
 from oodscen.stages._demands.crossings import red_light, zebra
 from oodscen.stages._demands.flow import cyclist, leader, queue, slow_vehicle
 from oodscen.stages._demands.joining import ambulance, merging_car
@@ -16,9 +17,8 @@ from oodscen.stages._demands.setting import Draft, Setting
 
 _SHARPNESS = 0.6
 """Preference for kinds of the rare body's size; at 0 size does not count."""
-_BRAKES = ("hard_brake", "stall", "stop_and_go", "halt", "reverse")
-_JOINS = ("cut_in", "pull_out", "drift", "swerve", "overtake", "u_turn", "cut_out")
-_CROSSES = ("cross_road", "dart", "bolt", "hesitate", "wander", "walk_along")
+_BRAKES, _JOINS = having_effect("brakes"), having_effect("joins")
+_CROSSES = having_effect("crosses")
 
 
 class DemandKind(NamedTuple):

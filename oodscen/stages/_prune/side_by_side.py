@@ -8,6 +8,7 @@ from pydantic import model_validator
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
+from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, PRECIPITATIONS
 from oodscen.stages._prune.decisions import Match, PruneDecision, alike, fates
 from oodscen.stages._prune.restoration import Restoration, restoration
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -175,10 +176,10 @@ def absent(catalogue: Catalogue) -> tuple[str, ...]:
     offered = {asset.category for asset in catalogue.assets}
     found = [category for category in get_args(Category) if category not in offered]
     weather = catalogue.weather
-    found += [kind for kind in ("rain", "snow") if kind not in weather.precipitation]
-    if weather.min_fog_visual_range_m >= 10_000.0:
+    found += [kind for kind in PRECIPITATIONS if kind not in ("none", *weather.precipitation)]
+    if weather.min_fog_visual_range_m >= CLEAR_AIR_M:
         found.append("fog")
-    if weather.min_sun_elevation_deg >= -6.0:
+    if weather.min_sun_elevation_deg >= DUSK_DEG:
         found.append("night")
     return tuple(found)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Scene, Weather
+from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
 from oodscen.driving._sight.scene_checks import bodies
 from oodscen.driving._sight.visibility import Eye, area, clipped
 from oodscen.errors import OodscenError
@@ -105,7 +105,7 @@ def _check_fog(probe: Probe) -> None:
     if wanted > FOGGY_M or probe.is_top:
         return
     camera, frames = probe.camera(320, 240), []
-    for visual_range in (wanted, 10_000.0):
+    for visual_range in (wanted, CLEAR_AIR_M):
         weather = probe.clear.model_copy(
             update={"fog_visual_range_m": visual_range, "cloud_cover": _OVERCAST}
         )
@@ -123,7 +123,7 @@ def extremes(catalogue: Catalogue) -> dict[str, Weather]:
     changes: dict[str, dict[str, object]] = {}
     if limits.sun_is_drawn and limits.min_sun_elevation_deg < 45.0:
         changes["lowest sun"] = {"sun_elevation_deg": limits.min_sun_elevation_deg}
-    if limits.min_fog_visual_range_m < 10_000.0:
+    if limits.min_fog_visual_range_m < CLEAR_AIR_M:
         changes["thickest fog"] = {"fog_visual_range_m": limits.min_fog_visual_range_m}
     for kind in limits.precipitation:
         if kind != "none":

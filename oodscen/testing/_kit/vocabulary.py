@@ -6,7 +6,7 @@ import numpy as np
 
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import Actor, Scene
-from oodscen.driving._motion.behaviours import BEHAVE
+from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import OodscenError, SpawnError
 from oodscen.testing._kit.contact import gap_fault
@@ -30,7 +30,7 @@ def check_catalogue(probe: Probe) -> None:
         for name in sorted({name for name in names if names.count(name) > 1}):
             found.add(f"{noun} {name}", "occurs more than once")
     for kind in catalogue.behaviours:
-        if kind.built_in not in BEHAVE:
+        if kind.built_in not in BUILT_IN:
             what = "is no built-in behaviour, and `like` names none that stands in for it"
             found.add(f"behaviour {kind.id}", what)
         for name, parameter in kind.parameters.items():

@@ -5,10 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen.author._staging import actors, drafting, lanes
 from oodscen.data._scene import Actor, Trigger, Weather
 from oodscen.driving import KinematicWorld
+from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.actions import Cruise
-from oodscen.driving._motion.behaviours import BEHAVE, BEHAVIOURS, MOVES_BEFORE_TRIGGER
+from oodscen.driving._motion.behaviour_kernels import Code
+from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN, MOVES_BEFORE_TRIGGER
+from oodscen.interchange._writing import scenario_runner
 from oodscen.protocols import Control
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
@@ -29,8 +33,25 @@ def offset(result: KinematicWorld, name: str = "a") -> float:
 
 
 def test_every_behaviour_is_described_and_done() -> None:
-    assert {kind.id for kind in BEHAVIOURS} == set(BEHAVE)
-    assert set(BEHAVE) >= MOVES_BEFORE_TRIGGER
+    assert [row.code.name.lower() for row in BUILT_IN.values()] == [kind.id for kind in BEHAVIOURS]
+    assert {row.code for row in BUILT_IN.values()} == set(Code)
+    assert all(row.doing for row in BUILT_IN.values())
+
+
+@pytest.mark.parametrize(
+    "listed",
+    [actors._WALKS, actors._COURSES, drafting._STILL, lanes._CROSSES, scenario_runner._WALKING],
+)
+def test_side_lists_name_built_in_behaviours_only(listed) -> None:
+    assert set(listed) <= set(BUILT_IN)
+
+
+@pytest.mark.parametrize("code", [-1, max(Code) + 1])
+def test_a_behaviour_without_a_kernel_fails(code: int) -> None:
+    result = world(scene(actor("a", "car", "follow_lane"), speed=0.0))
+    result._codes[1, col.BEHAVIOUR] = code
+    with pytest.raises(ValueError, match="without a kernel"):
+        result.step(Control())
 
 
 def test_the_page_on_motion_lists_every_behaviour_as_it_is() -> None:
@@ -92,7 +113,7 @@ def test_drivers_keep_their_lane_until_the_trigger(name: str) -> None:
 @pytest.mark.parametrize(
     "name",
     sorted(
-        set(BEHAVE) - MOVES_BEFORE_TRIGGER - {kind.id for kind in BEHAVIOURS if kind.needs_other}
+        set(BUILT_IN) - MOVES_BEFORE_TRIGGER - {kind.id for kind in BEHAVIOURS if kind.needs_other}
     ),
 )
 def test_others_stand_until_the_trigger(name: str) -> None:
