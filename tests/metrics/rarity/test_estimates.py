@@ -78,7 +78,7 @@ def test_rare_is_rarer_than_ordinary():
 
 def test_a_band_of_rarity_leaves_out_what_cannot_be_told():
     texts = ["The bridge ahead has collapsed.", "12345", "The car ahead waits at the red light."]
-    found = METRICS.band(texts, 4.0, 7.5, definition="rarity")
+    found = METRICS.band(texts, 4.0, 9.0, definition="rarity")
     assert found.indices == (0,)
     assert found.scores[1] is None
     assert found.below == 1
