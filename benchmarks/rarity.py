@@ -8,7 +8,8 @@ Parts: controls, held_out, coverage, model, anchors, speed, style. `--held-out` 
 `ood`) and `log10_km` by hands that had no part in the training. `--recordings` holds a model's recorded
 answers: `draw1.jsonl`, `draw2.jsonl`, `phrased.jsonl`, `shuffled.jsonl`, each with lines of `text` and
 `log10_km`. `--prepare` writes the four questions (`draw1.md` ...) about 60 texts, one for each blind reader, who
-answers into the file of the same name. Rated texts are found through the environment variable OODSCEN_CORPORA. Rows without their data are `not run`.
+answers into the file of the same name. `--held-out` and `--recordings` default to `rarity_data`, whose README says who
+wrote and answered it. Rated texts are found through the environment variable OODSCEN_CORPORA. Rows without their data are `not run`.
 """
 
 import argparse
@@ -32,6 +33,7 @@ from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.report._charts.sets import Cloud, scatter
 from oodscen.statistics._auroc import auroc, auroc_interval
 
+DATA = Path(__file__).parent / "rarity_data"
 PARTS = ("controls", "held_out", "coverage", "model", "anchors", "speed", "style")
 ADDED = {
     "length": "{} The drive began in the morning, and it will take another hour.",
@@ -298,8 +300,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS)
-    parser.add_argument("--held-out", nargs="+", type=Path, default=[])
-    parser.add_argument("--recordings", type=Path)
+    parser.add_argument("--held-out", nargs="+", type=Path, default=[DATA / "held_out.jsonl"])
+    parser.add_argument("--recordings", type=Path, default=DATA)
     parser.add_argument("--encoder", default="minilm")
     parser.add_argument("--prepare", type=Path)
     parser.add_argument("--picture", type=Path)

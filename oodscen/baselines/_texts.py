@@ -51,6 +51,9 @@ def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tupl
     """
     if isinstance(texts, str | bytes):
         raise DataError(noun, [Issue("", "is one string, not a sequence of texts")])
+    if not isinstance(texts, Iterable):
+        fault = f"is {type(texts).__name__}, not a sequence of texts"
+        raise DataError(noun, [Issue("", fault)])
     plain = [item.text if isinstance(item, Scenario) else item for item in texts]
     faults = [(f"[{index}]", fault_of(text)) for index, text in enumerate(plain)]
     refuse(noun, [Issue(path, fault) for path, fault in faults if fault])

@@ -3,9 +3,11 @@
 Usage: python -m tools.rarity.train RATINGS [--check]
 
 RATINGS is a folder with lines of `text`, `origin` and `log10_km` (rated blindly by a strong model) in
-`ratings*.jsonl`; none of its texts is written. `pairs.tsv` holds pairs of a rare and an ordinary text about the same
-things, written and rated by a strong model for this purpose. Texts of the controls are left out. With
-`--check` nothing is written; either way the losses from one origin to another are printed.
+`ratings*.jsonl`; none of its texts is written. A strong model wrote and rated three files for this purpose: `pairs.tsv`
+and `registers.tsv` hold pairs of a rare and an ordinary text about the same things, the latter in many registers;
+`incidents.tsv` holds single texts from a lane change to a death. Every third of them is also fitted with the same
+figure inside a line of `frames.txt`, which adds polite words, length or places. Texts of the controls are left out.
+With `--check` nothing is written; either way the losses from one origin to another are printed.
 """
 
 import argparse
@@ -15,6 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg.lapack import dpotrf, dpotri
 
 from oodscen.baselines import load_controls
 from oodscen.baselines._texts import bundled
@@ -28,10 +31,13 @@ from oodscen.protocols import Encoder
 from oodscen.statistics._auroc import auroc
 
 HEAD = Path(__file__).parents[2] / "oodscen/metrics/_rarity/head.npz"
-PAIRS = Path(__file__).parent / "pairs.tsv"
-GAMMA, RIDGE, LINEAR, PAIR_WEIGHT = 0.5, 0.3, 0.3, 3.0
-POINTS = 500
-"""Inducing points beside the pairs, drawn from this library's own texts."""
+WRITTEN = Path(__file__).parent
+"""Folder of the texts that were written for the head."""
+GAMMA, RIDGE, LINEAR, WRITTEN_WEIGHT = 0.5, 0.3, 0.3, 3.0
+POINTS = 300
+"""Inducing points beside the texts written for the head, drawn from this library's own texts."""
+_CONSTANT = 100.0
+"""Prior variance of the constant: so wide that the texts alone set it."""
 _PARTS = ("handwritten", "counterparts", "people", "sights", "manoeuvres", "conditions")
 """Parts of the baseline that were written by hand, by different authors."""
 MISS = 0.05
@@ -49,7 +55,7 @@ class Rated(NamedTuple):
 
 
 def rated(folder: Path) -> Rated:
-    """Read ratings and pairs; several draws of a text are averaged."""
+    """Read ratings and the texts written for the head; several draws of a text are averaged."""
     known = {text.text for split in ("tune", "frozen") for text in load_controls(split)}
     parts = {line: name for name in _PARTS for line in bundled(f"{name}.txt").splitlines()}
     draws: dict[str, list[float]] = {}
@@ -68,13 +74,22 @@ def rated(folder: Path) -> Rated:
         for text, name in zip(texts, coarse, strict=True)
     ]
     twin = [origin[text].endswith("twin") for text in texts]
-    for number, line in enumerate(PAIRS.read_text(encoding="utf-8").splitlines()):
-        rare, odd, common, calm = line.split("\t")
-        texts += [odd, calm]
-        values += [float(rare), float(common)]
-        coarse += ["pairs"] * 2
-        fine += [f"pairs {number // 240 + 1}"] * 2
-        twin += [False] * 2
+    frames = (WRITTEN / "frames.txt").read_text(encoding="utf-8").splitlines()
+    for name in ("pairs", "registers", "incidents"):
+        lines = (WRITTEN / f"{name}.tsv").read_text(encoding="utf-8").splitlines()
+        for number, line in enumerate(lines):
+            fields = line.split("\t")
+            told, figures = fields[1::2], [float(one) for one in fields[::2]]
+            if number % 3 == 0:
+                frame = frames[number // 3 % len(frames)]
+                told += [frame.format(one) for one in told]
+                figures *= 2
+            texts += told
+            values += figures
+            count = len(told)
+            coarse += ["incidents" if name == "incidents" else "pairs"] * count
+            fine += [f"pairs {number // 240 + 1}" if name == "pairs" else name] * count
+            twin += [False] * count
     return Rated(texts, np.array(values), np.array(coarse), np.array(fine), np.array(twin))
 
 
@@ -104,8 +119,13 @@ def vocabulary(data: Rated) -> tuple[list[str], np.ndarray]:
     return kept, np.array([np.log(total / (1 + count[stem])) + 1.0 for stem in kept], np.float32)
 
 
+def is_written(data: Rated) -> np.ndarray:
+    """Return which texts were written for the head."""
+    return np.isin(data.coarse, ["pairs", "incidents"])
+
+
 class Fit:
-    """The kernel ridge regression of one kind of head, by its Gram matrix."""
+    """The kernel ridge regression of one kind of head, by the inverse of its regularised Gram matrix."""
 
     def __init__(self, rows: np.ndarray, points: np.ndarray, data: Rated) -> None:
         self.rows, self.points, self.data = rows.astype(np.float64), points.astype(np.float64), data
@@ -114,42 +134,48 @@ class Fit:
         self.cross = kernel(self.rows, self.points, GAMMA)
         half = np.linalg.cholesky(self.inverse)
         spread = self.cross @ half
-        self.gram = LINEAR**2 * (self.rows @ self.rows.T) + spread @ spread.T
+        gram = LINEAR**2 * (self.rows @ self.rows.T) + spread @ spread.T + _CONSTANT
+        gram[np.diag_indices_from(gram)] += RIDGE / self.weights()
+        self.precision = _inverted(gram)
+        self.dual = self.precision @ data.values
 
-    def weights(self, inside: np.ndarray) -> np.ndarray:
-        """Return the weights of texts: a large origin counts less per text, pairs count more."""
-        origins = self.data.coarse[inside]
-        count = collections.Counter(origins)
-        found = np.array([count[one] ** -0.5 for one in origins])
-        return found / found.mean() * np.where(origins == "pairs", PAIR_WEIGHT, 1.0)
-
-    def solve(self, inside: np.ndarray) -> tuple[np.ndarray, float]:
-        """Return the dual coefficients and the constant of a fit to some texts."""
-        weights = self.weights(inside)
-        mean = float(np.average(self.data.values[inside], weights=weights))
-        left = self.gram[np.ix_(inside, inside)] + np.diag(RIDGE / weights)
-        return np.linalg.solve(left, self.data.values[inside] - mean), mean
+    def weights(self) -> np.ndarray:
+        """Return the weights of texts: a large origin counts less per text, those written for the head more."""
+        count = collections.Counter(self.data.coarse)
+        found = np.array([count[one] ** -0.5 for one in self.data.coarse])
+        return found / found.mean() * np.where(is_written(self.data), WRITTEN_WEIGHT, 1.0)
 
     def without(self, labels: np.ndarray) -> np.ndarray:
-        """Return estimates of every origin by a fit to all others."""
+        """Return estimates of every origin by a fit to all others.
+
+        A Gaussian process leaves a block b out at the residual inv(P_bb) (P y)_b, where P is the inverse of its
+        regularised Gram matrix (Rasmussen and Williams, 2006, section 5.4.2, for one text).
+        """
         found = np.empty(len(self.rows))
         for label in dict.fromkeys(labels):
-            out, inside = np.flatnonzero(labels == label), np.flatnonzero(labels != label)
-            dual, mean = self.solve(inside)
-            found[out] = mean + self.gram[np.ix_(out, inside)] @ dual
+            out = np.flatnonzero(labels == label)
+            residual = np.linalg.solve(self.precision[np.ix_(out, out)], self.dual[out])
+            found[out] = self.data.values[out] - residual
         return found
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Return the arrays of the head that is fitted to all texts."""
-        dual, mean = self.solve(np.arange(len(self.rows)))
-        beta = LINEAR**2 * self.rows.T @ dual
-        alpha = self.inverse @ (self.cross.T @ dual)
+        beta = LINEAR**2 * self.rows.T @ self.dual
+        alpha = self.inverse @ (self.cross.T @ self.dual)
         return {
             "beta": beta.astype(np.float32),
             "alpha": alpha.astype(np.float32),
-            "constant": np.float64(mean),
+            "constant": np.float64(_CONSTANT * self.dual.sum()),
             "gamma": np.float64(GAMMA),
         }
+
+
+def _inverted(gram: np.ndarray) -> np.ndarray:
+    """Return the inverse of a symmetric positive definite matrix."""
+    factor, fault = dpotrf(gram, lower=True, overwrite_a=True)
+    lower, fault_too = dpotri(factor, lower=True, overwrite_c=True)
+    assert fault == fault_too == 0
+    return np.asarray(np.tril(lower) + np.tril(lower, -1).T)
 
 
 def offsets(best: np.ndarray, data: Rated) -> tuple[np.ndarray, np.ndarray]:
@@ -207,7 +233,7 @@ def left_out_coverage(folder: Path, encoder: Encoder) -> dict[str, float]:
     rows = np.hstack(
         [unit(encode(CachedEncoder(encoder, cache_folder() / "rarity"), data.texts)), words]
     )
-    points = rows[np.flatnonzero(data.coarse == "pairs")]
+    points = rows[is_written(data)]
     return losses("minilm", Fit(rows, points, data).without(data.fine), data)
 
 
@@ -226,7 +252,7 @@ def main() -> None:
     words = Words(kept, idf).rows(data.texts)
     ours = np.flatnonzero(np.isin(data.coarse, ["baseline", "author"]))
     drawn = np.random.default_rng(0).permutation(ours)[:POINTS]
-    chosen = np.sort(np.r_[np.flatnonzero(data.coarse == "pairs"), drawn])
+    chosen = np.sort(np.r_[np.flatnonzero(is_written(data)), drawn])
     scale = np.abs(vectors[chosen]).max(axis=1) / 127.0
     held = [np.flatnonzero(words[row]) for row in chosen]
     arrays: dict[str, np.ndarray] = {

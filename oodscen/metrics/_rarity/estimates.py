@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, get_args
 import numpy as np
 from pydantic import Field, computed_field, model_validator
 
+from oodscen._display import cut
 from oodscen.data._base import Data
 from oodscen.encoders._check import encode
 from oodscen.encoders._similarity import Vectors, unit
+from oodscen.errors import DataError, Issue
 from oodscen.metrics._rarity.anchors import Calibration, Rate, calibrate
 from oodscen.metrics._rarity.head import Estimates, Head, head_for, load_head
 from oodscen.metrics._rarity.plausibility import is_impossible, names_event, parts
+from oodscen.metrics._rarity.subject import is_number, names_road
 from oodscen.protocols import Encoder
 
 if TYPE_CHECKING:
@@ -26,6 +29,8 @@ FLAGS: tuple[Flag, ...] = get_args(Flag)
 UNTOLD: Final = frozenset[Flag]({"no driving", "language", "far", "impossible", "not answered"})
 """Flags of texts that get no figure."""
 
+_UNUSABLE: Final = frozenset[Flag]({"no driving", "language", "impossible"})
+"""Flags of wordings that no rate can be compared with."""
 _NONE: Vectors = np.empty((0, 0), np.float32)
 _LONG = 1_000
 _FEWEST_KNOWN = 0.4
@@ -148,7 +153,8 @@ def estimated(
     per_text = []
     for place, text in enumerate(texts):
         flags = _flags(text, head, found, place)
-        if place in off_topic and found.best[place] < _RARE:
+        is_refused = place in off_topic and found.best[place] < _RARE
+        if "language" not in flags and (is_refused or not names_road(text)):
             flags.append("no driving")
         values = (found.low[place], found.best[place], found.high[place])
         low, best, high = (
@@ -178,10 +184,22 @@ def estimated_km(encoder: Encoder | None, text: str) -> float | None:
 
 
 def anchor_estimates(space: "Space", anchors: Sequence[Rate]) -> list[float]:
-    """Return the head's estimate of each anchor, the mean over its wordings."""
+    """Return the head's estimate of each anchor, the mean over its wordings.
+
+    Raises:
+        DataError: If a wording tells of no driving, of something impossible, or is not in English.
+    """
     wordings = [text for rate in anchors for text in rate.texts]
     head, vectors = head_for(space.encoder.name, lambda: space.vectors(wordings))
-    best = iter(head.estimate(wordings, vectors).best)
+    found = head.estimate(wordings, vectors)
+    faults = [
+        Issue("texts", f"{cut(text)!r} cannot be estimated: {flags[0]}")
+        for place, text in enumerate(wordings)
+        if (flags := sorted(_UNUSABLE & set(_flags(text, head, found, place))))
+    ]
+    if faults:
+        raise DataError("rates", faults)
+    best = iter(found.best)
     return [float(np.mean([next(best) for _ in rate.texts])) for rate in anchors]
 
 
@@ -189,7 +207,7 @@ def _flags(text: str, head: Head, found: Estimates, place: int) -> list[Flag]:
     """Return the faults of a text that its words, and a head's estimate of it, show."""
     flags: list[Flag] = []
     letters = len(_LETTER.findall(text))
-    if letters < 0.5 * len(re.sub(r"\s", "", text)):
+    if letters < 0.5 * len(re.sub(r"\s", "", text)) or is_number(text):
         flags.append("no driving")
     elif found.known[place] < _FEWEST_KNOWN or len(_ASCII_LETTER.findall(text)) < 0.8 * letters:
         flags.append("language")

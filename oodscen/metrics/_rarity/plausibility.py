@@ -8,7 +8,7 @@ import re
 from typing import Final
 
 _BEINGS: Final = (
-    r"aliens?|ghosts?|unicorns?|dragons?|zombies?|wizards?|witch(?:es)?|mermaids?|werewol(?:f|ves)|vampires?|"
+    r"aliens?|ghosts?(?! (?:drivers?|riders?)\b)|unicorns?|dragons?|zombies?|wizards?|witch(?:es)?|mermaids?|werewol(?:f|ves)|vampires?|"
     r"godzilla|sorcerers?|dinosaurs?|mammoths?|centaurs?|trolls?|goblins?|spaceships?|starships?|ufos?|flying saucers?"
 )
 _DISPLAYED = re.compile(
@@ -33,7 +33,7 @@ _IMPOSSIBLE = tuple(
         r"\b(?:passes|walks|drives|goes|runs) (?:straight |right )?through (?:a |the )?(?:solid |brick |concrete )?"
         r"(?:walls?|other cars?|the truck|solid rock)\b(?! opening| gap)",
         r"\b(?:gravity|time) (?:\w+ )?(?:reverses?|stops|stands still|runs backwards?|is switched off|no longer)\b",
-        r"\b(?:moon (?:\w+ )?falls|(?:sun|moon) (?:\w+ )?(?:explodes|goes out|lands|crashes))\b",
+        r"\b(?:moon (?:\w+ )?(?:falls|lands|crashes)|(?:sun|moon) (?:\w+ )?(?:explodes|goes out))\b",
         rf"\b{_ROOTED} (?:\w+ )?(?:walks?|jumps?|dances?|drives?|speaks?|talks?|sings?|chases?|swims?)\b",
         rf"\b{_GROUND} (?:\w+ )?(?:transforms|morphs) into\b",
         rf"\b{_GROUND} (?:\w+ )?(?:turns|changes) into (?:a |an )?(?:swan|bird|frog|dog|cat|horse|cow|elephant|snake|fish|"

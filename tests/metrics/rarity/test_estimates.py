@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from oodscen import Metrics
 from oodscen.errors import DataError
+from oodscen.metrics._rarity.anchors import Rate
 from oodscen.metrics._rarity.estimates import UNTOLD, Rarity, TextRarity
 from oodscen.testing._encoder import HashEncoder
 
@@ -37,6 +38,9 @@ def test_every_text_has_a_figure_in_order_or_a_reason(texts):
     ("text", "flag"),
     [
         ("12345 67890", "no driving"),
+        ("5 km", "no driving"),
+        ("three thousand two hundred", "no driving"),
+        ("I like to bake bread with rye flour.", "no driving"),
         ("Ein Reh springt auf die Straße und das Auto bremst.", "language"),
         ("鹿が道路に飛び出した。", "language"),
         ("A unicorn stands in the lane of the road.", "impossible"),
@@ -74,7 +78,7 @@ def test_rare_is_rarer_than_ordinary():
 
 def test_a_band_of_rarity_leaves_out_what_cannot_be_told():
     texts = ["The bridge ahead has collapsed.", "12345", "The car ahead waits at the red light."]
-    found = METRICS.band(texts, 4.0, 7.5, definition="rarity")
+    found = METRICS.band(texts, 4.0, 9.0, definition="rarity")
     assert found.indices == (0,)
     assert found.scores[1] is None
     assert found.below == 1
@@ -83,3 +87,22 @@ def test_a_band_of_rarity_leaves_out_what_cannot_be_told():
 def test_disordered_figures_are_refused():
     with pytest.raises(DataError):
         TextRarity.parse({"low": 5.0, "best": 4.0, "high": 6.0})
+
+
+@pytest.mark.parametrize("texts", [None, 3.0, "one string", b"bytes", [None], [3.0], [], [" "]])
+def test_what_is_no_set_of_texts_is_refused(texts):
+    with pytest.raises(DataError):
+        METRICS.rarity(texts)
+
+
+@pytest.mark.parametrize(
+    "wording", ["12345", "A unicorn stands in the lane of the road.", "ein Reh"]
+)
+def test_rates_of_what_cannot_be_estimated_are_refused(wording):
+    rate = Rate(event="x", km=(1.0, 2.0, 3.0), source="fleet", texts=("A red light.", wording))
+    with pytest.raises(DataError):
+        METRICS.rarity(["A red light."], anchors=[rate])
+
+
+def test_published_rates_can_be_estimated():
+    assert METRICS.rarity(["A red light."], anchors="published").calibration.anchors == 53

@@ -1,0 +1,42 @@
+"""Signs that a text is not about driving on a road."""
+
+import re
+from functools import cache
+from typing import Final
+
+from oodscen.metrics._rarity.words import stems
+
+_ROAD: Final = """
+accident ahead alley ambulance asphalt autobahn avenue barrier bend bicycle bike bollard bonnet brake braking bridge bumper bus bypass
+car caravan carriageway coach collide collision cone convoy crash crossing crossroads curb cycle cycling cyclist dashboard drive driver
+drives driveway driving drove ego engine estate exit expressway flyover footbridge footpath footway freeway gantry garage green guardrail hatchback headlamp headlight hearse
+highway indicator intersection jeep junction kerb kilometre km lamp lane level light lorry mirror moped motorbike motorcycle motorist
+motorway oncoming overpass overtake park parking pass passes pavement pedestrian petrol pickup police pothole queue rail railway ramp red
+rider road roundabout saloon scooter sedan shoulder sidewalk signal slip speed steer steering street suv swerve tanker tarmac taxi toll
+tractor traffic trailer train tram trolley truck tunnel tyre tire underpass van vehicle verge viaduct wagon walk wheel wheelchair windscreen windshield
+wiper zebra
+"""
+_FEWEST = 6
+"""Words of a text that must name something of the road: a shorter one may be the label of a kind."""
+_WORD = re.compile(r"[^\W\d_]+")
+_NUMBERS: Final = frozenset(
+    "zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen nineteen "
+    "twenty thirty forty fifty sixty seventy eighty ninety hundred hundreds thousand thousands million millions billion billions "
+    "and a about once in every per point half minus km kilometre kilometres kilometer kilometers mile miles metre metres".split()
+)
+
+
+def is_number(text: str) -> bool:
+    """Return whether a text says nothing but numbers and units of length."""
+    return all(word in _NUMBERS for word in _WORD.findall(text[:1_000].lower()))
+
+
+def names_road(text: str) -> bool:
+    """Return whether a text names a road, a vehicle or one who uses them, or is too short to have to."""
+    found = stems(text)
+    return len(found) < _FEWEST or not _road().isdisjoint(found)
+
+
+@cache
+def _road() -> frozenset[str]:
+    return frozenset(stems(_ROAD))
