@@ -1,4 +1,4 @@
-"""Exports of a study's scenes and twins, judged by esmini, ASAM's checkers and our own reader.
+"""Exports of a study's scenes, twins and demands, judged by esmini, ASAM's checkers and our own reader.
 
 usage: interchange.py [STUDY] [--every N] [--json] [--skip PART ...]
 
@@ -27,6 +27,7 @@ from lxml import etree
 
 from oodscen import Episode, Scene, Study, make_catalogue
 from oodscen.data import Catalogue
+from oodscen.data._pairing import scene_of
 from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.boxes import Box, gap
@@ -116,6 +117,8 @@ EGOS = {"blind": Cruise, "slower": _Slower, "faster": _Faster}
 PARTS = ("export", "checks", "round", "traces", "replay", "reactive")
 TTC_SCENES = 50
 """Number of scenes in which omega-prime's time to collision is compared with ours."""
+_SLIDES = 0.02
+"""Sine of the angle between motion and heading from which a body slides."""
 FOUND: dict[str, object] = {}
 """The results by name."""
 
@@ -135,10 +138,13 @@ def main() -> None:
     if given.study is None:
         lines = SAMPLE.read_text("utf-8").splitlines()
         scenes, catalogue = [Scene.parse(line) for line in lines], make_catalogue("pybullet")
+        demands = dict[str, Scene]()
     else:
         study = Study.open(given.study)
         scenes, catalogue = study.scenes, make_catalogue(study.config.simulator)
+        demands = {scene_of(one.id): one for one in study.demands}
     scenes = scenes[:: given.every]
+    scenes += [demands[one.id] for one in scenes if one.id in demands]
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         if "export" not in given.skip:
@@ -167,7 +173,8 @@ def round_trips(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None
 def with_twins(scenes: list[Scene], catalogue: Catalogue) -> Iterator[Scene]:
     for scene in scenes:
         yield scene
-        yield ordinary_twin(scene, catalogue)
+        if not scene.is_ordinary:
+            yield ordinary_twin(scene, catalogue)
 
 
 def export(scenes: list[Scene], catalogue: Catalogue, folder: Path, checks: bool) -> None:
@@ -235,18 +242,22 @@ def traces(scenes: list[Scene], catalogue: Catalogue, folder: Path, interpreter:
     )
 
 
-def ttc_apart(
-    scene: Scene, catalogue: Catalogue, told: Sequence[tuple[int, int, float]]
-) -> float:
+def ttc_apart(scene: Scene, catalogue: Catalogue, told: Sequence[tuple[int, int, float]]) -> float:
     """Return the largest relative difference between omega-prime's time to collision and ours.
 
-    Both are between centres along the ego's way; ours is taken from the states of the simulation.
+    Both are between centres along the ego's way; ours is taken from the states of the simulation. Moments at which
+    a body slides off its heading are left out: omega-prime takes motion to be along the heading.
     """
     run = replayed(scene, UnrenderedSimulator(catalogue), "keep_speed", 0)
     corridor = load_corridor(find_map(scene.map, catalogue))
+    ways = np.gradient(run.poses[:, :, :2], run.dt, axis=0)
     worst = 0.0
     for row, nanos, its in told:
         step = round(nanos * 1e-9 / run.dt)
+        vx, vy = ways[step, row]
+        slide = np.arctan2(vy, vx) - run.poses[step, row, 3]
+        if np.hypot(vx, vy) > 0.1 and abs(np.sin(slide)) > _SLIDES:
+            continue
         speeds = [
             run.speeds[step, body]
             * corridor.alignment(run.places[step, body, 0], run.poses[step, body, 3])

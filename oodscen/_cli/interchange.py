@@ -40,7 +40,7 @@ _PART = 24
 @click.option(
     "--to",
     "form",
-    type=click.Choice(("openscenario", "openlabel", "osi", "mcap")),
+    type=click.Choice(("openscenario", "openlabel", "osi", "mcap", "rerun")),
     default="openscenario",
     show_default=True,
     help="Format.",
@@ -69,7 +69,10 @@ _PART = 24
 )
 @click.option("--ego/--no-ego", default=True, show_default=True, help="Write the ego's course.")
 @click.option(
-    "--twins/--no-twins", default=True, show_default=True, help="Write the ordinary twins and demands as well."
+    "--twins/--no-twins",
+    default=True,
+    show_default=True,
+    help="Write the ordinary twins and demands as well.",
 )
 @click.option("--logical", is_flag=True, help="Write the ranges of the scenes' parameters as well.")
 @click.option("--limit", type=click.IntRange(min=1), help="Write at most this many scenes.")
@@ -92,11 +95,12 @@ def export(
 
     The scenes are those of a study, or of a file with one scene per line. `openscenario` writes OpenSCENARIO XML with
     OpenDRIVE, `openlabel` tags of the operational design domain and behaviour, `osi` a trace of ground truth, `mcap`
-    the same trace with its map in one file. Scenes that cannot be written are reported on standard error, and the
-    exit code is then 1.
+    the same trace with its map in one file, `rerun` a recording for the Rerun viewer. Scenes that cannot be written
+    are reported on standard error, and the exit code is then 1.
     """
     scenes, catalogue, known = _scenes(place, simulator)
     scenes = scenes[:limit]
+    options["simulator"] = _simulator_of(place, simulator)
     if not options["twins"]:
         known = known._replace(demands={})
     out.mkdir(parents=True, exist_ok=True)
@@ -173,6 +177,13 @@ def _write(
         form = options["form"]
         trace = osi_trace(scene, catalogue, action=options["action"], seed=seed, container=form)
         replace(out / f"{scene.id}.{form}", trace)
+    elif options["form"] == "rerun":
+        from oodscen import make_simulator
+        from oodscen.interchange._traces.rerun_files import write_rerun
+
+        with make_simulator(options["simulator"]) as drawing:
+            path = out / f"{scene.id}.rrd"
+            write_rerun(scene, drawing, path, action=options["action"], seed=seed)
     else:
         chosen = {name: options[name] for name in ("mode", "target", "action", "ego")}
         file = to_openscenario(scene, catalogue, seed=seed, properties=known(scene), **chosen)
@@ -355,6 +366,13 @@ class _Known(NamedTuple):
 
         text, run = self.scenarios.get(scene.scenario_id), self.episodes.get(scene.id)
         return facts(scene, text, self.claims(scene), run)
+
+
+def _simulator_of(place: Path, simulator: str) -> str:
+    """Return the name of a study's own simulator, or for a file that of the option."""
+    from oodscen.study._study import Study
+
+    return Study.open(place).config.simulator if place.is_dir() else simulator
 
 
 def _scenes(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, _Known]:

@@ -60,10 +60,10 @@ def mcap_messages(data: bytes, source: str) -> Iterator[bytes]:
         MissingExtra: If the packages for MCAP are not installed.
     """
     _library()
-    from mcap.reader import make_reader
+    from mcap.reader import SeekingReader
 
-    reader = make_reader(io.BytesIO(data), record_size_limit=_MAX_RECORD_BYTES)
     try:
+        reader = SeekingReader(io.BytesIO(data), record_size_limit=_MAX_RECORD_BYTES)
         summary = reader.get_summary()
         chunks = summary.chunk_indexes if summary is not None else []
         if max((one.uncompressed_size for one in chunks), default=0) > _MAX_RECORD_BYTES:

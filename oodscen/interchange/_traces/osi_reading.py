@@ -54,7 +54,9 @@ def _mcap_objects(data: bytes, source: str) -> Iterator[Row]:
         try:
             yield from _ground_truth(message)
         except (ValueError, struct.error, IndexError) as error:
-            raise DataError(_NOUN, [Issue(f"message {number}", str(error))], source=source) from None
+            raise DataError(
+                _NOUN, [Issue(f"message {number}", str(error))], source=source
+            ) from None
 
 
 def _ground_truth(message: bytes) -> Iterator[Row]:
