@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from oodscen._cli.completion import ComponentName
 from oodscen._cli.options import json_option, seed_option, simulator_option
 from oodscen._cli.output import read_lines, say, tracked, write
 from oodscen._cli.paths import READABLE, PathName
@@ -206,23 +207,35 @@ def _write(
     "--map", "road", help="Map of the catalogue, or .xodr file, in place of the file's own."
 )
 @click.option("--hazard", "hazards", multiple=True, help="Name of an unusual entity; repeatable.")
+@click.option(
+    "--llm",
+    type=ComponentName("llm"),
+    help="Model that names the unusual entities of files of others, without --hazard.",
+)
+@click.option("--api-base", help="Address of an OpenAI-compatible server.")
 @simulator_option
 def import_(
-    files: tuple[Path, ...], road: str | None, hazards: tuple[str, ...], simulator: str
+    files: tuple[Path, ...],
+    road: str | None,
+    hazards: tuple[str, ...],
+    llm: str | None,
+    api_base: str | None,
+    simulator: str,
 ) -> None:
     """Read OpenSCENARIO XML files as scenes, one per line on standard output.
 
     What a scene cannot hold is listed on standard error with its line and element. A file that cannot be read is
     reported, and the exit code is then 1.
     """
-    from oodscen import make_simulator
+    from oodscen import make_llm, make_simulator
     from oodscen.interchange import read_openscenario
 
+    model = make_llm(llm, api_base=api_base) if llm else None
     catalogue = make_simulator(simulator).catalogue()
     failed = 0
     for path in files:
         try:
-            found = read_openscenario(path, catalogue, road=road, hazards=hazards)
+            found = read_openscenario(path, catalogue, road=road, hazards=hazards, llm=model)
         except OodscenError as error:
             say(str(error), err=True)
             failed += 1

@@ -1,8 +1,8 @@
 import re
 from pathlib import Path
 
-from oodscen.interchange._reading.actions import _KNOWN
 from oodscen._cli.interchange import export
+from oodscen.interchange._reading.actions import _KNOWN
 from oodscen.interchange._support import (
     ELEMENTS,
     FORMATS,

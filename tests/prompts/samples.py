@@ -17,6 +17,7 @@ from oodscen.prompts._scenario.describe_path import DescribePath
 from oodscen.prompts._scenario.design_prop import DesignProp, KnownPart
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
+from oodscen.prompts._scenario.mark_hazard import ActorLine, MarkHazard
 from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.prompts._tree.classify_examples import ClassifyExamples
 from oodscen.prompts._tree.give_examples import GiveExamples
@@ -114,6 +115,15 @@ SAMPLES = (
     DescribeOrdinary(text="A stag leaps onto the road.", path=PATH),
     EstimateRarity(texts=("A stag leaps onto the road.", "Rain."), population="cars"),
     ExtractClaims(text="A stag leaps onto the road at night."),
+    MarkHazard(
+        title="AEB at night",
+        actors=(
+            ActorLine(
+                id="vut", what="a car", does="follow_lane: drives", ahead_m=40.5, left_m=0.25
+            ),
+            ActorLine(id="stag", what="a deer", does="bolt: runs", ahead_m=60.5, left_m=-4.25),
+        ),
+    ),
     StageScene(
         text="A stag leaps onto the road.",
         path=PATH,
