@@ -22,7 +22,7 @@ from oodscen.data._episode import ACTIONS, Episode
 from oodscen.data._pairing import is_twin, scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.errors import OodscenError, UsageError
+from oodscen.errors import MissingExtra, OodscenError, UsageError
 
 if TYPE_CHECKING:
     from oodscen.interchange._verdicts.judging import PlayedVerdict
@@ -153,9 +153,11 @@ def write_scenes(
 
 @contextmanager
 def _kept(faults: list[str], name: str) -> Iterator[None]:
-    """Keep an error about an item as a line, and go on."""
+    """Keep an error about an item as a line, and go on; a missing package would fail every item."""
     try:
         yield
+    except MissingExtra:
+        raise
     except OodscenError as error:
         faults.append(f"{name}: {error}")
 
@@ -190,15 +192,10 @@ def _write(
         file = to_openscenario(scene, catalogue, seed=seed, properties=known(scene), **chosen)
         file.save(out)
         if options["logical"] and not scene.is_ordinary:
-            is_same = options["mode"] == "reactive" and options["target"] != "carla-scenario-runner"
-            write_logical(
-                scene,
-                catalogue,
-                out,
-                claims=known.claims(scene),
-                seed=seed,
-                file=file if is_same else None,
-            )
+            is_12 = options["target"] != "carla-scenario-runner"
+            given = file if options["mode"] == "reactive" and is_12 else None
+            claims = known.claims(scene)
+            write_logical(scene, catalogue, out, claims=claims, seed=seed, file=given)
 
 
 @click.command("import")
@@ -266,8 +263,8 @@ def verdict(
 ) -> None:
     """Judge runs that another player drove, by the poses that it wrote.
 
-    Each file has the name of its scene or ordinary drive: SCENE.csv, SCENE.osi or SCENE.mcap. The exit code is 1 if a file could not be
-    judged; a collision is not a failure.
+    Each file has the name of its scene or ordinary drive: SCENE.csv, SCENE.osi or SCENE.mcap. The exit code is 1 if a
+    file could not be judged; a collision is not a failure.
     """
     from oodscen.interchange import verdict as judge
 

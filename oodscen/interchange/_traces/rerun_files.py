@@ -3,11 +3,13 @@
 import math
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._files import replace
 from oodscen.data._episode import ACTIONS, NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.driving import action_driver, load_corridor
@@ -73,21 +75,31 @@ def write_rerun(
         name: replayed(scene, unrendered, name, seed) for name in dict.fromkeys((action, *ACTIONS))
     }
     bodies = entities(scene, catalogue)
-    # Nothing writes to a stream that is closed: the file is whole when this returns.
-    with rerun.RecordingStream("oodscen", recording_id=scene.id) as stream:
-        stream.save(path, default_blueprint=_views(rerun))
-        log = _Log(rerun, stream)
-        log.lanes(corridor)
-        log.bodies(scene, bodies, runs[action])
-        for name, run in runs.items():
-            log.action(name, run)
-        camera = camera_for(catalogue)
-        log.camera(camera)
-        steps = max(1, round(every_s / simulator.dt))
-        for number, state in enumerate(_states(scene, simulator, action, seed)):
-            if number % steps == 0:
-                log.picture(state.time, simulator, camera)
-        stream.flush()
+    with TemporaryDirectory() as folder:
+        part = Path(folder) / "run.rrd"
+        with rerun.RecordingStream("oodscen", recording_id=scene.id) as stream:
+            stream.save(part, default_blueprint=_views(rerun))
+            log = _Log(rerun, stream)
+            log.lanes(corridor)
+            log.bodies(scene, bodies, runs[action])
+            for name, run in runs.items():
+                log.action(name, run)
+            _film(log, scene, simulator, action, seed, every_s)
+            stream.flush()
+        stream.disconnect()
+        replace(Path(path), part.read_bytes())
+
+
+def _film(
+    log: "_Log", scene: Scene, simulator: Simulator, action: str, seed: int, every_s: float
+) -> None:
+    """Write what the ego's camera sees at regular times."""
+    camera = camera_for(simulator.catalogue())
+    log.camera(camera)
+    steps = max(1, round(every_s / simulator.dt))
+    for number, state in enumerate(_states(scene, simulator, action, seed)):
+        if number % steps == 0:
+            log.picture(state.time, simulator, camera)
 
 
 def _states(scene: Scene, simulator: Simulator, action: str, seed: int) -> Iterator[State]:
