@@ -115,6 +115,13 @@ SAMPLES = (
     DescribeOrdinary(text="A stag leaps onto the road.", path=PATH),
     EstimateRarity(texts=("A stag leaps onto the road.", "Rain."), population="cars"),
     ExtractClaims(text="A stag leaps onto the road at night."),
+    StageScene(
+        text="A stag leaps onto the road.",
+        path=PATH,
+        claims=(Claim(kind="thing", value="present", subject="stag", quote="A stag"),),
+        roads=("avenue",),
+        catalogue=DIGEST,
+    ),
     MarkHazard(
         title="AEB at night",
         actors=(
@@ -123,13 +130,6 @@ SAMPLES = (
             ),
             ActorLine(id="stag", what="a deer", does="bolt: runs", ahead_m=60.5, left_m=-4.25),
         ),
-    ),
-    StageScene(
-        text="A stag leaps onto the road.",
-        path=PATH,
-        claims=(Claim(kind="thing", value="present", subject="stag", quote="A stag"),),
-        roads=("avenue",),
-        catalogue=DIGEST,
     ),
     DescribeFrame(frames=FRAMES, descriptions=SEEN[:2], total=5),
     NameAspect(frames=FRAMES, descriptions=SEEN, facts=FACTS, rear=REAR),
