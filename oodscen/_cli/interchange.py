@@ -227,7 +227,9 @@ def import_(
     from oodscen import make_llm, make_simulator
     from oodscen.interchange import read_openscenario
 
-    model = make_llm(llm, api_base=api_base) if llm else None
+    if api_base is not None and llm is None:
+        raise UsageError("--api-base is the address of a model; name it with --llm")
+    model = make_llm(llm, api_base=api_base) if llm is not None else None
     catalogue = make_simulator(simulator).catalogue()
     failed = 0
     for path in files:

@@ -105,4 +105,5 @@ def _message_types(kind: str) -> bytes:
     for one in described.file:
         one.source_code_info = None
     kept = [one for one in described.file if one.name in needed]
-    return FileDescriptorSet(file=kept).to_binary()
+    encoded: bytes = FileDescriptorSet(file=kept).to_binary()
+    return encoded
