@@ -42,7 +42,7 @@ def write_logical(
         folder: Where to write.
         claims: The claims of its text, which every end of a range keeps true.
         seed: Seed of the scene's random streams, and of the stochastic distribution.
-        file: The scene's reactive file, if there is one already; by default it is written anew.
+        file: The scene's reactive file, if there is one already; by default it is made here.
 
     Returns:
         The paths of the files; none if no parameter of the scene has a range.
