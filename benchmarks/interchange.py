@@ -1,4 +1,4 @@
-"""Exports of a study's scenes and twins, judged by esmini, ASAM's checkers and our own reader.
+"""Exports of a study's scenes, twins and demands, judged by esmini, ASAM's checkers and our own reader.
 
 usage: interchange.py [STUDY] [--every N] [--json] [--skip PART ...]
 
@@ -6,7 +6,8 @@ Without a study, the thirty scenes of the tests are taken. The results are print
 object at the end.
 
 `ESMINI_LIB` is the path of esmini's library; without it nothing is played. `ASAM_PYTHON` is an interpreter with
-`asam-qc-openscenarioxml` and `asam-qc-opendrive`; without it nothing is checked.
+`asam-qc-openscenarioxml` and `asam-qc-opendrive`; without it nothing is checked. `OMEGA_PYTHON` is an interpreter with
+`omega-prime`; without it no trace is validated.
 """
 
 import argparse
@@ -26,12 +27,13 @@ from lxml import etree
 
 from oodscen import Episode, Scene, Study, make_catalogue
 from oodscen.data import Catalogue
+from oodscen.data._pairing import scene_of
 from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._motion.triggers import is_due
 from oodscen.driving._roads.building import find_map
-from oodscen.interchange import read_openscenario, to_openscenario, verdict
+from oodscen.interchange import osi_trace, read_openscenario, to_openscenario, verdict
 from oodscen.interchange._recording import (
     Recording,
     UnrenderedSimulator,
@@ -73,6 +75,28 @@ print(json.dumps([total, found]))
 """
 
 
+_OMEGA = """
+import json, sys, warnings
+warnings.simplefilter("ignore")
+from omega_prime import Recording, metrics
+wanted = metrics.MetricManager(metrics=[
+    metrics.vel, metrics.distance_traveled, metrics.timegaps_and_min_timegaps, metrics.curvilinear_projection,
+    metrics.ttc_and_thw,
+])
+found = {}
+for path in sys.argv[1:]:
+    try:
+        run = Recording.from_file(path, validate=True, parse_map=True)
+        assert run.map is not None, "has no map"
+        table = wanted.compute(run, ego_id=run.host_vehicle_idx)[1]["ttc_and_thw"]
+        columns = [table[name].to_list() for name in ("idx", "total_nanos_ego", "TTC")]
+        found[path] = [row for row in zip(*columns) if row[2] is not None]
+    except Exception as error:
+        found[path] = f"{type(error).__name__}: {error}"[:500]
+print(json.dumps(found))
+"""
+
+
 class _Slower(Cruise):
     """Brakes gently for a while, then holds its speed."""
 
@@ -90,7 +114,11 @@ SAMPLE = Path(__file__).parents[1] / "tests" / "interchange" / "scenes.jsonl"
 EGOS = {"blind": Cruise, "slower": _Slower, "faster": _Faster}
 
 
-PARTS = ("export", "checks", "round", "replay", "reactive")
+PARTS = ("export", "checks", "round", "traces", "replay", "reactive")
+TTC_SCENES = 50
+"""Number of scenes in which omega-prime's time to collision is compared with ours."""
+_SLIDES = 0.02
+"""Sine of the angle between motion and heading from which a body slides."""
 FOUND: dict[str, object] = {}
 """The results by name."""
 
@@ -110,16 +138,22 @@ def main() -> None:
     if given.study is None:
         lines = SAMPLE.read_text("utf-8").splitlines()
         scenes, catalogue = [Scene.parse(line) for line in lines], make_catalogue("pybullet")
+        demands = dict[str, Scene]()
     else:
         study = Study.open(given.study)
         scenes, catalogue = study.scenes, make_catalogue(study.config.simulator)
+        demands = {scene_of(one.id): one for one in study.demands}
     scenes = scenes[:: given.every]
+    scenes += [demands[one.id] for one in scenes if one.id in demands]
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         if "export" not in given.skip:
             export(scenes, catalogue, folder, "checks" not in given.skip)
         if "round" not in given.skip:
             round_trips(scenes, catalogue, folder / "round")
+        interpreter = os.environ.get("OMEGA_PYTHON")
+        if interpreter and "traces" not in given.skip:
+            traces(scenes, catalogue, folder / "traces", interpreter)
         if LIBRARY and "replay" not in given.skip:
             replays(scenes, catalogue, folder / "played")
         if LIBRARY and "reactive" not in given.skip:
@@ -139,7 +173,8 @@ def round_trips(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None
 def with_twins(scenes: list[Scene], catalogue: Catalogue) -> Iterator[Scene]:
     for scene in scenes:
         yield scene
-        yield ordinary_twin(scene, catalogue)
+        if not scene.is_ordinary:
+            yield ordinary_twin(scene, catalogue)
 
 
 def export(scenes: list[Scene], catalogue: Catalogue, folder: Path, checks: bool) -> None:
@@ -170,6 +205,68 @@ def check(mode: str, interpreter: str, paths: list[Path]) -> None:
         count, issues = json.loads(done.stdout.splitlines()[-1])
         total, found = total + count, found + issues
     tell(f"issues of ASAM's checkers, {mode}", f"{len(found)} in {total} files", found[:5])
+
+
+def traces(scenes: list[Scene], catalogue: Catalogue, folder: Path, interpreter: str) -> None:
+    """Have omega-prime validate traces, and compare its time to collision with ours."""
+    folder.mkdir()
+    seen, valid, apart, misses = 0, 0, dict[str, float](), []
+    for first in range(0, len(scenes), 20):
+        part = scenes[first : first + 20]
+        for one in part:
+            path = folder / f"{one.id}.mcap"
+            path.write_bytes(osi_trace(one, catalogue, container="mcap"))
+        paths = [str(folder / f"{one.id}.mcap") for one in part]
+        done = subprocess.run(
+            [interpreter, "-c", _OMEGA, *paths], capture_output=True, text=True, check=True
+        )
+        told = json.loads(done.stdout.splitlines()[-1])
+        for one, path in zip(part, paths, strict=True):
+            if isinstance(told[path], str):
+                misses.append(f"{one.id}: {told[path]}")
+                continue
+            valid += 1
+            if told[path]:
+                apart[one.id] = ttc_apart(one, catalogue, told[path])
+        seen += len(part)
+        if len(apart) >= TTC_SCENES:
+            break
+    misses += [f"{name}: {share:.4f}" for name, share in apart.items() if share > 0.01]
+    near = sum(share <= 0.01 for share in apart.values())
+    tell("traces in MCAP that are valid for omega-prime", f"{valid} of {seen}")
+    worst = f"; worst {max(apart.values()):.2%}" if apart else ""
+    tell(
+        "scenes whose time to collision by omega-prime is within 1 %",
+        f"{near} of {len(apart)}{worst}",
+        misses,
+    )
+
+
+def ttc_apart(scene: Scene, catalogue: Catalogue, told: Sequence[tuple[int, int, float]]) -> float:
+    """Return the largest relative difference between omega-prime's time to collision and ours.
+
+    Both are between centres along the ego's way; ours is taken from the states of the simulation. Moments at which
+    a body slides off its heading are left out: omega-prime takes motion to be along the heading.
+    """
+    run = replayed(scene, UnrenderedSimulator(catalogue), "keep_speed", 0)
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    ways = np.gradient(run.poses[:, :, :2], run.dt, axis=0)
+    worst = 0.0
+    for row, nanos, its in told:
+        step = round(nanos * 1e-9 / run.dt)
+        vx, vy = ways[step, row]
+        slide = np.arctan2(vy, vx) - run.poses[step, row, 3]
+        if np.hypot(vx, vy) > 0.1 and abs(np.sin(slide)) > _SLIDES:
+            continue
+        speeds = [
+            run.speeds[step, body]
+            * corridor.alignment(run.places[step, body, 0], run.poses[step, body, 3])
+            for body in (0, row)
+        ]
+        ahead = run.places[step, row, 0] - run.places[step, 0, 0]
+        ours = ahead / (speeds[0] - speeds[1]) if speeds[0] != speeds[1] else np.inf
+        worst = max(worst, abs(its - ours) / abs(ours))
+    return float(worst)
 
 
 def replays(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:

@@ -34,6 +34,8 @@ PROMISES = {
     "highway": ("highway_env", "oodscen_highway"),
     "sumo": ("sumo", "libsumo", "oodscen_sumo"),
     "browser": ("playwright",),
+    "osi": ("betterosi",),
+    "rerun": ("rerun",),
     "exchange-checks": ("qc_openscenario", "qc_opendrive"),
 }
 """Modules that an extra makes importable."""

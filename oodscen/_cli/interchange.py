@@ -3,13 +3,15 @@
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import starmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from oodscen._cli.completion import ComponentName
 from oodscen._cli.options import json_option, seed_option, simulator_option
 from oodscen._cli.output import read_lines, say, tracked, write
 from oodscen._cli.paths import READABLE, PathName
@@ -17,10 +19,10 @@ from oodscen._processes import Processes
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._episode import ACTIONS, Episode
-from oodscen.data._pairing import is_twin, scene_of
+from oodscen.data._pairing import is_twin, scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.errors import OodscenError, UsageError
+from oodscen.errors import MissingExtra, OodscenError, UsageError
 
 if TYPE_CHECKING:
     from oodscen.interchange._verdicts.judging import PlayedVerdict
@@ -39,7 +41,7 @@ _PART = 24
 @click.option(
     "--to",
     "form",
-    type=click.Choice(("openscenario", "openlabel", "osi")),
+    type=click.Choice(("openscenario", "openlabel", "osi", "mcap", "rerun")),
     default="openscenario",
     show_default=True,
     help="Format.",
@@ -68,7 +70,10 @@ _PART = 24
 )
 @click.option("--ego/--no-ego", default=True, show_default=True, help="Write the ego's course.")
 @click.option(
-    "--twins/--no-twins", default=True, show_default=True, help="Write the twins as well."
+    "--twins/--no-twins",
+    default=True,
+    show_default=True,
+    help="Write the ordinary twins and demands as well.",
 )
 @click.option("--logical", is_flag=True, help="Write the ranges of the scenes' parameters as well.")
 @click.option("--limit", type=click.IntRange(min=1), help="Write at most this many scenes.")
@@ -87,14 +92,18 @@ def export(
     simulator: str,
     **options: Any,
 ) -> None:
-    """Write scenes and their twins into a folder.
+    """Write scenes and their ordinary drives (twins and demands) into a folder.
 
     The scenes are those of a study, or of a file with one scene per line. `openscenario` writes OpenSCENARIO XML with
-    OpenDRIVE, `openlabel` tags of the operational design domain and behaviour, `osi` a trace of ground truth. Scenes
-    that cannot be written are reported on standard error, and the exit code is then 1.
+    OpenDRIVE, `openlabel` tags of the operational design domain and behaviour, `osi` a trace of ground truth, `mcap`
+    the same trace with its map in one file, `rerun` a recording for the Rerun viewer. Scenes that cannot be written
+    are reported on standard error, and the exit code is then 1.
     """
     scenes, catalogue, known = _scenes(place, simulator)
     scenes = scenes[:limit]
+    options["simulator"] = _simulator_of(place, simulator)
+    if not options["twins"]:
+        known = known._replace(demands={})
     out.mkdir(parents=True, exist_ok=True)
     written, faults = 0, list[str]()
     parts = [scenes[first : first + _PART] for first in range(0, len(scenes), _PART)]
@@ -104,7 +113,7 @@ def export(
         faults += errors
     for fault in faults:
         say(fault, err=True)
-    say(f"{written} files in {out}, {len(faults)} of {len(scenes)} scenes failed", err=True)
+    say(f"{written} files in {out}, {len(faults)} failed", err=True)
     sys.exit(bool(faults))
 
 
@@ -127,16 +136,30 @@ def write_scenes(
     options: dict[str, Any],
 ) -> _Written:
     """Write some scenes, and return the number of files and the faults of scenes that cannot be written."""
+    from oodscen.interchange._recording import ordinary_twin
+
     written, faults = 0, list[str]()
     for scene in scenes:
-        try:
-            twins = options["twins"]
-            for item in _with_twin(scene, catalogue, options["seed"]) if twins else (scene,):
+        items = [scene, *known.demands_of(scene)]
+        if options["twins"] and not scene.is_ordinary:
+            with _kept(faults, twin_id(scene.id)):
+                items.append(ordinary_twin(scene, catalogue, seed=options["seed"]))
+        for item in items:
+            with _kept(faults, item.id):
                 _write(item, catalogue, known, out, options)
                 written += 1
-        except OodscenError as error:
-            faults.append(f"{scene.id}: {error}")
     return written, faults
+
+
+@contextmanager
+def _kept(faults: list[str], name: str) -> Iterator[None]:
+    """Keep an error about an item as a line, and go on; a missing package would fail every item."""
+    try:
+        yield
+    except MissingExtra:
+        raise
+    except OodscenError as error:
+        faults.append(f"{name}: {error}")
 
 
 def _write(
@@ -153,15 +176,26 @@ def _write(
     seed = options["seed"]
     if options["form"] == "openlabel":
         write(out / f"{scene.id}.json", json.dumps(openlabel(scene, catalogue), indent=2))
-    elif options["form"] == "osi":
-        trace = osi_trace(scene, catalogue, action=options["action"], seed=seed)
-        replace(out / f"{scene.id}.osi", trace)
+    elif options["form"] in ("osi", "mcap"):
+        form = options["form"]
+        trace = osi_trace(scene, catalogue, action=options["action"], seed=seed, container=form)
+        replace(out / f"{scene.id}.{form}", trace)
+    elif options["form"] == "rerun":
+        from oodscen import make_simulator
+        from oodscen.interchange._traces.rerun_files import write_rerun
+
+        with make_simulator(options["simulator"]) as drawing:
+            path = out / f"{scene.id}.rrd"
+            write_rerun(scene, drawing, path, action=options["action"], seed=seed)
     else:
         chosen = {name: options[name] for name in ("mode", "target", "action", "ego")}
         file = to_openscenario(scene, catalogue, seed=seed, properties=known(scene), **chosen)
         file.save(out)
         if options["logical"] and not scene.is_ordinary:
-            write_logical(scene, catalogue, out, claims=known.claims(scene), seed=seed)
+            is_12 = options["target"] != "carla-scenario-runner"
+            given = file if options["mode"] == "reactive" and is_12 else None
+            claims = known.claims(scene)
+            write_logical(scene, catalogue, out, claims=claims, seed=seed, file=given)
 
 
 @click.command("import")
@@ -170,23 +204,37 @@ def _write(
     "--map", "road", help="Map of the catalogue, or .xodr file, in place of the file's own."
 )
 @click.option("--hazard", "hazards", multiple=True, help="Name of an unusual entity; repeatable.")
+@click.option(
+    "--llm",
+    type=ComponentName("llm"),
+    help="Model that names the unusual entities of files of others, without --hazard.",
+)
+@click.option("--api-base", help="Address of an OpenAI-compatible server.")
 @simulator_option
 def import_(
-    files: tuple[Path, ...], road: str | None, hazards: tuple[str, ...], simulator: str
+    files: tuple[Path, ...],
+    road: str | None,
+    hazards: tuple[str, ...],
+    llm: str | None,
+    api_base: str | None,
+    simulator: str,
 ) -> None:
     """Read OpenSCENARIO XML files as scenes, one per line on standard output.
 
     What a scene cannot hold is listed on standard error with its line and element. A file that cannot be read is
     reported, and the exit code is then 1.
     """
-    from oodscen import make_simulator
+    from oodscen import make_llm, make_simulator
     from oodscen.interchange import read_openscenario
 
+    if api_base is not None and llm is None:
+        raise UsageError("--api-base is the address of a model; name it with --llm")
+    model = make_llm(llm, api_base=api_base) if llm is not None else None
     catalogue = make_simulator(simulator).catalogue()
     failed = 0
     for path in files:
         try:
-            found = read_openscenario(path, catalogue, road=road, hazards=hazards)
+            found = read_openscenario(path, catalogue, road=road, hazards=hazards, llm=model)
         except OodscenError as error:
             say(str(error), err=True)
             failed += 1
@@ -217,13 +265,13 @@ def verdict(
 ) -> None:
     """Judge runs that another player drove, by the poses that it wrote.
 
-    Each file has the name of its scene or twin: SCENE.csv or SCENE.osi. The exit code is 1 if a file could not be
-    judged; a collision is not a failure.
+    Each file has the name of its scene or ordinary drive: SCENE.csv, SCENE.osi or SCENE.mcap. The exit code is 1 if a
+    file could not be judged; a collision is not a failure.
     """
     from oodscen.interchange import verdict as judge
 
-    scenes, catalogue, _ = _scenes(place, simulator)
-    by_id = {scene.id: scene for scene in scenes}
+    scenes, catalogue, known = _scenes(place, simulator)
+    by_id = {scene.id: scene for scene in (*scenes, *known.demands.values())}
     found: list[PlayedVerdict] = []
     failed = 0
     for path in files:
@@ -266,7 +314,7 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
 
     scenes, catalogue, known = _scenes(place, simulator)
     if wanted is not None:
-        scenes = [scene for scene in scenes if scene.id == wanted]
+        scenes = [one for one in (*scenes, *known.demands.values()) if one.id == wanted]
         if not scenes:
             raise UsageError(f"there is no scene {wanted!r}")
     short = 0
@@ -290,6 +338,8 @@ class _Known(NamedTuple):
     episodes: Mapping[str, Episode] = {}
     stated: Mapping[str, list[Any]] = {}
     """The claims of texts as data, by the id of their scene."""
+    demands: Mapping[str, Scene] = {}
+    """Ordinary demands by the id of their scene."""
 
     @classmethod
     def from_study(cls, study: "Study") -> "_Known":
@@ -299,6 +349,7 @@ class _Known(NamedTuple):
             {one.id: one for one in study.scenarios},
             {one.scene_id: one for one in study.episodes},
             {row["id"]: row["claims"] for row in rows},
+            _by_scene(study.demands),
         )
 
     def of(self, scenes: Sequence[Scene]) -> "_Known":
@@ -309,10 +360,17 @@ class _Known(NamedTuple):
             {name: one for name, one in self.scenarios.items() if name in texts},
             {name: one for name, one in self.episodes.items() if {name, scene_of(name)} & ids},
             {name: one for name, one in self.stated.items() if name in ids},
+            {name: one for name, one in self.demands.items() if name in ids},
         )
+
+    def demands_of(self, scene: Scene) -> list[Scene]:
+        """Return the ordinary demand of a scene, if it has one."""
+        return [self.demands[scene.id]] if scene.id in self.demands else []
 
     def claims(self, scene: Scene) -> list[Claim]:
         """Return the claims of a scene's text."""
+        if scene.demand is not None:
+            return list(scene.demand.claims)
         return [Claim.parse(one) for one in self.stated.get(scene_of(scene.id), [])]
 
     def __call__(self, scene: Scene) -> dict[str, str]:
@@ -320,6 +378,13 @@ class _Known(NamedTuple):
 
         text, run = self.scenarios.get(scene.scenario_id), self.episodes.get(scene.id)
         return facts(scene, text, self.claims(scene), run)
+
+
+def _simulator_of(place: Path, simulator: str) -> str:
+    """Return the name of a study's own simulator, or for a file that of the option."""
+    from oodscen.study._study import Study
+
+    return Study.open(place).config.simulator if place.is_dir() else simulator
 
 
 def _scenes(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, _Known]:
@@ -331,18 +396,20 @@ def _scenes(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, _Known
         study = Study.open(place)
         catalogue = make_simulator(study.config.simulator).catalogue()
         return study.scenes, catalogue, _Known.from_study(study)
-    return read_lines(Scene, place), make_simulator(simulator).catalogue(), _Known()
+    rows = read_lines(Scene, place)
+    ids = {one.id for one in rows}
+    demands = _by_scene(one for one in rows if one.demand and scene_of(one.id) in ids)
+    apart = {one.id for one in demands.values()}
+    scenes = [one for one in rows if one.id not in apart]
+    return scenes, make_simulator(simulator).catalogue(), _Known(demands=demands)
 
 
-def _with_twin(scene: Scene, catalogue: Catalogue, seed: int) -> Iterator[Scene]:
-    from oodscen.interchange._recording import ordinary_twin
-
-    yield scene
-    if not scene.is_ordinary:
-        yield ordinary_twin(scene, catalogue, seed=seed)
+def _by_scene(demands: Iterable[Scene]) -> dict[str, Scene]:
+    return {scene_of(one.id): one for one in demands}
 
 
 def _scene_named(name: str, by_id: dict[str, Scene], catalogue: Catalogue, seed: int) -> Scene:
+    """Return a scene or its ordinary drive; twins are made, as no file holds them."""
     from oodscen.interchange._recording import ordinary_twin
 
     if name in by_id:

@@ -14,7 +14,10 @@ from oodscen.errors import DataError, Issue
 from oodscen.tree._scenario_tree import ScenarioTree
 
 if TYPE_CHECKING:
+    from oodscen.interchange._tag_counts import TagCoverage
     from oodscen.protocols import Encoder
+    from oodscen.study._study import Study
+    from oodscen.tree._coverage import Coverage
 
 _TREES = ("initial", "diverse", "simulatable")
 _PLACE = PathName(exists=True, path_type=Path)
@@ -131,17 +134,35 @@ def merge(
     show_default=True,
     help="Tree to count.",
 )
-@click.option("--exit-code", is_flag=True, help="Exit with 1 if a leaf has gaps.")
+@click.option("--exit-code", is_flag=True, help="Exit with 1 if a leaf, or a tag, has gaps.")
+@click.option(
+    "--odd",
+    is_flag=True,
+    help="Count the scenes per tag of the operational design domain (ISO 34503, ISO 34504) instead.",
+)
 @json_option
-def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
+def coverage(folder: Path, which: str, exit_code: bool, odd: bool, as_json: bool) -> None:
     """Count the texts, scenes, episodes and outcomes per node of the study FOLDER, and list the gaps."""
     from oodscen.study._study import Study
     from oodscen.tree._coverage import study_coverage
 
-    found = study_coverage(Study.open(folder), which)
+    study = Study.open(folder)
+    found: Coverage | TagCoverage
+    found = _tag_coverage(study, which) if odd else study_coverage(study, which)
     say(found.model_dump_json(indent=2) if as_json else str(found))
     if exit_code and found.holes:
         click.get_current_context().exit(1)
+
+
+def _tag_coverage(study: "Study", which: str) -> "TagCoverage":
+    """Count the tags of the scenes whose texts belong to a tree of the study."""
+    from oodscen import make_simulator
+    from oodscen.interchange._tag_counts import count_tags
+
+    leaves = {node.id for node in study.tree(which).nodes}
+    texts = {text.id for text in study.scenarios if text.leaf in leaves}
+    scenes = [scene for scene in study.scenes if scene.scenario_id in texts]
+    return count_tags(scenes, make_simulator(study.config.simulator).catalogue())
 
 
 @tree.command(cls=FileCommand)

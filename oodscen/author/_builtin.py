@@ -26,6 +26,7 @@ from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary, Ordina
 from oodscen.prompts._scenario.describe_path import DescribePath, Descriptions, plain
 from oodscen.prompts._scenario.design_prop import DesignProp
 from oodscen.prompts._scenario.extract_claims import Claims, ExtractClaims
+from oodscen.prompts._scenario.mark_hazard import MarkedHazard, MarkHazard
 from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.prompts._tree.classify_examples import (
     Classification,
@@ -93,6 +94,7 @@ class BuiltinAuthor(Brief):
             DescribeOrdinary: self._ordinary,
             ExtractClaims: lambda prompt, request: Claims(claims=list(read_claims(prompt.text))),
             StageScene: self._stage,
+            MarkHazard: lambda prompt, request: _marked(prompt),
         }
 
     def __reduce__(self) -> tuple[type["BuiltinAuthor"], tuple[int, Path | None]]:
@@ -237,3 +239,11 @@ def _is_as_easy(kin: HazardKind, head: HazardKind) -> bool:
         set(getattr(kin.needs, field)) <= set(getattr(head.needs, field))
         for field in ("assets", "behaviours", "weather", "traits")
     ) and set(kin.stage.behaviours) <= set(head.stage.behaviours)
+
+
+def _marked(prompt: MarkHazard) -> MarkedHazard:
+    """Mark the first actor that does more than stand or follow its lane."""
+    ordinary = ("stand", "follow_lane")
+    acting = [one for one in prompt.actors if one.does.partition(":")[0] not in ordinary]
+    first = (acting or list(prompt.actors))[0]
+    return MarkedHazard(reasoning=f"{first.id}: {first.does}", actors=[first.id])

@@ -1,4 +1,4 @@
-"""The elements of OpenSCENARIO XML that are written and read, as the table of the documentation."""
+"""The formats, and the elements of OpenSCENARIO XML, that are written and read, as the tables of the documentation."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -14,6 +14,33 @@ class ElementSupport(NamedTuple):
     written: str = ""
     read: str = ""
 
+
+class FormatSupport(NamedTuple):
+    """One format of `oodscen export`."""
+
+    name: str
+    """Its name as a value of `--to`."""
+    files: str
+    content: str
+    read: str = ""
+    """The command that reads it."""
+    extra: str = ""
+    """The extra that it needs."""
+
+
+FORMATS: tuple[FormatSupport, ...] = (
+    FormatSupport(
+        "openscenario",
+        "`.xosc`, `.xodr`",
+        "OpenSCENARIO XML 1.2, 1.0 for ScenarioRunner; OpenDRIVE",
+        "`import`",
+    ),
+    FormatSupport("openlabel", "`.json`", "tags as OpenLABEL 1.0"),
+    FormatSupport("osi", "`.osi`", "OSI ground truth", "`verdict`"),
+    FormatSupport("mcap", "`.mcap`", "OSI ground truth and the map in MCAP", "`verdict`", "osi"),
+    FormatSupport("rerun", "`.rrd`", "camera, depth, boxes, plan, actions", "", "rerun"),
+)
+"""The formats in the order of the option's values."""
 
 ELEMENTS: tuple[ElementSupport, ...] = (
     ElementSupport("FileHeader", "1.2, fixed date; properties with the scene", "1.0 to 1.3"),
@@ -62,6 +89,21 @@ ELEMENTS: tuple[ElementSupport, ...] = (
     ElementSupport("VariableCondition"),
 )
 """The elements in the order of the standard."""
+
+
+def format_table() -> str:
+    """Return the formats as a Markdown table."""
+    rows = [
+        (
+            f"`{one.name}`",
+            one.files,
+            one.content,
+            one.read or "–",
+            f"`{one.extra}`" if one.extra else "–",
+        )
+        for one in FORMATS
+    ]
+    return _table(("`--to`", "files", "content", "read by", "extra"), rows)
 
 
 def element_table() -> str:

@@ -78,6 +78,33 @@ _MOTIONS = {
 }
 """Behaviour tags by behaviour; an opening door is no motion of a road user."""
 
+KNOWN_TAGS: dict[str, tuple[str, ...]] = {
+    "scenery": (
+        *_ROADS.values(),
+        *_LANDMARKS.values(),
+        *("HorizontalCurves", "HorizontalStraights"),
+        *("LongitudinalUpSlope", "LongitudinalDownSlope", "LongitudinalLevelPlane"),
+        *("TransverseDivided", "TransverseUndivided", "TransversePavements"),
+        *("TravelDirectionRight", "LaneTypeTraffic", "EdgeShoulderPavedOrGravel"),
+        *("SurfaceConditionWet", "SurfaceConditionSnow"),
+        *("TemporaryStructureRoadWorks", "FixedStructureVegetation"),
+    ),
+    "environment": (
+        *("IlluminationDay", "DaySunElevation", "LowLightAmbient", "LowLightNight"),
+        *("IlluminationCloudiness", "WeatherRain", "WeatherSnow", "ParticulatesWater"),
+    ),
+    "dynamic elements": (
+        *("SubjectVehicleSpeed", "RoadUserVehicle", *_VEHICLES.values(), "VehicleTrailer"),
+        *("VehicleEmergency", "RoadUserHuman", "HumanPedestrian", "HumanCyclist"),
+        *("HumanWheelchairUser", "RoadUserAnimal"),
+    ),
+    "behaviour": (
+        *dict.fromkeys(tag for tags in _MOTIONS.values() for tag in tags),
+        *("MotionLaneChangeLeft", "MotionLaneChangeRight"),
+    ),
+}
+"""Tags that a scene can have, by the areas of ISO 34503 and, for behaviour, ISO 34504; values are no tags."""
+
 
 def scene_tags(scene: Scene, catalogue: Catalogue) -> dict[str, float | None]:
     """Return the tags of a scene, each with its value if it has one, sorted by name.

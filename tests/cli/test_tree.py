@@ -12,6 +12,7 @@ from oodscen.study._store import Store
 from oodscen.study._study import TREES
 from oodscen.tree._export import to_mermaid
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
+from tests.interchange.staging import SCENES
 
 BEFORE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="weather", parent="environmental", label="Weather", stage="grow"),
@@ -73,6 +74,17 @@ def test_coverage_lists_holes_and_can_fail_a_build(place):
     assert "1 without a text: Hail" in call("coverage", place).stdout
     assert json.loads(call("coverage", place, "--json").stdout)["rows"][0]["texts"] == 1
     assert call("coverage", place, "--exit-code").exit_code == 1
+
+
+def test_coverage_counts_the_tags_of_a_trees_scenes(place):
+    here = SCENES[0].model_copy(update={"scenario_id": "fog-001"})
+    elsewhere = SCENES[1].model_copy(update={"scenario_id": "other"})
+    Store(place).write_lines("scenes.jsonl", [here, elsewhere])
+    found = json.loads(call("coverage", place, "--odd", "--json").stdout)
+    assert found["scenes"] == 1
+    assert max(row["scenes"] for row in found["rows"]) == 1
+    assert "none: " in call("coverage", place, "--odd").stdout
+    assert call("coverage", place, "--odd", "--exit-code").exit_code == 1
 
 
 @pytest.mark.parametrize("form", ["mermaid", "dot", "json", "nested", "html"])

@@ -1,6 +1,7 @@
 from oodscen.driving._motion.behaviours import BEHAVIOURS
 from oodscen.interchange import openlabel
-from oodscen.interchange._tags import _MOTIONS, scene_tags
+from oodscen.interchange._tag_counts import count_tags
+from oodscen.interchange._tags import _MOTIONS, KNOWN_TAGS, scene_tags
 from tests.interchange.staging import SCENES, catalogue
 
 
@@ -33,3 +34,16 @@ def test_a_document_has_every_tag_once_with_its_value():
         for name, value in scene_tags(scene, catalogue()).items():
             held = tags[name].get("tag_data", {"num": [{"val": None}]})
             assert held["num"][0]["val"] == value
+
+
+def test_every_tag_is_known_and_counted_once_per_scene():
+    found = [scene_tags(scene, catalogue()) for scene in SCENES]
+    known = [tag for tags in KNOWN_TAGS.values() for tag in tags]
+    assert len(known) == len(set(known))
+    assert {tag for tags in found for tag in tags if tag[0].isupper()} <= set(known)
+    counted = count_tags(SCENES, catalogue())
+    assert counted.scenes == len(SCENES)
+    for row in counted.rows:
+        assert row.scenes == sum(row.tag in tags for tags in found)
+    missing = {row.tag for row in counted.holes}
+    assert all((f"  {tag} " in str(counted)) != (tag in missing) for tag in known)

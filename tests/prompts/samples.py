@@ -17,6 +17,7 @@ from oodscen.prompts._scenario.describe_path import DescribePath
 from oodscen.prompts._scenario.design_prop import DesignProp, KnownPart
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
+from oodscen.prompts._scenario.mark_hazard import ActorLine, MarkHazard
 from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.prompts._tree.classify_examples import ClassifyExamples
 from oodscen.prompts._tree.give_examples import GiveExamples
@@ -120,6 +121,15 @@ SAMPLES = (
         claims=(Claim(kind="thing", value="present", subject="stag", quote="A stag"),),
         roads=("avenue",),
         catalogue=DIGEST,
+    ),
+    MarkHazard(
+        title="AEB at night",
+        actors=(
+            ActorLine(
+                id="vut", what="a car", does="follow_lane: drives", ahead_m=40.5, left_m=0.25
+            ),
+            ActorLine(id="stag", what="a deer", does="bolt: runs", ahead_m=60.5, left_m=-4.25),
+        ),
     ),
     DescribeFrame(frames=FRAMES, descriptions=SEEN[:2], total=5),
     NameAspect(frames=FRAMES, descriptions=SEEN, facts=FACTS, rear=REAR),

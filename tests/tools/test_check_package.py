@@ -19,6 +19,7 @@ PACKAGE = {
     "highway_env": "highway-env",
     "qc_opendrive": "asam-qc-opendrive",
     "qc_openscenario": "asam-qc-openscenarioxml",
+    "rerun": "rerun-sdk",
     "sentence_transformers": "sentence-transformers",
     "sklearn": "scikit-learn",
     "sumo": "eclipse-sumo",

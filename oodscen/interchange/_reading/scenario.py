@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from oodscen._display import Brief
 from oodscen.data._catalogue import Catalogue, RoadMap
@@ -21,10 +22,16 @@ from oodscen.interchange._reading.positions import MappedRoads, Pose, Positions,
 from oodscen.interchange._reading.tree import NOUN, Node, ScenarioTree
 from oodscen.interchange._writing.properties import DIGEST, SCENE, content_digest
 
+if TYPE_CHECKING:
+    from oodscen.protocols import LLM
+
 _EGO_NAMES = ("ego", "hero", "ego_vehicle", "egovehicle")
 _MIRRORED = "CARLA:"
 """Beginning of the description of files with CARLA's left-handed axes."""
 _DECISION_TTC_S = 3.0
+_LANE_M = 3.5
+"""Width of a lane when a model is told where an actor is, m."""
+_LONGEST_TITLE = 500
 _NEAR_M, _FAR_M = -150.0, 300.0
 """Limits of an actor's place ahead of the ego, m."""
 
@@ -44,6 +51,7 @@ def read_openscenario(
     *,
     road: str | None = None,
     hazards: Sequence[str] = (),
+    llm: "LLM | None" = None,
 ) -> ImportedScene:
     """Read an OpenSCENARIO XML 1.x file.
 
@@ -55,16 +63,18 @@ def read_openscenario(
         path: The file.
         catalogue: The catalogue whose assets and behaviours the scene uses.
         road: A map of the catalogue or an `.xodr` file, in place of the file's own.
-        hazards: Names of the entities that are unusual; by default the first that acts.
+        hazards: Names of the entities that are unusual; without them, `llm` is asked.
+        llm: The model that names the unusual entities; without one, the first that acts is taken.
 
     Raises:
         DataError: If the file is malformed, with the line and the element.
         UnknownComponent: If there is no such map.
+        LLMError: If the model cannot be reached, or its answer cannot be used.
     """
     tree = ScenarioTree(path)
     if (own := _own_scene(tree)) is not None:
         return ImportedScene(own)
-    scene = _Assembly(tree, catalogue, road, hazards).scene()
+    scene = _Assembly(tree, catalogue, road, hazards, llm).scene()
     found = [*tree.omissions, *staging_issues(scene, catalogue)]
     return ImportedScene(scene, tuple(found))
 
@@ -95,7 +105,9 @@ class _Assembly:
         catalogue: Catalogue,
         road: str | None,
         hazards: Sequence[str],
+        llm: "LLM | None",
     ) -> None:
+        self.llm = llm
         self.tree = tree
         self.root = tree.root
         self.catalogue = catalogue
@@ -139,7 +151,9 @@ class _Assembly:
         if unknown := [name for name in unusual if name not in named]:
             issue = Issue("hazard", f"there is no entity {unknown[0]!r} in the scene")
             raise DataError(NOUN, [issue], source=str(self.tree.path))
-        if not unusual and actors:
+        if not unusual and self.llm is not None and len(actors) > 1:
+            unusual = self._asked(self.llm, actors)
+        elif not unusual and actors:
             acting = [one for one in actors if one.behaviour.name not in ("stand", "follow_lane")]
             unusual = [(acting or actors)[0].id]
             self.root.leave_out(f"no hazard was named; {unusual[0]} is taken to be it")
@@ -161,6 +175,29 @@ class _Assembly:
             },
             source=str(self.tree.path),
         )
+
+    def _asked(self, llm: "LLM", actors: Sequence[Actor]) -> list[str]:
+        """Return the unusual actors as a model names them."""
+        from oodscen.llm._ask import ask
+        from oodscen.prompts._scenario.mark_hazard import ActorLine, MarkHazard
+
+        header = self.root.first("FileHeader")
+        title = f"{self.tree.path.stem}. {header.get('description') if header else ''}"
+        lines = tuple(
+            ActorLine(
+                id=one.id,
+                what=self.catalogue.asset(one.asset).description,
+                does=f"{one.behaviour.name}: {self.catalogue.behaviour(one.behaviour.name).description}",
+                ahead_m=one.placement.ahead_m,
+                left_m=one.placement.offset_m + _LANE_M * one.placement.lane,
+            )
+            for one in actors
+        )
+        answer = ask(llm, MarkHazard(title=title[:_LONGEST_TITLE], actors=lines))
+        self.root.leave_out(
+            f"no hazard was named; {llm.name} takes {', '.join(answer.actors)} to be it: {answer.reasoning[:200]}"
+        )
+        return answer.actors
 
     # ------------------------------------------------------------------ the ego and its road
 

@@ -1,10 +1,13 @@
-"""Reads ground truth from OSI traces: length-prefixed protocol buffers, as `.osi` files hold them."""
+"""Reads ground truth from OSI traces: protocol buffers in `.osi` files, each after its length, or in MCAP."""
 
 import math
 import struct
 from collections.abc import Iterator
 
 from oodscen.errors import DataError, Issue
+from oodscen.interchange._traces.mcap_files import mcap_messages
+
+Row = tuple[float, str, tuple[float, float, float, float]]
 
 Fields = dict[int, list["bytes | int | float"]]
 
@@ -19,14 +22,20 @@ _ENTITY = "entity_name:"
 """Beginning of the reference by which players name the scenario's entity."""
 
 
-def read_osi_trace(
-    data: bytes, source: str
-) -> Iterator[tuple[float, str, tuple[float, float, float, float]]]:
+def read_osi_trace(data: bytes, source: str) -> Iterator[Row]:
     """Yield time, entity and pose of the footprint's centre for every object with a name.
+
+    Args:
+        data: The file's content.
+        source: Its name; that of an MCAP file ends in `.mcap`.
 
     Raises:
         DataError: If the bytes are no trace of ground truth.
+        MissingExtra: If it is an MCAP file, and the packages for those are not installed.
     """
+    if source.endswith(".mcap"):
+        yield from _mcap_objects(data, source)
+        return
     place = 0
     try:
         while place < len(data):
@@ -40,9 +49,17 @@ def read_osi_trace(
         raise DataError(_NOUN, [Issue(f"byte {place}", str(error))], source=source) from None
 
 
-def _ground_truth(
-    message: bytes,
-) -> Iterator[tuple[float, str, tuple[float, float, float, float]]]:
+def _mcap_objects(data: bytes, source: str) -> Iterator[Row]:
+    for number, message in enumerate(mcap_messages(data, source)):
+        try:
+            yield from _ground_truth(message)
+        except (ValueError, struct.error, IndexError) as error:
+            raise DataError(
+                _NOUN, [Issue(f"message {number}", str(error))], source=source
+            ) from None
+
+
+def _ground_truth(message: bytes) -> Iterator[Row]:
     fields = _fields(message)
     stamp = _fields(_inner(fields, _TIMESTAMP))
     time = float(stamp.get(1, [0])[0]) + 1e-9 * float(stamp.get(2, [0])[0])

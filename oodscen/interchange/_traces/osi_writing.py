@@ -1,12 +1,24 @@
-"""Runs as traces of OSI ground truth: length-prefixed protocol buffers, as `.osi` files hold them."""
+"""Runs as traces of OSI ground truth: protocol buffers in `.osi` files or in MCAP."""
 
+import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
+from oodscen.errors import UnknownComponent
 from oodscen.interchange._recording import Recording, UnrenderedSimulator, replayed
+from oodscen.interchange._traces.mcap_files import mcap_trace
 from oodscen.interchange._writing.entities import Entity, entities
+from oodscen.interchange._writing.roads import road_file
+
+Floats = NDArray[np.float64]
+Container = Literal["osi", "mcap"]
+CONTAINERS: tuple[Container, ...] = ("osi", "mcap")
 
 _VERSION = (3, 7, 0)
 _TYPES = {"MiscObject": 1, "Vehicle": 2, "Pedestrian": 3}
@@ -25,7 +37,12 @@ _NANO = 1_000_000_000
 
 
 def osi_trace(
-    scene: Scene, catalogue: Catalogue, *, action: str = "keep_speed", seed: int = 0
+    scene: Scene,
+    catalogue: Catalogue,
+    *,
+    action: str = "keep_speed",
+    seed: int = 0,
+    container: Container = "osi",
 ) -> bytes:
     """Return a scene's run as a trace of OSI ground truth, one message for each step.
 
@@ -36,30 +53,37 @@ def osi_trace(
         catalogue: The catalogue of its assets and maps.
         action: The ego's action after the decision.
         seed: Seed of the scene's random streams.
+        container: `osi` is the plain sequence of messages; `mcap` is a file of MCAP, with the OpenDRIVE file of the
+            road in it.
 
     Raises:
         SceneError: If the catalogue or the road refuses the scene.
+        UnknownComponent: If there is no such container.
+        MissingExtra: If the packages for MCAP are not installed.
     """
+    if container not in CONTAINERS:
+        raise UnknownComponent("container", container, CONTAINERS)
     recording = replayed(scene, UnrenderedSimulator(catalogue), action, seed)
-    bodies = entities(scene, catalogue)
+    found = _messages(recording, entities(scene, catalogue))
+    if container == "mcap":
+        return mcap_trace(found, road_file(scene, catalogue))
+    return b"".join(struct.pack("<I", len(truth)) + truth for _, truth in found)
+
+
+def _messages(recording: Recording, bodies: Sequence[Entity]) -> Iterator[tuple[int, bytes]]:
+    """Yield time in ns and ground truth of every step."""
     fixed = [_unchanging(row, one) for row, one in enumerate(bodies)]
-    trace = bytearray()
-    for step in range(len(recording.time)):
-        truth = _ground_truth(recording, step, bodies, fixed)
-        trace += struct.pack("<I", len(truth)) + truth
-    return bytes(trace)
-
-
-def _ground_truth(
-    recording: Recording, step: int, bodies: Sequence[Entity], fixed: Sequence[bytes]
-) -> bytes:
-    nanos = round(float(recording.time[step]) * _NANO)
+    velocities = np.gradient(recording.poses[:, :, :3], recording.dt, axis=0)
+    motions = np.stack([velocities, np.gradient(velocities, recording.dt, axis=0)], axis=2)
     version = b"".join(_number(index, part) for index, part in enumerate(_VERSION, start=1))
-    stamp = _number(1, nanos // _NANO) + _number(2, nanos % _NANO)
-    truth = _message(1, version) + _message(2, stamp) + _message(3, _number(1, 0))
-    for row, one in enumerate(bodies):
-        truth += _message(5, fixed[row] + _message(2, _base(recording, step, row, one)))
-    return truth
+    for step, time in enumerate(recording.time.tolist()):
+        nanos = round(time * _NANO)
+        stamp = _number(1, nanos // _NANO) + _number(2, nanos % _NANO)
+        truth = _message(1, version) + _message(2, stamp) + _message(3, _number(1, 0))
+        for row, one in enumerate(bodies):
+            base = _base(one, recording.poses[step, row], motions[step, row])
+            truth += _message(5, fixed[row] + _message(2, base))
+        yield nanos, truth
 
 
 def _unchanging(row: int, one: Entity) -> bytes:
@@ -72,27 +96,18 @@ def _unchanging(row: int, one: Entity) -> bytes:
     return found + _message(10, reference)
 
 
-def _base(recording: Recording, step: int, row: int, one: Entity) -> bytes:
-    """Return size, pose and motion; OSI's position is the centre of the box."""
+def _base(one: Entity, pose: Floats, motion: Floats) -> bytes:
+    """Return size, pose, velocity and acceleration; OSI's position is the centre of the box."""
     size = one.asset
-    x, y, z, heading = map(float, recording.poses[step, row])
-    vx, vy = _velocity(recording, step, row)
+    x, y, z, heading = map(float, pose)
+    turned = math.remainder(heading, math.tau)
     return (
         _message(1, _vector(size.length, size.width, size.height))
         + _message(2, _vector(x, y, z + 0.5 * size.height))
-        + _message(3, _vector(0.0, 0.0, heading))
-        + _message(4, _vector(vx, vy, 0.0))
-        + _message(5, _vector(0.0, 0.0, 0.0))
+        + _message(3, _vector(0.0, 0.0, turned))
+        + _message(4, _vector(*motion[0].tolist()))
+        + _message(5, _vector(*motion[1].tolist()))
     )
-
-
-def _velocity(recording: Recording, step: int, row: int) -> tuple[float, float]:
-    """Return the mean velocity over the last step, at the start over the first."""
-    last = max(step, 1)
-    if last >= len(recording.time):
-        return 0.0, 0.0
-    moved = recording.poses[last, row] - recording.poses[last - 1, row]
-    return float(moved[0]) / recording.dt, float(moved[1]) / recording.dt
 
 
 def _vector(x: float, y: float, z: float) -> bytes:

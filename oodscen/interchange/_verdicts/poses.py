@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from oodscen._display import Brief
 from oodscen._files import read_regular
 from oodscen.errors import DataError, Issue
-from oodscen.interchange._traces.osi_reading import read_osi_trace
+from oodscen.interchange._traces.osi_reading import Row, read_osi_trace
 
 Floats = NDArray[np.float64]
 
@@ -40,14 +40,14 @@ def read_poses(path: str | Path) -> PlayedPoses:
 
     A CSV file has the columns `time,name,x,y,h` and, if it likes, `z`: one row per time and body, with the centre
     of the footprint in metres and the heading in radians. esmini's own CSV log and OSI traces of ground truth
-    (`.osi`) are read as they are.
+    (`.osi`, `.mcap`) are read as they are.
 
     Raises:
         DataError: If the file is none of these, with the line of every fault.
     """
     data = read_regular(path, _NOUN, limit=MAX_BYTES)
     source = str(path)
-    if source.endswith(".osi"):
+    if source.endswith((".osi", ".mcap")):
         return _collected(read_osi_trace(data, source), source)
     try:
         text = data.decode("utf-8-sig")
@@ -59,9 +59,6 @@ def read_poses(path: str | Path) -> PlayedPoses:
     if lines and lines[0].startswith("esmini "):
         return _collected(_esmini_rows(lines, source), source)
     return _collected(_plain_rows(text, source), source)
-
-
-Row = tuple[float, str, tuple[float, float, float, float]]
 
 
 def _collected(rows: Iterator[Row], source: str) -> PlayedPoses:

@@ -12,6 +12,7 @@ from oodscen.data._scene import Scene
 from oodscen.interchange._ranges import ParameterRange, ranges
 from oodscen.interchange._writing.elements import Element, child
 from oodscen.interchange._writing.scenario import DATE, ScenarioFile, to_openscenario
+from oodscen.interchange._writing.storyboard import strip_ego
 
 _STEPS = 4
 """Number of steps across a range in a deterministic distribution."""
@@ -27,6 +28,7 @@ def write_logical(
     *,
     claims: Sequence[Claim] = (),
     seed: int = 0,
+    file: ScenarioFile | None = None,
 ) -> tuple[Path, ...]:
     """Write a scene with parameters, and its distributions, into a folder.
 
@@ -40,12 +42,14 @@ def write_logical(
         folder: Where to write.
         claims: The claims of its text, which every end of a range keeps true.
         seed: Seed of the scene's random streams, and of the stochastic distribution.
+        file: The scene's reactive file, if there is one already; by default it is made here.
 
     Returns:
         The paths of the files; none if no parameter of the scene has a range.
     """
-    file = to_openscenario(scene, catalogue, mode="reactive", ego=False, seed=seed)
+    file = file or to_openscenario(scene, catalogue, mode="reactive", ego=False, seed=seed)
     root = etree.fromstring(file.xosc, etree.XMLParser(remove_blank_text=True))
+    strip_ego(root)
     used = [one for one in ranges(scene, catalogue, claims) if _declare(root, one)]
     if not used:
         return ()

@@ -41,7 +41,7 @@ def facts(
         text = scene.demand.text if scene.demand else text
         found["text"] = one_line(plain(text))
         found["path"] = " > ".join(map(one_line, map(plain, scenario.path)))
-    if claims and not scene.is_ordinary:
+    if claims and not scene.is_twin:
         found["claims"] = canonical_json([one.model_dump(mode="json") for one in claims])
     if episode is not None:
         found["safe_actions"] = ", ".join(episode.safe_set)

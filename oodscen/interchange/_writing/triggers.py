@@ -1,15 +1,19 @@
 """Triggers: when an event starts, as conditions on the ego, on time, or on other events."""
 
 import math
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from oodscen.data._scene import Trigger
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.interchange._recording import Recording
 from oodscen.interchange._writing.elements import Element, Value, child, within
 from oodscen.interchange._writing.entities import Entity
-from oodscen.interchange._writing.trajectories import world_position
+from oodscen.interchange._writing.trajectories import reference_poses, world_position
+
+Floats = NDArray[np.float64]
 
 _ALONG: dict[str, Value] = {
     "freespace": False,
@@ -69,6 +73,11 @@ class EgoConditions:
         self.nominal = nominal
         self.corridor = corridor
 
+    @cached_property
+    def ego_course(self) -> Floats:
+        """Poses of the ego's reference point in the nominal run."""
+        return reference_poses(self.nominal, 0, self.entities[0], self.corridor)
+
     def write(self, parent: Element, name: str, trigger: Trigger, owner: str, step: int) -> None:
         """Append the start trigger of an actor's reaction.
 
@@ -88,9 +97,9 @@ class EgoConditions:
         stands = bool(np.abs(along - along[0]).max() <= _STANDS_M)
         value = self._untied(trigger, row, step)
         if trigger.kind == "distance":
-            self._distance(condition, value, row, stands)
+            self._distance(condition, value, row, step, stands)
         else:
-            self._time_to_collision(condition, value, row, stands)
+            self._time_to_collision(condition, value, row, step, stands)
 
     def _untied(self, trigger: Trigger, row: int, step: int) -> float:
         """Return a trigger's value, off the values that the nominal run has at its step and the one before."""
@@ -113,10 +122,12 @@ class EgoConditions:
         closing = math.copysign(ego - its, (ego - its) * ahead)
         return abs(ahead) / closing if closing > 0.0 else math.inf
 
-    def _distance(self, condition: Element, value: float, row: int, stands: bool) -> None:
+    def _distance(
+        self, condition: Element, value: float, row: int, step: int, stands: bool
+    ) -> None:
         if stands:
             near = child(condition, "DistanceCondition", value=value, rule="lessOrEqual", **_ALONG)
-            self._place(near, row)
+            self._place(near, row, step)
             return
         child(
             condition,
@@ -127,7 +138,9 @@ class EgoConditions:
             **_ALONG,
         )
 
-    def _time_to_collision(self, condition: Element, value: float, row: int, stands: bool) -> None:
+    def _time_to_collision(
+        self, condition: Element, value: float, row: int, step: int, stands: bool
+    ) -> None:
         if not stands:
             ego, its = self.nominal.speeds[0, 0], self.nominal.speeds[0, row]
             turn = self.nominal.poses[0, row, 3] - self.nominal.poses[0, 0, 3]
@@ -138,14 +151,19 @@ class EgoConditions:
         )
         target = child(soon, "TimeToCollisionConditionTarget")
         if stands:
-            self._place(target, row)
+            self._place(target, row, step)
         else:
             child(target, "EntityRef", entityRef=self.entities[row].name)
 
-    def _place(self, parent: Element, row: int) -> None:
-        """Append an actor's place put back along the road by the ego's own shift."""
+    def _place(self, parent: Element, row: int, step: int) -> None:
+        """Append an actor's place put back along the road by what the ego's axle lags behind its centre.
+
+        In a bend or on a slope that differs from the distance between the two.
+        """
         s, t = map(float, self.nominal.places[0, row])
-        x, y, z, heading = self.corridor.point(s - self.entities[0].ahead_m, t)
+        axle = self.ego_course[step]
+        lag = float(self.nominal.places[step, 0, 0]) - self.corridor.locate(axle[0], axle[1])[0]
+        x, y, z, heading = self.corridor.point(s - lag, t)
         world_position(child(parent, "Position"), np.array([x, y, z, heading, 0.0]))
 
     def _shift(self, row: int) -> float:

@@ -1,13 +1,16 @@
+import json
 from tempfile import TemporaryDirectory
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen import make_llm
 from oodscen._text import whole
-from oodscen.errors import DataError, OodscenError
+from oodscen.errors import AnswerError, DataError, OodscenError
 from oodscen.interchange import read_openscenario, to_openscenario
 from oodscen.interchange._recording import ordinary_twin
+from oodscen.testing import ScriptedLLM
 from tests.interchange.staging import SCENES, catalogue
 
 FOREIGN = """<OpenSCENARIO>
@@ -234,3 +237,32 @@ def test_faults_are_refused_with_line_and_element(foreign, parts, where):
 def test_hostile_files_are_refused(foreign, text):
     with pytest.raises(OodscenError):
         foreign(text)
+
+
+def foreign_crowd(folder):
+    """Write an export of several actors that no longer says which scene it is."""
+    scene = next(one for one in SCENES if len(one.actors) > 1 and not one.made)
+    path = to_openscenario(scene, catalogue()).save(folder)
+    path.write_text(path.read_text().replace('"oodscen.scene"', '"other.scene"'))
+    return path
+
+
+def test_a_model_names_the_hazard_that_nobody_named(tmp_path):
+    path = foreign_crowd(tmp_path)
+    actors = [one.id for one in read_openscenario(path, catalogue()).scene.actors]
+    for name in actors:
+        answers = [{"reasoning": "", "actors": ["nobody"]}, {"reasoning": "", "actors": [name]}]
+        model = ScriptedLLM([json.dumps(one) for one in answers])
+        found = read_openscenario(path, catalogue(), llm=model)
+        assert list(found.scene.hazard.actors) == [name]
+        assert any(name in issue.message for issue in found.omissions)
+    named = read_openscenario(path, catalogue(), hazards=actors[:1], llm=ScriptedLLM([]))
+    assert list(named.scene.hazard.actors) == actors[:1]
+    builtin = read_openscenario(path, catalogue(), llm=make_llm("builtin"))
+    assert set(builtin.scene.hazard.actors) <= set(actors)
+
+
+def test_a_model_without_a_usable_answer_is_an_error(tmp_path):
+    model = ScriptedLLM(["no idea"] * 5)
+    with pytest.raises(AnswerError):
+        read_openscenario(foreign_crowd(tmp_path), catalogue(), llm=model)

@@ -1,0 +1,109 @@
+"""Traces of OSI ground truth in MCAP files, with the road and the message types."""
+
+import io
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+from oodscen.errors import DataError, Issue, MissingExtra
+from oodscen.interchange._writing.roads import RoadFile
+
+OSI_VERSION = "3.7.0"
+"""Version of OSI whose message types the files name."""
+TRUTH, ROAD = "osi3.GroundTruth", "osi3.MapAsamOpenDrive"
+_TOPICS = {TRUTH: "ground_truth", ROAD: "ground_truth_map"}
+"""Topics by message type, as omega-prime has them."""
+_MADE = "2026-01-01T00:00:00Z"
+"""Time of making in every file: the same run gives the same bytes."""
+_MAX_RECORD_BYTES = 256 * 1024 * 1024
+_NOUN = "MCAP trace"
+
+
+def mcap_trace(messages: Iterator[tuple[int, bytes]], road: RoadFile) -> bytes:
+    """Return messages of ground truth and the road as an MCAP file.
+
+    Args:
+        messages: Time in ns and encoded message of every step.
+        road: The OpenDRIVE file.
+
+    Raises:
+        MissingExtra: If the packages for MCAP are not installed.
+    """
+    betterosi = _library()
+    from mcap.writer import Writer
+
+    out = io.BytesIO()
+    writer = Writer(out)
+    writer.start(library="oodscen")
+    made = betterosi.io.prepare_required_file_metadata({"creation_time": _MADE}, OSI_VERSION)
+    writer.add_metadata(betterosi.io.OSI_TRACE_METADATA_NAME, made)
+    about = betterosi.io.prepare_channel_metadata(version=OSI_VERSION)
+    channels = {}
+    for kind, topic in _TOPICS.items():
+        schema = writer.register_schema(kind, "protobuf", _message_types(kind))
+        channels[kind] = writer.register_channel(topic, "protobuf", schema, about)
+    named = betterosi.MapAsamOpenDrive(
+        map_reference=road.name, open_drive_xml_content=road.content.decode("utf-8", "replace")
+    )
+    writer.add_message(channels[ROAD], 0, named.to_binary(), 0)
+    for time_ns, message in messages:
+        writer.add_message(channels[TRUTH], time_ns, message, time_ns)
+    writer.finish()
+    return out.getvalue()
+
+
+def mcap_messages(data: bytes, source: str) -> Iterator[bytes]:
+    """Yield the encoded messages of ground truth in an MCAP file, in the order of time.
+
+    Raises:
+        DataError: If the bytes are no MCAP file.
+        MissingExtra: If the packages for MCAP are not installed.
+    """
+    _library()
+    from mcap.reader import SeekingReader
+
+    try:
+        reader = SeekingReader(io.BytesIO(data), record_size_limit=_MAX_RECORD_BYTES)
+        summary = reader.get_summary()
+        chunks = summary.chunk_indexes if summary is not None else []
+        if max((one.uncompressed_size for one in chunks), default=0) > _MAX_RECORD_BYTES:
+            raise ValueError("a chunk has more than 256 MiB")
+        for schema, _, message in reader.iter_messages():
+            if schema is not None and schema.name == TRUTH:
+                yield message.data
+    except Exception as error:
+        # The reader lets errors of several packages through.
+        said = str(error) or type(error).__name__
+        raise DataError(_NOUN, [Issue("", said)], source=source) from None
+
+
+def _library() -> Any:
+    try:
+        import betterosi
+        import betterosi.io
+    except ImportError:
+        raise MissingExtra("OSI in MCAP", "osi", "betterosi") from None
+    return betterosi
+
+
+@cache
+def _message_types(kind: str) -> bytes:
+    """Return the description of a message type and of all that it contains, without comments."""
+    import betterosi.io
+    from protobuf.wkt import FileDescriptorSet
+
+    described = FileDescriptorSet.from_binary(betterosi.io.load_descriptor_set(OSI_VERSION))
+    files = {one.name: one for one in described.file}
+    package, _, name = kind.partition(".")
+    needed = [
+        one.name
+        for one in described.file
+        if one.package == package and any(it.name == name for it in one.message_type)
+    ]
+    for one in needed:
+        needed += [other for other in files[one].dependency if other not in needed]
+    for one in described.file:
+        one.source_code_info = None
+    kept = [one for one in described.file if one.name in needed]
+    encoded: bytes = FileDescriptorSet(file=kept).to_binary()
+    return encoded

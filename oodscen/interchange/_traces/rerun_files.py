@@ -1,0 +1,251 @@
+"""Runs as Rerun recordings: camera, depth, boxes, plan view, and every action along the time line."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._files import replace
+from oodscen.data._episode import ACTIONS, NOMINAL_REACTION_S
+from oodscen.data._scene import Scene
+from oodscen.driving import action_driver, load_corridor
+from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.errors import MissingExtra
+from oodscen.interchange._recording import Recording, UnrenderedSimulator, replayed
+from oodscen.interchange._writing.entities import Entity, entities
+from oodscen.protocols import Camera, Simulator, State, camera_for
+from oodscen.stages._simulate import approach
+
+Floats = NDArray[np.float64]
+
+PICTURE_S = 0.5
+"""Time between two pictures of the camera, s."""
+_TIME = "time"
+_FARTHEST_M = 600.0
+"""Depth beyond which a pixel has none, m."""
+_METRE = 100.0
+"""Units of depth in a metre."""
+_LINE_M = 2.0
+"""Distance between two points of a lane's edge, m."""
+_EGO, _HAZARD, _OTHER = (40, 120, 240), (230, 60, 40), (150, 150, 150)
+"""Colours of bodies."""
+
+
+def write_rerun(
+    scene: Scene,
+    simulator: Simulator,
+    path: str | Path,
+    *,
+    action: str = "keep_speed",
+    seed: int = 0,
+    every_s: float = PICTURE_S,
+) -> None:
+    """Write a scene's run as a Rerun recording (`.rrd`).
+
+    `world` has the lanes and the boxes of all bodies, and the ego's camera with picture and depth; `plan` has the same
+    from above, with the ego's way by every action; `actions` has the ego's speed, acceleration and nearest distance by
+    every action. Time is simulation time.
+
+    Args:
+        scene: The scene or ordinary drive.
+        simulator: The simulator that draws the pictures.
+        path: The file to write.
+        action: The ego's action after the decision, in the world and in the pictures.
+        seed: Seed of the scene's random streams.
+        every_s: Time between two pictures, s.
+
+    Raises:
+        MissingExtra: If Rerun is not installed.
+        SceneError: If the catalogue or the road refuses the scene.
+        SimulatorError: If the simulator fails.
+    """
+    try:
+        import rerun
+    except ImportError:
+        raise MissingExtra("the recording", "rerun", "rerun-sdk") from None
+    catalogue = simulator.catalogue()
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    unrendered = UnrenderedSimulator(catalogue)
+    runs = {
+        name: replayed(scene, unrendered, name, seed) for name in dict.fromkeys((action, *ACTIONS))
+    }
+    bodies = entities(scene, catalogue)
+    with TemporaryDirectory() as folder:
+        part = Path(folder) / "run.rrd"
+        with rerun.RecordingStream("oodscen", recording_id=scene.id) as stream:
+            stream.save(part, default_blueprint=_views(rerun))
+            log = _Log(rerun, stream)
+            log.lanes(corridor)
+            log.bodies(scene, bodies, runs[action])
+            for name, run in runs.items():
+                log.action(name, run)
+            _film(log, scene, simulator, action, seed, every_s)
+            stream.flush()
+        stream.disconnect()
+        replace(Path(path), part.read_bytes())
+
+
+def _film(
+    log: "_Log", scene: Scene, simulator: Simulator, action: str, seed: int, every_s: float
+) -> None:
+    """Write what the ego's camera sees at regular times."""
+    camera = camera_for(simulator.catalogue())
+    log.camera(camera)
+    steps = max(1, round(every_s / simulator.dt))
+    for number, state in enumerate(_states(scene, simulator, action, seed)):
+        if number % steps == 0:
+            log.picture(state.time, simulator, camera)
+
+
+def _states(scene: Scene, simulator: Simulator, action: str, seed: int) -> Iterator[State]:
+    """Yield the states of the approach and one action; the simulator is at each when it is yielded."""
+    _, controls, _ = approach(scene, simulator, seed)
+    state = simulator.reset(scene, seed)
+    yield state
+    for control in controls:
+        state = simulator.step(control)
+        yield state
+    driver = action_driver(action, NOMINAL_REACTION_S)
+    for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
+        if state.contacts or state.off_road:
+            return
+        state = simulator.step(driver.act(simulator.observe()))
+        yield state
+
+
+def _views(rerun: Any) -> Any:
+    """Return the layout in which the viewer opens the recording."""
+    views = rerun.blueprint
+    return views.Blueprint(
+        views.Horizontal(
+            views.Vertical(
+                views.Spatial2DView(origin="/world/ego/camera", name="camera"),
+                views.Spatial2DView(origin="/plan", name="plan"),
+            ),
+            views.Vertical(
+                views.Spatial3DView(origin="/world", name="world"),
+                *(
+                    views.TimeSeriesView(origin="/actions", contents=f"$origin/*/{what}", name=what)
+                    for what in ("speed", "acceleration", "distance")
+                ),
+            ),
+        )
+    )
+
+
+class _Log:
+    """Writes the parts of one run to a stream."""
+
+    def __init__(self, rerun: Any, stream: Any) -> None:
+        self.rerun = rerun
+        self.stream = stream
+        stream.log("world", rerun.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+
+    def lanes(self, corridor: Corridor) -> None:
+        """Write the edges of all lanes, in the world and in the plan."""
+        lines = []
+        thin = slice(None, None, max(1, round(_LINE_M / corridor.step)))
+        for road in (corridor, *(other.corridor for other in corridor.others)):
+            for strip in road.strips:
+                for edge in (strip.left, strip.right):
+                    points = (road.x - road.sin * edge, road.y + road.cos * edge, road.z)
+                    lines.append(np.stack(points, axis=1)[thin])
+        colour = [90, 90, 90]
+        self.stream.log("world/lanes", self.rerun.LineStrips3D(lines, colors=colour), static=True)
+        plans = [_plan(line) for line in lines]
+        self.stream.log("plan/lanes", self.rerun.LineStrips2D(plans, colors=colour), static=True)
+
+    def bodies(self, scene: Scene, bodies: list[Entity], run: Recording) -> None:
+        """Write the boxes of all bodies and their courses."""
+        rerun, times = self.rerun, self._times(run)
+        colours = [
+            _EGO if one.name == "ego" else _HAZARD if one.name in scene.hazard.actors else _OTHER
+            for one in bodies
+        ]
+        for row, one in enumerate(bodies):
+            size, poses, name = one.asset, run.poses[:, row], f"world/{one.name}"
+            half = 0.5 * np.array([size.length, size.width, size.height])
+            box = rerun.Boxes3D(
+                half_sizes=[half], centers=[[0, 0, half[2]]], labels=one.name, colors=[colours[row]]
+            )
+            self.stream.log(f"{name}/box", box, static=True)
+            turned = np.zeros((len(poses), 4))
+            turned[:, 2], turned[:, 3] = np.sin(0.5 * poses[:, 3]), np.cos(0.5 * poses[:, 3])
+            course = rerun.Transform3D.columns(translation=poses[:, :3], quaternion=turned)
+            self.stream.send_columns(name, [times], course)
+        outlines = np.stack(
+            [_outlines(run.poses[:, row], one) for row, one in enumerate(bodies)], 1
+        )
+        names = [one.name for one in bodies]
+        for time, shapes in zip(run.time.tolist(), outlines, strict=True):
+            self.stream.set_time(_TIME, duration=time)
+            strips = rerun.LineStrips2D(list(shapes), colors=colours, labels=names)
+            self.stream.log("plan/bodies", strips)
+
+    def action(self, name: str, run: Recording) -> None:
+        """Write the ego's way, speed, acceleration and nearest distance by one action."""
+        rerun, times = self.rerun, self._times(run)
+        way = rerun.LineStrips2D([_plan(run.poses[:, 0])], labels=name)
+        self.stream.log(f"plan/actions/{name}", way, static=True)
+        speeds = run.speeds[:, 0]
+        apart = run.poses[:, 1:, :2] - run.poses[:, :1, :2]
+        values = {"speed": speeds, "acceleration": np.gradient(speeds, run.dt)}
+        if apart.shape[1]:
+            values["distance"] = np.hypot(apart[:, :, 0], apart[:, :, 1]).min(axis=1)
+        for what, column in values.items():
+            scalars = rerun.Scalars.columns(scalars=column)
+            self.stream.send_columns(f"actions/{name}/{what}", [times], scalars)
+
+    def camera(self, camera: Camera) -> None:
+        """Write the camera's place on the ego and its lens."""
+        rerun, name = self.rerun, "world/ego/camera"
+        yaw, pitch = 0.5 * math.radians(camera.yaw_deg), 0.5 * math.radians(camera.pitch_deg)
+        turned = (
+            -math.sin(yaw) * math.sin(pitch),
+            math.cos(yaw) * math.sin(pitch),
+            math.sin(yaw) * math.cos(pitch),
+            math.cos(yaw) * math.cos(pitch),
+        )
+        place = rerun.Transform3D(
+            translation=(camera.x, camera.y, camera.z), quaternion=rerun.Quaternion(xyzw=turned)
+        )
+        self.stream.log(name, place, static=True)
+        lens = rerun.Pinhole(
+            focal_length=0.5 * camera.width / math.tan(math.radians(0.5 * camera.fov_deg)),
+            width=camera.width,
+            height=camera.height,
+            camera_xyz=rerun.ViewCoordinates.FLU,
+        )
+        self.stream.log(name, lens, static=True)
+
+    def picture(self, time: float, simulator: Simulator, camera: Camera) -> None:
+        """Write the camera's picture and depth at the simulator's present state."""
+        frame, name = simulator.render(camera), "world/ego/camera"
+        self.stream.set_time(_TIME, duration=time)
+        self.stream.log(f"{name}/picture", self.rerun.Image(frame.rgb).compress())
+        far = np.where(frame.depth < _FARTHEST_M, frame.depth, 0.0)
+        depth = np.round(far * _METRE).astype(np.uint16)
+        self.stream.log(f"{name}/depth", self.rerun.DepthImage(depth, meter=_METRE))
+
+    def _times(self, run: Recording) -> Any:
+        return self.rerun.TimeColumn(_TIME, duration=run.time)
+
+
+def _plan(points: Floats) -> Floats:
+    """Return points from above: to the right and downwards, as pictures count."""
+    return points[:, :2] * (1.0, -1.0)
+
+
+def _outlines(poses: Floats, one: Entity) -> Floats:
+    """Return the closed outline of a footprint at every step: [n, 5, 2]."""
+    ahead = 0.5 * one.asset.length * np.array([1, 1, -1, -1, 1])
+    aside = 0.5 * one.asset.width * np.array([1, -1, -1, 1, 1])
+    cos, sin = np.cos(poses[:, 3:4]), np.sin(poses[:, 3:4])
+    x = poses[:, 0:1] + ahead * cos - aside * sin
+    y = poses[:, 1:2] + ahead * sin + aside * cos
+    return np.stack([x, -y], axis=2)

@@ -1,0 +1,59 @@
+import struct
+
+import pytest
+
+from oodscen.errors import DataError, UnknownComponent
+from oodscen.interchange import osi_trace
+from oodscen.interchange._traces.mcap_files import mcap_trace
+from oodscen.interchange._traces.osi_reading import read_osi_trace
+from oodscen.interchange._writing.roads import road_file
+from tests.interchange.staging import SCENES, catalogue
+
+SCENE = SCENES[0]
+
+
+def mcap():
+    pytest.importorskip("betterosi")
+    return osi_trace(SCENE, catalogue(), container="mcap")
+
+
+def test_both_containers_hold_the_same_messages():
+    packed, plain = mcap(), osi_trace(SCENE, catalogue())
+    found = list(read_osi_trace(packed, "run.mcap"))
+    assert found == list(read_osi_trace(plain, "run.osi"))
+    assert {name for _, name, _ in found} == {"ego", *(one.id for one in SCENE.actors)}
+    assert packed == osi_trace(SCENE, catalogue(), container="mcap")
+
+
+def test_the_published_library_reads_the_messages_and_the_road(tmp_path):
+    betterosi = pytest.importorskip("betterosi")
+    path = tmp_path / "run.mcap"
+    path.write_bytes(mcap())
+    first = next(iter(betterosi.read(path, return_ground_truth=True)))
+    assert len(first.moving_object) == 1 + len(SCENE.actors)
+    ego = first.moving_object[0].base
+    assert ego.velocity.x**2 + ego.velocity.y**2 == pytest.approx(SCENE.ego.speed**2, rel=1e-3)
+    road = road_file(SCENE, catalogue())
+    (held,) = betterosi.read(path, mcap_topics=["ground_truth_map"])
+    assert held.open_drive_xml_content.encode() == road.content
+
+
+@pytest.mark.parametrize("cut", [0, 1, 9, 5_000, -1, -40])
+def test_what_is_cut_off_is_refused(cut):
+    whole = mcap()
+    with pytest.raises(DataError):
+        list(read_osi_trace(whole[:cut], "run.mcap"))
+
+
+def test_messages_that_are_no_ground_truth_are_refused():
+    pytest.importorskip("betterosi")
+    data = mcap_trace(
+        iter([(0, b"\x0b"), (1, struct.pack("<I", 7))]), road_file(SCENE, catalogue())
+    )
+    with pytest.raises(DataError):
+        list(read_osi_trace(data, "run.mcap"))
+
+
+def test_an_unknown_container_is_refused():
+    with pytest.raises(UnknownComponent):
+        osi_trace(SCENE, catalogue(), container="zip")
