@@ -46,14 +46,6 @@ def small(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return finished(SMALL, _shared(tmp_path_factory) / "small")
 
 
-@pytest.fixture(scope="session")
-def quick(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the finished study of `tests.pipeline.quick.QUICK`, which no test may change."""
-    from tests.pipeline.quick import QUICK, finished
-
-    return finished(QUICK, _shared(tmp_path_factory) / "quick")
-
-
 @pytest.fixture(autouse=True)
 def _forgotten_keys() -> Iterator[None]:
     """Forget the keys that a test used: each that is known makes every later search for keys slower."""

@@ -21,7 +21,9 @@ def finished(config: StudyConfig, folder: Path) -> Path:
     """Return a folder with the finished study, which the first process that asks for it runs."""
     with FileLock(f"{folder}.lock"):
         if not folder.exists():
-            run_study(folder, config)
+            part = folder.with_name(f"{folder.name}.part")
+            run_study(part, config)
+            part.rename(folder)
     return folder
 
 

@@ -46,8 +46,10 @@ def under(name, files, former):
 
 
 @pytest.fixture(scope="module")
-def folder(quick, tmp_path_factory):
-    return shutil.copytree(quick, tmp_path_factory.mktemp("study") / "out")
+def folder(tmp_path_factory):
+    out = tmp_path_factory.mktemp("study") / "out"
+    run_study(out, QUICK)
+    return out
 
 
 @pytest.fixture
