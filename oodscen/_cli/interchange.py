@@ -218,7 +218,7 @@ def verdict(
     """Judge runs that another player drove, by the poses that it wrote.
 
     Each file has the name of its scene or twin: SCENE.csv or SCENE.osi. The exit code is 1 if a file could not be
-    judged; a collision is not a failure.
+    judged, or its run is inconclusive; a collision is not a failure.
     """
     from oodscen.interchange import verdict as judge
 
@@ -240,7 +240,7 @@ def verdict(
             say(_line(one))
     if driver and found and place.is_dir():
         _enter(place, found)
-    sys.exit(bool(failed))
+    sys.exit(bool(failed) or any(one.inconclusive for one in found))
 
 
 @click.command()
@@ -370,10 +370,12 @@ def _enter(place: Path, found: "list[PlayedVerdict]") -> None:
 
 
 def _line(one: "PlayedVerdict") -> str:
-    outcome = one.outcome
     came = f"decision at {one.decision_s:.2f} s" if one.decision_fired else "no decision"
-    ended = "" if one.is_complete else ", but the run ends before the horizon"
+    notes = "".join(f"; {note}" for note in one.notes)
+    outcome = one.outcome
+    if outcome is None:
+        return f"{one.scene_id}: {came}, inconclusive: {one.inconclusive}{notes}"
     hit = f"touches {', '.join(outcome.contacts)}" if outcome.contacts else ""
     harm = hit or ("leaves the road" if outcome.off_road else "safe")
     margin = "" if outcome.margin_m is None else f", margin {outcome.margin_m:.2f} m"
-    return f"{one.scene_id}: {came}, {harm}{margin}{ended}"
+    return f"{one.scene_id}: {came}, {harm}{margin}{notes}"
