@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import starmap
 from pathlib import Path
@@ -10,10 +11,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from oodscen._cli.exporting import claim_folder
 from oodscen._cli.options import json_option, seed_option, simulator_option
 from oodscen._cli.output import read_lines, say, tracked, write
 from oodscen._cli.paths import READABLE, PathName
 from oodscen._processes import Processes
+from oodscen._text import one_line, plain
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._episode import ACTIONS, Episode
@@ -97,6 +100,7 @@ def export(
     scenes = scenes[:limit]
     out.mkdir(parents=True, exist_ok=True)
     written, faults = 0, list[str]()
+    claim_folder(out, scenes, catalogue, options["form"])
     parts = [scenes[first : first + _PART] for first in range(0, len(scenes), _PART)]
     jobs = [(part, catalogue, known.of(part), out, options) for part in parts]
     for some, errors in tracked(_results(jobs, workers), "export", len(jobs)):
@@ -197,12 +201,30 @@ def import_(
     sys.exit(bool(failed))
 
 
+def _driver_name(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """Return the name of a driver that played, which is not that of one that drives here."""
+    from oodscen._registry import DRIVERS
+
+    if value is None:
+        return None
+    name = value.strip()
+    if not name or name != plain(one_line(name)):
+        raise click.BadParameter("is empty, or no plain line.", ctx, param)
+    if name.lower() in DRIVERS:
+        raise click.BadParameter(f"{name!r} is a driver of `oodscen drive`.", ctx, param)
+    return name
+
+
 @click.command()
 @click.argument("place", metavar="STUDY|SCENES", type=_PLACE)
 @click.argument("files", metavar="POSES...", type=READABLE, nargs=-1, required=True)
 @click.option(
     "--driver",
+    callback=_driver_name,
     help="Name of what drove the ego; its results enter the study's table of drivers.",
+)
+@click.option(
+    "--replace", is_flag=True, help="Replace the driver's earlier results of these scenes."
 )
 @simulator_option
 @seed_option
@@ -211,6 +233,7 @@ def verdict(
     place: Path,
     files: tuple[Path, ...],
     driver: str | None,
+    replace: bool,
     simulator: str,
     seed: int,
     as_json: bool,
@@ -222,6 +245,9 @@ def verdict(
     """
     from oodscen.interchange import verdict as judge
 
+    names = Counter(path.stem for path in files)
+    if driver and (twice := [name for name, count in names.items() if count > 1]):
+        raise UsageError(f"{twice[0]} has several files; a driver has one result per scene")
     scenes, catalogue, _ = _scenes(place, simulator)
     by_id = {scene.id: scene for scene in scenes}
     found: list[PlayedVerdict] = []
@@ -239,7 +265,7 @@ def verdict(
         for one in found:
             say(_line(one))
     if driver and found and place.is_dir():
-        _enter(place, found)
+        _enter(place, found, replace)
     sys.exit(bool(failed) or any(one.inconclusive for one in found))
 
 
@@ -352,8 +378,12 @@ def _scene_named(name: str, by_id: dict[str, Scene], catalogue: Catalogue, seed:
     raise UsageError(f"there is no scene {name!r}")
 
 
-def _enter(place: Path, found: "list[PlayedVerdict]") -> None:
-    """Enter the drives into the study's table and write its report again."""
+def _enter(place: Path, found: "list[PlayedVerdict]", is_replacing: bool) -> None:
+    """Enter the drives into the study's table and write its report again.
+
+    Raises:
+        UsageError: If the table has other results of the driver for these scenes that are not to be replaced.
+    """
     from oodscen.judging._drive_board import current
     from oodscen.report._render import write_report
     from oodscen.study._study import Study
@@ -362,9 +392,15 @@ def _enter(place: Path, found: "list[PlayedVerdict]") -> None:
     click.get_current_context().with_resource(study.store.writing())
     digests = {scene.id: scene.digest() for scene in study.scenes}
     rows = {row.id: row for row in current(study.drives, study.scenes)}
-    for one in found:
-        made_from = digests[scene_of(one.scene_id)]
-        rows[one.drive.id] = one.drive.model_copy(update={"made_from": made_from})
+    made = [
+        one.drive.model_copy(update={"made_from": digests[scene_of(one.scene_id)]}) for one in found
+    ]
+    other = [one.scene_id for one in made if one != rows.get(one.id, one)]
+    if other and not is_replacing:
+        raise UsageError(
+            f"{made[0].driver} has another result for {', '.join(other[:5])} already, which --replace replaces"
+        )
+    rows |= {one.id: one for one in made}
     study.store.write_lines("drives.jsonl", list(rows.values()))
     write_report(study)
 
