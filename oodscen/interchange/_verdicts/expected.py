@@ -18,17 +18,23 @@ Floats = NDArray[np.float64]
 _LATEST_START_S = 1.0
 """Time up to which a run may start as it is; others count from their start."""
 _NEAR_M, _LAG_S = 1.0, 0.1
-"""Distance of a body from its place at the start, m, and the way at its speed that is allowed beside it, s."""
+"""Distance of a body from its place at the start, m, and the way at an actor's speed allowed beside it, s."""
+_SETTLED_STEPS, _SPEED_S = 2, 0.15
+"""Steps after which the ego's first speed is measured, and for how long, s: some players move nothing at first."""
+_SPEED, _SPEED_SHARE, _EASY = 1.0, 0.1, 5.0
+"""By how much that speed may be off: m/s, as a share, and per second since the start, m/s^2."""
 _EGO_ACCELERATION = 10.0
 """Acceleration by which the ego may differ from a blind one before the first pose, m/s^2."""
 _HIGH_M = 1.5
 """Height above its place from which a body is elsewhere, m."""
-_BEFORE_M, _AFTER_M = 2.0, 10.0
-"""Distance of the hazard from its course before and after the decision, m: reactions of players differ."""
+_BEFORE_M, _AFTER_M, _OTHERS_M = 2.0, 10.0, 20.0
+"""Distance of the hazard from its course before and after the decision, and of other actors from theirs, m: the
+reactions of players differ.
+"""
 
 
 def start_of(
-    scene: Scene, catalogue: Catalogue, corridor: Corridor, seed: int, time: Floats, first: Floats
+    scene: Scene, catalogue: Catalogue, corridor: Corridor, seed: int, time: Floats, poses: Floats
 ) -> tuple[float, str]:
     """Return the time by which a run is shifted, s, and what is not where the scene starts.
 
@@ -38,7 +44,7 @@ def start_of(
         corridor: The scene's road.
         seed: Seed of the scene's random streams.
         time: [n] the run's times, s.
-        first: [bodies, 4] the first poses, in the order of the world.
+        poses: [n, bodies, 4] the poses, in the order of the world.
 
     Raises:
         DataError: If the headings are degrees.
@@ -46,20 +52,32 @@ def start_of(
     begun = float(time[0])
     is_early = 0.0 <= begun <= _LATEST_START_S
     world, driver = KinematicWorld(corridor, scene, catalogue, seed), Cruise()
-    wrong = _misplaced(world, first, 0.0)
+    first, pace = poses[0], _first_speed(time, poses[:, 0])
+    wrong = _misplaced(world, first, pace, 0.0)
     if is_early:
         for _ in range(round(begun / world.dt)):
             world.step(driver.act(world.observe()))
-        at_start, wrong = wrong, _misplaced(world, first, begun)
+        at_start, wrong = wrong, _misplaced(world, first, pace, begun)
         return (begun, "") if wrong and begun > 0.0 and not at_start else (0.0, wrong)
     return begun, wrong
 
 
-def _misplaced(world: KinematicWorld, poses: Floats, since: float) -> str:
-    """Return the first body that is not in its place, or an empty text."""
+def _first_speed(time: Floats, ego: Floats) -> tuple[float, float]:
+    """Return the ego's speed soon after the start, m/s, and the time since the start, s."""
+    begin = min(_SETTLED_STEPS, len(time) - 2)
+    end = max(begin + 1, int(np.searchsorted(time, time[begin] + _SPEED_S + 1e-9)) - 1)
+    way = np.hypot(*(ego[end, :2] - ego[begin, :2]))
+    since = 0.5 * (time[begin] + time[end]) - time[0]
+    return float(way / (time[end] - time[begin])), float(since)
+
+
+def _misplaced(
+    world: KinematicWorld, poses: Floats, pace: tuple[float, float], since: float
+) -> str:
+    """Return the first body that is not in its place, or that the ego is too fast or slow, or an empty text."""
     own, speeds = world.poses(), np.abs(world.speeds())
     allowed = _NEAR_M + _LAG_S * speeds
-    allowed[0] += 0.5 * _EGO_ACCELERATION * since**2
+    allowed[0] = _NEAR_M + 0.5 * _EGO_ACCELERATION * since**2
     apart = np.hypot(*(poses[:, :2] - own[:, :2]).T)
     above = poses[:, 2] - own[:, 2]
     far = np.flatnonzero((apart > allowed) | (above > _HIGH_M))
@@ -70,7 +88,9 @@ def _misplaced(world: KinematicWorld, poses: Floats, since: float) -> str:
     turned = _turn(poses[:, 3] - own[:, 3])
     askew = np.flatnonzero(turned > ASKEW)
     if not len(askew):
-        return ""
+        usual, (speed, later) = float(speeds[0]), pace
+        is_off = abs(speed - usual) > _SPEED + _SPEED_SHARE * usual + _EASY * (since + later)
+        return f"ego starts at {speed:.1f} m/s, not {usual:.1f} m/s" if is_off else ""
     row = askew[0]
     if _turn(np.radians(poses[:, 3]) - own[:, 3]).max() <= ASKEW:
         raise unusable(world.ids[row], IN_DEGREES)
@@ -89,7 +109,9 @@ def strayed(
     states: Sequence[State],
     decision_s: float,
 ) -> str:
-    """Return which unusual actor leaves the course that the scene gives it, or an empty text.
+    """Return which actor leaves the course that the scene gives it, or an empty text.
+
+    Actors that start behind the ego may follow it as they like.
 
     The scene is run beside the played one: its ego is moved to the played poses in every step, and its actors react
     to it.
@@ -103,7 +125,9 @@ def strayed(
         decision_s: Time of the decision, s.
     """
     world, driver = KinematicWorld(corridor, scene, catalogue, seed), Cruise()
-    rows = [row for row, name in enumerate(world.ids) if name in scene.hazard.actors]
+    begin = [world.motion(name).s for name in world.ids]
+    unusual = {world.ids.index(name) for name in world.ids if name in scene.hazard.actors}
+    rows = [row for row, s in enumerate(begin) if row and (s > begin[0] or row in unusual)]
     if not rows:
         return ""
     time = np.array([one.time for one in states])
@@ -125,8 +149,8 @@ def strayed(
         apart = np.hypot(*(poses[:, row, :2] - place[:, :2]).T)
         above = poses[:, row, 2] - place[:, 2]
         pace = np.abs([one.speeds[row] for one in states])
-        allowed = np.where(time > decision_s, _AFTER_M, _BEFORE_M) + _LAG_S * pace
-        far = np.flatnonzero(np.maximum(apart, above) > allowed)
+        near = np.where(time > decision_s, _AFTER_M, _BEFORE_M) if row in unusual else _OTHERS_M
+        far = np.flatnonzero((apart > near + _LAG_S * pace) | (above > _BEFORE_M))
         if len(far):
             first = far[0]
             return f"{world.ids[row]} is {max(apart[first], above[first]):.1f} m from its course at {time[first]:g} s"

@@ -87,7 +87,7 @@ def verdict(
     check_steps(played.time)
     corridor = load_corridor(find_map(scene.map, catalogue))
     poses, notes = _poses_of(scene, played, catalogue, corridor, seed)
-    begun, doubt = start_of(scene, catalogue, corridor, seed, played.time, poses[0])
+    begun, doubt = start_of(scene, catalogue, corridor, seed, played.time, poses)
     if begun:
         notes.append(f"times start at {begun:g} s and are counted from there")
     states = _states(scene, played.time - begun, poses, catalogue, corridor, seed)

@@ -108,6 +108,11 @@ def test_poses_come_back_from_osi(tmp_path):
         "time,name,x,y,h\n0,ego,1,2,3",
         "time,name,x,y,h\n0,ego,1,2,3\n1,ego,nan,2,3",
         "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,2",
+        "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,2,3\n1,ego,1,5,3",
+        "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,2,3,4",
+        "time,name,x,y,h,x\n0,ego,1,2,3,1\n1,ego,1,2,3,1",
+        "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,1_0,3",
+        f"time,name,x,y,h\n0,ego,1,2,3\n1,{'x' * 200_000},1,1,3",
         "esmini GIT REV: x\nno columns",
         "esmini GIT REV: x\nIndex [-], TimeStamp [s], #1 Entity_Name [-]\n0, 0.0, ego",
     ],
@@ -172,6 +177,11 @@ INCONCLUSIVE = {
     "above": lambda one: change(one, pose=lambda p: moved(p, others(one), [0, 0, 30.0, 0])),
     "mirrored": lambda one: change(one, pose=lambda p: p * [1, -1, 1, -1]),
     "turned": lambda one: change(one, pose=lambda p: moved(p, others(one), [0, 0, 0, 1.5])),
+    "rear axle": lambda one: change(
+        one, pose=lambda p: moved(p, one.names.index("ego"), [-1.35, 0, 0, 0])
+    ),
+    "slow motion": lambda one: change(one, time=lambda t: 2.0 * t),
+    "fast motion": lambda one: change(one, time=lambda t: 0.5 * t),
     "swapped": swapped,
 }
 
@@ -268,6 +278,11 @@ def every(dt, poses):
 HONEST = {
     "second step": lambda one: change(one, slice(1, None)),
     "half a second": lambda one: change(one, slice(10, None)),
+    "first pose twice": lambda one: PlayedPoses(
+        one.names,
+        np.append(one.time, 2.0 * one.time[-1] - one.time[-2]),
+        np.concatenate([one.poses[:1], one.poses]),
+    ),
     "millimetres": lambda one: change(one, pose=lambda p: p.round(3)),
     "jitter": lambda one: resampled(one, noisy(one.time)),
     "fine": lambda one: resampled(one, every(0.02, one)),
