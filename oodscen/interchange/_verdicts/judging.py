@@ -50,7 +50,7 @@ class PlayedVerdict(Data):
     inconclusive: str = ""
     """The reason why the run is neither passed nor failed; empty if it was judged."""
     notes: tuple[str, ...] = ()
-    """What was assumed in reading the run."""
+    """Assumptions made in reading the run."""
     outcome: ActionOutcome | None
     """The outcome from the decision on; `None` if the run is inconclusive."""
     drive: DriveResult
