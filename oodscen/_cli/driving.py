@@ -77,7 +77,8 @@ def _line(row: "DriveRow") -> str:
     share, mean = row.shares, row.means
     lines = [
         f"{row.driver}, {row.items}: {row.passed} of {row.n} passed{_range(share['passed'])}, {row.collisions} "
-        f"collisions{_range(share['collisions'])}, {row.off_road} off the road, {row.failed} failed",
+        f"collisions{_range(share['collisions'])}, {row.off_road} off the road, {row.failed} failed"
+        + (f", {row.inconclusive} inconclusive" if row.inconclusive else ""),
         f"  least TTC {_mean(mean['min_ttc_s'], ' s')}, below 1.5 s in {share['critical'].hits}; least headway "
         f"{_mean(mean['min_headway_s'], ' s')}; hardest braking {_mean(mean['peak_deceleration'], ' m/s2')}; jerk "
         f"{_mean(mean['peak_jerk'], ' m/s3')}; progress {_mean(mean['progress'], '', percent=True)}",

@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import starmap
@@ -12,10 +13,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from oodscen._cli.completion import ComponentName
+from oodscen._cli.exporting import claim_folder
 from oodscen._cli.options import json_option, seed_option, simulator_option
 from oodscen._cli.output import read_lines, say, tracked, write
 from oodscen._cli.paths import READABLE, PathName
 from oodscen._processes import Processes
+from oodscen._text import one_line, plain
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._episode import ACTIONS, Episode
@@ -106,6 +109,7 @@ def export(
         known = known._replace(demands={})
     out.mkdir(parents=True, exist_ok=True)
     written, faults = 0, list[str]()
+    claim_folder(out, scenes, catalogue, options["form"])
     parts = [scenes[first : first + _PART] for first in range(0, len(scenes), _PART)]
     jobs = [(part, catalogue, known.of(part), out, options) for part in parts]
     for some, errors in tracked(_results(jobs, workers), "export", len(jobs)):
@@ -245,12 +249,30 @@ def import_(
     sys.exit(bool(failed))
 
 
+def _driver_name(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """Return the name of a driver that played, which is not that of one that drives here."""
+    from oodscen._registry import DRIVERS
+
+    if value is None:
+        return None
+    name = value.strip()
+    if not name or name != plain(one_line(name)):
+        raise click.BadParameter("is empty, or no plain line.", ctx, param)
+    if name.lower() in DRIVERS:
+        raise click.BadParameter(f"{name!r} is a driver of `oodscen drive`.", ctx, param)
+    return name
+
+
 @click.command()
 @click.argument("place", metavar="STUDY|SCENES", type=_PLACE)
 @click.argument("files", metavar="POSES...", type=READABLE, nargs=-1, required=True)
 @click.option(
     "--driver",
+    callback=_driver_name,
     help="Name of what drove the ego; its results enter the study's table of drivers.",
+)
+@click.option(
+    "--replace", is_flag=True, help="Replace the driver's earlier results of these scenes."
 )
 @simulator_option
 @seed_option
@@ -259,6 +281,7 @@ def verdict(
     place: Path,
     files: tuple[Path, ...],
     driver: str | None,
+    replace: bool,
     simulator: str,
     seed: int,
     as_json: bool,
@@ -266,10 +289,13 @@ def verdict(
     """Judge runs that another player drove, by the poses that it wrote.
 
     Each file has the name of its scene or ordinary drive: SCENE.csv, SCENE.osi or SCENE.mcap. The exit code is 1 if a
-    file could not be judged; a collision is not a failure.
+    file could not be judged, or its run is inconclusive; a collision is not a failure.
     """
     from oodscen.interchange import verdict as judge
 
+    names = Counter(path.stem for path in files)
+    if driver and (twice := [name for name, count in names.items() if count > 1]):
+        raise UsageError(f"{twice[0]} has several files; a driver has one result per scene")
     scenes, catalogue, known = _scenes(place, simulator)
     by_id = {scene.id: scene for scene in (*scenes, *known.demands.values())}
     found: list[PlayedVerdict] = []
@@ -287,8 +313,8 @@ def verdict(
         for one in found:
             say(_line(one))
     if driver and found and place.is_dir():
-        _enter(place, found)
-    sys.exit(bool(failed))
+        _enter(place, found, replace)
+    sys.exit(bool(failed) or any(one.inconclusive for one in found))
 
 
 @click.command()
@@ -419,8 +445,12 @@ def _scene_named(name: str, by_id: dict[str, Scene], catalogue: Catalogue, seed:
     raise UsageError(f"there is no scene {name!r}")
 
 
-def _enter(place: Path, found: "list[PlayedVerdict]") -> None:
-    """Enter the drives into the study's table and write its report again."""
+def _enter(place: Path, found: "list[PlayedVerdict]", is_replacing: bool) -> None:
+    """Enter the drives into the study's table and write its report again.
+
+    Raises:
+        UsageError: If the table has other results of the driver for these scenes that are not to be replaced.
+    """
     from oodscen.judging._drive_board import current
     from oodscen.report._render import write_report
     from oodscen.study._study import Study
@@ -429,19 +459,27 @@ def _enter(place: Path, found: "list[PlayedVerdict]") -> None:
     click.get_current_context().with_resource(study.store.writing())
     digests = {scene.id: scene.digest() for scene in study.scenes}
     rows = {row.id: row for row in current(study.drives, study.scenes)}
-    for one in found:
-        made_from = digests[scene_of(one.scene_id)]
-        rows[one.drive.id] = one.drive.model_copy(update={"made_from": made_from})
+    made = [
+        one.drive.model_copy(update={"made_from": digests[scene_of(one.scene_id)]}) for one in found
+    ]
+    other = [one.scene_id for one in made if one != rows.get(one.id, one)]
+    if other and not is_replacing:
+        raise UsageError(
+            f"{made[0].driver} has another result for {', '.join(other[:5])} already, which --replace replaces"
+        )
+    rows |= {one.id: one for one in made}
     study.store.write_lines("drives.jsonl", list(rows.values()))
     write_report(study)
 
 
 def _line(one: "PlayedVerdict") -> str:
-    outcome = one.outcome
     came = f"decision at {one.decision_s:.2f} s" if one.decision_fired else "no decision"
-    ended = "" if one.is_complete else ", but the run ends before the horizon"
+    notes = "".join(f"; {note}" for note in one.notes)
+    outcome = one.outcome
+    if outcome is None:
+        return f"{one.scene_id}: {came}, inconclusive: {one.inconclusive}{notes}"
     hit = f"touches {', '.join(outcome.contacts)}" if outcome.contacts else ""
     harm = hit or ("leaves the road" if outcome.off_road else "")
     harm = harm or ("drives past the red light" if outcome.ran_red else "safe")
     margin = "" if outcome.margin_m is None else f", margin {outcome.margin_m:.2f} m"
-    return f"{one.scene_id}: {came}, {harm}{margin}{ended}"
+    return f"{one.scene_id}: {came}, {harm}{margin}{notes}"

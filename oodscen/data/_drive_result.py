@@ -13,7 +13,8 @@ class DriveResult(Data):
     """`<scene id>@<driver>`."""
     scene_id: str
     driver: str
-    status: Literal["ok", "failed"] = "ok"
+    status: Literal["ok", "failed", "inconclusive"] = "ok"
+    """`inconclusive`: a recorded run that ends early, never comes to its decision, or is not of the scene."""
     error: str | None = None
     error_type: str = ""
     is_twin: bool = False

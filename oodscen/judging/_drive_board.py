@@ -81,9 +81,11 @@ class DriveRow(Data):
     driver: str
     items: Literal["scenes", "twins"]
     n: int
-    """Number of drives, including failed ones."""
+    """Number of drives, including failed and inconclusive ones."""
     failed: int
     """Drives that did not run; excluded from all other figures."""
+    inconclusive: int = 0
+    """Recorded runs that could not be judged; excluded from all other figures."""
     passed: int
     collisions: int
     """Drives that ended in a collision."""
@@ -236,7 +238,8 @@ class _Sums:
             driver=driver,
             items=items,
             n=len(drives),
-            failed=len(drives) - len(ran),
+            failed=sum(one.status == "failed" for one in drives),
+            inconclusive=sum(one.status == "inconclusive" for one in drives),
             passed=shares["passed"].hits,
             collisions=shares["collisions"].hits,
             off_road=shares["off_road"].hits,

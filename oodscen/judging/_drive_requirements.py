@@ -36,7 +36,7 @@ def drive_requirements(
 ) -> list[RequirementResult]:
     """Return the grade of every driver, in order of their names.
 
-    A drive that failed counts as a missing answer: as wrong for "meets", as right for "fails".
+    A drive that failed or is inconclusive counts as a missing answer: as wrong for "meets", as right for "fails".
 
     Args:
         drives: Results of any drivers, one per scene or twin and driver.

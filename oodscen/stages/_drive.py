@@ -365,3 +365,15 @@ def failed_drive(scene_id: str, name: str, error: BaseException) -> DriveResult:
         error_type=type(error).__name__,
         is_twin=is_twin(scene_id),
     )
+
+
+def inconclusive_drive(scene_id: str, name: str, why: str) -> DriveResult:
+    """Return the result of a drive that was recorded but is neither passed nor failed."""
+    return DriveResult(
+        id=f"{scene_id}@{name}",
+        scene_id=scene_id,
+        driver=name,
+        status="inconclusive",
+        error=why,
+        is_twin=is_twin(scene_id),
+    )

@@ -7,6 +7,7 @@ from click.testing import CliRunner
 
 from oodscen import Study, make_catalogue
 from oodscen._cli import main
+from oodscen._cli.exporting import LIST
 from oodscen.interchange import read_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, replayed
 from tests.interchange.staging import SCENES
@@ -60,6 +61,34 @@ def test_processes_write_the_same_files(tmp_path, monkeypatch):
     assert set(written[0]) >= {f"{one.id}.xosc" for one in SCENES[:2]}
 
 
+@pytest.mark.parametrize("form", ["openscenario", "openlabel", "osi"])
+def test_an_export_replaces_only_exports(form, tmp_path):
+    scenes, out = tmp_path / "scenes.jsonl", tmp_path / "out"
+    scenes.write_text(f"{SCENES[0].to_json()}\n")
+    words = ("export", scenes, "-o", out, "--to", form, "--simulator", "pybullet")
+    assert run(*words).exit_code == run(*words).exit_code == 0
+    written = {path.name: path.read_bytes() for path in out.iterdir()}
+    listed = (out / LIST).read_text().splitlines()
+    assert set(written) <= {LIST, *listed}
+    for name in set(written) - {LIST}:
+        other = tmp_path / f"other-{name}"
+        other.mkdir()
+        (other / name).write_text("mine")
+        done = run(*words[:3], other, *words[4:])
+        assert done.exit_code == 2
+        assert name in done.output
+        assert [path.name for path in other.iterdir()] == [name]
+        assert (other / name).read_text() == "mine"
+
+
+def test_nothing_is_exported_into_a_study(study):
+    for place in (study, study / "frames"):
+        before = sorted(path.name for path in place.iterdir())
+        assert run("export", study, "-o", place).exit_code == 2
+        assert sorted(path.name for path in place.iterdir()) == before
+    assert run("export", study, "-o", study / "exported", "--limit", 1).exit_code == 0
+
+
 def test_tags_are_exported(study, tmp_path):
     assert run("export", study, "-o", tmp_path / "tags", "--to", "openlabel").exit_code == 0
     for scene in Study.open(study).scenes:
@@ -71,7 +100,7 @@ def test_traces_are_exported_and_judged(study, tmp_path):
     done = run("export", study, "-o", tmp_path / "traces", "--to", "osi", "--action", "stop")
     assert done.exit_code == 0
     episodes = {one.scene_id: one for one in Study.open(study).episodes}
-    assert {path.stem for path in (tmp_path / "traces").iterdir()} == set(episodes)
+    assert {path.stem for path in (tmp_path / "traces").glob("*.osi")} == set(episodes)
     for path in (tmp_path / "traces").iterdir():
         (told,) = json.loads(run("verdict", study, path, "--json").stdout)
         outcome = episodes[path.stem].actions["stop"]
@@ -90,6 +119,32 @@ def test_a_played_run_enters_the_table_of_drivers(study, tmp_path):
     assert "stack" in (study / "report.html").read_text()
     (told,) = json.loads(run("verdict", study, path, "--json").stdout)
     assert told["outcome"]["safe"] == row.passed
+
+
+def test_a_result_is_not_replaced_unasked(study, tmp_path):
+    scene = Study.open(study).scenes[0]
+    path, other = tmp_path / f"{scene.id}.csv", tmp_path / "cut" / f"{scene.id}.csv"
+    poses(path, scene, make_catalogue("flat"))
+    other.parent.mkdir()
+    lines = path.read_text().splitlines()
+    other.write_text("\n".join(lines[: len(lines) // 4]))
+    words = ("verdict", study, "--driver", "stack")
+    assert run(*words, path, other).exit_code == 2
+    assert run(*words, path).exit_code == run(*words, path).exit_code == 0
+    before = (study / "drives.jsonl").read_bytes()
+    assert run(*words, other).exit_code == 2
+    assert (study / "drives.jsonl").read_bytes() == before
+    assert run(*words, other, "--replace").exit_code == 1
+    (row,) = (one for one in Study.open(study).drives if one.driver == "stack")
+    assert (row.status, row.passed) == ("inconclusive", False)
+    assert "1 inconclusive" in (study / "report.html").read_text()
+
+
+@pytest.mark.parametrize("name", ["", "  ", "rule-based", "RSS", "a\nb"])
+def test_a_driver_that_played_has_a_name_of_its_own(name, study, tmp_path):
+    path = tmp_path / "scene.csv"
+    path.write_text("")
+    assert run("verdict", study, path, "--driver", name).exit_code == 2
 
 
 def test_what_cannot_be_judged_or_read_is_reported(study, tmp_path):

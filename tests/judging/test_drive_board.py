@@ -9,7 +9,7 @@ from oodscen.testing._scenes import example_scene
 
 
 def drives(driver, outcomes, progress=1.0):
-    """Two results per (passed in the scene, passed in the twin); `None` is a drive that failed."""
+    """Two results per (passed in the scene, passed in the twin), or their status if it is not `ok`."""
     found = []
     for index, pair in enumerate(outcomes):
         for suffix, passed in zip(("", "~twin"), pair, strict=True):
@@ -20,7 +20,7 @@ def drives(driver, outcomes, progress=1.0):
                     scene_id=name,
                     driver=driver,
                     is_twin=bool(suffix),
-                    status="failed" if passed is None else "ok",
+                    status=passed if isinstance(passed, str) else "ok",
                     passed=passed is True,
                     collisions=("box",) if passed is False else (),
                     min_ttc_s=1.0 if passed is False else None,
@@ -32,7 +32,11 @@ def drives(driver, outcomes, progress=1.0):
     return found
 
 
-PAIRS = st.lists(st.tuples(*[st.sampled_from([True, False, None])] * 2), min_size=1, max_size=14)
+PAIRS = st.lists(
+    st.tuples(*[st.sampled_from([True, False, "failed", "inconclusive"])] * 2),
+    min_size=1,
+    max_size=14,
+)
 
 
 @settings(max_examples=20, deadline=None)
@@ -40,11 +44,13 @@ PAIRS = st.lists(st.tuples(*[st.sampled_from([True, False, None])] * 2), min_siz
 def test_counts_add_up(outcomes):
     board = drive_board(drives("mine", outcomes))
     scenes, pair = board.of("mine"), board.of("mine").paired
-    assert scenes.n == scenes.failed + scenes.passed + scenes.collisions == len(outcomes)
+    lost = scenes.failed + scenes.inconclusive
+    assert scenes.n == lost + scenes.passed + scenes.collisions == len(outcomes)
+    assert scenes.inconclusive == sum(first == "inconclusive" for first, _ in outcomes)
     assert pair.n == pair.both + pair.scene_only + pair.twin_only + pair.neither
     assert pair.drives_and_passes.hits == pair.both == outcomes.count((True, True))
     assert scenes.shares["critical"].hits == scenes.collisions
-    assert scenes.means["progress"].n == scenes.n - scenes.failed
+    assert scenes.means["progress"].n == scenes.n - lost
     share = scenes.shares["passed"]
     if share.n:
         assert share.interval.low <= share.value <= share.interval.high

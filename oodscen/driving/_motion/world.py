@@ -340,14 +340,25 @@ class KinematicWorld(Brief):
             poses: [n, 4] x, y, z and yaw, rows as in `ids`.
             speeds: [n] along the headings, m/s.
         """
-        for row, (x, y, z, yaw) in enumerate(poses.tolist()):
-            near = float(self._state[row, col.S])
-            s, t = self.corridor.locate(x, y, near if self._is_near(row, x, y) else None)
-            _, _, ground, road = self.corridor.point(s, t)
-            state = self._state[row]
-            state[col.X], state[col.Y], state[col.YAW] = x, y, wrapped(yaw)
-            state[col.S], state[col.T], state[col.HEADING] = s, t, wrapped(yaw - road)
-            state[col.SPEED], state[col.LIFT] = float(speeds[row]), max(0.0, z - ground)
+        for row in range(len(poses)):
+            self.set_pose(row, poses[row], float(speeds[row]))
+
+    def set_pose(self, row: int, pose: NDArray[np.float64], speed: float) -> None:
+        """Move one body to a measured pose.
+
+        Args:
+            row: The body's row, as in `ids`.
+            pose: x, y, z and yaw.
+            speed: Its speed along the heading, m/s.
+        """
+        x, y, z, yaw = pose.tolist()
+        near = float(self._state[row, col.S])
+        s, t = self.corridor.locate(x, y, near if self._is_near(row, x, y) else None)
+        _, _, ground, road = self.corridor.point(s, t)
+        state = self._state[row]
+        state[col.X], state[col.Y], state[col.YAW] = x, y, wrapped(yaw)
+        state[col.S], state[col.T], state[col.HEADING] = s, t, wrapped(yaw - road)
+        state[col.SPEED], state[col.LIFT] = speed, max(0.0, z - ground)
 
     # ------------------------------------------------------------------ internals
 

@@ -25,6 +25,8 @@ from oodscen.interchange._writing.properties import DIGEST, SCENE, content_diges
 if TYPE_CHECKING:
     from oodscen.protocols import LLM
 
+_MAJOR, _MINORS = "1", ("0", "1", "2", "3")
+"""Versions of OpenSCENARIO XML that are read."""
 _EGO_NAMES = ("ego", "hero", "ego_vehicle", "egovehicle")
 _MIRRORED = "CARLA:"
 """Beginning of the description of files with CARLA's left-handed axes."""
@@ -67,11 +69,12 @@ def read_openscenario(
         llm: The model that names the unusual entities; without one, the first that acts is taken.
 
     Raises:
-        DataError: If the file is malformed, with the line and the element.
+        DataError: If the file is malformed or no version 1.x, with the line and the element.
         UnknownComponent: If there is no such map.
         LLMError: If the model cannot be reached, or its answer cannot be used.
     """
     tree = ScenarioTree(path)
+    _check_version(tree)
     if (own := _own_scene(tree)) is not None:
         return ImportedScene(own)
     scene = _Assembly(tree, catalogue, road, hazards, llm).scene()
@@ -79,18 +82,37 @@ def read_openscenario(
     return ImportedScene(scene, tuple(found))
 
 
-def _own_scene(tree: ScenarioTree) -> Scene | None:
-    """Return the scene that a file says it is, unless the file was changed."""
+def _header(tree: ScenarioTree) -> Node:
     header = tree.root.first("FileHeader")
     if header is None:
         raise tree.root.fault("has no FileHeader")
+    return header
+
+
+def _check_version(tree: ScenarioTree) -> None:
+    """Refuse another major version, and note an unknown minor one.
+
+    Raises:
+        DataError: If the file is no OpenSCENARIO XML 1.x.
+    """
+    header = _header(tree)
+    major, minor = (header.get(name).strip() for name in ("revMajor", "revMinor"))
+    if major != _MAJOR:
+        raise header.fault(f"version {major[:20]!r} is not read; 1.0 to 1.3 are", "revMajor")
+    if minor not in _MINORS:
+        header.leave_out(f"version 1.{minor[:20]} is unknown and read as 1.3")
+
+
+def _own_scene(tree: ScenarioTree) -> Scene | None:
+    """Return the scene that a file says it is, unless the file was changed."""
+    header = _header(tree)
     said = {
         one.element.get("name"): one.element.get("value", "")
         for one in header.all("Properties", "Property")
     }
     if SCENE not in said:
         return None
-    if said.get(DIGEST) != content_digest(tree.root.element):
+    if said.get(DIGEST) != content_digest(tree.root.element, said[SCENE]):
         header.leave_out("the file was changed after its export and is read by its elements")
         return None
     return Scene.parse(said[SCENE], source=str(tree.path))

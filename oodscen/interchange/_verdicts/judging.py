@@ -17,9 +17,11 @@ from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import DataError, Issue
+from oodscen.interchange._verdicts.expected import start_of, strayed
+from oodscen.interchange._verdicts.plausibility import check_motion, check_steps, unusable
 from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
 from oodscen.protocols import State
-from oodscen.stages._drive import drive_result
+from oodscen.stages._drive import drive_result, inconclusive_drive
 from oodscen.stages._rollouts import judged, runs_red
 
 Floats = NDArray[np.float64]
@@ -28,6 +30,9 @@ _ALIGNED = 0.8
 """Cosine to the road's direction from which an actor drives along the road."""
 _ROUNDING = 4e-6
 """Amount by which a trigger's value may be missed, since poses in files are rounded, m or s."""
+
+_EARLY_S = 0.25
+"""Time before the horizon at which a run may end, s."""
 
 
 class PlayedVerdict(Data):
@@ -40,8 +45,12 @@ class PlayedVerdict(Data):
     """False if the decision's trigger never fired."""
     is_complete: bool
     """True if the run lasted to the scene's horizon, a contact, or the road's edge."""
-    outcome: ActionOutcome
-    """The outcome from the decision on."""
+    inconclusive: str = ""
+    """The reason why the run is neither passed nor failed; empty if it was judged."""
+    notes: tuple[str, ...] = ()
+    """Assumptions made in reading the run."""
+    outcome: ActionOutcome | None
+    """The outcome from the decision on; `None` if the run is inconclusive."""
     drive: DriveResult
     """The whole run as a drive, for the table of drivers."""
 
@@ -56,6 +65,10 @@ def verdict(
 ) -> PlayedVerdict:
     """Judge a run by its poses: the decision, contacts, margins and safety.
 
+    A run is inconclusive if its bodies do not start where the scene's do, an unusual actor leaves the course that the
+    scene gives it, or the run ends before the decision or the
+    horizon without harm.
+
     Args:
         scene: The scene or twin that was played.
         played: The poses of `ego` and of every actor, by the ids of the scene, or the file that holds them: CSV with
@@ -65,59 +78,85 @@ def verdict(
         seed: Seed of the export.
 
     Raises:
-        DataError: If the file is malformed, with the line of every fault, or a body is missing.
+        DataError: If the file is malformed, with the line of every fault, a body is missing, the poses have a hole,
+            or their motion shows that a unit is wrong.
     """
     if not isinstance(played, PlayedPoses):
         played = read_poses(played)
+    check_steps(played.time)
     corridor = load_corridor(find_map(scene.map, catalogue))
-    states = states_of(scene, played, catalogue, corridor, seed)
+    poses, notes = _poses_of(scene, played, catalogue, corridor, seed)
+    begun, doubt = start_of(scene, catalogue, corridor, seed, played.time, poses)
+    if begun:
+        notes.append(f"times start at {begun:g} s and are counted from there")
+    states = _states(scene, played.time - begun, poses, catalogue, corridor, seed)
     first, fired = _decision(scene, states, corridor)
     end = states[first].time + scene.horizon_s
     after = _until_harm([one for one in states[first + 1 :] if one.time <= end + 1e-6])
     dt = float(np.median(np.diff(played.time)))
-    last = after[-1] if after else states[first]
     course, line = Course.of(scene, catalogue), scene.stop_line
-    trace = Trace.measured([states[first], *after], course)
     whole = states[: first + 1 + len(after)]
-    steps = round((states[first].time + scene.horizon_s) / dt)
-    ends = bool(last.contacts) or last.off_road or last.time >= end - 1.5 * dt
+    last = whole[-1]
+    check_motion(last.ids, played.time[: len(whole)], poses[: len(whole)])
+    steps = round(end / dt)
+    harmed = bool(last.contacts) or last.off_road
+    ends = harmed or last.time >= end - max(_EARLY_S, 1.5 * dt)
+    doubt = doubt or strayed(scene, catalogue, corridor, seed, whole, states[first].time)
+    if not (doubt or harmed or fired) and states[first].time < MAX_APPROACH_S:
+        doubt = f"the run ends at {states[first].time:g} s, before its decision"
+    if not (doubt or ends):
+        doubt = f"the run ends at {last.time:g} s, before the horizon at {end:g} s"
+    trace = Trace.measured([states[first], *after], course)
+    ran_red = line is not None and runs_red([states[first], *after], line, course)
     drive = drive_result(scene, whole, catalogue, driver, steps, dt)
+    if doubt:
+        drive = inconclusive_drive(scene.id, driver, doubt)
     return PlayedVerdict(
         scene_id=scene.id,
         decision_s=round(states[first].time, 6),
         decision_fired=fired,
         is_complete=ends,
-        outcome=judged(
-            after or [states[first]],
-            trace,
-            ran_red=line is not None and runs_red([states[first], *after], line, course),
-        ),
+        inconclusive=doubt,
+        notes=tuple(notes),
+        outcome=None if doubt else judged(after or [states[first]], trace, ran_red=ran_red),
         drive=drive,
     )
 
 
-def states_of(
-    scene: Scene, played: PlayedPoses, catalogue: Catalogue, corridor: Corridor, seed: int = 0
-) -> list[State]:
-    """Return the states of a world with the played poses; speeds are those of the poses.
+def _poses_of(
+    scene: Scene, played: PlayedPoses, catalogue: Catalogue, corridor: Corridor, seed: int
+) -> tuple[Floats, list[str]]:
+    """Return the poses of the scene's bodies, [n, bodies, 4] in the order of a world, and notes.
 
     Raises:
-        DataError: If a body is missing.
+        DataError: If a body, or one of its poses, is missing.
     """
-    world = KinematicWorld(corridor, scene, catalogue, seed)
-    missing = [name for name in world.ids if name not in played.names]
-    if missing:
+    ids = KinematicWorld(corridor, scene, catalogue, seed).ids
+    if missing := [name for name in ids if name not in played.names]:
         issues = [Issue(name, "has no poses") for name in missing]
         raise DataError("run of a player", issues, source=scene.id)
-    poses = played.poses[:, [played.names.index(name) for name in world.ids]]
+    poses = played.poses[:, [played.names.index(name) for name in ids]]
     if np.isnan(poses).any():
         step, row = np.argwhere(np.isnan(poses).any(axis=2))[0]
-        issue = Issue(world.ids[row], f"has no pose at {played.time[step]:g} s")
-        raise DataError("run of a player", [issue], source=scene.id)
+        raise unusable(ids[row], f"has no pose at {played.time[step]:g} s")
+    others = [name for name in played.names if name not in ids]
+    return poses, [f"not in the scene, and not looked at: {', '.join(others)}"] if others else []
+
+
+def _states(
+    scene: Scene,
+    times: Floats,
+    poses: Floats,
+    catalogue: Catalogue,
+    corridor: Corridor,
+    seed: int,
+) -> list[State]:
+    """Return the states of a world with the played poses; speeds are those of the poses."""
+    world = KinematicWorld(corridor, scene, catalogue, seed)
     towed = [row for row, one in enumerate(scene.actors, start=1) if one.behaviour.name == "towed"]
-    speeds = _speeds(played.time, poses, corridor, towed)
+    speeds = _speeds(times, poses, corridor, towed)
     states = []
-    for step, time in enumerate(played.time.tolist()):
+    for step, time in enumerate(times.tolist()):
         world.set_poses(poses[step], speeds[step])
         seen = world.publish()
         states.append(

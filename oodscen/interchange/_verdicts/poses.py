@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,8 @@ COLUMNS = ("time", "name", "x", "y", "h")
 MAX_BYTES = 512 * 1024 * 1024
 _FARTHEST = 1e7
 _NOUN = "file of poses"
+_REST = "\n"
+"""Key of the cells beyond the last column, which no column can have."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,18 +78,30 @@ def _collected(rows: Iterator[Row], source: str) -> PlayedPoses:
     order = {time: index for index, time in enumerate(moments)}
     poses = np.full((len(moments), len(names), 4), np.nan)
     for time, name, pose in found:
+        before = poses[order[time], names[name]]
+        if not np.isnan(before[0]) and tuple(before) != pose:
+            issue = Issue(name, f"has two poses at {time:g} s")
+            raise DataError(_NOUN, [issue], source=source)
         poses[order[time], names[name]] = pose
     return PlayedPoses(tuple(names), np.array(moments), poses)
 
 
 def _plain_rows(text: str, source: str) -> Iterator[Row]:
-    table = csv.DictReader(io.StringIO(text), skipinitialspace=True)
-    given = table.fieldnames or ()
+    table = csv.DictReader(io.StringIO(text), restkey=_REST, skipinitialspace=True)
+    try:
+        given = table.fieldnames or ()
+    except csv.Error as error:
+        raise DataError(_NOUN, [Issue("line 1", str(error))], source=source) from None
     if missing := [name for name in COLUMNS if name not in given]:
         issue = Issue("line 1", f"no column {', '.join(missing)}; needed: {', '.join(COLUMNS)}")
         raise DataError(_NOUN, [issue], source=source)
-    for row in table:
+    if twice := [name for name in given if name in (*COLUMNS, "z") and given.count(name) > 1]:
+        raise DataError(_NOUN, [Issue("line 1", f"two columns {twice[0]}")], source=source)
+    for row in _table_rows(table, source):
         where = f"line {table.line_num}"
+        if any(cell.strip() for cell in row.get(_REST) or ()):
+            issue = Issue(where, f"more cells than the {len(given)} columns")
+            raise DataError(_NOUN, [issue], source=source)
         time, x, y, z, h = (
             _number(row.get(name) or "0", where, name, source)
             if name == "z"
@@ -94,6 +109,15 @@ def _plain_rows(text: str, source: str) -> Iterator[Row]:
             for name in ("time", "x", "y", "z", "h")
         )
         yield time, (row["name"] or "").strip(), (x, y, z, h)
+
+
+def _table_rows(table: "csv.DictReader[str]", source: str) -> Iterator[dict[str, Any]]:
+    """Yield the rows of a table, with an error of its format as one of ours."""
+    try:
+        yield from table
+    except csv.Error as error:
+        where = f"line {table.line_num + 1}"
+        raise DataError(_NOUN, [Issue(where, str(error))], source=source) from None
 
 
 def _esmini_rows(lines: Sequence[str], source: str) -> Iterator[Row]:
@@ -140,7 +164,7 @@ def _esmini_rows(lines: Sequence[str], source: str) -> Iterator[Row]:
 
 def _number(text: str | None, where: str, name: str, source: str) -> float:
     try:
-        value = float(text if text is not None else "")
+        value = math.nan if "_" in (text or "") else float(text or "")
     except ValueError:
         value = math.nan
     if not abs(value) <= _FARTHEST:

@@ -18,7 +18,7 @@ from oodscen.interchange._writing.elements import Element, child
 
 PREFIX = "oodscen."
 SCENE, DIGEST = f"{PREFIX}scene", f"{PREFIX}sha256"
-"""Names of the properties that hold the scene itself, and the digest of the rest of its file."""
+"""Names of the properties that hold the scene itself, and the digest of it and of its file."""
 _FORBIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 _LONGEST = 2_000
 """Maximum characters of a description."""
@@ -64,9 +64,9 @@ def _speakable(text: str) -> str:
     return _FORBIDDEN.sub("", plain(text))
 
 
-def content_digest(root: Element) -> str:
-    """Return the SHA-256 of a document in canonical form without its header."""
-    digest = hashlib.sha256()
+def content_digest(root: Element, scene: str) -> str:
+    """Return the SHA-256 of a scene's text and of a document in canonical form without its header."""
+    digest = hashlib.sha256(scene.encode())
     for part in root:
         if isinstance(part.tag, str) and part.tag != "FileHeader":
             digest.update(etree.tostring(part, method="c14n", with_tail=False))

@@ -203,7 +203,7 @@ def _add_properties(holder: Element, state: str, target: Target) -> None:
 def _complete_header(
     header: Element, root: Element, scene: Scene, known: Mapping[str, str], description: str
 ) -> None:
-    """Fill in the header, with the scene itself and the digest of the rest of the file."""
+    """Fill in the header, with the scene itself and the digest of it and of the file."""
     for name, value in (
         ("revMajor", "1"),
         ("revMinor", "2"),
@@ -215,5 +215,6 @@ def _complete_header(
     etree.indent(root)
     holder = child(header, "Properties")
     write_properties(holder, known)
-    child(holder, "Property", name=SCENE, value=ascii_json(scene))
-    child(holder, "Property", name=DIGEST, value=content_digest(root))
+    text = ascii_json(scene)
+    child(holder, "Property", name=SCENE, value=text)
+    child(holder, "Property", name=DIGEST, value=content_digest(root, text))

@@ -134,6 +134,32 @@ def test_a_changed_export_is_read_by_its_elements(tmp_path):
     assert any("changed" in issue.message for issue in found.omissions)
 
 
+def test_a_changed_scene_in_the_header_is_not_taken(tmp_path):
+    scene = SCENES[0]
+    path = to_openscenario(scene, catalogue()).save(tmp_path)
+    text = path.read_text()
+    was = f"&quot;speed&quot;:{scene.ego.speed}"
+    assert was in text
+    path.write_text(text.replace(was, "&quot;speed&quot;:44.0"))
+    found = read_openscenario(path, catalogue())
+    assert found.scene.ego.speed == pytest.approx(scene.ego.speed, abs=0.01)
+    assert any("changed" in issue.message for issue in found.omissions)
+
+
+@pytest.mark.parametrize("major", ["", "0", "2", "7", "one"])
+def test_another_major_version_is_refused(major, foreign):
+    with pytest.raises(DataError) as caught:
+        foreign(FOREIGN.replace('revMajor="1"', f'revMajor="{major}"'))
+    assert "revMajor" in caught.value.issues[0].path
+
+
+@pytest.mark.parametrize("minor", ["", "4", "99"])
+def test_an_unknown_minor_version_is_noted(minor, foreign):
+    found = foreign(FOREIGN.replace('revMinor="0"', f'revMinor="{minor}"'))
+    assert any("version" in one.message for one in found.omissions)
+    assert not any("version" in one.message for one in foreign().omissions)
+
+
 def test_a_file_of_others_is_read_as_far_as_the_vocabulary_goes(foreign):
     scene = foreign().scene
     (actor,) = scene.actors

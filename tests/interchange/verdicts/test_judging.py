@@ -1,3 +1,5 @@
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -106,6 +108,11 @@ def test_poses_come_back_from_osi(tmp_path):
         "time,name,x,y,h\n0,ego,1,2,3",
         "time,name,x,y,h\n0,ego,1,2,3\n1,ego,nan,2,3",
         "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,2",
+        "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,2,3\n1,ego,1,5,3",
+        "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,2,3,4",
+        "time,name,x,y,h,x\n0,ego,1,2,3,1\n1,ego,1,2,3,1",
+        "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,1_0,3",
+        f"time,name,x,y,h\n0,ego,1,2,3\n1,{'x' * 200_000},1,1,3",
         "esmini GIT REV: x\nno columns",
         "esmini GIT REV: x\nIndex [-], TimeStamp [s], #1 Entity_Name [-]\n0, 0.0, ego",
     ],
@@ -125,8 +132,185 @@ def test_a_run_without_an_actor_is_refused():
         verdict(scene, PlayedPoses(("ego",), poses.time, poses.poses[:, [alone]]), catalogue())
 
 
-def test_a_run_that_ends_early_is_not_complete():
-    scene = SCENES[0]
-    poses = played(scene, "stop")
-    found = verdict(scene, PlayedPoses(poses.names, poses.time[:40], poses.poses[:40]), catalogue())
+def change(poses, kept=slice(None), time=lambda one: one, pose=lambda one: one):
+    """Return a run with other rows, times and poses."""
+    return PlayedPoses(poses.names, time(poses.time[kept]), pose(poses.poses[kept].copy()))
+
+
+@cache
+def crash():
+    """Return a scene that ends in a contact when the speed is kept, the run, and its verdict."""
+    for scene in SCENES[2:]:
+        poses = played(scene, "keep_speed")
+        found = verdict(scene, poses, catalogue())
+        hit = set(found.outcome.contacts) & set(scene.hazard.actors)
+        if hit and found.decision_s > 1.5 and np.ptp(poses.poses[0, :, 1]) > 1.0:
+            return scene, poses, found
+    raise AssertionError("no scene ends in a contact")
+
+
+def moved(poses, rows, by):
+    poses[:, rows] += by
+    return poses
+
+
+def others(poses):
+    return [row for row, name in enumerate(poses.names) if name != "ego"]
+
+
+def still(poses):
+    poses[:] = poses[:1]
+    return poses
+
+
+def swapped(poses):
+    row, ego = others(poses)[0], poses.names.index("ego")
+    names = list(poses.names)
+    names[row], names[ego] = names[ego], names[row]
+    return PlayedPoses(tuple(names), poses.time, poses.poses)
+
+
+INCONCLUSIVE = {
+    "first second": lambda one: change(one, one.time <= 1.0),
+    "standing": lambda one: change(one, pose=still),
+    "elsewhere": lambda one: change(one, pose=lambda p: moved(p, others(one), [300.0, 0, 0, 0])),
+    "above": lambda one: change(one, pose=lambda p: moved(p, others(one), [0, 0, 30.0, 0])),
+    "mirrored": lambda one: change(one, pose=lambda p: p * [1, -1, 1, -1]),
+    "turned": lambda one: change(one, pose=lambda p: moved(p, others(one), [0, 0, 0, 1.5])),
+    "rear axle": lambda one: change(
+        one, pose=lambda p: moved(p, one.names.index("ego"), [-1.35, 0, 0, 0])
+    ),
+    "slow motion": lambda one: change(one, time=lambda t: 2.0 * t),
+    "fast motion": lambda one: change(one, time=lambda t: 0.5 * t),
+    "swapped": swapped,
+}
+
+
+@pytest.mark.parametrize("name", INCONCLUSIVE)
+def test_a_run_that_is_not_of_the_scene_or_not_whole_is_inconclusive(name):
+    scene, poses, _ = crash()
+    found = verdict(scene, INCONCLUSIVE[name](poses), catalogue())
+    assert found.inconclusive
+    assert found.outcome is None
+    assert (found.drive.status, found.drive.passed) == ("inconclusive", False)
+    assert found.drive.error == found.inconclusive
+
+
+def test_a_hazard_that_leaves_its_course_makes_a_run_inconclusive():
+    scene, poses, _ = crash()
+    row = poses.names.index(next(iter(scene.hazard.actors)))
+    away = np.linspace(0.0, 40.0, len(poses.time))[:, None] * [0.0, 1.0, 0.0, 0.0]
+    strays = change(poses, pose=lambda p: moved(p, row, away))
+    assert "from its course" in verdict(scene, strays, catalogue()).inconclusive
+
+
+def test_a_run_that_ends_before_the_horizon_is_inconclusive():
+    for scene in SCENES:
+        poses = played(scene, "stop")
+        whole = verdict(scene, poses, catalogue())
+        if whole.outcome.safe:
+            break
+    early = change(poses, poses.time < whole.decision_s + 0.5 * scene.horizon_s)
+    found = verdict(scene, early, catalogue())
+    assert "before the horizon" in found.inconclusive
     assert not found.is_complete
+
+
+def leaping(poses):
+    """Let the ego leap over 30 m."""
+    _, _, found = crash()
+    row = poses.names.index("ego")
+    after = poses.time > found.decision_s + 0.2
+    return change(
+        poses, pose=lambda p: moved(p, row, np.where(after, 30.0, 0.0)[:, None] * [1, 0, 0, 0])
+    )
+
+
+UNUSABLE = {
+    "milliseconds": lambda one: change(one, time=lambda t: 1000.0 * t),
+    "minutes": lambda one: change(one, time=lambda t: t / 60.0),
+    "hole": lambda one: change(one, np.abs(one.time - one.time[-1] + 0.6) > 0.3),
+    "degrees": lambda one: change(one, pose=lambda p: p * [1, 1, 1, np.degrees(1.0)]),
+    "leap": leaping,
+}
+
+
+@pytest.mark.parametrize("name", UNUSABLE)
+def test_a_run_with_a_hole_a_leap_or_a_wrong_unit_is_refused(name):
+    scene, poses, _ = crash()
+    if name == "degrees":  # Headings along the x axis are the same in degrees.
+        scene, poses = oblique()
+    with pytest.raises(DataError):
+        verdict(scene, UNUSABLE[name](poses), catalogue())
+
+
+def oblique():
+    for scene in SCENES:
+        poses = played(scene, "keep_speed")
+        if np.abs(poses.poses[0, :, 3]).max() > 0.5:
+            return scene, poses
+    raise AssertionError("all bodies head along the x axis")
+
+
+def test_the_first_hole_is_named_by_its_time():
+    scene, poses, _ = crash()
+    with pytest.raises(DataError, match=r"from 0.95 s to 1.5 s"):
+        verdict(scene, change(poses, (poses.time < 0.97) | (poses.time > 1.48)), catalogue())
+
+
+def noisy(time):
+    jitter = np.random.default_rng(0).uniform(-0.01, 0.01, len(time))
+    jitter[[0, -1]] = 0.0
+    return np.sort(time + jitter)
+
+
+def resampled(poses, time):
+    flat = poses.poses.reshape(len(poses.time), -1)
+    flat = np.stack([np.interp(time, poses.time, one) for one in flat.T], axis=1)
+    return PlayedPoses(poses.names, time, flat.reshape(len(time), *poses.poses.shape[1:]))
+
+
+def every(dt, poses):
+    """Return times at even steps to the last pose."""
+    return np.linspace(0.0, poses.time[-1], round(poses.time[-1] / dt) + 1)
+
+
+HONEST = {
+    "second step": lambda one: change(one, slice(1, None)),
+    "half a second": lambda one: change(one, slice(10, None)),
+    "first pose twice": lambda one: PlayedPoses(
+        one.names,
+        np.append(one.time, 2.0 * one.time[-1] - one.time[-2]),
+        np.concatenate([one.poses[:1], one.poses]),
+    ),
+    "millimetres": lambda one: change(one, pose=lambda p: p.round(3)),
+    "jitter": lambda one: resampled(one, noisy(one.time)),
+    "fine": lambda one: resampled(one, every(0.02, one)),
+    "coarse": lambda one: resampled(one, every(0.1, one)),
+}
+
+
+@pytest.mark.parametrize("name", HONEST)
+def test_small_differences_of_players_do_not_change_a_verdict(name):
+    scene, poses, expected = crash()
+    found = verdict(scene, HONEST[name](poses), catalogue())
+    assert found.outcome.contacts == expected.outcome.contacts
+    assert not found.inconclusive
+    assert not found.notes
+
+
+@pytest.mark.parametrize("since", [-100.0, 1_700_000_000.0])
+def test_another_start_of_time_is_noted(since):
+    scene, poses, expected = crash()
+    found = verdict(scene, change(poses, time=lambda t: t + since), catalogue())
+    assert found.decision_s == pytest.approx(expected.decision_s, abs=1e-5)
+    assert found.outcome.contacts == expected.outcome.contacts
+    assert f"{since:g}" in found.notes[0]
+
+
+def test_bodies_beside_the_scene_are_noted():
+    scene, poses, _ = crash()
+    more = PlayedPoses(
+        (*poses.names, "x"), poses.time, poses.poses[:, [*range(len(poses.names)), 0]]
+    )
+    assert "x" in verdict(scene, more, catalogue()).notes[0]
