@@ -101,7 +101,7 @@ def test_traces_are_exported_and_judged(study, tmp_path):
     assert done.exit_code == 0
     episodes = {one.scene_id: one for one in Study.open(study).episodes}
     assert {path.stem for path in (tmp_path / "traces").glob("*.osi")} == set(episodes)
-    for path in (tmp_path / "traces").iterdir():
+    for path in (tmp_path / "traces").glob("*.osi"):
         (told,) = json.loads(run("verdict", study, path, "--json").stdout)
         outcome = episodes[path.stem].actions["stop"]
         assert outcome.marginal or told["outcome"]["safe"] == outcome.safe
