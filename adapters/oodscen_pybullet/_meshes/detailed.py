@@ -32,8 +32,7 @@ def detailed(asset: str, shown: Appearance, make: Make, shipped: Shipped) -> Mes
     details = shown.details
     assert details is not None
     low, high = _reach(asset, replace(shown, state="", running=False, frame=0), make)
-    mesh = make(asset, shown)
-    altered(asset, mesh, shown)
+    mesh = altered(make(asset, shown), shown)
     mesh.shift((-(low[0] + high[0]) / 2, -(low[1] + high[1]) / 2, 0.0))
     offers = load_catalogue().asset(asset).offers or Offers.none()
     kinds = load_catalogue().details

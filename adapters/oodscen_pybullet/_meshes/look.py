@@ -127,7 +127,7 @@ class Appearance:
         Args:
             word: A state of the asset, or a lamp that is lit at this moment: `running`, `brake`,
                 `beacon`, `indicator` for that of the part's own side, `indicators` for both;
-                `first` and `second` are the halves of a cycle.
+                `first` and `second` are the halves of a cycle; `loaded` if it carries a load of its own.
             side: 1 for a part on the left side, -1 for its mirror image.
         """
         lights = self.lights
@@ -139,5 +139,6 @@ class Appearance:
             "indicators": lights.left and lights.right,
             "first": not lights.is_second,
             "second": lights.is_second,
+            "loaded": self.details is not None and bool(self.details.cargo),
         }
         return lamps.get(word, word in self.state.split("+") or self.has(word))

@@ -158,7 +158,7 @@ def _add_things(mesh: MeshBuilder, pose: Pose, frame: KeyFrame) -> None:
     right, left = hands(frame)
     if pose.rope:
         mesh.beam(left, right, 0.05, _ROPE)
-        end = (right[0] + 2.2, 0.0, 0.35)
+        end = (right[0] + 1.5, 0.0, 0.5)
         mesh.beam(right, end, 0.05, _ROPE)
     if pose.phone:
         x, y, z = right
