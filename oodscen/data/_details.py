@@ -70,13 +70,19 @@ class Details(Data):
         return {name: one for name, one in value.items() if one}
 
     def __bool__(self) -> bool:
-        return any((self.pose, self.holds, self.parts, self.colour, self.cargo, self.text))
+        return bool(self.words())
 
     def given(self) -> Iterator[str]:
         """Yield the names of the details that are not as usual."""
         for name in type(self).model_fields:
             if getattr(self, name):
                 yield name
+
+
+    def words(self) -> tuple[str, ...]:
+        """Return the details in the order of the fields, each as it is given."""
+        one = (self.pose, self.holds, *self.parts, self.colour, self.cargo, self.text)
+        return tuple(word for word in one if word)
 
 
 class Grip(Data):
@@ -223,7 +229,8 @@ def shown_as(asset: "Asset", details: Details, things: "Mapping[str, Asset]", ki
         height = max(height, offers.bed.at[1] + load.height)
     words = [pose] if pose is not None else []
     parts = [one for one in kinds.parts if one.id in details.parts]
-    tags = dict.fromkeys((*asset.tags, *(tag for kind in (*words, *parts) for tag in kind.tags)))
+    told = [tag for kind in (*words, *parts) for tag in (kind.id, *kind.tags)]
+    tags = dict.fromkeys((*asset.tags, *told))
     return asset.model_copy(
         update={
             "length": round(length, 2),

@@ -52,6 +52,8 @@ DIGEST = CatalogueDigest(
         ),
     ),
     weather="no night; no fog",
+    poses=("kneel", "wave_on"),
+    parts=("bonnet_open", "dirty"),
 )
 
 NODES = (
