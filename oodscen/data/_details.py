@@ -78,7 +78,6 @@ class Details(Data):
             if getattr(self, name):
                 yield name
 
-
     def words(self) -> tuple[str, ...]:
         """Return the details in the order of the fields, each as it is given."""
         one = (self.pose, self.holds, *self.parts, self.colour, self.cargo, self.text)
@@ -104,6 +103,8 @@ class PoseKind(Data):
     """Words by which a person in this pose is known: `lying` ..."""
     is_still: bool = False
     """True if nobody moves along in this pose."""
+    is_aside: bool = False
+    """True if it is seen best from the side, and not from ahead."""
     is_backwards: bool = False
     """True if the person faces the way that it comes from."""
     grip: Grip | None = None
@@ -117,6 +118,8 @@ class PartKind(Data):
     seen: str
     """The visible state: `with its bonnet open`."""
     tags: tuple[str, ...] = ()
+    is_ahead: bool = False
+    """True if it is seen from ahead of the vehicle, and not from behind."""
 
 
 class DetailKinds(Data):
@@ -191,7 +194,7 @@ def held_place(grip: Grip, scale: float, size: Size) -> Held:
     x, y, z = (scale * value for value in grip.at)
     if grip.how == "beside":
         low = max(_LOW_M, z - height) if height <= _TALL_M else _LOW_M
-        return Held(at=(x, y - min(length, width) / 2, low), is_turned=width > length)
+        return Held(at=(x, y - 0.3 * min(length, width), low), is_turned=width > length)
     thin = min(length, width)
     if grip.how == "above":
         return Held(at=(x, y, z), is_turned=length > width)
@@ -199,7 +202,9 @@ def held_place(grip: Grip, scale: float, size: Size) -> Held:
     return Held(at=(x + thin / 2 - 0.02, y, low), is_turned=length > width)
 
 
-def shown_as(asset: "Asset", details: Details, things: "Mapping[str, Asset]", kinds: DetailKinds) -> "Asset":
+def shown_as(
+    asset: "Asset", details: Details, things: "Mapping[str, Asset]", kinds: DetailKinds
+) -> "Asset":
     """Return an asset with the size and the words that it has with its details.
 
     Args:
@@ -346,9 +351,7 @@ def _thing_issues(
         message = f"{name!r} is a {thing.category} and an actor of its own; this is for {_LOADS}"
         yield Issue(path, message)
     ends = sorted((thing.length, thing.width))
-    if any(
-        size > most + 1e-9 for size, most in zip((*ends, thing.height), room, strict=True)
-    ):
+    if any(size > most + 1e-9 for size, most in zip((*ends, thing.height), room, strict=True)):
         size = f"{ends[1]:g} x {ends[0]:g} x {thing.height:g} m"
         most = f"{room[1]:g} x {room[0]:g} x {room[2]:g} m"
         yield Issue(path, f"{name!r} is {size}, at most {most} fit")

@@ -137,9 +137,19 @@ class OpenHatch(Fitting):
         (x, z), top = self.open_hatch, self.top_half
         (bx, belt, bz), (sx, sill, sz) = self.belt, self.sill
         paint, off = shown.colour(self.colour), 2 * _OFF
-        window = [(bx - off, belt, bz), (bx - off, -belt, bz), (x - off, -top, z), (x - off, top, z)]
+        window = [
+            (bx - off, belt, bz),
+            (bx - off, -belt, bz),
+            (x - off, -top, z),
+            (x - off, top, z),
+        ]
         mesh.polygon(window, _DARK)
-        below = [(sx - off, sill, sz), (sx - off, -sill, sz), (bx - off, -belt, bz), (bx - off, belt, bz)]
+        below = [
+            (sx - off, sill, sz),
+            (sx - off, -sill, sz),
+            (bx - off, -belt, bz),
+            (bx - off, belt, bz),
+        ]
         mesh.polygon(below, _DARK)
         for y, wide, high, colour in (
             (0.3, 0.5, 0.42, "cardboard"), (-0.28, 0.46, 0.3, "blue"), (0.02, 0.14, 0.56, "red"),
@@ -216,11 +226,18 @@ class TailLift(Fitting):
         mesh.box((x - 0.8, 0.0, z), (1.5, 2 * half, 0.09), "metal")
         edge = [(x - 1.56, half), (x - 1.56, -half)]
         mesh.picture(
-            [(*edge[0], z - 0.05), (*edge[1], z - 0.05), (*edge[1], z + 0.05), (*edge[0], z + 0.05)],
+            [
+                (*edge[0], z - 0.05),
+                (*edge[1], z - 0.05),
+                (*edge[1], z + 0.05),
+                (*edge[0], z + 0.05),
+            ],
             "stripes",
         )
         for side in (1.0, -1.0):
-            mesh.beam((x + 0.1, side * 0.7 * half, 0.8), (x - 0.5, side * 0.7 * half, z), 0.1, "dark_grey")
+            mesh.beam(
+                (x + 0.1, side * 0.7 * half, 0.8), (x - 0.5, side * 0.7 * half, z), 0.1, "dark_grey"
+            )
             mesh.box((x - 1.5, side * (half - 0.06), z + 0.06), (0.1, 0.1, 0.08), "red")
         mesh.box((x - 0.75, 0.3 * half, z + 0.4), (0.7, 0.8, 0.7), "cardboard")
 

@@ -208,7 +208,9 @@ def _wheel_off(part: shapes.Wheel, mesh: MeshBuilder, at: Point) -> None:
     """Add a bare hub, a jack beside it, and the wheel on the road."""
     (x, y, z), radius = at, part.radius
     hub = y - 0.4 * part.width
-    mesh.cylinder((x, hub, z + radius), (x, hub + 0.06, z + radius), 0.6 * radius, "metal", sides=12)
+    mesh.cylinder(
+        (x, hub, z + radius), (x, hub + 0.06, z + radius), 0.6 * radius, "metal", sides=12
+    )
     mesh.cylinder((x, hub, z + radius), (x, y, z + radius), 0.2 * radius, "rust", sides=8)
     jack = (x + 1.7 * radius, y, z)
     mesh.beam(jack, (jack[0], y, z + 0.8 * radius), 0.1, "red", end_width=0.05)

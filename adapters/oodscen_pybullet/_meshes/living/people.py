@@ -20,7 +20,6 @@ from oodscen_pybullet._meshes.living.poses import pose_of
 from oodscen_pybullet._meshes.living.posing import posed_figure
 from oodscen_pybullet._meshes.look import Appearance, Direction
 
-
 WARDROBE: tuple[Clothes, ...] = (
     Clothes("shirt_red", "jeans"),
     Clothes("shirt", "trousers", "hair_fair", has_long_hair=True),

@@ -42,9 +42,10 @@ class KeyFrame(BaseModel):
     lean: Annotated[float, Field(ge=-95, le=95)] = 0.0
     """Forward turn of the trunk about the hips."""
     roll: Annotated[float, Field(ge=-95, le=95)] = 0.0
-    head: tuple[
-        Annotated[float, Field(ge=-60, le=50)], Annotated[float, Field(ge=-80, le=80)]
-    ] = (0.0, 0.0)
+    head: tuple[Annotated[float, Field(ge=-60, le=50)], Annotated[float, Field(ge=-80, le=80)]] = (
+        0.0,
+        0.0,
+    )
     """Nod, and turn to the left."""
 
     def blended(self, other: Self, share: float) -> Self:

@@ -66,7 +66,9 @@ def _split(mesh: Mesh) -> Mesh:
                 for k in range(3)
             )
             middle = 0.5 * (a + b)
-            halves.append(np.concatenate([np.stack([a, middle, c], 1), np.stack([middle, b, c], 1)]))
+            halves.append(
+                np.concatenate([np.stack([a, middle, c], 1), np.stack([middle, b, c], 1)])
+            )
         points, normals, uvs = (
             np.concatenate([table[~is_long], half])
             for table, half in zip((points, normals, uvs), halves, strict=True)
