@@ -9,7 +9,7 @@ import numpy as np
 from oodscen.data import _shapes as shapes
 from oodscen.data._details import Offers, held_place, posed
 from oodscen_pybullet._catalogue import load_catalogue
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
 from oodscen_pybullet._meshes.designs.parts import Placing
 from oodscen_pybullet._meshes.living.poses import pose_of
 from oodscen_pybullet._meshes.look import BEATS, Appearance, beating
@@ -33,7 +33,7 @@ def detailed(asset: str, shown: Appearance, make: Make, shipped: Shipped) -> Mes
     assert details is not None
     low, high = _reach(asset, replace(shown, state="", running=False, frame=0), make)
     mesh = altered(make(asset, shown), shown)
-    mesh.shift((-(low[0] + high[0]) / 2, -(low[1] + high[1]) / 2, 0.0))
+    mesh.shift((-(low[0] + high[0]) / 2, -(low[1] + high[1]) / 2, -low[2]))
     offers = load_catalogue().asset(asset).offers or Offers.none()
     kinds = load_catalogue().details
     pose = kinds.pose(posed(details)) if kinds else None
@@ -66,15 +66,13 @@ def _insert(
 
 
 @lru_cache(maxsize=512)
-def _reach(
-    asset: str, shown: Appearance, make: Make
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the lowest and highest x and y of an asset over the beats of its pose."""
+def _reach(asset: str, shown: Appearance, make: Make) -> tuple[Point, Point]:
+    """Return the lowest and the highest corner of an asset over the beats of its pose."""
     frames = [0]
     pose = pose_of(shown.details)
     if pose is not None and pose.second is not None:
         frames = [beating(0, beat) for beat in range(0, BEATS, BEATS // 4)]
     bounds = [make(asset, replace(shown, frame=frame)).bounds for frame in frames]
     lows, highs = zip(*bounds, strict=True)
-    low, high = np.min(lows, axis=0).tolist(), np.max(highs, axis=0).tolist()
-    return (low[0], low[1]), (high[0], high[1])
+    (a, b, c), (d, e, f) = np.min(lows, axis=0).tolist(), np.max(highs, axis=0).tolist()
+    return (a, b, c), (d, e, f)

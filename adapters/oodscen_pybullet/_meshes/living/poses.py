@@ -96,7 +96,8 @@ class Pose(KeyFrame):
             return self
         changed = {name: getattr(self.second, name) for name in self.second.model_fields_set}
         other = self.model_copy(update=changed)
-        return self.blended(other, 0.5 - 0.5 * cos(2.0 * PI * (beat % BEATS) / BEATS))
+        step = min(beat % BEATS, -beat % BEATS)
+        return self.blended(other, 0.5 - 0.5 * cos(2.0 * PI * step / BEATS))
 
     @property
     def is_walking(self) -> bool:

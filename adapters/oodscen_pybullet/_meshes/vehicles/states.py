@@ -11,8 +11,8 @@ from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.shapes import Array
 
-_EDGE_M = 0.3
-"""Longest edge of the triangles of what is dirty or crushed, m."""
+_EDGE_M, _EDGE = 0.3, 0.06
+"""Longest edge of the triangles of what is dirty or crushed: m, or as a share of a long vehicle's length."""
 _MUD = (118, 96, 66)
 _SHARES = (0.0, 0.25, 0.5, 0.75, 0.9)
 """Shares of mud in the colours of a dirty vehicle."""
@@ -50,11 +50,13 @@ def _split(mesh: Mesh) -> Mesh:
     """Return the mesh with every edge halved until it is short; neighbours stay joined."""
     rows = mesh.triangles.reshape(-1, 3)
     points, normals, uvs = mesh.vertices[rows], mesh.normals[rows], mesh.uvs[rows]
+    low, high = mesh.bounds
+    longest_m = max(_EDGE_M, _EDGE * float(high[0] - low[0]))
     for _ in range(24):
         ends = points[:, [1, 2, 0]]
         lengths = ((ends - points) ** 2).sum(axis=2)
         longest = lengths.argmax(axis=1)
-        is_long = lengths.max(axis=1) > _EDGE_M**2
+        is_long = lengths.max(axis=1) > longest_m**2
         if not is_long.any():
             break
         # Every triangle is turned so that its longest edge comes first.
