@@ -1,7 +1,7 @@
 """Details of an actor: the pose of a person and what it holds; the parts, colour and load of a vehicle."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     AfterValidator,
@@ -102,7 +102,7 @@ class PoseKind(Data):
     tags: tuple[str, ...] = ()
     """Words by which a person in this pose is known: `lying` ..."""
     is_still: bool = False
-    """True if nobody moves along in this pose."""
+    """True if who is in it does not move along."""
     is_aside: bool = False
     """True if it is seen best from the side, and not from ahead."""
     is_backwards: bool = False
@@ -165,11 +165,6 @@ class Offers(Data):
         usual = {name: field.default for name, field in type(self).model_fields.items()}
         return {name: one for name, one in value.items() if one != usual[name]}
 
-    @classmethod
-    def none(cls) -> Self:
-        """Return the offers of an asset that has one look."""
-        return cls()
-
 
 class Held(Data):
     """The place of a held thing in the frame of a person's box."""
@@ -213,7 +208,7 @@ def shown_as(
         things: Assets by id, for what is held or loaded.
         kinds: The poses and parts of the simulator.
     """
-    offers = asset.offers or Offers.none()
+    offers = asset.offers or Offers()
     sizes = [(asset.length, asset.width, asset.height)]
     pose = kinds.pose(posed(details))
     if pose is not None and pose.id in offers.poses:
@@ -232,16 +227,16 @@ def shown_as(
     if load is not None and offers.bed is not None:
         width = max(width, min(load.length, load.width))
         height = max(height, offers.bed.at[1] + load.height)
-    words = [pose] if pose is not None else []
-    parts = [one for one in kinds.parts if one.id in details.parts]
-    told = [tag for kind in (*words, *parts) for tag in (kind.id, *kind.tags)]
-    tags = dict.fromkeys((*asset.tags, *told))
+    told = [] if pose is None else [pose.id, *pose.tags]
+    for part in kinds.parts:
+        if part.id in details.parts:
+            told += [part.id, *part.tags]
     return asset.model_copy(
         update={
             "length": round(length, 2),
             "width": round(width, 2),
             "height": round(height, 2),
-            "tags": tuple(tags),
+            "tags": tuple(dict.fromkeys((*asset.tags, *told))),
             "description": described(asset.description, details, things, kinds),
         }
     )
@@ -293,7 +288,7 @@ def check_details(
         kinds: The poses and parts of the simulator.
         made: The things made to order, by id.
     """
-    offers = asset.offers or Offers.none()
+    offers = asset.offers or Offers()
     able = {
         "pose": bool(offers.poses),
         "holds": bool(offers.poses),

@@ -96,7 +96,9 @@ details = st.builds(
     Details,
     pose=words,
     holds=words,
-    parts=st.lists(st.sampled_from(["doors_open", "bonnet_open", "sunroof"]), max_size=6).map(tuple),
+    parts=st.lists(st.sampled_from(["doors_open", "bonnet_open", "sunroof"]), max_size=6).map(
+        tuple
+    ),
     colour=st.sampled_from(["", "red", "#12ab9f", "dark_grey"]),
     cargo=words,
     text=st.sampled_from(["", "FRESH FISH", "A-1!"]),

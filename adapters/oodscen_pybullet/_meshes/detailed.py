@@ -34,7 +34,7 @@ def detailed(asset: str, shown: Appearance, make: Make, shipped: Shipped) -> Mes
     low, high = _reach(asset, replace(shown, state="", running=False, frame=0), make)
     mesh = altered(make(asset, shown), shown)
     mesh.shift((-(low[0] + high[0]) / 2, -(low[1] + high[1]) / 2, -low[2]))
-    offers = load_catalogue().asset(asset).offers or Offers.none()
+    offers = load_catalogue().asset(asset).offers or Offers()
     kinds = load_catalogue().details
     pose = kinds.pose(posed(details)) if kinds else None
     if details.holds and pose is not None and pose.grip is not None:
