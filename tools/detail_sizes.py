@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 from oodscen_pybullet._meshes import asset_mesh
-from oodscen_pybullet._meshes.builder import Array
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.living.people import WARDROBE, figure
 from oodscen_pybullet._meshes.living.poses import load_poses
 from oodscen_pybullet._meshes.living.posing import hands
-from oodscen_pybullet._meshes.look import BEATS, beating
+from oodscen_pybullet._meshes.look import BEATS, Appearance, beating
+from oodscen_pybullet._meshes.shapes import Array
 
 from oodscen.data._details import Details
 
@@ -49,10 +51,7 @@ def grip_of(pose: str) -> list[float]:
 
 
 def _figure_middle(pose: str) -> float:
-    from oodscen_pybullet._meshes.builder import MeshBuilder
-    from oodscen_pybullet._meshes.living.people import WARDROBE, figure
-    from oodscen_pybullet._meshes.look import Appearance
-
+    """Return x of the middle of an adult's pose, m."""
     mesh = MeshBuilder()
     figure(mesh, WARDROBE[0], Appearance(details=Details(pose=pose)))
     low, high = mesh.bounds

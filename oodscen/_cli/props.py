@@ -9,7 +9,7 @@ import click
 from oodscen._cli.options import json_option, simulator_option
 from oodscen._cli.output import say, tracked, write_bytes
 from oodscen._cli.paths import FileCommand, OutputName, PathName
-from oodscen.errors import MissingExtra
+from oodscen.errors import MissingExtra, UsageError
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Asset
@@ -60,6 +60,8 @@ def props(
         kinds = catalogue.details or DetailKinds()
         views = look_at_details(shown) if details else look_at(found, shown)
         count = len(kinds.poses) + len(kinds.parts) if details else len(found)
+        if details and not count:
+            raise UsageError(f"{simulator} draws no poses and no states of parts")
         seen = list(tracked(views, "props", count))
     if out is not None:
         picture = png(sheet(seen, captions=captions))
