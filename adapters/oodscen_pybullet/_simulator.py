@@ -110,7 +110,7 @@ class PyBulletSimulator(MirrorSimulator):
             raise SpawnError(actor_id, asset.id, pose, "there is no mesh for this asset")
         if not self._bodies.add(asset.length, asset.width, asset.height):
             raise SpawnError(actor_id, asset.id, pose, "PyBullet refused the collision shape")
-        self._cast.add(actor_id, asset, state)
+        self._cast.add(actor_id, asset, state, self._made)
 
     def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
         """Store the poses and speeds; bodies move when a gap or a picture needs them."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.claims._things import words_of
 from oodscen.claims._watching import decision_s
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._claim import Claim
@@ -36,6 +37,13 @@ _IN_LANE = 0.3
 _ACROSS_LANES = 0.5
 """Share of a further lane, or of the actor if it is narrower, that an actor in several lanes must cover."""
 _COLOURS = frozenset({"red", "amber", "green"})
+_DETAILS: Mapping[str, tuple[str, ...]] = {
+    "lying": ("collapsed",), "sitting": (), "kneeling": (), "crouching": (), "crawling": (),
+    "waving": (), "stopping": ("checkpoint", "traffic_control", "raised"), "pointing": (),
+    "pushing": ("pram", "stroller"), "pulling": (), "carrying": (),
+    "doors_open": (), "bonnet_open": (), "boot_open": (), "damaged": ("wreck", "crash"), "dirty": (),
+}  # fmt: skip
+"""Poses of people and states of parts of vehicles, each with further words of the assets that show it."""
 _SPREADS = frozenset({"obscured"})
 """Tags of assets that spread out from where they are instead of moving."""
 _CLEAR_M = 1.0
@@ -105,7 +113,7 @@ class ObservedActor:
             cls(
                 actor=number,
                 id=actor.id,
-                asset=catalogue.asset(actor.asset),
+                asset=catalogue.shown(actor),
                 state=actor.state,
                 is_hazard=actor.id in scene.hazard.actors,
                 is_carried=actor.behaviour.other is not None,
@@ -219,7 +227,8 @@ class ObservedActor:
         if value == "same_way":
             return bool(along.max() > _MOVES), f"it moves along the road at {along.max():+.1f} m/s"
         if value == "reversing":
-            return bool(self.gear.min() < -0.2), "it does not move backwards"
+            turned = -1.0 if "backwards" in self.asset.tags else 1.0
+            return bool((turned * self.gear).min() < -0.2), "it does not move backwards"
         if value == "braking":
             peak = np.maximum.accumulate(speed)
             return bool((peak - speed > np.maximum(0.25 * peak, 0.8)).any()), found
@@ -246,6 +255,8 @@ class ObservedActor:
         return near <= max(5.0, 0.2 * kmh), found
 
     def _state(self, value: str, told: set[str]) -> Verdict:
+        if value in _DETAILS:
+            return self._detail(value)
         states = self.asset.states
         if not states:
             return None, f"{self.asset.id} has no states"
@@ -258,6 +269,17 @@ class ObservedActor:
         if value not in states:
             return None, f"{self.asset.id} cannot show {value!r}"
         return (self.state or states[0]) == value, found
+
+    def _detail(self, value: str) -> Verdict:
+        """Judge a pose of a person, or the state of a vehicle's part, by the words that the asset is known by."""
+        asset, offers = self.asset, self.asset.offers
+        found = f"it is {asset.description}"
+        if words_of(asset) & {value, *_DETAILS[value]}:
+            return True, found
+        if value == "carrying" or offers is None:
+            return None, f"{asset.id} cannot show {value!r}"
+        able = offers.poses if asset.category == "pedestrian" else offers.parts
+        return (False if able else None), found
 
 
 def _covered(

@@ -1,13 +1,14 @@
 """A simulator's vocabulary: static data that is readable without starting the simulator."""
 
 from collections.abc import Collection, Iterable, Mapping
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from oodscen._field_docs import with_fields
 from oodscen.data._base import Data
 from oodscen.data._category import Category
+from oodscen.data._details import DetailKinds, Details, Offers, check_details, shown_as
 from oodscen.data._prop import Prop, check_prop, sizes_of
 from oodscen.data._scene import CLEAR_AIR_M, Actor, Precipitation, Scene, Weather
 from oodscen.errors import Issue, close_matches
@@ -41,6 +42,12 @@ class Asset(Data):
     """States in which the asset blocks no one although its box does, e.g. a gate's `open`."""
     names: tuple[str, ...] = ()
     """Ids of the same thing in other catalogues, e.g. `police_car`; the asset serves wherever one is needed."""
+    offers: Offers | None = None
+    """Poses, open parts and other details that it can show; left out of the JSON text if there are none."""
+
+    @model_serializer(mode="wrap")
+    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without("offers", serialise(self))
 
     def is_passable(self, state: str = "") -> bool:
         """Return whether a vehicle can drive over or through the asset in the given state."""
@@ -148,6 +155,12 @@ class Catalogue(Data):
     camera: Literal["dash", "top"] = "dash"
     """The pictures that the simulator draws: `dash` for views forward from the ego, with any `Camera`; `top`
     for views straight down only, such as `Camera.above()`."""
+    details: DetailKinds | None = None
+    """Poses and states of parts that the simulator draws; left out of the JSON text if there are none."""
+
+    @model_serializer(mode="wrap")
+    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without("details", serialise(self))
 
     def asset(self, name: str) -> Asset:
         """Return an asset by id; raises `KeyError` if it is unknown."""
@@ -185,15 +198,33 @@ class Catalogue(Data):
         """Return the catalogue with the things that a scene brings along."""
         return self.with_made(scene.made) if scene.made else self
 
+    def shown(self, actor: Actor) -> Asset:
+        """Return an actor's asset with the size and the words that its details give it.
+
+        Raises:
+            KeyError: If the catalogue lacks the asset.
+        """
+        asset = self.asset(actor.asset)
+        if actor.details is None:
+            return asset
+        things = {one.id: one for one in self.assets}
+        return shown_as(asset, actor.details, things, self.details or DetailKinds())
+
     def bodies(self, scene: Scene) -> list[tuple[str, Asset, str]]:
         """Return id, asset and state of every body in a scene: `ego`, then the actors in order.
+
+        The sizes are those of the actors' poses and other details.
 
         Raises:
             KeyError: If the catalogue lacks an asset.
         """
-        assets = {asset.id: asset for asset in self.for_scene(scene).assets}
+        whole = self.for_scene(scene)
+        assets = {asset.id: asset for asset in whole.assets}
         bodies = [("ego", self.ego, "")]
-        bodies += [(actor.id, assets[actor.asset], actor.state) for actor in scene.actors]
+        bodies += [
+            (actor.id, whole.shown(actor) if actor.details else assets[actor.asset], actor.state)
+            for actor in scene.actors
+        ]
         return [
             (name, asset, state or (asset.states[0] if asset.states else ""))
             for name, asset, state in bodies
@@ -233,12 +264,35 @@ class Catalogue(Data):
                     f"must be {suns[0]:g} as in the scene: the simulator draws every sun alike"
                 )
                 issues.append(Issue("hazard.weather.sun_elevation_deg", message))
-        for index, actor in enumerate(scene.actors):
-            issues += self._check_actor(f"actors[{index}]", actor)
-        for key, ordinary in scene.hazard.actors.items():
-            if ordinary is not None:
-                issues += self._check_actor(f"hazard.actors.{key}", ordinary)
+        ordinary = {
+            f"hazard.actors.{key}": actor
+            for key, actor in scene.hazard.actors.items()
+            if actor is not None
+        }
+        actors = {f"actors[{index}]": actor for index, actor in enumerate(scene.actors)}
+        for path, actor in (*actors.items(), *ordinary.items()):
+            issues += self._check_actor(path, actor)
+            if actor.details is not None:
+                issues += self._check_details(f"{path}.details", actor, actor.details, scene)
         return issues + _check_belonging(scene)
+
+    def _check_details(
+        self, path: str, actor: Actor, details: Details, scene: Scene
+    ) -> list[Issue]:
+        things = {asset.id: asset for asset in self.assets}
+        asset = things.get(actor.asset)
+        if asset is None:
+            return []
+        does = next((one for one in self.behaviours if one.id == actor.behaviour.name), None)
+        found = check_details(
+            details,
+            asset,
+            does.built_in if does else "stand",
+            things,
+            self.details or DetailKinds(),
+            {prop.id: prop for prop in scene.made},
+        )
+        return [Issue(f"{path}.{one.path}", one.message) for one in found]
 
     def _check_actor(self, path: str, actor: Actor) -> list[Issue]:
         assets = {asset.id: asset for asset in self.assets}
@@ -278,6 +332,13 @@ class Catalogue(Data):
         if weather.friction < allowed.min_friction:
             issues.append(Issue("friction", f"at least {allowed.min_friction:g}"))
         return issues
+
+
+def _without(name: str, value: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of a value without one that is empty."""
+    if value.get(name) is None:
+        value.pop(name, None)
+    return value
 
 
 def _check_belonging(scene: Scene) -> list[Issue]:

@@ -17,6 +17,7 @@ from pydantic import (
 
 from oodscen.data._base import Data, IssuesError
 from oodscen.data._claim import Claim
+from oodscen.data._details import Details
 from oodscen.data._pairing import is_ordinary, is_twin, twin_id
 from oodscen.data._prop import Prop
 from oodscen.errors import Issue
@@ -125,6 +126,20 @@ class Actor(Data):
     behaviour: Behaviour = Behaviour()
     state: str = ""
     """One of the asset's states, such as lights on; empty is its first."""
+    details: Details | None = None
+    """Its pose, what it holds, open parts ...; left out of the JSON text if there are none."""
+
+    @field_validator("details")
+    @classmethod
+    def _not_empty(cls, details: Details | None) -> Details | None:
+        return details or None
+
+    @model_serializer(mode="wrap")
+    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        value: dict[str, Any] = serialise(self)
+        if value.get("details") is None:
+            value.pop("details", None)
+        return value
 
 
 class Ego(Data):

@@ -136,6 +136,10 @@ class CatalogueDigest(Data):
     maps: tuple[MapLine, ...]
     weather: str
     """The weather that can be shown, in one line."""
+    poses: tuple[str, ...] = ()
+    """Poses of people."""
+    parts: tuple[str, ...] = ()
+    """States of vehicles' parts."""
 
     @property
     def limits(self) -> "WeatherLimits":
@@ -187,6 +191,8 @@ class CatalogueDigest(Data):
             behaviours=tuple(_behaviour_line(kind) for kind in catalogue.behaviours),
             maps=tuple(_map_line(road, catalogue) for road in catalogue.maps),
             weather=_weather_line(catalogue),
+            poses=tuple(kind.id for kind in catalogue.details.poses) if catalogue.details else (),
+            parts=tuple(kind.id for kind in catalogue.details.parts) if catalogue.details else (),
         )
 
 

@@ -145,10 +145,13 @@ def trigger(value: Trigger, ego: str, target: str) -> str:
 
 
 def called(actor: Actor) -> str:
-    """Return an actor's name: its asset, and its state if it has one."""
-    if actor.state in ("", "off"):
-        return plain(actor.asset)
-    return f"{plain(actor.asset)} ({_STATES.get(actor.state, plain(actor.state))})"
+    """Return an actor's name: its asset, with its state and its details if it has any."""
+    told = []
+    if actor.state not in ("", "off"):
+        told.append(_STATES.get(actor.state, plain(actor.state)))
+    if actor.details is not None:
+        told += [plain(one) for one in actor.details.words()]
+    return f"{plain(actor.asset)} ({', '.join(told)})" if told else plain(actor.asset)
 
 
 def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:

@@ -1,8 +1,10 @@
 """The visible part of a hazard, in words: its things, their places and what they do, without their story."""
 
 import math
+from collections.abc import Mapping
 
 from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._details import DetailKinds, described
 from oodscen.data._scene import DARK_DEG, FOG_M, Actor, Hazard, Visible, Weather
 from oodscen.driving._motion.behaviours import BUILT_IN
 
@@ -52,12 +54,13 @@ def visible_of(
         catalogue: The catalogue of its simulator.
     """
     known = {asset.id: asset for asset in catalogue.assets}
+    kinds = catalogue.details or DetailKinds()
     lanes = next((road.lanes for road in catalogue.maps if road.id == map_id), 1)
     found = [
         Visible(
-            what=_bare(known[one.asset].description),
+            what=_bare(_described(one, known, kinds)),
             where=_where(one, ego[0], lanes),
-            doing=_doing(one, known[one.asset], ego[1]),
+            doing=_doing(one, known[one.asset], ego[1], kinds),
         )
         for one in actors
         if one.id in hazard.actors and one.asset in known
@@ -73,6 +76,14 @@ def _bare(description: str) -> str:
     return rest[:120] if first in ("a", "an", "the") and rest else description[:120]
 
 
+def _described(actor: Actor, known: Mapping[str, Asset], kinds: DetailKinds) -> str:
+    """Return an asset's description, with the details that are no pose."""
+    description = known[actor.asset].description
+    if actor.details is None:
+        return description
+    return described(description, actor.details.model_copy(update={"pose": ""}), known, kinds)
+
+
 def _where(actor: Actor, ego_lane: int, lanes: int) -> str:
     place = actor.placement
     if place.ahead_m < 0.0:
@@ -86,7 +97,7 @@ def _where(actor: Actor, ego_lane: int, lanes: int) -> str:
     return f"in a lane to the {'left' if place.lane > 0 else 'right'}"
 
 
-def _doing(actor: Actor, asset: Asset, ego_speed: float) -> str:
+def _doing(actor: Actor, asset: Asset, ego_speed: float, kinds: DetailKinds) -> str:
     name, heading = actor.behaviour.name, actor.placement.heading_deg
     shown = _SHOWN.get(actor.state, "")
     if actor.state in _SIGNALS and asset.category in ("signal", "work_zone"):
@@ -105,6 +116,9 @@ def _doing(actor: Actor, asset: Asset, ego_speed: float) -> str:
         moves = BUILT_IN[name].doing
         if BUILT_IN[name].has_side:
             moves += f" from the {'right' if math.sin(math.radians(heading)) > 0.0 else 'left'}"
+    pose = kinds.pose(actor.details.pose) if actor.details else None
+    if pose is not None:
+        moves = pose.doing if name == "stand" else f"{moves}, {pose.doing}"
     return f"{moves} {shown}".strip()
 
 

@@ -1,6 +1,7 @@
 """A faithful scene has no mismatch; each single change that its text forbids has one."""
 
 import pytest
+from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.claims import check_claims
 from oodscen.claims._checking import mismatches
@@ -145,3 +146,35 @@ def test_a_thing_across_two_lanes_is_in_both(offset, heading, missing):
     assert [one.value for one in broken(scene, claims)] == missing
     oncoming = [claims[0], Claim(kind="place", value="oncoming_lane", subject="lorry")]
     assert broken(scene, oncoming)
+
+
+@pytest.mark.parametrize(
+    ("asset", "details", "holding", "failing"),
+    [
+        ("adult", {"pose": "kneel"}, ["kneeling"], ["lying", "waving"]),
+        ("adult", {"pose": "wave_on"}, ["waving"], ["sitting", "stopping"]),
+        ("adult", {"pose": "lie"}, ["lying"], ["crouching"]),
+        ("person_lying", {}, ["lying"], []),
+        ("police_officer", {}, ["stopping"], ["kneeling"]),
+        ("adult", {"holds": "ladder"}, ["carrying"], ["lying"]),
+        ("car", {"parts": ["bonnet_open"]}, ["bonnet_open"], ["doors_open", "dirty"]),
+        ("car", {"parts": ["crushed_rear"]}, ["damaged"], ["boot_open"]),
+        ("overturned_car", {}, ["damaged"], []),
+    ],
+)
+def test_poses_and_parts_are_claims_about_what_is_seen(asset, details, holding, failing):
+    scene = actor(asset=asset, details=details or None)
+    subject = "man" if asset in ("adult", "person_lying", "police_officer") else "car"
+    told = {**dict.fromkeys(holding, "holds"), **dict.fromkeys(failing, "fails")}
+    claims = [Claim(kind="state", value=value, subject=subject) for value in told]
+    scene = scene.model_copy(update={"stands_for": {subject: (scene.actors[0].id,)}})
+    found = check_claims(claims, scene, load_catalogue())
+    assert {one.claim.value: one.status for one in found} == told
+
+
+def test_who_moves_backwards_is_seen_to():
+    walks = {"name": "walk_along", "parameters": {"speed": 1.4}}
+    claims = [Claim(kind="motion", value="reversing", subject="man")]
+    for details, status in (({"pose": "backwards"}, "holds"), (None, "fails")):
+        scene = actor(asset="adult", behaviour=walks, details=details)
+        assert check_claims(claims, scene, load_catalogue())[0].status == status

@@ -53,6 +53,8 @@ DIGEST = CatalogueDigest(
         ),
     ),
     weather="no night; no fog",
+    poses=("kneel", "wave_on"),
+    parts=("bonnet_open", "dirty"),
 )
 
 NODES = (

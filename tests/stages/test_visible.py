@@ -1,5 +1,8 @@
 """The visible part of a hazard: thing, place and motion, each told once."""
 
+from oodscen_pybullet._catalogue import load_catalogue
+
+from oodscen.data._scene import Actor
 from oodscen.stages._visible import visible_of
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
@@ -32,3 +35,24 @@ def test_places_are_told_as_the_ego_sees_them():
         (one,) = seen(**changes)
         assert (one.what, one.where) == ("large cardboard box", where)
         assert one.doing == "standing still"
+
+
+def test_poses_are_told_as_what_somebody_does_and_parts_as_what_is_seen():
+    scene, catalogue = example_scene(), load_catalogue()
+    told = []
+    for asset, details in (
+        ("adult", {"pose": "kneel", "holds": "cone"}),
+        ("car", {"parts": ["bonnet_open"], "colour": "pink"}),
+    ):
+        actors = tuple(
+            Actor.parse({**one.model_dump(), "asset": asset, "details": details})
+            for one in scene.actors
+        )
+        told += visible_of(actors, scene.hazard, scene.weather, (0, 10.0), scene.map, catalogue)
+    assert [(one.what, one.doing) for one in told] == [
+        (
+            "adult on foot, holding an orange traffic cone with white bands",
+            "kneeling on the ground",
+        ),
+        ("passenger car, painted pink, with its bonnet open", "standing still"),
+    ]

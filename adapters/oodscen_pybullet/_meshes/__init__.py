@@ -3,10 +3,12 @@
 from collections.abc import Callable
 from functools import lru_cache
 
+from oodscen.data._details import Details
 from oodscen.errors import UnknownComponent
 from oodscen_pybullet._meshes.atlas import LOOKS
 from oodscen_pybullet._meshes.builder import Lamp, Mesh, MeshBuilder, Point, Puff
 from oodscen_pybullet._meshes.designs import assemble, load_designs
+from oodscen_pybullet._meshes.detailed import detailed
 from oodscen_pybullet._meshes.living import people, roles
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.made import is_made, learned, made_mesh
@@ -66,7 +68,13 @@ def paints_of(asset: str) -> tuple[str, ...]:
 
 @lru_cache(maxsize=512)
 def asset_mesh(
-    asset: str, state: str = "", paint: str = "", *, running: bool = False, frame: int = 0
+    asset: str,
+    state: str = "",
+    paint: str = "",
+    *,
+    running: bool = False,
+    frame: int = 0,
+    details: Details | None = None,
 ) -> Mesh:
     """Return the mesh of an asset.
 
@@ -76,6 +84,7 @@ def asset_mesh(
         paint: A look of the asset; empty selects the first.
         running: Whether head and tail lamps are on.
         frame: Animation frame, see `appearance.Look.frame`.
+        details: Pose, open parts ...; what is held or loaded may be a learned design.
 
     Raises:
         UnknownComponent: If there is no such asset.
@@ -84,7 +93,11 @@ def asset_mesh(
         return made_mesh(asset, state, asset_mesh)
     if asset not in asset_ids():
         raise UnknownComponent("asset", asset, asset_ids())
-    shown = Appearance(state, paint or paints_of(asset)[0], running, frame)
+    paint = paint or paints_of(asset)[0]
+    if details is not None:
+        shown = Appearance(state, details.colour or paint, running, frame, details)
+        return detailed(asset, shown, _made, asset_mesh).build()
+    shown = Appearance(state, paint, running, frame)
     return _made(asset, shown).shift(_rest(asset)).build()
 
 

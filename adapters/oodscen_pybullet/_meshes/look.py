@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
+from oodscen.data._details import Details
+
 RED = (1.0, 0.12, 0.08)
 WHITE = (1.0, 0.97, 0.86)
 AMBER = (1.0, 0.62, 0.08)
@@ -18,14 +20,23 @@ STEPS = 8
 """Frames of a stride, and of a cycle of smoke."""
 POSTURES = RUNNING + STEPS
 """Frames of one posture of a person."""
+BEATS = 8
+"""Frames from a pose's first key frame to the next one like it."""
 
 Direction = Literal["ahead", "left", "right"]
 _DIRECTIONS: tuple[Direction | None, ...] = (None, "ahead", "left", "right")
+_BEAT = POSTURES * len(_DIRECTIONS)
+"""Frames of one beat of a pose."""
 
 
 def reacting(frame: int, direction: Direction) -> int:
     """Return the frame that shows a person in the same step reacting to a vehicle."""
     return frame + POSTURES * _DIRECTIONS.index(direction)
+
+
+def beating(frame: int, beat: int) -> int:
+    """Return the frame that shows a person in the same step in another beat of its pose."""
+    return frame + _BEAT * beat
 
 
 @dataclass(frozen=True)
@@ -53,6 +64,8 @@ class Appearance:
     """True if head and tail lamps are on."""
     frame: int = 0
     """Animation frame, as in `appearance.Look`."""
+    details: Details | None = None
+    """Pose, open parts ...; a design asks for the parts by name."""
 
     @cached_property
     def lights(self) -> Lights:
@@ -84,7 +97,16 @@ class Appearance:
     @property
     def warned(self) -> Direction | None:
         """The direction of a vehicle that a person reacts to; `None` if there is none."""
-        return _DIRECTIONS[self.frame // POSTURES]
+        return _DIRECTIONS[self.frame // POSTURES % len(_DIRECTIONS)]
+
+    @property
+    def beat(self) -> int:
+        """The frame of the cycle of a pose."""
+        return self.frame // _BEAT
+
+    def has(self, part: str) -> bool:
+        """Return whether a part is in a state such as `bonnet_open`."""
+        return self.details is not None and part in self.details.parts
 
     @property
     def cycle(self) -> float:
@@ -105,7 +127,7 @@ class Appearance:
         Args:
             word: A state of the asset, or a lamp that is lit at this moment: `running`, `brake`,
                 `beacon`, `indicator` for that of the part's own side, `indicators` for both;
-                `first` and `second` are the halves of a cycle.
+                `first` and `second` are the halves of a cycle; `loaded` if it carries a load of its own.
             side: 1 for a part on the left side, -1 for its mirror image.
         """
         lights = self.lights
@@ -117,5 +139,6 @@ class Appearance:
             "indicators": lights.left and lights.right,
             "first": not lights.is_second,
             "second": lights.is_second,
+            "loaded": self.details is not None and bool(self.details.cargo),
         }
-        return lamps.get(word, word in self.state.split("+"))
+        return lamps.get(word, word in self.state.split("+") or self.has(word))

@@ -16,8 +16,9 @@ from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
 from oodscen_pybullet._meshes.designs import masses, surfaces
 from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.shapes import rotated
 
-__all__ = ["is_made", "learned", "made_mesh", "masses", "surfaces"]
+__all__ = ["insert", "is_made", "learned", "made_mesh", "masses", "surfaces"]
 
 _MARK = "@"
 _DESIGNS: dict[str, Prop] = {}
@@ -90,14 +91,14 @@ def _add_all(
             case shapes.TurnedOf():
                 whole = MeshBuilder()
                 _add_all(part.turned, whole, shown, Placing(), shipped)
-                _insert(mesh, whole.built(), part, 1.0, place)
+                insert(mesh, whole.built(), part, 1.0, place)
             case shapes.AssetPart():
-                _insert(mesh, shipped(part.asset, part.state), part, part.scale, place)
+                insert(mesh, shipped(part.asset, part.state), part, part.scale, place)
             case _:
                 add(part, mesh, shown, place)
 
 
-def _insert(
+def insert(
     mesh: MeshBuilder,
     inner: Mesh | None,
     turn: shapes.TurnedOf | shapes.AssetPart,
@@ -118,29 +119,20 @@ def _insert(
         mesh.add(
             replace(
                 inner,
-                vertices=_times(inner.vertices * scale, rows) + shift,
-                normals=_times(inner.normals, rows),
+                vertices=rotated(inner.vertices * scale, rows) + shift,
+                normals=rotated(inner.normals, rows),
                 triangles=order,
             )
         )
     for lamp in inner.lamps:
-        at = _times(np.array([lamp.position]) * scale, rows)[0] + shift
-        way = _times(np.array([lamp.facing]), rows)[0]
+        at = rotated(np.array([lamp.position]) * scale, rows)[0] + shift
+        way = rotated(np.array([lamp.facing]), rows)[0]
         mesh.lamp(_point(at), lamp.colour, _point(way), lamp.power)
     for puff in inner.puffs:
-        at = _times(np.array([puff.position]) * scale, rows)[0] + shift
+        at = rotated(np.array([puff.position]) * scale, rows)[0] + shift
         mesh.puff(
             _point(at), puff.radius * scale, puff.colour, puff.density, is_bright=puff.is_bright
         )
-
-
-def _times(
-    points: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
-    rows: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
-) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return the rotated points, with the same bits on every machine: no matrix library is used."""
-    x, y, z = points[:, 0], points[:, 1], points[:, 2]
-    return np.stack([row[0] * x + row[1] * y + row[2] * z for row in rows], axis=1)
 
 
 def _point(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> Point:

@@ -12,6 +12,24 @@ Point = tuple[float, float, float]
 Array = NDArray[np.float64]
 
 
+def rotation(*, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> Array:
+    """Return the rows of a rotation about x, then y, then z; a positive pitch leans forward, rad."""
+    a, b, d, e, f, g = sin(roll), cos(roll), sin(pitch), cos(pitch), sin(yaw), cos(yaw)
+    return np.array(
+        [
+            [g * e, g * d * a - f * b, g * d * b + f * a],
+            [f * e, f * d * a + g * b, f * d * b - g * a],
+            [-d, e * a, e * b],
+        ]
+    )
+
+
+def rotated(points: Array, rows: Array) -> Array:
+    """Return rotated points, with the same bits on every machine: no matrix library is used."""
+    x, y, z = points[:, 0], points[:, 1], points[:, 2]
+    return np.stack([row[0] * x + row[1] * y + row[2] * z for row in rows], axis=1)
+
+
 def flat_normal(corners: list[list[float]]) -> Point | None:
     """Return a flat polygon's unit normal, or `None` if it has no area."""
     nx = ny = nz = 0.0

@@ -1,16 +1,18 @@
 """The current appearance of every body: paint, lamps, gait phase, phase of flashing lamps."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from oodscen._seeding import stream
 from oodscen.data._catalogue import Asset
+from oodscen.data._details import Details
 from oodscen.data._scene import Scene, Trigger
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._lighting.light import Glow
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
-from oodscen_pybullet._meshes.look import STEPS, Direction, reacting
+from oodscen_pybullet._meshes.living.poses import pose_of
+from oodscen_pybullet._meshes.look import BEATS, STEPS, Direction, beating, reacting
 
 Pose = tuple[float, float, float, float]
 
@@ -53,8 +55,9 @@ class Look(NamedTuple):
     """Animation frame of a self-moving part.
 
     Legs: 0 stands, 1 to 8 walk, 9 to 16 run; `look.reacting` adds a person's reaction. Flashing lamps:
-    0 is lit, 1 dark. Smoke: 0 to 7.
+    0 is lit, 1 dark. Smoke: 0 to 7. `look.beating` adds the beat of a pose.
     """
+    details: Details | None = None
 
 
 class SceneBodies:
@@ -70,6 +73,10 @@ class SceneBodies:
         self._scene = scene
         self._seed = seed
         self._members: list[tuple[Asset, str, str, bool, bool]] = []
+        self._details = {
+            actor.id: actor.details for actor in scene.actors if actor.details is not None
+        }
+        self._shown: list[Details | None] = []
         self._triggers: list[Trigger] = []
         self._given = {actor.id: actor.behaviour.trigger for actor in scene.actors}
         self._behaviours = {actor.id: actor.behaviour.name for actor in scene.actors}
@@ -83,12 +90,22 @@ class SceneBodies:
         """The assets of all bodies, the ego's first."""
         return [asset for asset, *_ in self._members]
 
-    def add(self, actor_id: str, asset: Asset, state: str) -> None:
-        """Add one body; the ego comes first."""
+    def add(
+        self, actor_id: str, asset: Asset, state: str, made: Mapping[str, str] | None = None
+    ) -> None:
+        """Add one body; the ego comes first.
+
+        Args:
+            actor_id: Id of the actor.
+            asset: Its asset.
+            state: A state of the asset.
+            made: Ids of meshes by the names of the things made to order.
+        """
         paint = _paint(self._seed, actor_id, asset.id)
         holds = self._behaviours.get(actor_id) in _IN_TRAFFIC
         self._members.append((asset, state, paint, _runs(self._scene, actor_id), holds))
         self._triggers.append(self._given.get(actor_id, Trigger()))
+        self._shown.append(_drawn(self._details.get(actor_id), made or {}))
 
     def looks(
         self,
@@ -122,7 +139,10 @@ class SceneBodies:
             if asset.category == "pedestrian" and asset.id in GAITS:
                 warned = seen_coming(pose, poses[0], speeds[0])
                 frame = reacting(frame, warned) if warned else frame
-            looks.append(Look(asset.id, shown, paint, runs, frame))
+            details = self._shown[row]
+            if details is not None:
+                frame = beating(frame, beat_of(details, pose, speed, time))
+            looks.append(Look(asset.id, shown, paint, runs, frame, details))
         return looks
 
     def glows(self, looks: Sequence[Look], poses: Sequence[Pose]) -> list[Glow]:
@@ -186,8 +206,8 @@ def seen_coming(pose: Pose, ego: Pose, speed: float) -> Direction | None:
 
 def mesh_of(look: Look) -> Mesh:
     """Return a look's mesh."""
-    asset, state, paint, running, frame = look
-    return asset_mesh(asset, state, paint, running=running, frame=frame)
+    asset, state, paint, running, frame, details = look
+    return asset_mesh(asset, state, paint, running=running, frame=frame, details=details)
 
 
 def frame_of(asset: str, state: str, pose: Pose, speed: float, time: float) -> int:
@@ -204,16 +224,40 @@ def frame_of(asset: str, state: str, pose: Pose, speed: float, time: float) -> i
     return 0
 
 
+def beat_of(details: Details, pose: Pose, speed: float, time: float) -> int:
+    """Return the beat of an actor's pose: by the time, or by the position along the heading."""
+    known = pose_of(details)
+    if known is None or known.second is None:
+        return 0
+    if known.period_s is not None:
+        return math.floor(time * BEATS / known.period_s + 1e-6) % BEATS
+    if known.stride_m is None or abs(speed) < _STANDING:
+        return 0
+    return _share(known.stride_m, pose, BEATS)
+
+
+def _drawn(details: Details | None, made: Mapping[str, str]) -> Details | None:
+    """Return details with the ids of meshes in place of the names of things made to order."""
+    if details is None or not made:
+        return details
+    named = {"holds": details.holds, "cargo": details.cargo}
+    return details.model_copy(update={key: made.get(name, name) for key, name in named.items()})
+
+
+def _share(length: float, pose: Pose, steps: int) -> int:
+    """Return the step that the position along the heading has reached, of those in a length."""
+    x, y, _, yaw = pose
+    s, c = exact.sincos(yaw)
+    way = (x * c + y * s) / length
+    return math.floor(round(steps * (way - math.floor(way)), 3)) % steps
+
+
 def _step(stride: float, pose: Pose, speed: float) -> int:
     pace = abs(speed)
     if pace < _STANDING:
         return 0
     runs = pace > RUNNING * stride
-    length = stride * (1.7 if runs else 1.0)
-    x, y, _, yaw = pose
-    s, c = exact.sincos(yaw)
-    way = (x * c + y * s) / length
-    step = math.floor(round(STEPS * (way - math.floor(way)), 3)) % STEPS
+    step = _share(stride * (1.7 if runs else 1.0), pose, STEPS)
     return 1 + step + (STEPS if runs else 0)
 
 

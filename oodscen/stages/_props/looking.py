@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._base import Data
-from oodscen.data._catalogue import Catalogue
+from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._details import DetailKinds, Details, PoseKind, check_details
 from oodscen.data._lettering import HEIGHT, strokes, width_of
 from oodscen.data._prop import Prop, check_prop
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger, Weather
@@ -30,6 +31,8 @@ NIGHT = Weather(sun_elevation_deg=-30.0)
 _LANE_SEEN = ("residential_two_lane", "urban_three_lane", "highway")
 """Maps on which things are shown, the first that a catalogue has."""
 _INK, _PAPER = 20, 250
+_TOWARDS_DEG, _ASIDE_DEG, _AWAY_DEG = 158.0, 115.0, 22.0
+"""Headings at which gestures, lasting poses and the rear of a vehicle are recognised best."""
 
 Image = NDArray[np.uint8]
 
@@ -81,27 +84,93 @@ def look_at(
     Raises:
         SceneError: When the simulator refuses a design.
     """
-    camera = camera or Camera()
+    catalogue = simulator.catalogue()
+
+    def exhibits() -> Iterator[_Exhibit]:
+        for prop in props:
+            faults = check_prop(prop, catalogue.assets)
+            if faults:
+                raise SceneError(prop.id, faults)
+            yield _Exhibit(prop.id, prop.id, made=(prop,))
+
+    return _seen(exhibits(), simulator, camera or Camera())
+
+
+def look_at_details(simulator: Simulator, *, camera: Camera | None = None) -> Iterator[SeenProp]:
+    """Show every pose of people and every state of vehicles' parts, each on the first asset that has it.
+
+    Args:
+        simulator: Draws them.
+        camera: By default the ego's dash camera.
+
+    Yields:
+        One value per pose and per part, in the catalogue's order; none if the catalogue has none.
+    """
+    return _seen(_details(simulator.catalogue()), simulator, camera or Camera())
+
+
+@dataclass(frozen=True)
+class _Exhibit:
+    """One thing to be shown, facing the camera's way by default."""
+
+    name: str
+    asset: str
+    details: Details | None = None
+    heading_deg: float = 0.0
+    state: str = ""
+    made: tuple[Prop, ...] = ()
+
+
+def _details(catalogue: Catalogue) -> Iterator[_Exhibit]:
+    kinds = catalogue.details or DetailKinds()
+    for pose in kinds.poses:
+        for asset in catalogue.assets:
+            if asset.offers and pose.id in asset.offers.poses:
+                turn = _ASIDE_DEG if pose.is_aside else _TOWARDS_DEG
+                held = _fitting(catalogue, asset, pose) if pose.grip else ""
+                yield _Exhibit(pose.id, asset.id, Details(pose=pose.id, holds=held), turn)
+                break
+    for part in kinds.parts:
+        for asset in catalogue.assets:
+            if asset.offers and part.id in asset.offers.parts:
+                turn = _TOWARDS_DEG if part.is_ahead else _AWAY_DEG
+                # A standing vehicle has its lamps on only if a state says so.
+                state = "brake" if part.is_ahead and "brake" in asset.states else ""
+                yield _Exhibit(part.id, asset.id, Details(parts=(part.id,)), turn, state)
+                break
+
+
+def _fitting(catalogue: Catalogue, asset: Asset, pose: PoseKind) -> str:
+    """Return the id of what a person is shown with: small in one hand, long in both, empty if nothing fits."""
+    things = {one.id: one for one in catalogue.assets}
+    kinds = catalogue.details or DetailKinds()
+    found = [
+        (max(one.length, one.width), name)
+        for name, one in things.items()
+        if not check_details(Details(pose=pose.id, holds=name), asset, "stand", things, kinds, {})
+    ]
+    is_single = pose.grip is not None and pose.grip.how == "beside"
+    return (min if is_single else max)(found, default=(0.0, ""))[1]
+
+
+def _seen(exhibits: Iterable[_Exhibit], simulator: Simulator, camera: Camera) -> Iterator[SeenProp]:
     catalogue = simulator.catalogue()
     without = [_shown(simulator, catalogue, None, 0.0, night, camera) for night in (False, True)]
-    for prop in props:
-        faults = check_prop(prop, catalogue.assets)
-        if faults:
-            raise SceneError(prop.id, faults)
+    for one in exhibits:
         views, pictures = [], []
         for is_night in (False, True):
             for distance in DISTANCES_M:
-                frame = _shown(simulator, catalogue, prop, distance, is_night, camera)
+                frame = _shown(simulator, catalogue, one, distance, is_night, camera)
                 views.append(_view(frame, without[is_night], distance, is_night))
                 pictures.append(frame.rgb)
-        look = PropLook(id=prop.id, views=tuple(views), faults=tuple(_faults(views, camera)))
+        look = PropLook(id=one.name, views=tuple(views), faults=tuple(_faults(views, camera)))
         yield SeenProp(look, tuple(pictures))
 
 
 def _shown(
     simulator: Simulator,
     catalogue: Catalogue,
-    prop: Prop | None,
+    one: _Exhibit | None,
     distance: float,
     is_night: bool,
     camera: Camera,
@@ -109,10 +178,14 @@ def _shown(
     known = {road.id for road in catalogue.maps}
     road = next((name for name in _LANE_SEEN if name in known), catalogue.maps[0].id)
     actors: tuple[Actor, ...] = ()
-    if prop is not None:
-        half = catalogue.with_made([prop]).asset(prop.id).length / 2
+    if one is not None:
+        half = catalogue.with_made(one.made).asset(one.asset).length / 2
         ahead = round(camera.x + distance + half, 2)
-        actors = (Actor(id="prop", asset=prop.id, placement=Placement(ahead_m=ahead)),)
+        place = Placement(ahead_m=ahead, heading_deg=one.heading_deg)
+        shown = Actor(
+            id="prop", asset=one.asset, placement=place, state=one.state, details=one.details
+        )
+        actors = (shown,)
     scene = Scene(
         id="prop",
         scenario_id="prop",
@@ -122,7 +195,7 @@ def _shown(
         actors=actors,
         hazard=Hazard(actors=dict.fromkeys(actor.id for actor in actors), weather=Weather()),
         decision=Trigger(kind="time", value=1.0),
-        made=() if prop is None else (prop,),
+        made=() if one is None else one.made,
     )
     simulator.reset(scene, 0)
     return simulator.render(camera)

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
+from oodscen.data._details import DetailKinds, Offers
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import load_corridor
@@ -36,6 +37,12 @@ def check_catalogue(probe: Probe) -> None:
         for name, parameter in kind.parameters.items():
             inside = parameter.minimum <= parameter.default <= parameter.maximum
             found.that(inside, f"behaviour {kind.id}", f"the default of {name} is out of range")
+    kinds = catalogue.details or DetailKinds()
+    known = {one.id for one in (*kinds.poses, *kinds.parts)}
+    for asset in catalogue.assets:
+        offers = asset.offers or Offers()
+        for name in sorted({*offers.poses, *offers.parts} - known):
+            found.add(f"asset {asset.id}", f"offers {name!r}, which the catalogue's details lack")
 
 
 def check_maps(probe: Probe) -> None:

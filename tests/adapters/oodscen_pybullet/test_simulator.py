@@ -11,10 +11,12 @@ from oodscen_pybullet import PyBulletSimulator
 from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.data._catalogue import Asset
+from oodscen.data._details import Details
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.errors import SceneError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
+from oodscen.testing import FlatSimulator
 from oodscen.testing._check import PARTS, check_simulator
 from oodscen.testing._kit.samples import plain_scene
 
@@ -223,3 +225,27 @@ def test_it_can_be_opened_again_after_close(
         one.close()
         one.close()
     assert shots[0] == shots[1]
+
+
+def test_gestures_go_on_and_lying_people_are_low_and_elsewhere_both_are_refused(
+    simulator: PyBulletSimulator,
+    make_scene: MakeScene,
+    make_actor: Callable[..., Actor],
+    camera: Camera,
+) -> None:
+    waver = make_actor("adult", 14.0, heading=180.0)
+    frames = []
+    for details in (None, Details(pose="wave_on"), Details(pose="wave_on"), Details(pose="lie")):
+        scene = make_scene(waver.model_copy(update={"details": details}))
+        simulator.reset(scene, 3)
+        frames.append(simulator.render(camera))
+        for _ in range(8):
+            simulator.step(Control())
+        frames.append(simulator.render(camera))
+    plain, _, one, later, again, later_again, lying, _ = frames
+    assert np.array_equal(one.rgb, again.rgb)
+    assert np.array_equal(later.rgb, later_again.rgb)
+    assert not np.array_equal(plain.ids, one.ids)
+    assert np.nonzero(lying.ids == 2)[0].min() > np.nonzero(plain.ids == 2)[0].min() + 3
+    flat = FlatSimulator().catalogue().check(scene)
+    assert "actors[0].details.pose" in [issue.path for issue in flat]

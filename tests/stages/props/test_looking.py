@@ -1,15 +1,27 @@
 import numpy as np
 import pytest
+from oodscen_pybullet._catalogue import load_catalogue
 
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._details import DetailKinds
 from oodscen.data._prop import Prop
 from oodscen.errors import DataError, SceneError, UsageError
 from oodscen.protocols import Camera
 from oodscen.stages._props.files import read_props
-from oodscen.stages._props.looking import DISTANCES_M, UNSEEN, caption, look_at, order, sheet
+from oodscen.stages._props.looking import (
+    DISTANCES_M,
+    UNSEEN,
+    caption,
+    look_at,
+    look_at_details,
+    order,
+    sheet,
+)
 from oodscen.testing import FlatSimulator
 from tests.made import WALL
 
 CAMERA = Camera(width=160, height=120)
+KINDS = load_catalogue().details or DetailKinds()
 
 
 def test_a_wall_is_seen_and_a_post_on_the_horizon_is_not() -> None:
@@ -61,3 +73,27 @@ def test_designs_are_read_from_files_and_folders(tmp_path) -> None:
         (tmp_path / name).write_text(text)
         with pytest.raises(DataError):
             read_props(tmp_path / name)
+
+
+def test_every_pose_and_part_has_a_row_that_a_camera_sees() -> None:
+    few = DetailKinds(
+        poses=tuple(one for one in KINDS.poses if one.id in ("kneel", "carry_at_side")),
+        parts=tuple(one for one in KINDS.parts if one.id == "doors_open"),
+    )
+
+    class Painter(FlatSimulator):
+        def catalogue(self) -> Catalogue:
+            shown = super().catalogue()
+            known = {one.id: one for one in load_catalogue().assets}
+            assets = tuple(
+                one.model_copy(update={"offers": known[one.id].offers}) if one.id in known else one
+                for one in shown.assets
+            )
+            return shown.model_copy(update={"assets": assets, "details": few})
+
+    with Painter() as simulator:
+        seen = list(look_at_details(simulator, camera=CAMERA))
+    assert [one.look.id for one in seen] == ["carry_at_side", "kneel", "doors_open"]
+    assert all(one.look.views[0].pixels > 0 for one in seen)
+    with FlatSimulator() as simulator:
+        assert not list(look_at_details(simulator, camera=CAMERA))

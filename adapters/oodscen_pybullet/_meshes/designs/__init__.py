@@ -17,7 +17,7 @@ from oodscen.data._colours import Colour
 from oodscen.data._shapes import Part
 from oodscen_pybullet._meshes.atlas import COLOURS
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._meshes.designs import fittings, parts
+from oodscen_pybullet._meshes.designs import fittings, openings, parts
 from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
 
@@ -108,6 +108,12 @@ _Fixed = (
     | Annotated[fittings.LightBar, Tag("light_bar")]
     | Annotated[fittings.Plates, Tag("plates")]
     | Annotated[fittings.SidePrint, Tag("side_print")]
+    | Annotated[openings.FrontDoors, Tag("front_doors")]
+    | Annotated[openings.OpenBonnet, Tag("open_bonnet")]
+    | Annotated[openings.OpenHatch, Tag("open_hatch")]
+    | Annotated[openings.RearDoors, Tag("rear_doors")]
+    | Annotated[openings.TailLift, Tag("tail_lift")]
+    | Annotated[openings.SideText, Tag("side_text")]
     | Annotated[fittings.Legs, Tag("legs")]
     | Annotated[fittings.WebbedFeet, Tag("webbed_feet")]
 )

@@ -185,13 +185,13 @@ class HeadLamps(Fitting):
     def fit(self, mesh: MeshBuilder, shown: Appearance) -> None:
         """Add the lamps, lit or not."""
         lights, (x, y, z), (width, height) = shown.lights, self.head_lamps, self.size
-        glass = "head_lit" if lights.running else "head"
         for side in (-1.0, 1.0):
-            mesh.box((x, side * y, z), (0.06, width, height), glass)
+            is_lit = lights.running and not (side > 0 and shown.has("one_headlamp"))
+            mesh.box((x, side * y, z), (0.06, width, height), "head_lit" if is_lit else "head")
             blinks = lights.left if side > 0 else lights.right
             outer = (x - 0.02, side * (y + width / 2 + 0.03), z)
             _lit_box(mesh, outer, (0.06, 0.07, height), _AMBER_LAMP, is_lit=blinks)
-            if lights.running:
+            if is_lit:
                 mesh.lamp((x, side * y, z), WHITE, (1, 0, 0), 4.0)
             if blinks:
                 mesh.lamp((x, outer[1], z), AMBER, (1, 0, 0), 3.0)

@@ -195,11 +195,31 @@ def _(part: shapes.Sheet, mesh: MeshBuilder, shown: Appearance, place: Placing) 
 @add.register
 def _(part: shapes.Wheel, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
     x, y, z = place.point((*part.wheel, 0.0))
-    if z == 0.0:
+    if x < 0.0 < y and shown.has("wheel_off"):
+        _wheel_off(part, mesh, (x, y, z))
+    elif z == 0.0:
         mesh.wheel(x, y, part.radius, part.width, hub=part.hub)
     else:
         wheel = MeshBuilder().wheel(x, y, part.radius, part.width, hub=part.hub)
         mesh.add(wheel.build(), (0.0, 0.0, z))
+
+
+def _wheel_off(part: shapes.Wheel, mesh: MeshBuilder, at: Point) -> None:
+    """Add a bare hub, a jack beside it, and the wheel on the road."""
+    (x, y, z), radius = at, part.radius
+    hub = y - 0.4 * part.width
+    mesh.cylinder(
+        (x, hub, z + radius), (x, hub + 0.06, z + radius), 0.6 * radius, "metal", sides=12
+    )
+    mesh.cylinder((x, hub, z + radius), (x, y, z + radius), 0.2 * radius, "rust", sides=8)
+    jack = (x + 1.7 * radius, y, z)
+    mesh.beam(jack, (jack[0], y, z + 0.8 * radius), 0.1, "red", end_width=0.05)
+    mesh.box((jack[0], y, z + 0.03), (0.26, 0.22, 0.06), "red")
+    mesh.beam((jack[0], y, z + 0.1), (jack[0], y + 0.6, z + 0.16), 0.03, "silver")
+    beside = (x - 0.5 * radius, y + 0.75, z)
+    top = (beside[0], beside[1], z + part.width)
+    mesh.cylinder(beside, top, radius, "tyre", sides=14)
+    mesh.cylinder(top, (*top[:2], top[2] + 0.006), 0.62 * radius, part.hub, sides=10)
 
 
 @add.register

@@ -1,30 +1,24 @@
 """People on foot, facing x; they stand, walk or run."""
 
-import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
-from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
+from oodscen_pybullet._meshes.living.body import (
+    HIP,
+    SHOULDER,
+    Clothes,
+    add_head,
+    arm,
+    leg,
+    neck,
+    skirt,
+    trunk,
+    vest,
+)
+from oodscen_pybullet._meshes.living.poses import pose_of
+from oodscen_pybullet._meshes.living.posing import posed_figure
 from oodscen_pybullet._meshes.look import Appearance, Direction
-
-
-@dataclass(frozen=True)
-class Clothes:
-    """A person's clothes: colours by name."""
-
-    top: str
-    legs: str
-    hair: str = "hair"
-    skin: str = "skin"
-    hat: str = ""
-    shoes: str = "shoe"
-    sleeves: str = ""
-    """Colour of the forearms below short sleeves."""
-    shins: str = ""
-    """Colour of the shins below short trousers."""
-    has_long_hair: bool = False
-    skirt: str = ""
-
 
 WARDROBE: tuple[Clothes, ...] = (
     Clothes("shirt_red", "jeans"),
@@ -52,14 +46,33 @@ class Posture:
 
 
 UPRIGHT = Posture()
-HIP = 0.90
-SHOULDER = 1.40
+Extra = Callable[[MeshBuilder, Point], None]
+"""Adds something to a body whose head is at a point."""
 
 
 def figure(
-    mesh: MeshBuilder, clothes: Clothes, shown: Appearance, posture: Posture = UPRIGHT
-) -> tuple[float, float, float]:
-    """Add an adult of 1.75 m who stands, walks or runs; return the centre of the head."""
+    mesh: MeshBuilder,
+    clothes: Clothes,
+    shown: Appearance,
+    posture: Posture = UPRIGHT,
+    *,
+    worn: Extra | None = None,
+    on_head: Extra | None = None,
+) -> None:
+    """Add an adult of 1.75 m who stands, walks or runs, or is in the pose of its details.
+
+    Args:
+        mesh: The mesh.
+        clothes: The colours.
+        shown: The step and the details.
+        posture: The posture without a pose.
+        worn: Adds what moves with the trunk.
+        on_head: Adds what moves with the head.
+    """
+    pose = pose_of(shown.details)
+    if pose is not None:
+        posed_figure(mesh, clothes, shown, pose, posture.half_step, (worn, on_head))
+        return
     phase, runs = shown.gait or (0.0, False)
     moves = shown.gait is not None
     if shown.warned:
@@ -69,31 +82,18 @@ def figure(
     hip, shoulder = HIP - drop, SHOULDER - drop
     for side in (-1.0, 1.0):
         own = phase + (0.5 if side > 0 else 0.0)
-        _leg(mesh, clothes, side, hip, own, posture.half_step, moves=moves, runs=runs)
+        leg(mesh, clothes, side, hip, own, posture.half_step, moves=moves, runs=runs)
         hand = posture.left_hand if side > 0 else posture.right_hand
-        _arm(mesh, clothes, side, (lean, side * 0.225, shoulder), hand, own, moves, runs)
-    waist = (0.4 * lean, 0.0, hip + 0.20)
-    mesh.column(
-        [
-            ((0.0, 0.0, hip - 0.08), 0.105, 0.155),
-            ((0.0, 0.0, hip + 0.06), 0.115, 0.165),
-            (waist, 0.105, 0.15),
-            ((0.8 * lean, 0.0, hip + 0.38), 0.125, 0.19),
-            ((lean, 0.0, shoulder + 0.02), 0.10, 0.215),
-            ((lean, 0.0, shoulder + 0.08), 0.055, 0.09),
-        ],
-        [clothes.legs, clothes.legs, clothes.top, clothes.top, clothes.top],
-    )
-    if clothes.skirt:
-        mesh.column(
-            [((0, 0, 0.48), 0.2, 0.26), ((0, 0, hip + 0.1), 0.12, 0.165)], clothes.skirt, caps="b"
-        )
-    head = (lean + 0.02, 0.0, shoulder + 0.215)
-    mesh.cylinder((lean, 0, shoulder + 0.05), (head[0], 0, head[2]), 0.05, clothes.skin, sides=6)
+        arm(mesh, clothes, side, (lean, side * 0.225, shoulder), hand, own, moves, runs)
+    trunk(mesh, clothes, hip, shoulder, lean)
+    skirt(mesh, clothes, hip)
+    head = neck(mesh, clothes, shoulder, lean)
     face = MeshBuilder()
-    _head(face, clothes, (0.0, 0.0, 0.0))
+    add_head(face, clothes, (0.0, 0.0, 0.0))
     mesh.add(face.build(), head, yaw=_TURNS.get(shown.warned or "", 0.0))
-    return head
+    for extra in (worn, on_head):
+        if extra is not None:
+            extra(mesh, head)
 
 
 _TURNS = {"left": 1.0, "right": -1.0}
@@ -112,88 +112,6 @@ def _reacting(posture: Posture, direction: Direction) -> Posture:
     )
 
 
-def _leg(
-    mesh: MeshBuilder,
-    clothes: Clothes,
-    side: float,
-    hip: float,
-    phase: float,
-    half: float,
-    *,
-    moves: bool,
-    runs: bool,
-) -> None:
-    y, ankle = side * 0.095, 0.09
-    ahead, up = side * -0.03, 0.0
-    if moves:
-        half = 1.3 * half if runs else half
-        ahead, up = stride(phase, half, 0.42 if runs else 0.13, 0.42 if runs else 0.6)
-    foot = (ahead - 0.03, y, ankle + up)
-    knee, foot = joint((0.0, y, hip), foot, 0.425, 0.41, (1.0, side * 0.05, 0.1))
-    shin = clothes.shins or clothes.legs
-    limb(mesh, ((0.0, y, hip), knee, foot), (0.09, 0.065, 0.045), (clothes.legs, shin))
-    x, z = foot[0], foot[2] - ankle
-    tip = 0.6 * up
-    mesh.hull(
-        (x - 0.08, x + 0.19, y - 0.048, y + 0.048, z),
-        (x - 0.07, x + 0.11, y - 0.04, y + 0.04, z + 0.1),
-        clothes.shoes,
-    ) if tip < 0.03 else mesh.beam(
-        (x - 0.02, y, z + 0.1), (x + 0.15, y, z + 0.08 - min(tip, 0.06)), 0.095, clothes.shoes
-    )
-
-
-def _arm(
-    mesh: MeshBuilder,
-    clothes: Clothes,
-    side: float,
-    shoulder: Point,
-    hand: Point | None,
-    phase: float,
-    moves: bool,
-    runs: bool,
-) -> None:
-    x, _y, z = shoulder
-    if hand is None:
-        swing = -math.cos(2 * math.pi * phase) if moves else 0.0
-        reach = 0.42 if runs else 0.26
-        hand = (x + 0.05 + reach * swing, side * 0.27, z - 0.51 + 0.06 * abs(swing))
-        if runs:
-            hand = (x + 0.14 + 0.26 * swing, side * 0.2, z - 0.26 + 0.16 * swing)
-    elbow, hand = joint(shoulder, hand, 0.28, 0.27, (-1.0, side * 0.5, -0.2))
-    lower = clothes.sleeves or clothes.top
-    limb(mesh, (shoulder, elbow, hand), (0.062, 0.048, 0.034), (clothes.top, lower))
-    mesh.ball(hand, (0.045, 0.04, 0.06), clothes.skin, around=6, down=4)
-
-
-def _head(mesh: MeshBuilder, clothes: Clothes, head: Point) -> None:
-    x, y, z = head
-    mesh.ball(head, (0.10, 0.082, 0.125), clothes.skin)
-    mesh.box((x + 0.10, y, z - 0.015), (0.03, 0.025, 0.04), clothes.skin, caps="b")
-    for side in (-1.0, 1.0):
-        eye = side * 0.036
-        mesh.polygon(
-            [
-                (x + 0.094, y + eye - 0.014, z + 0.012),
-                (x + 0.094, y + eye + 0.014, z + 0.012),
-                (x + 0.092, y + eye + 0.014, z + 0.034),
-                (x + 0.092, y + eye - 0.014, z + 0.034),
-            ],
-            "hair",
-        )
-    if clothes.hat:
-        mesh.ball((x - 0.01, y, z + 0.055), (0.125, 0.11, 0.105), clothes.hat)
-        mesh.box((x + 0.10, y, z + 0.05), (0.10, 0.17, 0.02), clothes.hat)
-        return
-    mesh.ball((x - 0.025, y, z + 0.045), (0.105, 0.095, 0.105), clothes.hair)
-    if clothes.has_long_hair:
-        mesh.hull(
-            (x - 0.13, x - 0.02, y - 0.09, y + 0.09, z - 0.2),
-            (x - 0.12, x + 0.02, y - 0.095, y + 0.095, z + 0.06),
-            clothes.hair,
-        )
-
-
 def grounded(mesh: MeshBuilder) -> MeshBuilder:
     """Move everything so that the lowest foot touches the ground."""
     low, _ = mesh.bounds
@@ -202,9 +120,12 @@ def grounded(mesh: MeshBuilder) -> MeshBuilder:
 
 def adult(mesh: MeshBuilder, shown: Appearance) -> None:
     """An adult pedestrian."""
-    figure(mesh, WARDROBE[shown.index % len(WARDROBE)], shown)
-    if shown.index % 2:
-        mesh.box((-0.12, 0, 1.2), (0.11, 0.28, 0.38), "bag")
+
+    def worn(body: MeshBuilder, _: Point) -> None:
+        if shown.index % 2:
+            body.box((-0.12, 0, 1.2), (0.11, 0.28, 0.38), "bag")
+
+    figure(mesh, WARDROBE[shown.index % len(WARDROBE)], shown, worn=worn)
     grounded(mesh)
 
 
@@ -213,64 +134,73 @@ def child(mesh: MeshBuilder, shown: Appearance) -> None:
     tops = ("yellow", "shirt_red", "teal")
     hair = "hair_fair" if shown.index % 2 else "hair"
     clothes = Clothes(tops[shown.index % 3], "jeans", hair, sleeves="skin")
-    x, y, z = figure(mesh, clothes, shown, replace(UPRIGHT, half_step=0.36))
-    mesh.box((x - 0.22, y, z - 0.42), (0.16, 0.34, 0.42), "fluor_orange")
-    mesh.box((x - 0.31, y, z - 0.5), (0.04, 0.24, 0.2), "navy")
-    mesh.ball((x - 0.005, y, z + 0.03), (0.115, 0.105, 0.145), "skin")
-    mesh.ball((x - 0.035, y, z + 0.08), (0.125, 0.12, 0.125), hair)
-    for side in (-1.0, 1.0):
-        mesh.ball(
-            (x + 0.1, y + side * 0.045, z + 0.03), (0.012, 0.016, 0.018), "hair", around=6, down=4
-        )
+
+    def worn(body: MeshBuilder, head: Point) -> None:
+        x, y, z = head
+        body.box((x - 0.22, y, z - 0.42), (0.16, 0.34, 0.42), "fluor_orange")
+        body.box((x - 0.31, y, z - 0.5), (0.04, 0.24, 0.2), "navy")
+
+    def on_head(body: MeshBuilder, head: Point) -> None:
+        x, y, z = head
+        body.ball((x - 0.005, y, z + 0.03), (0.115, 0.105, 0.145), "skin")
+        body.ball((x - 0.035, y, z + 0.08), (0.125, 0.12, 0.125), hair)
+        for side in (-1.0, 1.0):
+            eye = (x + 0.1, y + side * 0.045, z + 0.03)
+            body.ball(eye, (0.012, 0.016, 0.018), "hair", around=6, down=4)
+
+    posture = replace(UPRIGHT, half_step=0.36)
+    figure(mesh, clothes, shown, posture, worn=worn, on_head=on_head)
     grounded(mesh).shift((0, 0, 0), scale=0.68)
-
-
-def vest(mesh: MeshBuilder, colour: str, head: Point) -> None:
-    """Add a high-visibility vest with two reflective bands around the chest, below a given head."""
-    x, _, z = head
-    rings = (
-        ((x - 0.05, 0.0, z - 0.70), 0.13, 0.178),
-        ((x - 0.04, 0.0, z - 0.45), 0.128, 0.178),
-        ((x - 0.02, 0.0, z - 0.24), 0.142, 0.214),
-        ((x - 0.02, 0.0, z - 0.17), 0.10, 0.19),
-    )
-    mesh.column(rings, colour, caps="")
-    for low, high in ((-0.62, -0.56), (-0.42, -0.36)):
-        mesh.column(
-            [((x - 0.04, 0, z + low), 0.140, 0.192), ((x - 0.04, 0, z + high), 0.140, 0.194)],
-            "silver",
-            caps="",
-        )
 
 
 def worker(mesh: MeshBuilder, shown: Appearance) -> None:
     """A road worker in high-visibility clothes, with helmet and shovel."""
     clothes = Clothes("fluor_orange", "fluor_orange", hat="yellow")
     hold = replace(UPRIGHT, half_step=0.28, right_hand=(0.16, -0.30, 1.06))
-    head = figure(mesh, clothes, shown, hold)
-    vest(mesh, "fluor_yellow", head)
-    mesh.cylinder((0.18, -0.34, 0.08), (0.15, -0.29, 1.38), 0.022, "wood", sides=6)
-    mesh.box((0.19, -0.345, 0.15), (0.04, 0.22, 0.28), "metal")
+    figure(mesh, clothes, shown, hold, worn=yellow_vest)
+    if has_free_hands(shown):
+        mesh.cylinder((0.18, -0.34, 0.08), (0.15, -0.29, 1.38), 0.022, "wood", sides=6)
+        mesh.box((0.19, -0.345, 0.15), (0.04, 0.22, 0.28), "metal")
     grounded(mesh)
+
+
+def yellow_vest(body: MeshBuilder, head: Point) -> None:
+    """Add a yellow high-visibility vest."""
+    vest(body, "fluor_yellow", head)
+
+
+def has_free_hands(shown: Appearance) -> bool:
+    """Return whether a person has the tool of its trade in its hands: no pose takes them."""
+    return pose_of(shown.details) is None
 
 
 def police_officer(mesh: MeshBuilder, shown: Appearance) -> None:
     """A police officer in a yellow vest, holding up a stop disc."""
     hold = replace(UPRIGHT, half_step=0.25, right_hand=(0.36, -0.30, 1.62))
-    x, _, z = figure(mesh, Clothes("uniform", "uniform", hat="uniform"), shown, hold)
-    vest(mesh, "fluor_yellow", (x, 0.0, z))
-    for side, at in ((-1.0, -0.175), (1.0, 0.135)):
-        corners = [
-            (x + at, y, z - h)
-            for y, h in ((-0.16, 0.35), (0.16, 0.35), (0.16, 0.21), (-0.16, 0.21))
-        ]
-        if side < 0:
-            corners = [corners[1], corners[0], corners[3], corners[2]]
-        mesh.picture(corners, "police_back")
-    mesh.column([((x - 0.01, 0, z + 0.09), 0.12, 0.11), ((x, 0, z + 0.15), 0.15, 0.14)], "uniform")
-    mesh.cylinder((0.37, -0.30, 1.52), (0.39, -0.30, 1.80), 0.018, "white", sides=6)
-    mesh.cylinder((0.375, -0.30, 1.90), (0.405, -0.30, 1.90), 0.17, "white", sides=14)
-    mesh.cylinder((0.37, -0.30, 1.90), (0.41, -0.30, 1.90), 0.13, "red", sides=14)
+    clothes = Clothes("uniform", "uniform", hat="uniform", gloves="white")
+
+    def worn(body: MeshBuilder, head: Point) -> None:
+        x, _, z = head
+        vest(body, "fluor_yellow", (x, 0.0, z))
+        for side, at in ((-1.0, -0.175), (1.0, 0.135)):
+            corners = [
+                (x + at, y, z - h)
+                for y, h in ((-0.16, 0.35), (0.16, 0.35), (0.16, 0.21), (-0.16, 0.21))
+            ]
+            if side < 0:
+                corners = [corners[1], corners[0], corners[3], corners[2]]
+            body.picture(corners, "police_back")
+
+    def on_head(body: MeshBuilder, head: Point) -> None:
+        x, _, z = head
+        rings = [((x - 0.01, 0.0, z + 0.09), 0.12, 0.11), ((x, 0.0, z + 0.15), 0.15, 0.14)]
+        body.column(rings, "uniform")
+
+    figure(mesh, clothes, shown, hold, worn=worn, on_head=on_head)
+    if has_free_hands(shown):
+        mesh.cylinder((0.37, -0.30, 1.52), (0.39, -0.30, 1.80), 0.018, "white", sides=6)
+        mesh.cylinder((0.375, -0.30, 1.90), (0.405, -0.30, 1.90), 0.17, "white", sides=14)
+        mesh.cylinder((0.37, -0.30, 1.90), (0.41, -0.30, 1.90), 0.13, "red", sides=14)
     grounded(mesh)
 
 

@@ -3,9 +3,17 @@
 import math
 from dataclasses import replace
 
-from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.living.body import Clothes
 from oodscen_pybullet._meshes.living.limbs import joint, limb
-from oodscen_pybullet._meshes.living.people import UPRIGHT, Clothes, Posture, figure, grounded, vest
+from oodscen_pybullet._meshes.living.people import (
+    UPRIGHT,
+    Posture,
+    figure,
+    grounded,
+    has_free_hands,
+    yellow_vest,
+)
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.objects.signs import face
 
@@ -18,10 +26,13 @@ def jogger(mesh: MeshBuilder, shown: Appearance) -> None:
         sleeves=("skin", "skin_dark")[shown.index % 2], shins=("skin", "skin_dark")[shown.index % 2],
         shoes="fluor_orange",
     )  # fmt: skip
-    x, _, z = figure(mesh, clothes, shown, replace(UPRIGHT, half_step=0.36))
-    mesh.column(
-        [((x - 0.01, 0, z + 0.05), 0.115, 0.1), ((x - 0.01, 0, z + 0.09), 0.11, 0.096)], "white"
-    )
+
+    def headband(body: MeshBuilder, head: Point) -> None:
+        x, _, z = head
+        rings = [((x - 0.01, 0.0, z + 0.05), 0.115, 0.1), ((x - 0.01, 0.0, z + 0.09), 0.11, 0.096)]
+        body.column(rings, "white")
+
+    figure(mesh, clothes, shown, replace(UPRIGHT, half_step=0.36), on_head=headband)
     grounded(mesh)
 
 
@@ -33,8 +44,9 @@ def elderly_person(mesh: MeshBuilder, shown: Appearance) -> None:
     )  # fmt: skip
     posture = Posture(right_hand=(0.38, -0.26, 0.86), lean=0.2, half_step=0.2, crouch=0.06)
     figure(mesh, clothes, shown, posture)
-    mesh.cylinder((0.40, -0.26, 0.02), (0.39, -0.26, 0.86), 0.018, "wood_dark", sides=6)
-    mesh.beam((0.33, -0.26, 0.88), (0.44, -0.26, 0.88), 0.035, "wood_dark")
+    if has_free_hands(shown):
+        mesh.cylinder((0.40, -0.26, 0.02), (0.39, -0.26, 0.86), 0.018, "wood_dark", sides=6)
+        mesh.beam((0.33, -0.26, 0.88), (0.44, -0.26, 0.88), 0.035, "wood_dark")
     grounded(mesh).shift((0, 0, 0), scale=0.95)
 
 
@@ -117,10 +129,10 @@ def construction_flagger(mesh: MeshBuilder, shown: Appearance) -> None:
     """A road worker holding a STOP paddle on a staff."""
     clothes = Clothes("fluor_orange", "navy", hat="white")
     posture = Posture(right_hand=(0.30, -0.28, 1.22), half_step=0.25)
-    head = figure(mesh, clothes, shown, posture)
-    vest(mesh, "fluor_yellow", head)
-    mesh.cylinder((0.32, -0.28, 0.1), (0.32, -0.28, 1.75), 0.018, "white", sides=6)
-    _disc(mesh, (0.32, -0.28, 1.98), 0.3, "sign_stop", "sign_stop")
+    figure(mesh, clothes, shown, posture, worn=yellow_vest)
+    if has_free_hands(shown):
+        mesh.cylinder((0.32, -0.28, 0.1), (0.32, -0.28, 1.75), 0.018, "white", sides=6)
+        _disc(mesh, (0.32, -0.28, 1.98), 0.3, "sign_stop", "sign_stop")
     grounded(mesh)
 
 
@@ -136,31 +148,36 @@ def _disc(
 def person_in_costume(mesh: MeshBuilder, shown: Appearance) -> None:
     """A person dressed up as a big yellow chicken."""
     clothes = Clothes("yellow", "orange", hair="yellow", skin="yellow", shoes="orange")
-    x, _, z = figure(mesh, clothes, shown, replace(UPRIGHT, half_step=0.26))
-    mesh.ball((-0.04, 0, 1.08), (0.36, 0.36, 0.42), "yellow", around=12, down=8)
-    mesh.ball((x, 0, z + 0.03), (0.19, 0.18, 0.21), "yellow", around=10, down=7)
-    mesh.cylinder((x + 0.14, 0, z), (x + 0.40, 0, z - 0.04), 0.08, "orange", end_radius=0.01)
+    figure(mesh, clothes, shown, replace(UPRIGHT, half_step=0.26), worn=_plumage)
+    grounded(mesh)
+
+
+def _plumage(body: MeshBuilder, head: Point) -> None:
+    """Add the parts of a chicken around a person."""
+    x, _, z = head
+    body.ball((-0.04, 0, 1.08), (0.36, 0.36, 0.42), "yellow", around=12, down=8)
+    body.ball((x, 0, z + 0.03), (0.19, 0.18, 0.21), "yellow", around=10, down=7)
+    body.cylinder((x + 0.14, 0, z), (x + 0.40, 0, z - 0.04), 0.08, "orange", end_radius=0.01)
     for side in (-1.0, 1.0):
-        mesh.ball(
+        body.ball(
             (x + 0.13, side * 0.09, z + 0.09), (0.045, 0.045, 0.06), "white", around=6, down=4
         )
-        mesh.ball(
+        body.ball(
             (x + 0.165, side * 0.095, z + 0.09), (0.02, 0.02, 0.03), "black", around=6, down=4
         )
-        mesh.ball((-0.06, side * 0.36, 1.12), (0.2, 0.07, 0.26), "machine", around=8, down=5)
-        mesh.box((0.08, side * 0.1, 0.03), (0.42, 0.2, 0.05), "orange")
+        body.ball((-0.06, side * 0.36, 1.12), (0.2, 0.07, 0.26), "machine", around=8, down=5)
+        body.box((0.08, side * 0.1, 0.03), (0.42, 0.2, 0.05), "orange")
     for index in range(3):
-        mesh.ball(
+        body.ball(
             (x - 0.1 + 0.1 * index, 0, z + 0.27), (0.08, 0.035, 0.09), "red", around=7, down=4
         )
-        mesh.beam(
+        body.beam(
             (-0.3, 0.1 * (index - 1), 1.05),
             (-0.62, 0.14 * (index - 1), 1.36),
             0.14,
             "machine",
             end_width=0.04,
         )
-    grounded(mesh)
 
 
 def protester(mesh: MeshBuilder, shown: Appearance) -> None:
@@ -172,6 +189,13 @@ def protester(mesh: MeshBuilder, shown: Appearance) -> None:
     )  # fmt: skip
     posture = Posture((0.24, 0.12, 1.12), (0.24, -0.04, 1.42), half_step=0.26)
     figure(mesh, clothes, shown, posture)
+    if has_free_hands(shown):
+        _placard(mesh)
+    grounded(mesh)
+
+
+def _placard(mesh: MeshBuilder) -> None:
+    """Add a placard on a stick, which can be read from the front and the back."""
     mesh.cylinder((0.25, 0.13, 0.98), (0.25, -0.05, 1.95), 0.018, "wood", sides=6)
     y, low, high = -0.08, 1.8, 2.36
     for x, sign in ((0.235, -1.0), (0.265, 1.0)):
@@ -184,7 +208,6 @@ def protester(mesh: MeshBuilder, shown: Appearance) -> None:
             ],
             "sign_placard",
         )
-    grounded(mesh)
 
 
 def person_lying(mesh: MeshBuilder) -> None:

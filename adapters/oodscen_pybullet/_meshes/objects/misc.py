@@ -5,7 +5,8 @@ import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.fire import flames, smoke_column
-from oodscen_pybullet._meshes.living.people import Clothes, Posture, figure, grounded
+from oodscen_pybullet._meshes.living.body import Clothes
+from oodscen_pybullet._meshes.living.people import Posture, figure, grounded
 from oodscen_pybullet._meshes.look import Appearance
 
 

@@ -4,8 +4,9 @@ import itertools
 import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.living.body import Clothes
 from oodscen_pybullet._meshes.living.limbs import joint, limb
-from oodscen_pybullet._meshes.living.people import Clothes, Posture, figure
+from oodscen_pybullet._meshes.living.people import Posture, figure
 from oodscen_pybullet._meshes.look import AMBER, RED, WHITE, Appearance, Lights
 
 

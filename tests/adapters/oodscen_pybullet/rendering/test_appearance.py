@@ -7,17 +7,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, asset_mesh
+from oodscen_pybullet._meshes.living.poses import load_poses
 from oodscen_pybullet._meshes.look import Appearance, reacting
 from oodscen_pybullet._rendering.appearance import (
     BRAKING,
     Look,
     SceneBodies,
+    beat_of,
     frame_of,
     mesh_of,
     phase_of,
     seen_coming,
 )
 
+from oodscen.data._details import Details
 from oodscen.data._scene import Actor, Scene, Trigger
 
 CATALOGUE = load_catalogue()
@@ -165,3 +168,27 @@ def test_a_reaction_raises_hands_and_keeps_the_step(frame: int) -> None:
         assert Appearance(frame=there).warned == direction
         assert asset_mesh("adult", frame=there).bounds[1][2] > top
     assert Appearance(frame=frame).warned is None
+
+
+@given(st.integers(0, 400), st.sampled_from(["wave_on", "wave_arms"]))
+def test_a_gesture_goes_on_by_time_and_crawling_by_the_way(tick: int, pose: str) -> None:
+    time, here = 0.05 * tick, (0.05 * tick, 2.0, 0.0, 0.0)
+    period = load_poses()[pose].period_s
+    assert period is not None
+    details, away = Details(pose=pose), (99.0, 9.0, 0.0, 1.0)
+    assert beat_of(details, here, 0.0, time) == beat_of(details, away, 3.0, time + period)
+    crawl = Details(pose="crawl")
+    assert beat_of(crawl, here, 0.5, time) == beat_of(crawl, here, 0.5, 0.0)
+    assert beat_of(crawl, here, 0.0, time) == 0
+    assert beat_of(Details(pose="kneel"), here, 0.5, time) == 0
+
+
+def test_details_reach_the_mesh_and_nobody_else(
+    make_scene: Callable[..., Scene], make_actor: Callable[..., Actor]
+) -> None:
+    plain = make_actor("adult", 10.0)
+    actor = plain.model_copy(update={"details": Details(pose="wave_on")})
+    assert looks(make_scene, plain, 0.0, 0.0)[1].details is None
+    _, look = looks(make_scene, actor, 0.0, 0.0)
+    assert look.details == actor.details
+    assert len(mesh_of(look).triangles) > 0

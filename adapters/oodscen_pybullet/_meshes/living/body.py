@@ -1,0 +1,165 @@
+"""The parts of a person's body and what all people wear, facing x."""
+
+import math
+from dataclasses import dataclass
+
+from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
+
+HIP = 0.90
+SHOULDER = 1.40
+"""Heights of the joints of an adult of 1.75 m, m."""
+
+
+@dataclass(frozen=True)
+class Clothes:
+    """A person's clothes: colours by name."""
+
+    top: str
+    legs: str
+    hair: str = "hair"
+    skin: str = "skin"
+    hat: str = ""
+    shoes: str = "shoe"
+    sleeves: str = ""
+    """Colour of the forearms below short sleeves."""
+    shins: str = ""
+    """Colour of the shins below short trousers."""
+    has_long_hair: bool = False
+    skirt: str = ""
+    gloves: str = ""
+    """Colour of the hands in a gesture, if they are gloved."""
+
+
+def trunk(mesh: MeshBuilder, clothes: Clothes, hip: float, shoulder: float, lean: float) -> None:
+    """Add hips, waist and chest; the shoulders are `lean` ahead of the hips, m."""
+    waist = (0.4 * lean, 0.0, hip + 0.20)
+    mesh.column(
+        [
+            ((0.0, 0.0, hip - 0.08), 0.105, 0.155),
+            ((0.0, 0.0, hip + 0.06), 0.115, 0.165),
+            (waist, 0.105, 0.15),
+            ((0.8 * lean, 0.0, hip + 0.38), 0.125, 0.19),
+            ((lean, 0.0, shoulder + 0.02), 0.10, 0.215),
+            ((lean, 0.0, shoulder + 0.08), 0.055, 0.09),
+        ],
+        [clothes.legs, clothes.legs, clothes.top, clothes.top, clothes.top],
+    )
+
+
+def skirt(mesh: MeshBuilder, clothes: Clothes, hip: float) -> None:
+    """Add the skirt of who wears one."""
+    if clothes.skirt:
+        mesh.column(
+            [((0, 0, 0.48), 0.2, 0.26), ((0, 0, hip + 0.1), 0.12, 0.165)], clothes.skirt, caps="b"
+        )
+
+
+def neck(mesh: MeshBuilder, clothes: Clothes, shoulder: float, lean: float) -> Point:
+    """Add the neck, and return the centre of the head."""
+    head = (lean + 0.02, 0.0, shoulder + 0.215)
+    mesh.cylinder((lean, 0, shoulder + 0.05), (head[0], 0, head[2]), 0.05, clothes.skin, sides=6)
+    return head
+
+
+def leg(
+    mesh: MeshBuilder,
+    clothes: Clothes,
+    side: float,
+    hip: float,
+    phase: float,
+    half: float,
+    *,
+    moves: bool,
+    runs: bool,
+) -> None:
+    """Add a leg that stands, or is in a phase of a walk or a run."""
+    y, ankle = side * 0.095, 0.09
+    ahead, up = side * -0.03, 0.0
+    if moves:
+        half = 1.3 * half if runs else half
+        ahead, up = stride(phase, half, 0.42 if runs else 0.13, 0.42 if runs else 0.6)
+    foot = (ahead - 0.03, y, ankle + up)
+    knee, foot = joint((0.0, y, hip), foot, 0.425, 0.41, (1.0, side * 0.05, 0.1))
+    shin = clothes.shins or clothes.legs
+    limb(mesh, ((0.0, y, hip), knee, foot), (0.09, 0.065, 0.045), (clothes.legs, shin))
+    x, z = foot[0], foot[2] - ankle
+    tip = 0.6 * up
+    mesh.hull(
+        (x - 0.08, x + 0.19, y - 0.048, y + 0.048, z),
+        (x - 0.07, x + 0.11, y - 0.04, y + 0.04, z + 0.1),
+        clothes.shoes,
+    ) if tip < 0.03 else mesh.beam(
+        (x - 0.02, y, z + 0.1), (x + 0.15, y, z + 0.08 - min(tip, 0.06)), 0.095, clothes.shoes
+    )
+
+
+def arm(
+    mesh: MeshBuilder,
+    clothes: Clothes,
+    side: float,
+    shoulder: Point,
+    hand: Point | None,
+    phase: float,
+    moves: bool,
+    runs: bool,
+) -> None:
+    """Add an arm that reaches for a point, hangs, or swings with a phase of a walk or a run."""
+    x, _y, z = shoulder
+    if hand is None:
+        swing = -math.cos(2 * math.pi * phase) if moves else 0.0
+        reach = 0.42 if runs else 0.26
+        hand = (x + 0.05 + reach * swing, side * 0.27, z - 0.51 + 0.06 * abs(swing))
+        if runs:
+            hand = (x + 0.14 + 0.26 * swing, side * 0.2, z - 0.26 + 0.16 * swing)
+    elbow, hand = joint(shoulder, hand, 0.28, 0.27, (-1.0, side * 0.5, -0.2))
+    lower = clothes.sleeves or clothes.top
+    limb(mesh, (shoulder, elbow, hand), (0.062, 0.048, 0.034), (clothes.top, lower))
+    mesh.ball(hand, (0.045, 0.04, 0.06), clothes.skin, around=6, down=4)
+
+
+def add_head(mesh: MeshBuilder, clothes: Clothes, head: Point) -> None:
+    """Add the head with face, hair or hat around its centre."""
+    x, y, z = head
+    mesh.ball(head, (0.10, 0.082, 0.125), clothes.skin)
+    mesh.box((x + 0.10, y, z - 0.015), (0.03, 0.025, 0.04), clothes.skin, caps="b")
+    for side in (-1.0, 1.0):
+        eye = side * 0.036
+        mesh.polygon(
+            [
+                (x + 0.094, y + eye - 0.014, z + 0.012),
+                (x + 0.094, y + eye + 0.014, z + 0.012),
+                (x + 0.092, y + eye + 0.014, z + 0.034),
+                (x + 0.092, y + eye - 0.014, z + 0.034),
+            ],
+            "hair",
+        )
+    if clothes.hat:
+        mesh.ball((x - 0.01, y, z + 0.055), (0.125, 0.11, 0.105), clothes.hat)
+        mesh.box((x + 0.10, y, z + 0.05), (0.10, 0.17, 0.02), clothes.hat)
+        return
+    mesh.ball((x - 0.025, y, z + 0.045), (0.105, 0.095, 0.105), clothes.hair)
+    if clothes.has_long_hair:
+        mesh.hull(
+            (x - 0.13, x - 0.02, y - 0.09, y + 0.09, z - 0.2),
+            (x - 0.12, x + 0.02, y - 0.095, y + 0.095, z + 0.06),
+            clothes.hair,
+        )
+
+
+def vest(mesh: MeshBuilder, colour: str, head: Point) -> None:
+    """Add a high-visibility vest with two reflective bands around the chest, below a given head."""
+    x, _, z = head
+    rings = (
+        ((x - 0.05, 0.0, z - 0.70), 0.13, 0.178),
+        ((x - 0.04, 0.0, z - 0.45), 0.128, 0.178),
+        ((x - 0.02, 0.0, z - 0.24), 0.142, 0.214),
+        ((x - 0.02, 0.0, z - 0.17), 0.10, 0.19),
+    )
+    mesh.column(rings, colour, caps="")
+    for low, high in ((-0.62, -0.56), (-0.42, -0.36)):
+        mesh.column(
+            [((x - 0.04, 0, z + low), 0.140, 0.192), ((x - 0.04, 0, z + high), 0.140, 0.194)],
+            "silver",
+            caps="",
+        )

@@ -1,0 +1,172 @@
+"""People in the poses of `poses.toml`: the body is built upright, and turned about the hips."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from oodscen.numerics._exact import PI
+from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._meshes.living import body
+from oodscen_pybullet._meshes.living.body import HIP, SHOULDER, Clothes
+from oodscen_pybullet._meshes.living.limbs import limb
+from oodscen_pybullet._meshes.living.poses import (
+    HIP_Y,
+    SHOULDER_Y,
+    Chain,
+    KeyFrame,
+    Pose,
+    arm,
+    leg,
+    trunk,
+)
+from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.shapes import Array, rotated, rotation
+
+_ROPE = "#c8a86a"
+_GLOW = (0.75, 0.85, 1.0)
+_Extras = Sequence[Callable[[MeshBuilder, Point], None] | None]
+
+
+def posed_figure(
+    mesh: MeshBuilder,
+    clothes: Clothes,
+    shown: Appearance,
+    pose: Pose,
+    half_step: float,
+    extras: _Extras,
+) -> None:
+    """Add an adult of 1.75 m in a pose.
+
+    Args:
+        mesh: The mesh.
+        clothes: The colours.
+        shown: The step and the beat of the pose's cycle.
+        pose: The pose.
+        half_step: Distance ahead of the hip at which a walking foot lands, m.
+        extras: What adds to the trunk, and to the head.
+    """
+    person = MeshBuilder()
+    _add_person(person, clothes, shown, pose, half_step, extras)
+    _add_things(mesh, pose, pose.at(shown.beat))
+    mesh.add(person.build(), yaw=PI if pose.backwards else 0.0)
+
+
+def _add_person(
+    mesh: MeshBuilder,
+    clothes: Clothes,
+    shown: Appearance,
+    pose: Pose,
+    half_step: float,
+    extras: _Extras,
+) -> None:
+    frame = pose.at(shown.beat)
+    phase, runs = shown.gait or (0.0, False)
+    moves = shown.gait is not None and pose.is_walking
+    bends_legs = pose.bends_legs and not moves
+    worn, on_head = extras
+    dressed = replace(clothes, legs=clothes.skirt or clothes.legs) if bends_legs else clothes
+    drop = 0.0 if bends_legs or not moves else 0.05 if runs else 0.03
+    whole, hip = MeshBuilder(), HIP - drop
+    for side in (-1.0, 1.0):
+        if not bends_legs:
+            own = phase + (0.5 if side > 0 else 0.0)
+            own = -own if pose.backwards else own
+            body.leg(mesh, clothes, side, hip, own, half_step, moves=moves, runs=runs)
+        else:
+            angles = frame.left_leg if side > 0 else frame.right_leg
+            assert angles is not None
+            _leg(whole, dressed, leg(angles, side, (0.0, side * HIP_Y, hip), frame.lean))
+        _arm(whole, dressed, side, frame, pose, SHOULDER - drop, phase if moves else None, runs)
+    body.trunk(whole, dressed, hip, SHOULDER - drop, 0.0)
+    head = body.neck(whole, clothes, SHOULDER - drop, 0.0)
+    face = MeshBuilder()
+    body.add_head(face, clothes, (0.0, 0.0, 0.0))
+    if on_head is not None:
+        on_head(face, (0.0, 0.0, 0.0))
+    nod, turn = frame.head
+    look = rotation(pitch=PI * nod / 180.0, yaw=PI * turn / 180.0)
+    whole.add(turned(face.build(), look, head, shift=0.0))
+    if worn is not None:
+        worn(whole, head)
+    mesh.add(turned(whole.build(), trunk(frame), (0.0, 0.0, hip)))
+    if not bends_legs:
+        body.skirt(mesh, clothes, hip)
+
+
+def turned(mesh: Mesh, rows: Array, about: Point, shift: float = 1.0) -> Mesh:
+    """Return a mesh turned about a point; with no shift, the mesh's origin is moved to that point."""
+    at = np.array(about)
+    return replace(
+        mesh,
+        vertices=rotated(mesh.vertices - shift * at, rows) + at,
+        normals=rotated(mesh.normals, rows),
+    )
+
+
+def _leg(mesh: MeshBuilder, clothes: Clothes, joints: Chain) -> None:
+    shin = clothes.shins or clothes.legs
+    limb(mesh, joints[:3], (0.09, 0.065, 0.045), (clothes.legs, shin))
+    heel = _along(joints.end, joints.way, -0.07)
+    toe = _along(joints.end, joints.way, 0.19)
+    mesh.beam(heel, toe, 0.105, clothes.shoes, end_width=0.07)
+
+
+def _arm(
+    mesh: MeshBuilder,
+    clothes: Clothes,
+    side: float,
+    frame: KeyFrame,
+    pose: Pose,
+    height: float,
+    phase: float | None,
+    runs: bool,
+) -> None:
+    shoulder = (0.0, side * SHOULDER_Y, height)
+    angles = frame.left_arm if side > 0 else frame.right_arm
+    if angles is None:
+        own = (phase or 0.0) + (0.5 if side > 0 else 0.0)
+        own = -own if pose.backwards else own
+        body.arm(mesh, clothes, side, shoulder, None, own, phase is not None, runs)
+        return
+    joints = arm(angles, side, shoulder)
+    lower = clothes.sleeves or clothes.top
+    limb(mesh, joints[:3], (0.062, 0.048, 0.034), (clothes.top, lower))
+    colour = clothes.gloves or clothes.skin
+    mesh.ball(joints.end, (0.045, 0.045, 0.06), colour, around=6, down=4)
+    if pose.hands == "flat":
+        mesh.beam(joints.end, _along(joints.end, joints.way, 0.2), 0.11, colour, end_width=0.08)
+    elif pose.hands == "finger":
+        mesh.beam(joints.end, _along(joints.end, joints.way, 0.2), 0.035, colour)
+
+
+def hands(frame: KeyFrame) -> tuple[Point, Point]:
+    """Return the right and the left hand of who stands; those without angles hang."""
+    at, points = np.array([0.0, 0.0, HIP]), []
+    for side, angles in ((-1.0, frame.right_arm), (1.0, frame.left_arm)):
+        shoulder = (0.0, side * SHOULDER_Y, SHOULDER)
+        points.append(arm(angles or (6, 60, 4, 0), side, shoulder).end)
+    rows = rotated(np.array(points) - at, trunk(frame)) + at
+    (a, b, c), (d, e, f) = rows.tolist()
+    return (a, b, c), (d, e, f)
+
+
+def _add_things(mesh: MeshBuilder, pose: Pose, frame: KeyFrame) -> None:
+    """Add what a pose has in its hands by itself."""
+    if not (pose.rope or pose.phone):
+        return
+    right, left = hands(frame)
+    if pose.rope:
+        mesh.beam(left, right, 0.05, _ROPE)
+        end = (right[0] + 1.5, 0.0, 0.5)
+        mesh.beam(right, end, 0.05, _ROPE)
+    if pose.phone:
+        x, y, z = right
+        mesh.box((x + 0.02, y, z + 0.07), (0.03, 0.08, 0.15), "black")
+        mesh.box((x - 0.002, y, z + 0.07), (0.012, 0.07, 0.13), "screen_lit")
+        mesh.lamp((x - 0.05, y, z + 0.08), _GLOW, (-1.0, 0.0, 0.0), 0.4)
+
+
+def _along(start: Point, way: Point, length: float) -> Point:
+    x, y, z = (a + length * b for a, b in zip(start, way, strict=True))
+    return x, y, z
