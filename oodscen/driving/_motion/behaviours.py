@@ -7,8 +7,8 @@ from oodscen.data._catalogue import BehaviourKind, BehaviourParameter
 from oodscen.data._category import Category
 from oodscen.driving._motion.behaviour_kernels import Code
 
-BEHAVE: dict[str, Code] = {code.name.lower(): code for code in Code}
-"""Codes of the behaviours in the kinematic world, by id."""
+BEHAVE: dict[str, Code] = {code.name.lower(): code for code in Code if code != Code.KEYED}
+"""Codes of the behaviours in the kinematic world, by id; key poses come with a scene."""
 
 MOVES_BEFORE_TRIGGER = frozenset(
     {

@@ -29,6 +29,8 @@ class Situation(NamedTuple):
     traits: Numbers
     codes: Integers
     paths: Numbers
+    keys: Numbers
+    """Key poses of motions made to order; a single row of zeros if there are none."""
     order: Integers
     """[n - 1] rows of the actors, each after the body that it belongs to."""
     dt: float

@@ -18,6 +18,7 @@ from oodscen.driving._motion.behaviour_kernels import Code, stand_in_world, stan
 from oodscen.driving._motion.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER, QUICKNESS
 from oodscen.driving._motion.bodies import WHEELBASE, Situation
 from oodscen.driving._motion.car_following import curve_speed, free_road, grip
+from oodscen.driving._motion.keyframes import key_codes, key_table, key_traits, pose_first
 from oodscen.driving._motion.rollouts import Variation, is_passed
 from oodscen.driving._motion.stepping import (
     advance,
@@ -137,13 +138,15 @@ class KinematicWorld(Brief):
         self.ids = tuple(name for name, _, _ in self._bodies)
         """`ego`, then the actors in the scene's order."""
         self._rows = {name: row for row, name in enumerate(self.ids)}
-        kinds = {kind.id: kind for kind in catalogue.behaviours}
+        kinds = {kind.id: kind for kind in catalogue.for_scene(scene).behaviours}
         self.sizes = [(asset.length, asset.width) for _, asset, _ in self._bodies]
         """Length and width of every body, rows as in `ids`."""
         count = len(self.ids)
         self._state = np.zeros((count, col.STATE_WIDTH))
         self._traits = np.zeros((count, col.TRAITS_WIDTH))
         self._codes = np.zeros((count, col.CODES_WIDTH), dtype=np.int64)
+        self._motions = {motion.id: motion for motion in scene.motions}
+        keys, self._first_keys = key_table(scene.motions)
         order = self._order(scene)
         is_dark = scene.weather.sun_elevation_deg < NIGHT_DEG
         self._situation = Situation(
@@ -152,6 +155,7 @@ class KinematicWorld(Brief):
             traits=seen(self._traits),
             codes=seen(self._codes),
             paths=seen(np.zeros((count, col.PATHS_WIDTH))),
+            keys=seen(keys),
             order=seen(np.array(order, dtype=np.int64)),
             dt=dt,
             friction=self.friction,
@@ -400,11 +404,15 @@ class KinematicWorld(Brief):
         phase = 0.0
         if name in _BY_CHANCE:
             phase = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
-        code = BEHAVE[name]
+        motion = self._motions.get(actor.behaviour.name)
+        code = BEHAVE[name] if motion is None else Code.KEYED
         owner = actor.behaviour.other
-        if code in (Code.FALL, Code.TOWED, Code.OPEN_DOOR) and owner is None:
+        if owner is None and (
+            code in (Code.FALL, Code.TOWED, Code.OPEN_DOOR)
+            or (motion is not None and motion.frame == "other")
+        ):
             raise ValueError(f"{actor.id!r} needs another actor to do {name!r}")
-        self._codes[row] = [
+        self._codes[row, : col.KEY] = [
             code,
             lane,
             target,
@@ -421,6 +429,10 @@ class KinematicWorld(Brief):
         traits[col.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
         traits[col.HOME_S], traits[col.HOME_T] = s, t
         traits[col.FIRST :] = [parameters.get(name, 0.0) for name in col.PARAMETERS]
+        if motion is not None:
+            self._codes[row, col.KEY :] = key_codes(motion, self._first_keys[motion.id])
+            for column, value in key_traits(motion, actor.id, seed).items():
+                traits[column] = value
         speed = parameters.get("speed", 0.0) if name in MOVES_BEFORE_TRIGGER else 0.0
         state[col.S], state[col.T], state[col.HEADING] = s, t, heading
         state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
@@ -432,7 +444,10 @@ class KinematicWorld(Brief):
     def _attach(self, row: int) -> None:
         """Store an actor's pose relative to the body that it belongs to."""
         code, other = self._codes[row, col.BEHAVIOUR], int(self._codes[row, col.OTHER])
-        if code not in (Code.FALL, Code.TOWED, Code.OPEN_DOOR):
+        is_held = code in (Code.FALL, Code.TOWED, Code.OPEN_DOOR)
+        if code == Code.KEYED:
+            is_held = pose_first(self._situation, row)
+        if not is_held:
             return
         mine, its = self._state[row].tolist(), self._state[other].tolist()
         sine, cosine = sincos(its[col.YAW])
