@@ -73,6 +73,7 @@ def motions(draw: st.DrawFn) -> dict[str, Any]:
         "by": draw(st.sampled_from(["time", "ego"])),
         "delay": draw(st.sampled_from([0, 1.5])),
         "pace": draw(st.sampled_from([0, 0.3])),
+        "begins": draw(st.sampled_from(["rest", "rest", "moving"])),
         **draw(shapes),
     }
 

@@ -83,7 +83,7 @@ class Motion(Data):
     id: str = Field(pattern=r"^[a-z][a-z0-9_]{1,39}$")
     """Its name as a behaviour."""
     description: str = Field(min_length=3, max_length=120, pattern=r"^[^\x00-\x1f\x7f<>]+$")
-    """Visible movement, e.g. `falls over across the road`."""
+    """Visible movement as a participle, e.g. `falling over across the road`."""
     body: BodyKind
     """Kind of body that moves so; it limits speed, acceleration and turning."""
     frame: Frame = "start"
@@ -93,6 +93,8 @@ class Motion(Data):
     """Meaning of `at`: seconds since the trigger, or metres that the ego has driven since then."""
     facing: Facing = "fixed"
     """Heading: that of the frame, along the actor's way, or against it; the yaw of a key is added."""
+    begins: Literal["rest", "moving"] = "rest"
+    """Before the trigger it rests in the pose of the first key, or comes straight on at its first speed."""
     then: Ending = "stay"
     """End: it stays at the last key, begins again at the first, or goes on at its last velocity."""
     pivot_m: float = Field(default=0.0, ge=0, le=30)
@@ -139,7 +141,8 @@ class Motion(Data):
 
     def track(self) -> PoseTrack:
         """Return the smooth curve through the key poses."""
-        return PoseTrack.of([pose.values() for pose in self.poses()], self.then)
+        rows = [pose.values() for pose in self.poses()]
+        return PoseTrack.of(rows, self.then, is_moving=self.begins == "moving")
 
     @property
     def fastest(self) -> float:
@@ -155,9 +158,13 @@ class Motion(Data):
         """Return it as a behaviour of a catalogue."""
         from oodscen.data._catalogue import BehaviourKind
 
+        before = "stands" if self.begins == "rest" else "comes straight on"
+        if self.frame == "other":
+            before = "goes along with another actor"
+        way = " along the road" if self.frame == "lane" else ""
         return BehaviourKind(
             id=self.id,
-            description=self.description,
+            description=f"{before}; from the trigger on{way}: {self.description}",
             categories=ABILITIES[self.body].categories,
             needs_other=self.frame == "other",
             like=KEYED,
@@ -218,6 +225,13 @@ def _form_faults(motion: Motion) -> Iterator[Issue]:
         yield Issue(_at(motion, len(poses) - 1, "at"), f"at most {limit:g} {unit}")
     if motion.let_go is not None and motion.frame not in ("other", "ego"):
         yield Issue("let_go", "only what moves with another body (`other`, `ego`) can be let go")
+    if motion.begins == "moving":
+        if motion.by == "ego" or motion.frame in ("other", "ego"):
+            yield Issue("begins", "what moves with another body cannot move before: `rest`")
+        elif len(poses) < 2 or motion.then == "repeat":
+            yield Issue("begins", "needs at least two keys, and no repetition")
+    if motion.frame in ("start", "lane") and len({pose.values()[1:] for pose in poses}) < 2:
+        yield Issue(motion.course, "nothing moves: at least two keys differ")
     if motion.then != "stay" and len(poses) < 2:
         yield Issue("then", "needs at least two keys")
     elif motion.then == "repeat":

@@ -37,16 +37,19 @@ class PoseTrack(NamedTuple):
     slopes: tuple[Pose, ...]
 
     @classmethod
-    def of(cls, rows: Sequence[Sequence[float]], ending: str = "stay") -> Self:
+    def of(
+        cls, rows: Sequence[Sequence[float]], ending: str = "stay", *, is_moving: bool = False
+    ) -> Self:
         """Return the curve through rows of `at` and six values.
 
         Slopes are those of the parabola through three keys, limited so that the cubic stays monotone between two
         keys (Fritsch and Carlson, "Monotone piecewise cubic interpolation", 1980). A body starts and ends at
-        rest; one that repeats or goes on keeps its pace.
+        rest; one that is moving already, repeats or goes on keeps its pace.
 
         Args:
             rows: `at` and pose of each key, in order.
             ending: `stay`, `repeat` or `go_on`.
+            is_moving: True if it moves before the first key.
         """
         at = tuple(row[0] for row in rows)
         poses = tuple(tuple(row[1:]) for row in rows)
@@ -59,8 +62,8 @@ class PoseTrack(NamedTuple):
             ends = [0.0, 0.0]
             if last and ending == "repeat":
                 ends = [_slope(rise[-1], rise[0], spans[-1], spans[0])] * 2
-            elif last and ending == "go_on" and axis != UP:
-                ends = [0.0, rise[-1]]
+            elif last and axis != UP:
+                ends = [rise[0] * is_moving, rise[-1] * (ending == "go_on")]
             columns.append([ends[0], *inner, ends[1]] if last else [0.0])
         return cls(at, poses, tuple(zip(*columns, strict=True)))
 

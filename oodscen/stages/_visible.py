@@ -1,6 +1,8 @@
 """The visible part of a hazard, in words: its things, their places and what they do, without their story."""
 
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Hazard, Visible, Weather
@@ -68,6 +70,7 @@ def visible_of(
     ego: tuple[int, float],
     map_id: str,
     catalogue: Catalogue,
+    motions: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Visible, ...]:
     """Return everything that can be seen of a hazard; equal things are told once.
 
@@ -78,6 +81,7 @@ def visible_of(
         ego: The ego's lane, and its speed, m/s.
         map_id: Its map.
         catalogue: The catalogue of its simulator.
+        motions: What motions made to order look like, by id.
     """
     known = {asset.id: asset for asset in catalogue.assets}
     lanes = next((road.lanes for road in catalogue.maps if road.id == map_id), 1)
@@ -85,7 +89,7 @@ def visible_of(
         Visible(
             what=_bare(known[one.asset].description),
             where=_where(one, ego[0], lanes),
-            doing=_doing(one, known[one.asset], ego[1]),
+            doing=_doing(one, known[one.asset], ego[1], motions),
         )
         for one in actors
         if one.id in hazard.actors and one.asset in known
@@ -114,7 +118,7 @@ def _where(actor: Actor, ego_lane: int, lanes: int) -> str:
     return f"in a lane to the {'left' if place.lane > 0 else 'right'}"
 
 
-def _doing(actor: Actor, asset: Asset, ego_speed: float) -> str:
+def _doing(actor: Actor, asset: Asset, ego_speed: float, motions: Mapping[str, str]) -> str:
     name, heading = actor.behaviour.name, actor.placement.heading_deg
     shown = _SHOWN.get(actor.state, "")
     if actor.state in _SIGNALS and asset.category in ("signal", "work_zone"):
@@ -133,8 +137,8 @@ def _doing(actor: Actor, asset: Asset, ego_speed: float) -> str:
         side = "right" if math.sin(math.radians(heading)) > 0.0 else "left"
         moves = f"{_CROSSING[name]} from the {side}"
     else:
-        moves = _DOING.get(name, "moving")
-    return f"{moves} {shown}".strip()
+        moves = _DOING.get(name) or motions.get(name, "moving")
+    return f"{moves} {shown}".strip()[:120]
 
 
 def _sky(weather: Weather, ordinary: Weather) -> list[str]:

@@ -65,6 +65,8 @@ _FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"keys": [{"at": k} for k in range(MOST_KEYS + 1)]}, "keys"),
     ({"keys": PAIR, "then": "repeat"}, "keys[1].ahead"),
     ({"keys": [{"at": 0}], "then": "go_on"}, "then"),
+    ({"keys": [{"at": 0}, {"at": 2}]}, "keys"),
+    ({"keys": PAIR, "begins": "moving", "by": "ego"}, "begins"),
     ({"keys": PAIR, "walk": {"distance": 5}}, "walk"),
     ({"keys": PAIR, "let_go": 2}, "let_go"),
     ({"keys": PAIR, "pivot_m": -1}, "pivot_m"),

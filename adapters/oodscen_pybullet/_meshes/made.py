@@ -17,7 +17,7 @@ from oodscen_pybullet._meshes.designs import masses, surfaces
 from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
 
-__all__ = ["is_made", "learned", "made_mesh", "masses", "surfaces"]
+__all__ = ["is_made", "learned", "made_mesh", "masses", "rotated", "surfaces"]
 
 _MARK = "@"
 _DESIGNS: dict[str, Prop] = {}
@@ -118,23 +118,23 @@ def _insert(
         mesh.add(
             replace(
                 inner,
-                vertices=_times(inner.vertices * scale, rows) + shift,
-                normals=_times(inner.normals, rows),
+                vertices=rotated(inner.vertices * scale, rows) + shift,
+                normals=rotated(inner.normals, rows),
                 triangles=order,
             )
         )
     for lamp in inner.lamps:
-        at = _times(np.array([lamp.position]) * scale, rows)[0] + shift
-        way = _times(np.array([lamp.facing]), rows)[0]
+        at = rotated(np.array([lamp.position]) * scale, rows)[0] + shift
+        way = rotated(np.array([lamp.facing]), rows)[0]
         mesh.lamp(_point(at), lamp.colour, _point(way), lamp.power)
     for puff in inner.puffs:
-        at = _times(np.array([puff.position]) * scale, rows)[0] + shift
+        at = rotated(np.array([puff.position]) * scale, rows)[0] + shift
         mesh.puff(
             _point(at), puff.radius * scale, puff.colour, puff.density, is_bright=puff.is_bright
         )
 
 
-def _times(
+def rotated(
     points: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
     rows: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
 ) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:

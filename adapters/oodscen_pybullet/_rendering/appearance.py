@@ -11,6 +11,7 @@ from oodscen.numerics import _exact as exact
 from oodscen_pybullet._lighting.light import Glow
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
 from oodscen_pybullet._meshes.look import STEPS, Direction, reacting
+from oodscen_pybullet._meshes.tilting import UPRIGHT, Tilt, tilted
 
 Pose = tuple[float, float, float, float]
 
@@ -55,6 +56,7 @@ class Look(NamedTuple):
     Legs: 0 stands, 1 to 8 walk, 9 to 16 run; `look.reacting` adds a person's reaction. Flashing lamps:
     0 is lit, 1 dark. Smoke: 0 to 7.
     """
+    tilt: Tilt = UPRIGHT
 
 
 class SceneBodies:
@@ -186,8 +188,9 @@ def seen_coming(pose: Pose, ego: Pose, speed: float) -> Direction | None:
 
 def mesh_of(look: Look) -> Mesh:
     """Return a look's mesh."""
-    asset, state, paint, running, frame = look
-    return asset_mesh(asset, state, paint, running=running, frame=frame)
+    asset, state, paint, running, frame, tilt = look
+    mesh = asset_mesh(asset, state, paint, running=running, frame=frame)
+    return mesh if tilt == UPRIGHT else tilted(mesh, tilt)
 
 
 def frame_of(asset: str, state: str, pose: Pose, speed: float, time: float) -> int:

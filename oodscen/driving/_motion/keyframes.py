@@ -33,7 +33,8 @@ AHEAD, LEFT, UP, YAW, PITCH, ROLL = range(6)
 TRAVELLED = col.MEMORY
 """Distance of the ego since the trigger, m."""
 HELD = col.MEMORY + 1
-"""First of three columns: its pose relative to the ego when the trigger fired."""
+"""First of three columns: its pose relative to the ego when the trigger fired; in the frames of the road and the
+start, how far it has come ahead and to the left before."""
 COURSE = col.MEMORY + 4
 """Heading of its way, rad."""
 STAGE = col.MEMORY + 5
@@ -55,7 +56,7 @@ _MOVING_MPS = 0.2
 def follow_keys(w: Situation, i: int, waited: float) -> None:
     """Move the actor in row `i` to its pose at the end of the step; its place on the road follows later."""
     state, frame = w.state, w.codes[i, col.FRAME]
-    if waited < 0.0 and frame != OTHER:
+    if waited < 0.0 and frame != OTHER and not _comes_on(w, i):
         return
     u = _argument(w, i, waited)
     x0, y0 = state[i, col.X], state[i, col.Y]
@@ -134,6 +135,9 @@ def _target(w: Situation, i: int, u: float) -> tuple[float, float, float]:
     """Return the place in the world at which an actor should be, and the heading of its frame."""
     state, traits, frame = w.state, w.traits, w.codes[i, col.FRAME]
     ahead, left = key_value(w, i, u, AHEAD), key_value(w, i, u, LEFT)
+    if frame in (START, LANE):
+        ahead += state[i, HELD]
+        left += state[i, HELD + 1]
     if frame == LANE:
         s, lane = traits[i, col.HOME_S] + ahead, w.codes[i, col.LANE]
         t = traits[i, col.HOME_T] + left
@@ -161,6 +165,19 @@ def _target(w: Situation, i: int, u: float) -> tuple[float, float, float]:
     x = state[other, col.X] + along * cosine - aside * sine
     y = state[other, col.Y] + along * sine + aside * cosine
     return x, y, state[other, col.YAW] + askew
+
+
+@part
+def _comes_on(w: Situation, i: int) -> bool:
+    """Move an actor on that is moving before its trigger; return whether it is."""
+    first = w.codes[i, col.KEY]
+    ahead, left = w.keys[first, col.SLOPE + AHEAD], w.keys[first, col.SLOPE + LEFT]
+    is_moving = w.codes[i, col.FRAME] in (START, LANE) and w.codes[i, col.THEN] != REPEAT
+    if not is_moving or (ahead == 0.0 and left == 0.0):
+        return False
+    w.state[i, HELD] = quantised(w.state[i, HELD] + ahead * w.dt)
+    w.state[i, HELD + 1] = quantised(w.state[i, HELD + 1] + left * w.dt)
+    return True
 
 
 @part
@@ -245,6 +262,10 @@ def pose_first(w: Situation, i: int) -> bool:
     if frame != OTHER:
         state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] + values[YAW]))
         state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + values[YAW]))
+    if frame in (START, LANE) and w.codes[i, col.THEN] != REPEAT:
+        sine, cosine = sincos(values[YAW])
+        along, aside = (w.keys[first, col.SLOPE + axis] for axis in (AHEAD, LEFT))
+        state[i, col.SPEED] = quantised(along * cosine + aside * sine)
     state[i, col.LIFT] = quantised(values[UP])
     state[i, col.PITCH], state[i, col.ROLL] = quantised(values[PITCH]), quantised(values[ROLL])
     return bool(frame == OTHER)

@@ -2,6 +2,9 @@
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.bodies import Situation
 from oodscen.numerics._exact import sincos
@@ -48,3 +51,14 @@ def tilted_box(w: Situation, i: int) -> TiltedBox:
         middle - half_height,
         middle + half_height,
     )
+
+
+def tilts(
+    state: NDArray[np.float64], traits: NDArray[np.float64]
+) -> dict[int, tuple[float, float, float]]:
+    """Return pitch and roll, rad, and the height about which it turns, m, of every tilted body by row."""
+    angles = state[:, col.PITCH : col.ROLL + 1]
+    return {
+        row: (float(angles[row, 0]), float(angles[row, 1]), float(traits[row, col.PIVOT]))
+        for row in np.flatnonzero(angles.any(axis=1)).tolist()
+    }

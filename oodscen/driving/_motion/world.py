@@ -28,6 +28,7 @@ from oodscen.driving._motion.stepping import (
     pull_triggers,
     see_paths,
 )
+from oodscen.driving._motion.tilting import tilts
 from oodscen.driving._motion.triggers import CODES
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.track import for_kernels
@@ -219,6 +220,10 @@ class KinematicWorld(Brief):
     def accelerations(self) -> NDArray[np.float64]:
         """Return every body's acceleration along the heading over the last step, m/s^2: [n]."""
         return self._state[:, col.ACCELERATION].copy()
+
+    def tilts(self) -> dict[int, tuple[float, float, float]]:
+        """Return pitch and roll, rad, and the height about which it turns, m, of every tilted body by row."""
+        return tilts(self._state, self._traits)
 
     def motion(self, body: str) -> Motion:
         """Return the motion of one body by its id."""

@@ -140,7 +140,7 @@ def test_what_has_sunk_blocks_nobody_until_it_rises() -> None:
 
 def test_a_fall_reaches_what_an_upright_box_does_not() -> None:
     fall = made(body="person", keys=[{"at": 0}, {"at": 1, "pitch": 90}])
-    still = made(body="person", keys=[{"at": 0}])
+    still = made(body="person", keys=[{"at": 0}, {"at": 1, "roll": 1}])
     beside = {"ahead_m": 16.0, "offset_m": 2.3, "heading_deg": -90.0}
     assert course(scene_of(still, placement=beside), 60)[:, 4].min() > 0.0
     assert course(scene_of(fall, placement=beside), 60)[:, 4].min() == 0.0
