@@ -9,13 +9,13 @@ from oodscen.errors import DataError
 
 TOPPLE: dict[str, Any] = {
     "id": "topple",
-    "description": "topples over ahead",
+    "description": "toppling over ahead",
     "body": "loose",
     "keys": [{"at": 0}, {"at": 0.8, "pitch": 30}, {"at": 1.2, "pitch": 90}],
 }
 STREAM: dict[str, Any] = {
     "id": "stream",
-    "description": "walks across with pauses",
+    "description": "walking across with pauses",
     "body": "person",
     "facing": "along",
     "delay": 2,
@@ -67,7 +67,7 @@ def motions(draw: st.DrawFn) -> dict[str, Any]:
     shapes = st.one_of(_keys(), st.sampled_from(_COURSES), st.sampled_from(_AIRY))
     return {
         "id": "moves",
-        "description": "moves somehow",
+        "description": "moving somehow",
         "body": body,
         "frame": draw(st.sampled_from(["start", "lane", "other", "ego"])),
         "by": draw(st.sampled_from(["time", "ego"])),
