@@ -22,15 +22,16 @@ MAX_DRIVE = 4.0
 
 
 class Situation(NamedTuple):
-    """The complete input of kernels: all tables, the road and the visibility."""
+    """The complete input of kernels: all tables, the road and the visibility.
+
+    Below the bodies, the rows of `traits` hold the key poses of motions made to order.
+    """
 
     track: Track
     state: Numbers
     traits: Numbers
     codes: Integers
     paths: Numbers
-    keys: Numbers
-    """Key poses of motions made to order; a single row of zeros if there are none."""
     order: Integers
     """[n - 1] rows of the actors, each after the body that it belongs to."""
     dt: float

@@ -97,12 +97,14 @@ TRIGGER, MEASURED = 5, 6
 IS_PASSABLE, IS_LIT = 7, 8
 """1 if it can be driven over or through; 1 if it has lamps."""
 KEY, KEYS = 9, 10
-"""First of its key poses in `Situation.keys`, and their number."""
+"""First of its key poses in `Situation.traits`, and their number."""
 FRAME, BY, FACING, THEN = 11, 12, 13, 14
 """Reference, argument, heading and end of its key poses (`oodscen.driving._motion.keyframes`)."""
-CODES_WIDTH = 15
+TILTS = 15
+"""1 if its motion ever pitches, rolls or sinks."""
+CODES_WIDTH = 16
 
-# Columns of `Situation.keys`: the argument, six values of a pose, and their six slopes.
+# Columns of the rows of `Situation.traits` below the bodies: the argument, six values of a pose, and their slopes.
 AT, POSE, SLOPE = 0, 1, 7
 KEYS_WIDTH = 13
 

@@ -6,9 +6,7 @@ faster than its kind can, whatever its keys and the body that it follows do: it 
 
 import math
 from collections.abc import Mapping, Sequence
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import NamedTuple
 
 from oodscen._seeding import stream
 from oodscen.data._motion import ABILITIES, Motion
@@ -59,8 +57,9 @@ def follow_keys(w: Situation, i: int, waited: float) -> None:
     if waited < 0.0 and frame != OTHER and not _comes_on(w, i):
         return
     u = _argument(w, i, waited)
+    place = key_place(w, i, u)
     x0, y0 = state[i, col.X], state[i, col.Y]
-    x, y, base = _target(w, i, u)
+    x, y, base = _target(w, i, place)
     dx, dy = x - x0, y - y0
     far = math.sqrt(dx * dx + dy * dy)
     most = w.traits[i, col.FASTEST] * w.dt
@@ -70,10 +69,11 @@ def follow_keys(w: Situation, i: int, waited: float) -> None:
     if w.codes[i, col.FACING] != FIXED:
         base = _turned_to(w, i, dx, dy, far)
     state[i, col.X], state[i, col.Y] = quantised(x0 + dx), quantised(y0 + dy)
-    state[i, col.YAW] = quantised(wrapped(base + key_value(w, i, u, YAW)))
-    state[i, col.LIFT] = quantised(key_value(w, i, u, UP))
-    state[i, col.PITCH] = quantised(wrapped(key_value(w, i, u, PITCH)))
-    state[i, col.ROLL] = quantised(wrapped(key_value(w, i, u, ROLL)))
+    state[i, col.YAW] = quantised(wrapped(base + key_value(w, place, YAW)))
+    state[i, col.LIFT] = quantised(key_value(w, place, UP))
+    if w.codes[i, col.TILTS] == 1:
+        state[i, col.PITCH] = quantised(wrapped(key_value(w, place, PITCH)))
+        state[i, col.ROLL] = quantised(wrapped(key_value(w, place, ROLL)))
     sine, cosine = sincos(state[i, col.YAW])
     state[i, col.SPEED] = quantised((dx * cosine + dy * sine) / w.dt)
     if waited < 0.0:
@@ -104,25 +104,42 @@ def _argument(w: Situation, i: int, waited: float) -> float:
     return u
 
 
+class KeyPlace(NamedTuple):
+    """A place between two keys."""
+
+    key: int
+    """Row of the key before it."""
+    share: float
+    """Share of the stretch to the next key."""
+    beyond: float
+    """Distance beyond the last key, which `key` then is."""
+
+
 @part
-def key_value(w: Situation, i: int, u: float, axis: int) -> float:
-    """Return one value of an actor's pose at a place in its keys."""
-    keys, first = w.keys, w.codes[i, col.KEY]
+def key_place(w: Situation, i: int, u: float) -> KeyPlace:
+    """Return the place of an actor in its keys."""
+    keys, first = w.traits, w.codes[i, col.KEY]
     last = first + w.codes[i, col.KEYS] - 1
     end = keys[last, col.AT]
     if u >= end:
-        if w.codes[i, col.THEN] == REPEAT:
-            u -= end * math.floor(u / end)
-        else:
-            value = keys[last, col.POSE + axis]
-            # The slope at the end is 0 unless the motion goes on.
-            return value + keys[last, col.SLOPE + axis] * (u - end)
+        if w.codes[i, col.THEN] != REPEAT:
+            return KeyPlace(last, 0.0, u - end)
+        u -= end * math.floor(u / end)
     k = first
     while k + 1 < last and keys[k + 1, col.AT] <= u:
         k += 1
-    span = keys[k + 1, col.AT] - keys[k, col.AT]
-    share = (u - keys[k, col.AT]) / span
-    start, stop = keys[k, col.POSE + axis], keys[k + 1, col.POSE + axis]
+    return KeyPlace(k, (u - keys[k, col.AT]) / (keys[k + 1, col.AT] - keys[k, col.AT]), 0.0)
+
+
+@part
+def key_value(w: Situation, place: KeyPlace, axis: int) -> float:
+    """Return one value of a pose."""
+    keys, k, share = w.traits, place.key, place.share
+    start = keys[k, col.POSE + axis]
+    if share <= 0.0:
+        # The slope at the end is 0 unless the motion goes on.
+        return start + keys[k, col.SLOPE + axis] * place.beyond
+    stop, span = keys[k + 1, col.POSE + axis], keys[k + 1, col.AT] - keys[k, col.AT]
     one, two = keys[k, col.SLOPE + axis] * span, keys[k + 1, col.SLOPE + axis] * span
     rise = stop - start
     cubic = one + two - 2.0 * rise
@@ -131,10 +148,10 @@ def key_value(w: Situation, i: int, u: float, axis: int) -> float:
 
 
 @part
-def _target(w: Situation, i: int, u: float) -> tuple[float, float, float]:
+def _target(w: Situation, i: int, place: KeyPlace) -> tuple[float, float, float]:
     """Return the place in the world at which an actor should be, and the heading of its frame."""
     state, traits, frame = w.state, w.traits, w.codes[i, col.FRAME]
-    ahead, left = key_value(w, i, u, AHEAD), key_value(w, i, u, LEFT)
+    ahead, left = key_value(w, place, AHEAD), key_value(w, place, LEFT)
     if frame in (START, LANE):
         ahead += state[i, HELD]
         left += state[i, HELD + 1]
@@ -171,7 +188,7 @@ def _target(w: Situation, i: int, u: float) -> tuple[float, float, float]:
 def _comes_on(w: Situation, i: int) -> bool:
     """Move an actor on that is moving before its trigger; return whether it is."""
     first = w.codes[i, col.KEY]
-    ahead, left = w.keys[first, col.SLOPE + AHEAD], w.keys[first, col.SLOPE + LEFT]
+    ahead, left = w.traits[first, col.SLOPE + AHEAD], w.traits[first, col.SLOPE + LEFT]
     is_moving = w.codes[i, col.FRAME] in (START, LANE) and w.codes[i, col.THEN] != REPEAT
     if not is_moving or (ahead == 0.0 and left == 0.0):
         return False
@@ -206,20 +223,20 @@ def _turned_to(w: Situation, i: int, dx: float, dy: float, far: float) -> float:
 # ------------------------------------------------------------------ compiling
 
 
-def key_table(motions: Sequence[Motion]) -> tuple[NDArray[np.float64], dict[str, int]]:
-    """Return the key poses of all motions as one table, and the first row of each by its id."""
+def key_table(motions: Sequence[Motion], bodies: int) -> tuple[list[list[float]], dict[str, int]]:
+    """Return the rows of `Situation.traits` below the bodies, and the first row of each motion by its id."""
     rows: list[list[float]] = []
     firsts = {}
     for motion in motions:
         track = motion.track()
-        firsts[motion.id] = len(rows)
+        firsts[motion.id] = bodies + len(rows)
         rows += [
             [at, *pose, *slopes]
             for at, pose, slopes in zip(track.at, track.poses, track.slopes, strict=True)
         ]
         if len(track.at) == 1:
             rows.append([1.0, *track.poses[0], *track.slopes[0]])
-    return np.array(rows or [[0.0] * col.KEYS_WIDTH]), firsts
+    return rows, firsts
 
 
 def key_codes(motion: Motion, first: int) -> list[int]:
@@ -231,6 +248,7 @@ def key_codes(motion: Motion, first: int) -> list[int]:
         ARGUMENTS[motion.by],
         FACINGS[motion.facing],
         ENDINGS[motion.then],
+        int(motion.is_tilting or any(pose.up < 0.0 for pose in motion.poses())),
     ]
 
 
@@ -258,13 +276,13 @@ def pose_first(w: Situation, i: int) -> bool:
         traits[i, col.APART_YAW] = state[i, col.YAW if frame == START else col.HEADING]
     state[i, COURSE] = state[i, col.YAW]
     first = w.codes[i, col.KEY]
-    values = [w.keys[first, col.POSE + axis] for axis in range(6)]
+    values = [w.traits[first, col.POSE + axis] for axis in range(6)]
     if frame != OTHER:
         state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] + values[YAW]))
         state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + values[YAW]))
     if frame in (START, LANE) and w.codes[i, col.THEN] != REPEAT:
         sine, cosine = sincos(values[YAW])
-        along, aside = (w.keys[first, col.SLOPE + axis] for axis in (AHEAD, LEFT))
+        along, aside = (w.traits[first, col.SLOPE + axis] for axis in (AHEAD, LEFT))
         state[i, col.SPEED] = quantised(along * cosine + aside * sine)
     state[i, col.LIFT] = quantised(values[UP])
     state[i, col.PITCH], state[i, col.ROLL] = quantised(values[PITCH]), quantised(values[ROLL])

@@ -27,12 +27,6 @@ class TiltedBox(NamedTuple):
 
 
 @part
-def is_tilted(w: Situation, i: int) -> bool:
-    """Return whether a body is pitched or rolled."""
-    return w.state[i, col.PITCH] != 0.0 or w.state[i, col.ROLL] != 0.0
-
-
-@part
 def tilted_box(w: Situation, i: int) -> TiltedBox:
     """Return the upright box around a body: first rolled, then pitched (ISO 8855)."""
     state, traits = w.state, w.traits

@@ -144,10 +144,12 @@ class KinematicWorld(Brief):
         """Length and width of every body, rows as in `ids`."""
         count = len(self.ids)
         self._state = np.zeros((count, col.STATE_WIDTH))
-        self._traits = np.zeros((count, col.TRAITS_WIDTH))
-        self._codes = np.zeros((count, col.CODES_WIDTH), dtype=np.int64)
         self._motions = {motion.id: motion for motion in scene.motions}
-        keys, self._first_keys = key_table(scene.motions)
+        keys, self._first_keys = key_table(scene.motions, count)
+        self._traits = np.zeros((count + len(keys), col.TRAITS_WIDTH))
+        if keys:
+            self._traits[count:, : col.KEYS_WIDTH] = keys
+        self._codes = np.zeros((count, col.CODES_WIDTH), dtype=np.int64)
         order = self._order(scene)
         is_dark = scene.weather.sun_elevation_deg < NIGHT_DEG
         self._situation = Situation(
@@ -156,15 +158,14 @@ class KinematicWorld(Brief):
             traits=seen(self._traits),
             codes=seen(self._codes),
             paths=seen(np.zeros((count, col.PATHS_WIDTH))),
-            keys=seen(keys),
             order=seen(np.array(order, dtype=np.int64)),
             dt=dt,
             friction=self.friction,
             visual_range=self.visual_range,
             headlamp_range=min(self.visual_range, HEADLAMPS_M) if is_dark else self.visual_range,
         )
-        self._traits[:, : col.WIDTH + 1] = self.sizes
-        self._traits[:, col.HEIGHT] = [asset.height for _, asset, _ in self._bodies]
+        self._traits[:count, : col.WIDTH + 1] = self.sizes
+        self._traits[:count, col.HEIGHT] = [asset.height for _, asset, _ in self._bodies]
         self._place_ego(scene.ego.speed)
         for row, actor in enumerate(scene.actors, start=1):
             kind = kinds[actor.behaviour.name]

@@ -33,7 +33,7 @@ class Ego:
             np.zeros((1, 1), dtype=np.int64),
         )
         state = memoryview(self.state)
-        situation = Situation(track, state, state, none, state, state, none, dt, friction, 1e4, 1e4)
+        situation = Situation(track, state, state, none, state, none, dt, friction, 1e4, 1e4)
         drive_ego(situation, control.acceleration, control.steering)
 
 

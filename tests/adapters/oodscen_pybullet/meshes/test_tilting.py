@@ -42,7 +42,7 @@ def _box_of(size: list[float], pitch: float, roll: float, pivot: float):
     traits[0, [col.LENGTH, col.WIDTH, col.HEIGHT]] = size
     traits[0, col.PIVOT] = pivot
     none = np.zeros((1, 1))
-    world = Situation(None, state, traits, none, none, none, none, 0.05, 1.0, 1e4, 1e4)
+    world = Situation(None, state, traits, none, none, none, 0.05, 1.0, 1e4, 1e4)
     return tilted_box(world, 0)
 
 
