@@ -15,7 +15,7 @@ from oodscen.data._base import Data, IssuesError
 from oodscen.data._category import Category
 from oodscen.data._courses import Circle, Drift, KeyPose, Roll, Swing, Walk
 from oodscen.data._poses import PoseTrack
-from oodscen.errors import Issue
+from oodscen.errors import DataError, Issue
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import BehaviourKind
@@ -207,7 +207,12 @@ def _form_faults(motion: Motion) -> Iterator[Issue]:
         told = f"not {' and '.join(given)}" if given else "none is given"
         yield Issue(given[1] if given else "keys", f"give one of {', '.join(_COURSES)}; {told}")
         return
-    poses = motion.poses()
+    try:
+        poses = motion.poses()
+    except DataError as error:
+        for issue in error.issues:
+            yield Issue(motion.course, f"leads to a key whose `{issue.path}` is out of range")
+        return
     limit = FARTHEST_M if motion.by == "ego" else LONGEST_S
     unit = "m" if motion.by == "ego" else "s"
     first = poses[0]
@@ -244,7 +249,10 @@ def _is_ordered(motion: Motion) -> bool:
     """Return whether there is one course, and every key comes after the last."""
     if sum(bool(getattr(motion, name)) for name in _COURSES) != 1:
         return False
-    poses = motion.poses()
+    try:
+        poses = motion.poses()
+    except DataError:
+        return False
     return all(two.at > one.at for one, two in pairwise(poses))
 
 

@@ -74,6 +74,8 @@ _FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"keys": PAIR, "pace": 3}, "pace"),
     ({"keys": (), "walk": {"distance": 50, "speed": 20}}, "walk"),
     ({"keys": (), "walk": {"distance": -1}}, "walk.distance"),
+    ({"keys": (), "walk": {"distance": 100, "speed": 0.01}}, "walk"),
+    ({"keys": (), "body": "flying", "drift": {"speed": 20, "seconds": 60}}, "drift"),
     ({"keys": (), "roll": {"distance": 9, "speed": 900}}, "roll.speed"),
     ({"keys": (), "circle": {"radius": 1, "speed": 9}}, "circle"),
     ({"keys": (), "swing": {"angle_deg": 400}}, "swing.angle_deg"),
@@ -98,6 +100,29 @@ def test_five_hundred_bad_motions_are_refused_with_paths() -> None:
         with pytest.raises(DataError) as refused:
             Motion.parse(bad)
         assert all(issue.path for issue in refused.value.issues)
+
+
+_SIZE = st.floats(-1, 400, width=16)
+_COURSES = {
+    "walk": {"distance": _SIZE, "speed": _SIZE, "pauses": st.integers(0, 6), "back": st.booleans()},
+    "roll": {"distance": _SIZE, "speed": _SIZE, "acceleration": _SIZE, "radius": _SIZE},
+    "drift": {"speed": _SIZE, "seconds": _SIZE, "gust_s": _SIZE, "rise": _SIZE},
+    "swing": {"angle_deg": _SIZE, "period_s": _SIZE, "swings": st.integers(0, 10)},
+    "circle": {"radius": _SIZE, "speed": _SIZE},
+}
+
+
+@settings(max_examples=80)
+@given(st.data())
+def test_a_course_is_sound_or_refused_with_its_name(data: st.DataObject) -> None:
+    name = data.draw(st.sampled_from(sorted(_COURSES)))
+    course = data.draw(st.fixed_dictionaries({}, optional=_COURSES[name]))
+    body = data.draw(st.sampled_from(sorted(ABILITIES)))
+    try:
+        Motion.parse({"id": "moves", "description": "moving", "body": body, name: course})
+    except DataError as error:
+        paths = [issue.path for issue in error.issues]
+        assert all(path.startswith(name) for path in paths), paths
 
 
 def test_all_faults_are_told_at_once() -> None:
