@@ -3,6 +3,7 @@
 from hypothesis import strategies as st
 
 from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim
+from oodscen.data._motion import Motion
 from oodscen.data._prop import Prop
 from oodscen.prompts._judging.name_aspect import OodAspect
 from oodscen.prompts._tree.imagine_scenario import ImaginedScenario
@@ -13,6 +14,7 @@ from oodscen.prompts._tree.judge_branch import (
     Substitute,
 )
 from tests.made import designs
+from tests.motions import sound_motions
 
 
 @st.composite
@@ -31,6 +33,7 @@ def claims(draw):
 
 st.register_type_strategy(Claim, claims())
 st.register_type_strategy(Prop, designs().map(Prop.parse))
+st.register_type_strategy(Motion, sound_motions())
 st.register_type_strategy(
     OodAspect,
     st.builds(OodAspect, confidence=st.none() | st.floats(0.0, 1.0)),

@@ -2,8 +2,9 @@
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh, asset_ids, learned
 from oodscen_pybullet._meshes.atlas import Snow
+from oodscen_pybullet._meshes.tilting import tilt_of
 from oodscen_pybullet._meshes.vehicles.ego import bonnet
 from oodscen_pybullet._rendering.appearance import Look, SceneBodies, mesh_of
 from oodscen_pybullet._rendering.cameras import choose_camera
@@ -136,6 +138,7 @@ class PyBulletSimulator(MirrorSimulator):
             accelerations=self.world.accelerations().tolist(),
             fired=[self.world.motion(name).triggered for name in self.world.ids],
             time=self.world.time,
+            tilts=self.world.tilts(),
         )
 
     def draw_from(
@@ -147,6 +150,7 @@ class PyBulletSimulator(MirrorSimulator):
         fired: Sequence[float] = (),
         time: float,
         roll_deg: float = 0.0,
+        tilts: Mapping[int, tuple[float, float, float]] = MappingProxyType({}),
     ) -> Frame:
         """Return the picture of a camera anywhere; needs `load`, `spawn` and `place`, but no world.
 
@@ -157,6 +161,7 @@ class PyBulletSimulator(MirrorSimulator):
             fired: Times at which the triggers fired, s, negative before; by default none has.
             time: Time since the start, s.
             roll_deg: Roll of the camera, degrees, clockwise; the sky stays level.
+            tilts: Pitch and roll, rad, and the height about which it turns, m, of every tilted body by row.
         """
         assert self._loaded is not None
         corridor, scene, seed = self._loaded
@@ -165,6 +170,8 @@ class PyBulletSimulator(MirrorSimulator):
         is_inside = _is_inside(view, self._poses[0])
         fired = fired or [-1.0] * len(self._poses)
         looks = self._cast.looks(self._poses, self._speeds, accelerations, fired, time)
+        for row, tilt in tilts.items():
+            looks[row] = looks[row]._replace(tilt=tilt_of(*tilt))
         if self._shown != (id(stage), is_inside, looks):
             ego: Look | Mesh = bonnet("silver").build() if is_inside else looks[0]
             stage.show_actors([ego, *looks[1:]])

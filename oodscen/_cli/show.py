@@ -160,6 +160,10 @@ def _words(
                 f"  actor   {mark} {actor.id}: {actor.asset}, {actor.behaviour.name}, lane {at.lane}, "
                 f"{at.ahead_m:g} m ahead"
             )
+        for prop in scene.made:
+            yield f"  made      {prop.id}: {prop.description}"
+        for motion in scene.motions:
+            yield f"  made      {motion.id}: {motion.description}"
     if episode is None:
         yield "  not simulated"
     elif episode.status == "failed":

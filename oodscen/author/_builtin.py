@@ -15,6 +15,7 @@ from oodscen.author._imagining import Imagination
 from oodscen.author._knowledge.base import HazardKind
 from oodscen.author._knowledge.designs import design
 from oodscen.author._knowledge.loading import load_knowledge, stamp_of
+from oodscen.author._knowledge.motions import design_motion
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._staging.drafting import Stager
@@ -24,6 +25,7 @@ from oodscen.author._writing.ordinary_twin import OrdinaryAuthor
 from oodscen.errors import LLMError
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary, OrdinaryText
 from oodscen.prompts._scenario.describe_path import DescribePath, Descriptions, plain
+from oodscen.prompts._scenario.design_motion import DesignMotion
 from oodscen.prompts._scenario.design_prop import DesignProp
 from oodscen.prompts._scenario.extract_claims import Claims, ExtractClaims
 from oodscen.prompts._scenario.mark_hazard import MarkedHazard, MarkHazard
@@ -89,6 +91,7 @@ class BuiltinAuthor(Brief):
             PlaceScenario: lambda prompt, request: self._trees.place(prompt),
             JudgeBranch: lambda prompt, request: self._judge.judge(prompt),
             JudgeBranches: lambda prompt, request: self._judge.judge_all(prompt),
+            DesignMotion: lambda prompt, request: design_motion(prompt),
             DesignProp: lambda prompt, request: design(prompt),
             DescribePath: self._describe,
             DescribeOrdinary: self._ordinary,

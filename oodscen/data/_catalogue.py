@@ -9,6 +9,7 @@ from oodscen._field_docs import with_fields
 from oodscen.data._base import Data
 from oodscen.data._category import Category
 from oodscen.data._details import DetailKinds, Details, Offers, check_details, shown_as
+from oodscen.data._motion import KEYED, Motion, motion_faults
 from oodscen.data._prop import Prop, check_prop, sizes_of
 from oodscen.data._scene import CLEAR_AIR_M, Actor, Precipitation, Scene, Weather
 from oodscen.errors import Issue, close_matches
@@ -187,16 +188,26 @@ class Catalogue(Data):
 
         return extended(self, additions)
 
-    def with_made(self, made: Iterable[Prop]) -> "Catalogue":
-        """Return the catalogue extended by things made to order; what it has already stays."""
+    def with_made(self, made: Iterable[Prop], motions: Iterable[Motion] = ()) -> "Catalogue":
+        """Return the catalogue extended by things and motions made to order; what it has already stays."""
         known = {asset.id for asset in self.assets}
         sizes = sizes_of(self.assets)
         added = tuple(prop.asset(sizes) for prop in made if prop.id not in known)
-        return self.model_copy(update={"assets": (*self.assets, *added)}) if added else self
+        can = {kind.id for kind in self.behaviours}
+        learned = tuple(motion.kind() for motion in motions if motion.id not in can)
+        if not added and not learned:
+            return self
+        return self.model_copy(
+            update={
+                "assets": (*self.assets, *added),
+                "behaviours": (*self.behaviours, *learned),
+            }
+        )
 
     def for_scene(self, scene: Scene) -> "Catalogue":
-        """Return the catalogue with the things that a scene brings along."""
-        return self.with_made(scene.made) if scene.made else self
+        """Return the catalogue with the things and motions that a scene brings along."""
+        has_made = scene.made or scene.motions
+        return self.with_made(scene.made, scene.motions) if has_made else self
 
     def shown(self, actor: Actor) -> Asset:
         """Return an actor's asset with the size and the words that its details give it.
@@ -236,14 +247,24 @@ class Catalogue(Data):
         Only the vocabulary is checked here; `oodscen.driving.check_scene` checks room on the road, overlap
         and reachability.
         """
-        if scene.made:
-            faults = [
-                Issue(f"made[{index}].{fault.path}", fault.message)
-                for index, prop in enumerate(scene.made)
-                for fault in check_prop(prop, self.assets)
-            ]
-            return faults or self.for_scene(scene)._check(scene)
-        return self._check(scene)
+        faults = [
+            Issue(f"made[{index}].{fault.path}", fault.message)
+            for index, prop in enumerate(scene.made)
+            for fault in check_prop(prop, self.assets)
+        ]
+        faults += [
+            Issue(f"motions[{index}].{fault.path}", fault.message)
+            for index, motion in enumerate(scene.motions)
+            for fault in self._check_motion(motion, scene)
+        ]
+        return faults or self.for_scene(scene)._check(scene)
+
+    def _check_motion(self, motion: Motion, scene: Scene) -> list[Issue]:
+        """Return the faults of a motion that depend on the catalogue and on the ego's speed."""
+        issues = motion_faults(motion, scene.ego.speed) if motion.by == "ego" else []
+        if any(kind.id == motion.id and kind.like != KEYED for kind in self.behaviours):
+            issues.append(Issue("id", f"the catalogue has {motion.id!r} already"))
+        return issues
 
     def _check(self, scene: Scene) -> list[Issue]:
         issues: list[Issue] = []

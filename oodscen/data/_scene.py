@@ -18,6 +18,7 @@ from pydantic import (
 from oodscen.data._base import Data, IssuesError
 from oodscen.data._claim import Claim
 from oodscen.data._details import Details
+from oodscen.data._motion import Motion
 from oodscen.data._pairing import is_ordinary, is_twin, twin_id
 from oodscen.data._prop import Prop
 from oodscen.errors import Issue
@@ -221,11 +222,13 @@ class Scene(Data):
     """The event of an ordinary demand; left out of the JSON text of other scenes."""
     made: tuple[Prop, ...] = Field(default=(), max_length=400)
     """Designs of the assets that no catalogue has; left out of the JSON text if empty."""
+    motions: tuple[Motion, ...] = Field(default=(), max_length=400)
+    """Designs of the behaviours that no catalogue has; left out of the JSON text if empty."""
 
     @model_serializer(mode="wrap")
     def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
         value: dict[str, Any] = serialise(self)
-        for name in ("stands_for", "visible", "demand", "made"):
+        for name in ("stands_for", "visible", "demand", "made", "motions"):
             if not value.get(name):
                 value.pop(name, None)
         return value
@@ -353,12 +356,13 @@ def _misfits(scene: Scene) -> list[Issue]:
             for name in names
             if name not in (*ids, "map")
         ]
-    designs = [prop.id for prop in scene.made]
-    issues += [
-        Issue(f"made[{index}].id", f"{name!r} occurs more than once")
-        for index, name in enumerate(designs)
-        if name in designs[:index]
-    ]
+    for member, designs in (("made", scene.made), ("motions", scene.motions)):
+        given = [one.id for one in designs]
+        issues += [
+            Issue(f"{member}[{index}].id", f"{name!r} occurs more than once")
+            for index, name in enumerate(given)
+            if name in given[:index]
+        ]
     decision = scene.decision
     if decision.kind != "time" and decision.actor not in ids:
         fault = f"there is no actor {decision.actor!r}"

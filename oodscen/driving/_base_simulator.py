@@ -14,7 +14,7 @@ from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
-from oodscen.errors import SceneError, SimulatorError, UsageError
+from oodscen.errors import Issue, SceneError, SimulatorError, UsageError
 from oodscen.protocols import Camera, ChecksScenes, Control, Frame, Observation, State
 
 
@@ -25,6 +25,8 @@ class BaseSimulator(Brief, ABC):
     """The behaviours of the kinematic world, for the catalogue."""
     MAPS: ClassVar[tuple[RoadMap, ...]] = SHIPPED_MAPS
     """The shipped maps, for the catalogue."""
+    plays_motions: ClassVar[bool] = True
+    """False if bodies cannot move through key poses: scenes with motions made to order are refused."""
     _repr_fields: ClassVar[tuple[str, ...]] = ("name", "dt")
 
     name: str
@@ -114,6 +116,9 @@ class BaseSimulator(Brief, ABC):
         self._world = self._state = None
         catalogue = self.catalogue()
         issues = staging_issues(scene, catalogue)
+        if scene.motions and not self.plays_motions:
+            fault = f"{self.name} moves bodies by itself and cannot play motions made to order"
+            issues = [Issue("motions", fault)]
         if not issues and isinstance(self, ChecksScenes):
             issues = list(self.check(scene))
         if issues:

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,7 @@ class DynamicSimulator(BaseSimulator):
     `SimulatorCrash`. Resources are acquired late: a constructor must not start anything.
     """
 
+    plays_motions: ClassVar[bool] = False
     wheelbase: float = WHEELBASE
     """Distance between the ego's axles, m, which drivers use to steer."""
 

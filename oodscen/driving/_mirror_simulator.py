@@ -82,7 +82,7 @@ class MirrorSimulator(BaseSimulator):
     def gaps(self, rows: Sequence[int]) -> list[float]:
         """Return the distances between the ego's box (row 0) and the boxes of these rows, m.
 
-        Called only for rows near the ego that do not touch it. The catalogue's boxes decide contact, as well as
+        Called only for rows near the ego that do not touch it and stand upright. The catalogue's boxes decide contact, as well as
         time to collision and all other measures. Override this method only to let the simulator's own engine
         measure the gaps.
         """
@@ -162,6 +162,9 @@ class MirrorSimulator(BaseSimulator):
         self.place(seen.poses, seen.speeds)
         gaps = seen.gaps
         near = np.flatnonzero((seen.apart <= NEAR_M) & (gaps > 0.0) & np.isfinite(gaps)).tolist()
+        if near and self.world.scene.motions:
+            tilted = self.world.tilts()
+            near = [row for row in near if row not in tilted]
         if near:
             for row, distance in zip(near, self.gaps(near), strict=True):
                 gaps[row] = max(LEAST_M, round(float(distance), 4))

@@ -89,7 +89,7 @@ class StagedScene(Brief):
             dt: Seconds per step.
         """
         self.scene = scene
-        self.catalogue = catalogue
+        self.catalogue = catalogue.for_scene(scene)
         self.corridor: Corridor = load_corridor(scene.map, catalogue)
         """The road: `point`, `locate`, `centre`, `edges`, `heading`, `bend` and `is_drivable` tell its geometry."""
         self._world = KinematicWorld(self.corridor, scene, catalogue, seed, dt=dt)

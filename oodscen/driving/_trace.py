@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from oodscen._display import Brief
 from oodscen.data._base import Data
-from oodscen.data._catalogue import Catalogue
+from oodscen.data._catalogue import FLAT_M, Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving import _trace_table as table
 from oodscen.driving._motion.world import ego_strip
@@ -318,7 +318,9 @@ def _times_to_collision(
     ttc[:, 1:] = time_to_collision(ego, others, vx[:, 1:] - vx[:, :1], vy[:, 1:] - vy[:, :1])
     ttc[:, 1:][bodies.gap[:, 1:] <= 0.0] = 0.0
     ground = np.interp(s, course.corridor.s, course.corridor.z)
-    ttc[(bodies.z - ground > course.sizes[0, 2]) | course.passable] = np.inf
+    height = bodies.z - ground
+    is_clear = (height > course.sizes[0, 2]) | (height + course.sizes[:, 2] < FLAT_M)
+    ttc[is_clear | course.passable] = np.inf
     return ttc
 
 

@@ -141,6 +141,8 @@ def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
     reacting = {one.id for one in scene.actors if one.behaviour.trigger.kind != "time"}
     drivers = {one.id for one in scene.actors if one.behaviour.name in MOVES_BEFORE_TRIGGER}
     carried = {one.id for one in scene.actors if one.behaviour.other is not None}
+    coming = {motion.id for motion in scene.motions if motion.begins == "moving"}
+    carried |= {one.id for one in scene.actors if one.behaviour.name in coming}
     calm, quiet = _calm(scene), nominal
     if reacting and drivers | carried:
         quiet = _driven(calm, simulator, Cruise, seed, steps)

@@ -12,6 +12,7 @@ from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._judging.name_ood_aspect import NameOodAspect
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import DescribePath
+from oodscen.prompts._scenario.design_motion import DesignMotion
 from oodscen.prompts._scenario.design_prop import DesignProp
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
@@ -36,6 +37,7 @@ QUESTIONS: Mapping[str, type[Prompt[Any]]] = {
         PlaceScenario,
         JudgeBranch,
         JudgeBranches,
+        DesignMotion,
         DesignProp,
         DescribePath,
         DescribeOrdinary,

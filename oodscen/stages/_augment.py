@@ -14,6 +14,7 @@ from oodscen.claims._roads import fitting_roads, of_roads
 from oodscen.claims._things import may_be
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim, Mismatch
+from oodscen.data._motion import Motion
 from oodscen.data._prop import Prop
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
@@ -38,6 +39,7 @@ class Augmenter(Brief):
         llm: The augmenter-LLM.
         catalogue: The assets and abilities of the simulator.
         made: Things made to order, which scenes may use beside the catalogue's.
+        motions: Motions made to order, likewise.
         check: Returns the faults of a scene, which are fed back to the model. The default checks the
             catalogue's vocabulary, places on the road, overlap and reachability.
         attempts: Maximum number of calls per scene.
@@ -62,10 +64,12 @@ class Augmenter(Brief):
         context: int | None = None,
         encoder: Encoder | None = None,
         made: Sequence[Prop] = (),
+        motions: Sequence[Motion] = (),
     ) -> None:
         self.llm = llm
-        self.catalogue = catalogue.with_made(made)
+        self.catalogue = catalogue.with_made(made, motions)
         self.made = tuple(made)
+        self.motions = tuple(motions)
         self.digest = CatalogueDigest.of(self.catalogue)
         self.check = check
         self.attempts = whole_number("attempts", attempts, 1)
@@ -133,7 +137,7 @@ class Augmenter(Brief):
         if draft.cannot_show:
             fault = Issue("cannot_show", one_line(draft.cannot_show))
             raise AnswerError(self.llm.name, prompt.purpose, [fault], draft.model_dump_json(), 1)
-        return scene_of_draft(scenario, draft, self.catalogue, self.made)
+        return scene_of_draft(scenario, draft, self.catalogue, self.made, self.motions)
 
     def roads(self, claims: Sequence[Claim]) -> tuple[str, ...]:
         """Return the maps that satisfy all claims about the road; empty without such claims.
@@ -159,7 +163,7 @@ class Augmenter(Brief):
         if draft.cannot_show:
             return []
         try:
-            scene = scene_of_draft(scenario, draft, self.catalogue, self.made)
+            scene = scene_of_draft(scenario, draft, self.catalogue, self.made, self.motions)
         except DataError as error:
             return error.issues
         faults = self.check(scene, self.catalogue)
@@ -188,14 +192,19 @@ def _together(contradicted: Sequence[Mismatch], scene: Scene) -> list[Issue]:
 
 
 def scene_of_draft(
-    scenario: Scenario, draft: SceneDraft, catalogue: Catalogue, made: Sequence[Prop] = ()
+    scenario: Scenario,
+    draft: SceneDraft,
+    catalogue: Catalogue,
+    made: Sequence[Prop] = (),
+    motions: Sequence[Motion] = (),
 ) -> Scene:
     """Return the scene; a decision without an actor refers to the first actor of the hazard.
 
-    The scene carries the designs of those things made to order that it shows.
+    The scene carries the designs of those things and motions made to order that it shows.
     """
-    ordinary = (actor for actor in draft.hazard.actors.values() if actor is not None)
+    ordinary = [actor for actor in draft.hazard.actors.values() if actor is not None]
     shown = {actor.asset for actor in (*draft.actors, *ordinary)}
+    done = {actor.behaviour.name for actor in (*draft.actors, *ordinary)}
     decision = draft.decision
     if decision.kind != "time" and decision.actor is None:
         first = next(iter(draft.hazard.actors), None)
@@ -217,6 +226,7 @@ def scene_of_draft(
             (draft.ego.lane, draft.ego.speed),
             draft.map,
             catalogue,
+            {motion.id: motion.description for motion in motions},
         ),
         stands_for={
             thing: tuple(names)
@@ -224,6 +234,7 @@ def scene_of_draft(
             if not _is_told_by_words(thing, names, draft, catalogue)
         },
         made=tuple(prop for prop in made if prop.id in shown),
+        motions=tuple(motion for motion in motions if motion.id in done),
     )
 
 

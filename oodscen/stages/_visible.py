@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from types import MappingProxyType
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._details import DetailKinds, described
@@ -42,6 +43,7 @@ def visible_of(
     ego: tuple[int, float],
     map_id: str,
     catalogue: Catalogue,
+    motions: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Visible, ...]:
     """Return everything that can be seen of a hazard; equal things are told once.
 
@@ -52,6 +54,7 @@ def visible_of(
         ego: The ego's lane, and its speed, m/s.
         map_id: Its map.
         catalogue: The catalogue of its simulator.
+        motions: What motions made to order look like, by id.
     """
     known = {asset.id: asset for asset in catalogue.assets}
     kinds = catalogue.details or DetailKinds()
@@ -60,7 +63,7 @@ def visible_of(
         Visible(
             what=_bare(_described(one, known, kinds)),
             where=_where(one, ego[0], lanes),
-            doing=_doing(one, known[one.asset], ego[1], kinds),
+            doing=_doing(one, known[one.asset], ego[1], kinds, motions),
         )
         for one in actors
         if one.id in hazard.actors and one.asset in known
@@ -97,7 +100,9 @@ def _where(actor: Actor, ego_lane: int, lanes: int) -> str:
     return f"in a lane to the {'left' if place.lane > 0 else 'right'}"
 
 
-def _doing(actor: Actor, asset: Asset, ego_speed: float, kinds: DetailKinds) -> str:
+def _doing(
+    actor: Actor, asset: Asset, ego_speed: float, kinds: DetailKinds, motions: Mapping[str, str]
+) -> str:
     name, heading = actor.behaviour.name, actor.placement.heading_deg
     shown = _SHOWN.get(actor.state, "")
     if actor.state in _SIGNALS and asset.category in ("signal", "work_zone"):
@@ -111,7 +116,7 @@ def _doing(actor: Actor, asset: Asset, ego_speed: float, kinds: DetailKinds) -> 
     elif name == "walk_along" and abs(heading) > _TOWARDS_DEG:
         moves = "coming towards the ego vehicle"
     elif name not in BUILT_IN:
-        moves = "moving"
+        moves = motions.get(name, "moving")
     else:
         moves = BUILT_IN[name].doing
         if BUILT_IN[name].has_side:
@@ -119,7 +124,7 @@ def _doing(actor: Actor, asset: Asset, ego_speed: float, kinds: DetailKinds) -> 
     pose = kinds.pose(actor.details.pose) if actor.details else None
     if pose is not None:
         moves = pose.doing if name == "stand" else f"{moves}, {pose.doing}"
-    return f"{moves} {shown}".strip()
+    return f"{moves} {shown}".strip()[:120]
 
 
 def _sky(weather: Weather, ordinary: Weather) -> list[str]:

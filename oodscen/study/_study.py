@@ -43,6 +43,7 @@ from oodscen.metrics._measurements import Measurements
 from oodscen.metrics._rarity.exposure import TreeRarity
 from oodscen.stages._props.files import ASSETS
 from oodscen.stages._props.making import MadeProp
+from oodscen.stages._props.motions import MOTIONS, MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison
@@ -130,6 +131,7 @@ _KINDS: Mapping[str, type[Data]] = {
     "edits.jsonl": TreeEdit,
     "pruned.jsonl": PruneDecision,
     ASSETS: MadeProp,
+    MOTIONS: MadeMotion,
     "scenarios.jsonl": Scenario,
     "short_paths.jsonl": _ShortPath,
     "claims.jsonl": _Told,

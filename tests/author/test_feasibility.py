@@ -3,6 +3,7 @@ import pytest
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._feasibility import WeatherLimits, realise
 from oodscen.author._knowledge.base import Knowledge
+from oodscen.author._knowledge.motions import load_motions
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.judge_branch import JudgeBranch
 
@@ -100,6 +101,8 @@ def test_a_recipe_can_be_shown_or_its_things_are_missing(
     for hazard in knowledge.hazards:
         if hazard.stage is not None:
             missing = realise(hazard, rich_digest, knowledge).missing
-            assert {one.kind for one in missing} <= {"asset", "map"}, hazard.id
+            assert {one.kind for one in missing} <= {"asset", "map", "behaviour"}, hazard.id
+            moves = {one.name for one in missing if one.kind == "behaviour"}
+            assert moves <= load_motions().keys(), hazard.id
             shown += not missing
     assert shown >= 211

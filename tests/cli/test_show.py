@@ -7,8 +7,11 @@ from click.testing import CliRunner
 from oodscen import make_simulator, simulate
 from oodscen._cli import main
 from oodscen._display import png
-from oodscen.data import Scenario
+from oodscen.data import Prop, Scenario, Scene
+from oodscen.data._motion import Motion
 from oodscen.testing import example_scene
+from tests.made import WALL
+from tests.motions import TOPPLE
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +53,18 @@ def test_a_scene_is_plain_text_in_a_pipe(made):
     assert invoke(made, "exam").output == shown.output
     assert json.loads(invoke(made, "exam", "--json").output)["scene"]["id"] == "example-001"
     assert "not simulated" in invoke(made, "exact").output
+
+
+def test_what_was_made_to_order_is_marked(made, tmp_path):
+    folder = shutil.copytree(made, tmp_path / "study")
+    scene = Scene.parse(json.loads((folder / "scenes.jsonl").read_text().splitlines()[0]))
+    whole = scene.model_copy(
+        update={"made": (Prop.parse(WALL),), "motions": (Motion.parse(TOPPLE),)}
+    )
+    (folder / "scenes.jsonl").write_text(whole.to_json() + "\n")
+    shown = invoke(folder, "example-001").output
+    assert "made      low_wall: a low wall of red bricks" in shown
+    assert "made      topple: toppling over ahead" in shown
 
 
 def test_all_scenes_are_listed(made):

@@ -14,6 +14,7 @@ from oodscen.prompts._judging.name_ood_aspect import NameOodAspect
 from oodscen.prompts._landmarks import Landmark
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import DescribePath
+from oodscen.prompts._scenario.design_motion import DesignMotion
 from oodscen.prompts._scenario.design_prop import DesignProp, KnownPart
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
@@ -104,6 +105,7 @@ SAMPLES = (
     ),
     JudgeBranch(path=PATH, catalogue=DIGEST),
     JudgeBranches(paths=(PATH, (*PATH[:-1], "Fog")), catalogue=DIGEST),
+    DesignMotion(name="fall_over", path=PATH, categories=("vegetation", "object")),
     DesignProp(
         name="low_wall",
         category="work_zone",

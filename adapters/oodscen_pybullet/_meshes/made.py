@@ -18,7 +18,7 @@ from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.shapes import rotated
 
-__all__ = ["insert", "is_made", "learned", "made_mesh", "masses", "surfaces"]
+__all__ = ["insert", "is_made", "learned", "made_mesh", "masses", "rotated", "surfaces"]
 
 _MARK = "@"
 _DESIGNS: dict[str, Prop] = {}

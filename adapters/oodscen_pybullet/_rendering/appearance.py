@@ -13,6 +13,7 @@ from oodscen_pybullet._lighting.light import Glow
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
 from oodscen_pybullet._meshes.living.poses import pose_of
 from oodscen_pybullet._meshes.look import BEATS, STEPS, Direction, beating, reacting
+from oodscen_pybullet._meshes.tilting import UPRIGHT, Tilt, tilted
 
 Pose = tuple[float, float, float, float]
 
@@ -58,6 +59,7 @@ class Look(NamedTuple):
     0 is lit, 1 dark. Smoke: 0 to 7. `look.beating` adds the beat of a pose.
     """
     details: Details | None = None
+    tilt: Tilt = UPRIGHT
 
 
 class SceneBodies:
@@ -206,8 +208,9 @@ def seen_coming(pose: Pose, ego: Pose, speed: float) -> Direction | None:
 
 def mesh_of(look: Look) -> Mesh:
     """Return a look's mesh."""
-    asset, state, paint, running, frame, details = look
-    return asset_mesh(asset, state, paint, running=running, frame=frame, details=details)
+    asset, state, paint, running, frame, details, tilt = look
+    mesh = asset_mesh(asset, state, paint, running=running, frame=frame, details=details)
+    return mesh if tilt == UPRIGHT else tilted(mesh, tilt)
 
 
 def frame_of(asset: str, state: str, pose: Pose, speed: float, time: float) -> int:

@@ -9,6 +9,7 @@ from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode, moments
+from oodscen.data._motion import Motion
 from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._prop import Prop
 from oodscen.data._scenario import Scenario
@@ -18,6 +19,7 @@ from oodscen.errors import DataError, Issue, LLMError
 from oodscen.stages._augment import Augmenter
 from oodscen.stages._props.files import ASSETS
 from oodscen.stages._props.making import MadeProp
+from oodscen.stages._props.motions import MOTIONS, made_motions
 from oodscen.study._staging import Staging
 
 SCENES = "scenes.jsonl"
@@ -35,6 +37,8 @@ REAR = "episodes.rear.jsonl"
 """File of the runs in which the views to the rear were taken."""
 
 Line = dict[str, Any]
+Made = tuple[tuple[Prop, ...], tuple[Motion, ...]]
+"""Things and motions made to order."""
 
 
 def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
@@ -62,8 +66,9 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
             context=run.config.context,
             encoder=run.encoder,
             made=props,
+            motions=motions,
         )
-        for names, props in {tuple(p.id for p in props): props for props in made.values()}.items()
+        for names, (props, motions) in {_ids(one): one for one in made.values()}.items()
     }
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = _staged(_lines(run))
@@ -82,7 +87,7 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         if isinstance(claims, LLMError):
             return failed(scenario.id, claims, scenario_id=scenario.id)
         try:
-            needed = tuple(prop.id for prop in made.get(scenario.path, ()))
+            needed = _ids(made[scenario.path]) if scenario.path in made else ()
             scene = with_made.get(needed, augmenter).run(scenario, claims)
             if run.config.horizon is not None:
                 scene = scene.model_copy(update={"horizon_s": run.config.horizon})
@@ -106,19 +111,31 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     return [one.scene for one in staged.values()]
 
 
-def _made_for(run: Context) -> dict[tuple[str, ...], tuple[Prop, ...]]:
-    """Return the things that were made for leaves, by the path of the leaf."""
+def _made_for(run: Context) -> dict[tuple[str, ...], Made]:
+    """Return the things and motions that were made for leaves, by the path of the leaf."""
     if not run.has(ASSETS):
         return {}
     lines = [MadeProp.parse(line, source=ASSETS) for line in run.store.lines(ASSETS)]
     props = {one.id: one.prop for one in lines if one.prop is not None}
+    motions = made_motions(run.store.lines(MOTIONS)) if run.has(MOTIONS) else {}
     tree = run.study.tree("simulatable")
     paths = tree.paths
     return {
-        paths[one.id]: tuple(props[name] for name in one.made)
+        paths[one.id]: (
+            tuple(props[name] for name in one.made if name in props),
+            tuple(motions[name] for name in one.made if name in motions),
+        )
         for one in run.study.decisions
-        if one.keep and one.made and one.id in paths and set(one.made) <= props.keys()
+        if one.keep
+        and one.made
+        and one.id in paths
+        and set(one.made) <= props.keys() | motions.keys()
     }
+
+
+def _ids(made: Made) -> tuple[str, ...]:
+    """Return the ids of things and motions."""
+    return tuple(one.id for group in made for one in group)
 
 
 def _lines(run: Context) -> dict[str, Line]:

@@ -1,17 +1,23 @@
 """The stages that make the trees: grow, red-team, prune."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
 
 from oodscen._pipeline.context import Context
+from oodscen.data._base import Data
+from oodscen.data._motion import Motion
 from oodscen.stages._grow import TreeGrower
 from oodscen.stages._props.files import ASSETS
 from oodscen.stages._props.making import MadeProp, PropMaker, judged_again, wanted_things
+from oodscen.stages._props.motions import MOTIONS, MotionMaker, made_motions, wanted_motions
 from oodscen.stages._prune.decisions import PruneDecision, all_decisions, pruned
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.stages._prune.restoration import restoration
 from oodscen.stages._redteam.red_teamer import RedTeamer
 from oodscen.stages._redteam.thresholds import TOKENS
 from oodscen.tree._scenario_tree import ScenarioTree
+
+Wish = TypeVar("Wish")
 
 
 def grow(run: Context) -> ScenarioTree:
@@ -112,31 +118,49 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
 def _with_made(
     run: Context, tree: ScenarioTree, judged: Sequence[PruneDecision]
 ) -> list[PruneDecision]:
-    """Make what dropped leaves lack, and judge these leaves again; `assets.jsonl` keeps what was made."""
+    """Make what dropped leaves lack, and judge these leaves again.
+
+    `assets.jsonl` and `motions.jsonl` keep what was made.
+    """
     catalogue = run.simulator.catalogue()
+    maker, mover = PropMaker(run.llm, run.simulator), MotionMaker(run.llm, run.simulator)
     wanted = {one.name: one for one in wanted_things(tree, judged, catalogue)}
-    used = {name for one in judged for name in one.made}
-    before = {line["id"]: line for line in run.store.lines(ASSETS) if line["id"] in used}
-    maker = PropMaker(run.llm, run.simulator)
-    rows = run.each(
-        "make",
-        ASSETS,
-        {**dict.fromkeys(before), **wanted},
-        lambda todo: (maker.make(one) for one in todo.values() if one is not None),
-    )
-    made = {one.id: one.prop for one in map(MadeProp.parse, rows) if one.prop is not None}
-    if not made:
+    rows = _made(run, ASSETS, judged, wanted, maker.make)
+    props = {one.id: one.prop for one in map(MadeProp.parse, rows) if one.prop is not None}
+    moves = {one.name: one for one in wanted_motions(tree, judged, catalogue)}
+    motions: dict[str, Motion] = {}
+    if moves or run.has(MOTIONS):
+        motions = made_motions(_made(run, MOTIONS, judged, moves, mover.make))
+    if not props and not motions:
         return list(judged)
     pruner = Pruner(
         run.llm,
-        catalogue.with_made(made.values()),
+        catalogue.with_made(props.values(), motions.values()),
         substitutes=False,
         threads=run.threads,
         cancel=run.cancel,
         context=run.config.context,
     )
-    again = {one.id: one for one in judged_again(pruner, tree, judged, made)}
+    again = {one.id: one for one in judged_again(pruner, tree, judged, {*props, *motions})}
     return [again.get(one.id, one) for one in judged]
+
+
+def _made(
+    run: Context,
+    file: str,
+    judged: Sequence[PruneDecision],
+    wanted: Mapping[str, Wish],
+    make: Callable[[Wish], Data],
+) -> list[dict[str, Any]]:
+    """Return the lines of what was made: what is wanted, and what decisions already use."""
+    used = {name for one in judged for name in one.made}
+    before = {line["id"]: line for line in run.store.lines(file) if line["id"] in used}
+    return run.each(
+        "make",
+        file,
+        {**dict.fromkeys(before), **wanted},
+        lambda todo: (make(one) for one in todo.values() if one is not None),
+    )
 
 
 def _tree_text(tree: ScenarioTree) -> str:

@@ -24,6 +24,7 @@ from oodscen.driving._motion.car_following import (
     speed_up,
     turned,
 )
+from oodscen.driving._motion.keyframes import FREE, STAGE, follow_keys
 from oodscen.driving._roads.track import centre, drivable_range, heading, locate, point
 from oodscen.numerics._exact import PI, TAU, atan2, cos, quantised, sin, sincos, wrapped
 from oodscen.numerics._kernels import part
@@ -60,6 +61,7 @@ class Code(IntEnum):
     FALL = 25
     TOWED = 26
     OPEN_DOOR = 27
+    KEYED = 28
 
 
 WALKING = tuple(
@@ -78,7 +80,12 @@ WALKING = tuple(
     )
 )
 """Codes of actors that move along their own heading."""
-IN_WORLD = tuple(map(int, (Code.RUN_RED, Code.ROLL_AWAY, Code.FALL, Code.TOWED, Code.OPEN_DOOR)))
+IN_WORLD = tuple(
+    map(
+        int,
+        (Code.RUN_RED, Code.ROLL_AWAY, Code.FALL, Code.TOWED, Code.OPEN_DOOR, Code.KEYED),
+    )
+)
 """Codes of actors that move in world coordinates; all others move along the road."""
 _SLIDING = 0.5
 """Share of the road's grip for a sliding body."""
@@ -348,6 +355,10 @@ def _act_in_world(w: Situation, i: int, code: int, waited: float) -> None:
     elif code == Code.ROLL_AWAY:
         if waited >= 0.0:
             _roll(w, i, speed_up(w, i, w.traits[i, col.PUSH], w.traits[i, col.GOAL]))
+    elif code == Code.KEYED and state[i, STAGE] != FREE:
+        follow_keys(w, i, waited)
+    elif code == Code.KEYED:
+        _fall(w, i)
     elif code == Code.TOWED:
         _follow(w, i)
     elif code == Code.OPEN_DOOR:
@@ -436,7 +447,8 @@ def _fall(w: Situation, i: int) -> None:
             lift = 0.0
             rising = -0.3 * rising if rising < -1.5 else 0.0
     else:
-        left = max(0.0, speed - _SLIDING * grip(w) * dt)
+        braking = w.traits[i, col.DECELERATION]
+        left = max(0.0, speed - (braking if braking > 0.0 else _SLIDING * grip(w)) * dt)
     mean = 0.5 * (speed + left)
     if speed > 0.0:
         state[i, col.X] = quantised(state[i, col.X] + vx / speed * mean * dt)

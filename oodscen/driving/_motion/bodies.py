@@ -22,7 +22,10 @@ MAX_DRIVE = 4.0
 
 
 class Situation(NamedTuple):
-    """The complete input of kernels: all tables, the road and the visibility."""
+    """The complete input of kernels: all tables, the road and the visibility.
+
+    Below the bodies, the rows of `traits` hold the key poses of motions made to order.
+    """
 
     track: Track
     state: Numbers

@@ -16,8 +16,10 @@ LIFT = 8
 TRIGGERED = 9
 """Time at which the trigger fired, s; negative before."""
 MEMORY = 10
-"""First of four columns in which a behaviour keeps its memory."""
-STATE_WIDTH = 14
+"""First of six columns in which a behaviour keeps its memory."""
+PITCH, ROLL = 16, 17
+"""Tilt of a body that moves through key poses, rad; positive tips its top ahead, or to the right."""
+STATE_WIDTH = 18
 
 # Columns of `Situation.traits`: constants of a body. The behaviour's parameters start at FIRST.
 LENGTH, WIDTH = 0, 1
@@ -37,7 +39,15 @@ POLE = 11
 """Distance from the towing body to its own axle, m."""
 HEIGHT = 12
 """With `LENGTH` and `WIDTH`, the size of its box, m."""
-FIRST = 13
+PIVOT = 13
+"""Height above its underside about which it tilts, m."""
+DELAY, PACE = 14, 15
+"""Delay before its first key, and the factor of its pace."""
+LET_GO = 16
+"""Place in its keys at which it is let go; negative for never."""
+FASTEST, SPINNIEST = 17, 18
+"""Greatest speed through key poses, m/s, and rate of turn, rad/s."""
+FIRST = 19
 PARAMETERS = (
     "speed",
     "duration",
@@ -86,7 +96,17 @@ TRIGGER, MEASURED = 5, 6
 """Kind of its trigger (`oodscen.driving._motion.triggers`), and the row that the trigger measures."""
 IS_PASSABLE, IS_LIT = 7, 8
 """1 if it can be driven over or through; 1 if it has lamps."""
-CODES_WIDTH = 9
+KEY, KEYS = 9, 10
+"""First of its key poses in `Situation.traits`, and their number."""
+FRAME, BY, FACING, THEN = 11, 12, 13, 14
+"""Reference, argument, heading and end of its key poses (`oodscen.driving._motion.keyframes`)."""
+TILTS = 15
+"""1 if its motion ever pitches, rolls or sinks."""
+CODES_WIDTH = 16
+
+# Columns of the rows of `Situation.traits` below the bodies: the argument, six values of a pose, and their slopes.
+AT, POSE, SLOPE = 0, 1, 7
+KEYS_WIDTH = 13
 
 # Columns of `Situation.paths`: the bodies at the beginning of a step, as the others see them.
 PATH_S, PATH_T, PATH_SPEED, PATH_ALONG, PATH_ACROSS = range(5)

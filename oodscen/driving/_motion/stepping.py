@@ -7,6 +7,7 @@ from oodscen.driving._motion.behaviour_kernels import act, stand_in_world
 from oodscen.driving._motion.bodies import GRAVITY, Situation, drive_ego
 from oodscen.driving._motion.boxes import Shape, box_gap, radius, shape
 from oodscen.driving._motion.car_following import curve_speed
+from oodscen.driving._motion.tilting import tilted_box
 from oodscen.driving._motion.triggers import TIME, fires
 from oodscen.driving._roads.track import (
     alignment,
@@ -25,6 +26,8 @@ from oodscen.numerics._kernels import Kernel, Numbers, part
 
 FAR_M = 60.0
 """Distance beyond which a gap counts as infinite, m."""
+SUNK_M = 0.08
+"""Height above the road up to which what has sunk into it can be driven over, m."""
 _SAMPLES = 8
 """Number of places ahead at which the driver looks for a roadside to stop at."""
 _REACH = 3.0
@@ -118,6 +121,8 @@ def publish(w: Situation, poses: Numbers, rows: Numbers, places: Numbers) -> boo
         length, width = traits[i, col.LENGTH], traits[i, col.WIDTH]
         dx, dy = state[i, col.X] - x, state[i, col.Y] - y
         apart = math.sqrt(dx * dx + dy * dy) - own - radius(length, width)
+        if w.codes[i, col.TILTS] == 1:
+            apart -= traits[i, col.HEIGHT] + traits[i, col.PIVOT]
         rows[3, i] = apart
         if apart <= FAR_M and w.codes[i, col.IS_PASSABLE] == 0:
             rows[2, i] = gap_to(w, i, ego)
@@ -130,9 +135,18 @@ def gap_to(w: Situation, i: int, ego: Shape) -> float:
     state, traits = w.state, w.traits
     dx, dy = state[i, col.X] - state[0, col.X], state[i, col.Y] - state[0, col.Y]
     other = shape(state[i, col.YAW], traits[i, col.LENGTH], traits[i, col.WIDTH])
+    low = state[i, col.LIFT]
+    if w.codes[i, col.TILTS] == 1:
+        box = tilted_box(w, i)
+        if low < 0.0 and box.high < SUNK_M:
+            return math.inf
+        dx += box.x * other.cos - box.y * other.sin
+        dy += box.x * other.sin + box.y * other.cos
+        other = Shape(other.cos, other.sin, box.half_length, box.half_width)
+        low = box.low
     level = box_gap(dx, dy, ego, other)
     # Heights are relative to the road under both bodies: boxes do not pitch on a slope.
-    above = max(0.0, state[i, col.LIFT] - traits[0, col.HEIGHT])
+    above = max(0.0, low - traits[0, col.HEIGHT])
     return quantised(math.sqrt(level * level + above * above))
 
 
@@ -146,6 +160,8 @@ def is_touching(w: Situation) -> bool:
         if w.codes[i, col.IS_PASSABLE] == 0:
             dx, dy = state[i, col.X] - state[0, col.X], state[i, col.Y] - state[0, col.Y]
             reach = own + radius(traits[i, col.LENGTH], traits[i, col.WIDTH]) + 1e-3
+            if w.codes[i, col.TILTS] == 1:
+                reach += traits[i, col.HEIGHT] + traits[i, col.PIVOT]
             if dx * dx + dy * dy <= reach * reach and gap_to(w, i, ego) <= 0.0:
                 return True
     return False

@@ -18,6 +18,7 @@ from oodscen.driving._motion.behaviour_kernels import IN_WORLD, Code, stand_in_w
 from oodscen.driving._motion.behaviours import ATTACHED, BUILT_IN, QUICKNESS
 from oodscen.driving._motion.bodies import WHEELBASE, Situation
 from oodscen.driving._motion.car_following import curve_speed, free_road, grip
+from oodscen.driving._motion.keyframes import key_codes, key_table, key_traits, pose_first
 from oodscen.driving._motion.rollouts import Variation, is_passed
 from oodscen.driving._motion.stepping import (
     advance,
@@ -27,6 +28,7 @@ from oodscen.driving._motion.stepping import (
     pull_triggers,
     see_paths,
 )
+from oodscen.driving._motion.tilting import tilts
 from oodscen.driving._motion.triggers import CODES
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.track import for_kernels
@@ -133,12 +135,16 @@ class KinematicWorld(Brief):
         self.ids = tuple(name for name, _, _ in self._bodies)
         """`ego`, then the actors in the scene's order."""
         self._rows = {name: row for row, name in enumerate(self.ids)}
-        kinds = {kind.id: kind for kind in catalogue.behaviours}
+        kinds = {kind.id: kind for kind in catalogue.for_scene(scene).behaviours}
         self.sizes = [(asset.length, asset.width) for _, asset, _ in self._bodies]
         """Length and width of every body, rows as in `ids`."""
         count = len(self.ids)
         self._state = np.zeros((count, col.STATE_WIDTH))
-        self._traits = np.zeros((count, col.TRAITS_WIDTH))
+        self._motions = {motion.id: motion for motion in scene.motions}
+        keys, self._first_keys = key_table(scene.motions, count)
+        self._traits = np.zeros((count + len(keys), col.TRAITS_WIDTH))
+        if keys:
+            self._traits[count:, : col.KEYS_WIDTH] = keys
         self._codes = np.zeros((count, col.CODES_WIDTH), dtype=np.int64)
         order = self._order(scene)
         is_dark = scene.weather.sun_elevation_deg < DARK_DEG
@@ -154,8 +160,8 @@ class KinematicWorld(Brief):
             visual_range=self.visual_range,
             headlamp_range=min(self.visual_range, HEADLAMPS_M) if is_dark else self.visual_range,
         )
-        self._traits[:, : col.WIDTH + 1] = self.sizes
-        self._traits[:, col.HEIGHT] = [asset.height for _, asset, _ in self._bodies]
+        self._traits[:count, : col.WIDTH + 1] = self.sizes
+        self._traits[:count, col.HEIGHT] = [asset.height for _, asset, _ in self._bodies]
         self._place_ego(scene.ego.speed)
         for row, actor in enumerate(scene.actors, start=1):
             kind = kinds[actor.behaviour.name]
@@ -211,6 +217,10 @@ class KinematicWorld(Brief):
     def accelerations(self) -> NDArray[np.float64]:
         """Return every body's acceleration along the heading over the last step, m/s^2: [n]."""
         return self._state[:, col.ACCELERATION].copy()
+
+    def tilts(self) -> dict[int, tuple[float, float, float]]:
+        """Return pitch and roll, rad, and the height about which it turns, m, of every tilted body by row."""
+        return tilts(self._state, self._traits)
 
     def motion(self, body: str) -> Motion:
         """Return the motion of one body by its id."""
@@ -409,14 +419,16 @@ class KinematicWorld(Brief):
         s = quantised(road.start + place.ahead_m)
         t = quantised(road.centre(lane, s) + place.offset_m)
         asset, trigger = self._bodies[row][1], actor.behaviour.trigger
-        behaviour = BUILT_IN[name]
-        code, phase = behaviour.code, 0.0
-        if behaviour.has_chance:
+        motion = self._motions.get(actor.behaviour.name)
+        behaviour = BUILT_IN[name] if motion is None else None
+        code = Code.KEYED if behaviour is None else behaviour.code
+        phase = 0.0
+        if behaviour is not None and behaviour.has_chance:
             phase = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
         owner = actor.behaviour.other
-        if code in ATTACHED and owner is None:
+        if owner is None and (code in ATTACHED or (motion is not None and motion.frame == "other")):
             raise ValueError(f"{actor.id!r} needs another actor to do {name!r}")
-        self._codes[row] = [
+        self._codes[row, : col.KEY] = [
             code,
             lane,
             target,
@@ -433,7 +445,12 @@ class KinematicWorld(Brief):
         traits[col.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
         traits[col.HOME_S], traits[col.HOME_T] = s, t
         traits[col.FIRST :] = [parameters.get(name, 0.0) for name in col.PARAMETERS]
-        speed = parameters.get("speed", 0.0) if behaviour.moves_before_trigger else 0.0
+        if motion is not None:
+            self._codes[row, col.KEY :] = key_codes(motion, self._first_keys[motion.id])
+            for column, value in key_traits(motion, actor.id, seed).items():
+                traits[column] = value
+        is_moving = behaviour is not None and behaviour.moves_before_trigger
+        speed = parameters.get("speed", 0.0) if is_moving else 0.0
         state[col.S], state[col.T], state[col.HEADING] = s, t, heading
         state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
         stand_on_road(self._situation, row)
@@ -444,7 +461,10 @@ class KinematicWorld(Brief):
     def _attach(self, row: int) -> None:
         """Store an actor's pose relative to the body that it belongs to."""
         code, other = self._codes[row, col.BEHAVIOUR], int(self._codes[row, col.OTHER])
-        if code not in ATTACHED:
+        is_held = code in ATTACHED
+        if code == Code.KEYED:
+            is_held = pose_first(self._situation, row)
+        if not is_held:
             return
         mine, its = self._state[row].tolist(), self._state[other].tolist()
         sine, cosine = sincos(its[col.YAW])

@@ -8,6 +8,7 @@ from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._motion.world import KinematicWorld, ego_strip, neighbour_strip
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
+from oodscen.driving._sight.motion_places import motion_places
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies, overlapping, touch, truth_issues
 from oodscen.errors import DataError, Issue, UnknownComponent
 from oodscen.protocols import camera_for
@@ -60,13 +61,15 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     issues = catalogue.check(scene)
     catalogue = catalogue.for_scene(scene)
     kinds = {kind.id: kind for kind in catalogue.behaviours}
+    known = BUILT_IN.keys() | {motion.id for motion in scene.motions}
     issues += [
         Issue(
             f"{path}.behaviour.name",
             f"the catalogue does not say which built-in behaviour {actor.behaviour.name!r} is like",
         )
         for path, actor in _all_actors(scene)
-        if (kind := kinds.get(actor.behaviour.name)) is not None and kind.built_in not in BUILT_IN
+        if (kind := kinds.get(actor.behaviour.name)) is not None
+        and not known & {kind.id, kind.built_in}
     ]
     try:
         corridor = load_corridor(scene.map, catalogue)
@@ -82,6 +85,8 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
         return [Issue("ego.lane", str(error))]
     for path, actor in _all_actors(scene):
         issues += _place_issues(path, actor, catalogue, corridor, lane)
+    if not issues and scene.motions:
+        issues += motion_places(scene, _all_actors(scene), corridor, lane)
     if issues:
         return issues
     world = KinematicWorld(corridor, scene, catalogue, 0)
@@ -132,8 +137,8 @@ def _place_issues(
             f"{place.offset_m:g} m is beside the map; here it reaches from {low:.1f} to {high:.1f}"
         )
         return [*issues, Issue(f"{path}.placement.offset_m", message)]
-    behaviour = BUILT_IN[kind.built_in]
-    moves = behaviour.moves_before_trigger or behaviour.drives_from_rest
+    behaviour = BUILT_IN.get(kind.built_in)
+    moves = behaviour is not None and (behaviour.moves_before_trigger or behaviour.drives_from_rest)
     strip = corridor.strip_at(s, min(t, left - 1e-6))
     beneath = "none" if strip is None else corridor.strips[strip].kind
     is_on_road = beneath in DRIVABLE or corridor.is_drivable(s, t, t)

@@ -124,10 +124,11 @@ def seen(
 
 def floating(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
     """Return issues for bodies above or below the ground, unless they are carried or fly."""
+    airborne = AIRBORNE | {motion.id for motion in scene.motions}
     exempt = {
         actor.id
         for actor in scene.actors
-        if actor.behaviour.other is not None or actor.behaviour.name in AIRBORNE
+        if actor.behaviour.other is not None or actor.behaviour.name in airborne
     }
     rows = {actor.id: row for row, actor in enumerate(scene.actors)}
     issues: dict[str, Issue] = {}

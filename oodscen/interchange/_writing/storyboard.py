@@ -171,6 +171,13 @@ def approximate(scene: Scene, run: Reactions) -> dict[str, str]:
     for actor in scene.actors:
         if actor.behaviour.name == "overtake":
             said[actor.id] = "passes the ego on a recorded course from its trigger on"
+    motions = {motion.id: motion for motion in scene.motions}
+    for actor in scene.actors:
+        motion = motions.get(actor.behaviour.name)
+        if motion is not None and (motion.by == "ego" or motion.frame == "ego"):
+            said[actor.id] = "goes by the ego on a recorded course"
+        elif motion is not None and motion.is_tilting:
+            said[actor.id] = "stands upright: its course has neither pitch nor roll"
     return said
 
 
@@ -207,6 +214,7 @@ class _ReactionWriter:
         self.run = run
         self.corridor = corridor
         self.conditions = EgoConditions(entities, run.nominal, corridor)
+        self.coming = {motion.id for motion in scene.motions if motion.begins == "moving"}
 
     def write(self, make: Callable[[], Element], row: int, actor: Actor) -> None:
         """Append the maneuver of one actor, unless it never moves."""
@@ -234,6 +242,7 @@ class _ReactionWriter:
     ) -> None:
         time = self.run.nominal.time[step:] - self.run.nominal.time[step]
         moves = actor.behaviour.name in MOVES_BEFORE_TRIGGER or actor.behaviour.name == "fall"
+        moves = moves or actor.behaviour.name in self.coming
         opening = f"react_{one.name}_0"
         for number, (first, last) in enumerate(phases(poses)):
             first = 0 if number == 0 else first

@@ -1,1 +1,1 @@
-"""Things made to order: designing them, looking at them, and their sheet."""
+"""Things and movements made to order: designing them, looking at them, and their sheet."""

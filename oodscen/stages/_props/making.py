@@ -1,6 +1,6 @@
 """Making what a catalogue lacks, so that dropped branches can be shown after all."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from threading import Lock
 from typing import ClassVar, Literal, NamedTuple
 
@@ -120,13 +120,13 @@ class PropMaker:
 
 
 def makeable(decision: PruneDecision) -> bool:
-    """Return whether a dropped leaf lacks nothing but things, which can be made."""
+    """Return whether a dropped leaf lacks nothing but things and movements, which can be made."""
     return (
         not decision.keep
         and decision.status == "ok"
         and not decision.made
         and bool(decision.lacks)
-        and all(one.kind == "asset" for one in decision.lacks)
+        and all(one.kind in ("asset", "behaviour") for one in decision.lacks)
     )
 
 
@@ -141,7 +141,7 @@ def wanted_things(
         decision = by_id.get(leaf.id)
         if decision is not None and (makeable(decision) or decision.made):
             for one in decision.lacks or ():
-                if _is_id(one) and one.name not in known:
+                if one.kind == "asset" and is_id(one) and one.name not in known:
                     category = one.category or "object"
                     found.setdefault(one.name, Wanted(one.name, category, decision.path))
     return list(found.values())
@@ -151,15 +151,15 @@ def judged_again(
     pruner: Pruner,
     tree: ScenarioTree,
     decisions: Sequence[PruneDecision],
-    made: Mapping[str, Prop],
+    made: Collection[str],
 ) -> list[PruneDecision]:
-    """Judge the leaves again whose lacking things have all been made.
+    """Judge the leaves again whose lacking things and movements have all been made.
 
     Args:
-        pruner: A pruner whose catalogue has the things.
+        pruner: A pruner whose catalogue has the things and movements.
         tree: The diverse tree.
         decisions: The decisions about its leaves.
-        made: The things by id.
+        made: Ids of the things and movements.
 
     Returns:
         The new decisions; a leaf is kept only if it is shown with a thing that was made for it.
@@ -179,7 +179,8 @@ def judged_again(
     return found
 
 
-def _is_id(addition: Addition) -> bool:
+def is_id(addition: Addition) -> bool:
+    """Return whether an addition has a name that can be an id."""
     name = addition.name
     return (
         2 <= len(name) <= 40

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
+from oodscen.data._motion import Motion
 from oodscen.driving._motion.behaviours import BEHAVIOURS
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange import to_openscenario
@@ -12,13 +13,22 @@ from tests.interchange.playing import centres, turned
 from tests.interchange.staging import SCENES, catalogue, doing
 
 DOINGS = [doing(kind) for kind in BEHAVIOURS]
+MOTIONS = [
+    Motion.parse({"id": name, "description": "moving somehow", **members})
+    for name, members in {
+        "comes": {"body": "car", "begins": "moving", "keys": [{"at": 0}, {"at": 3, "ahead": 24}, {"at": 6, "ahead": 36}]},
+        "rises": {"body": "loose", "keys": [{"at": 0, "up": -1}, {"at": 3}]},
+        "hovers": {"body": "flying", "frame": "other", "then": "repeat", "keys": [{"up": 2}, {"at": 2, "up": 3}, {"at": 4, "up": 2}]},
+    }.items()
+]  # fmt: skip
+MADE = [doing(one.kind()).model_copy(update={"motions": (one,)}) for one in MOTIONS]
 
 
 def names(root, tag, attribute):
     return [one.get(attribute) for one in root.iter(tag)]
 
 
-@pytest.mark.parametrize("scene", [*SCENES, *DOINGS], ids=lambda one: one.id)
+@pytest.mark.parametrize("scene", [*SCENES, *DOINGS, *MADE], ids=lambda one: one.id)
 def test_a_replay_has_every_course_within_a_millimetre_and_a_degree(scene):
     truth = replayed(scene, UnrenderedSimulator(catalogue()), "stop", 0)
     played = centres(to_openscenario(scene, catalogue(), action="stop").xosc, truth.time)
@@ -30,7 +40,7 @@ def test_a_replay_has_every_course_within_a_millimetre_and_a_degree(scene):
 
 
 @pytest.mark.parametrize("mode", ["replay", "reactive"])
-@pytest.mark.parametrize("scene", [*SCENES[::3], *DOINGS], ids=lambda one: one.id)
+@pytest.mark.parametrize("scene", [*SCENES[::3], *DOINGS, *MADE], ids=lambda one: one.id)
 def test_every_reference_leads_somewhere_and_names_are_unique(scene, mode):
     root = etree.fromstring(to_openscenario(scene, catalogue(), mode=mode, target="esmini").xosc)
     entities = names(root, "ScenarioObject", "name")

@@ -1,0 +1,202 @@
+"""Key poses, and courses that yield them: walk, roll, drift, swing, circle."""
+
+import math
+
+from pydantic import Field
+
+from oodscen.data._base import Data
+
+_SINES = (0.0, 0.3826834323650898, 0.7071067811865476, 0.9238795325112867, 1.0)
+"""Sines of the multiples of an eighth of pi, as literals: they are the same on every machine."""
+_STOPPING = 3.0
+"""Deceleration with which a rolling thing comes to rest, m/s^2."""
+
+
+class KeyPose(Data):
+    """One pose of a motion, in its frame."""
+
+    at: float = Field(default=0.0, ge=0, le=300)
+    """Seconds since the trigger, or metres that the ego has driven since then."""
+    ahead: float = Field(default=0.0, ge=-200, le=200)
+    """m from the start"""
+    left: float = Field(default=0.0, ge=-100, le=100)
+    """m from the start"""
+    up: float = Field(default=0.0, ge=-12, le=30)
+    """Height of the underside above the road, m; negative is below it."""
+    yaw: float = Field(default=0.0, ge=-14_400, le=14_400)
+    """Degrees, counter-clockwise."""
+    pitch: float = Field(default=0.0, ge=-14_400, le=14_400)
+    """Degrees; positive tips its top ahead."""
+    roll: float = Field(default=0.0, ge=-14_400, le=14_400)
+    """Degrees; positive tips its top to the right."""
+
+    def values(self) -> tuple[float, ...]:
+        """Return `at`, the three distances and the three angles, rad."""
+        angles = (one * math.pi / 180.0 for one in (self.yaw, self.pitch, self.roll))
+        return (self.at, self.ahead, self.left, self.up, *angles)
+
+
+Poses = tuple[KeyPose, ...]
+
+
+class Walk(Data):
+    """A walk straight on, with pauses, and back if wanted: one of a crowd."""
+
+    distance: float = Field(gt=0, le=100)
+    """m"""
+    speed: float = Field(default=1.3, gt=0, le=20)
+    """Mean speed between pauses, m/s."""
+    pauses: int = Field(default=0, ge=0, le=6)
+    pause_s: float = Field(default=2.0, ge=0.2, le=20)
+    back: bool = False
+    """True if it then turns round and comes back."""
+
+    def poses(self) -> Poses:
+        """Return the key poses."""
+        legs = self.pauses + 1
+        step, found, time = self.distance / legs, [KeyPose()], 0.0
+        for leg in range(1, legs + 1):
+            time += step / self.speed
+            found.append(KeyPose(at=time, ahead=step * leg))
+            if leg < legs or self.back:
+                time += self.pause_s
+                found.append(KeyPose(at=time, ahead=step * leg))
+        if self.back:
+            found.append(KeyPose(at=time + self.distance / self.speed))
+        return tuple(found)
+
+
+class Roll(Data):
+    """A roll down a slope: faster and faster up to a speed, on to a distance, and to rest there."""
+
+    distance: float = Field(gt=0, le=120)
+    """m"""
+    speed: float = Field(default=4.0, gt=0, le=20)
+    """Greatest speed, m/s."""
+    acceleration: float = Field(default=0.8, gt=0, le=5)
+    """m/s^2"""
+    radius: float = Field(default=0.0, ge=0, le=2)
+    """Radius with which it turns over as it rolls, m; 0 if it stays upright, on wheels."""
+    stops: bool = True
+    """False if it is still rolling at that distance; `then` is `go_on`."""
+
+    def poses(self) -> Poses:
+        """Return the key poses."""
+        a, b = self.acceleration, _STOPPING if self.stops else math.inf
+        # The greatest speed that leaves room to gather it and to come to rest.
+        room = 0.5 / a + 0.5 / b
+        speed = min(self.speed, math.sqrt(self.distance / room))
+        gathered, braked = 0.5 * speed * speed / a, 0.5 * speed * speed / b
+        places = [(speed / a * k / 6, gathered * (k / 6) ** 2) for k in range(7)]
+        time, s = places[-1]
+        even = self.distance - gathered - braked
+        if even > 0.3 * speed:
+            time, s = time + even / speed, s + even
+            places.append((time, s))
+        if self.stops:
+            places += [
+                (time + speed / b * k / 4, s + braked * (1.0 - (1.0 - k / 4) ** 2))
+                for k in range(1, 5)
+            ]
+        return tuple(
+            KeyPose(at=time, ahead=s, pitch=math.degrees(s / self.radius) if self.radius else 0.0)
+            for time, s in places
+        )
+
+
+class Drift(Data):
+    """A drift with the wind: on in gusts, swaying, rising and sinking."""
+
+    speed: float = Field(default=3.0, gt=0, le=20)
+    """Mean speed, m/s."""
+    seconds: float = Field(default=12.0, ge=1, le=60)
+    gust_s: float = Field(default=2.5, ge=0.5, le=10)
+    """Time from gust to gust, s."""
+    sway: float = Field(default=0.5, ge=0, le=5)
+    """m to either side"""
+    height: float = Field(default=1.0, ge=0, le=20)
+    """Mean height of its underside above the road, m."""
+    rise: float = Field(default=0.5, ge=0, le=8)
+    """m up and down around that height; it stays above the road."""
+    turn_deg: float = Field(default=20.0, ge=0, le=90)
+    """Degrees to either side."""
+
+    def poses(self) -> Poses:
+        """Return the key poses."""
+        count = max(2, min(22, round(2.0 * self.seconds / self.gust_s)))
+        found = [KeyPose(up=self.height)]
+        ahead = 0.0
+        for k in range(1, count + 1):
+            side = 1.0 if k % 2 else -1.0
+            is_end = k in (1, count)
+            ahead += self.speed * self.seconds / count * (0.5 if is_end else 1.0 + 0.35 * side)
+            found.append(
+                KeyPose(
+                    at=self.seconds * k / count,
+                    ahead=ahead,
+                    left=side * self.sway,
+                    up=max(0.0, self.height + side * self.rise),
+                    yaw=side * self.turn_deg,
+                )
+            )
+        return tuple(found)
+
+
+class Swing(Data):
+    """A swing to and fro about a point; choose its height by `pivot_m`."""
+
+    angle_deg: float = Field(default=20.0, gt=0, le=90)
+    """Degrees to either side."""
+    period_s: float = Field(default=2.0, ge=0.5, le=20)
+    sideways: bool = True
+    """True if its top or bottom moves sideways, false if to and from the driver."""
+    swings: int = Field(default=5, ge=1, le=10)
+    """Swings until it hangs still; it begins again where the motion repeats."""
+    fades: bool = True
+    """True if every swing is smaller than the last."""
+    up: float = Field(default=0.0, ge=0, le=20)
+    """Height of its underside above the road, m."""
+
+    def poses(self) -> Poses:
+        """Return the key poses."""
+        found, quarter = [KeyPose(up=self.up)], 0.25 * self.period_s
+        for k in range(2 * self.swings):
+            share = 1.0 - k / (2.0 * self.swings) if self.fades else 1.0
+            angle = self.angle_deg * share * (1.0 if k % 2 == 0 else -1.0)
+            tilt = {"roll": angle} if self.sideways else {"pitch": angle}
+            found.append(KeyPose(at=quarter * (2 * k + 1), up=self.up, **tilt))
+        found.append(KeyPose(at=quarter * 4 * self.swings, up=self.up))
+        return tuple(found)
+
+
+class Circle(Data):
+    """Rounds on a circle to the left of the start, or to its right."""
+
+    radius: float = Field(default=2.0, ge=0.3, le=30)
+    """m"""
+    speed: float = Field(default=2.0, gt=0, le=20)
+    """m/s"""
+    clockwise: bool = False
+    up: float = Field(default=0.0, ge=0, le=20)
+    """Height of its underside above the road, m."""
+
+    def poses(self) -> Poses:
+        """Return the key poses of one round."""
+        side = -1.0 if self.clockwise else 1.0
+        lap = 2.0 * math.pi * self.radius / self.speed
+        return tuple(
+            KeyPose(
+                at=lap * k / 16,
+                ahead=self.radius * _sine(k),
+                left=side * self.radius * (1.0 - _sine(k + 4)),
+                up=self.up,
+            )
+            for k in range(17)
+        )
+
+
+def _sine(eighths: int) -> float:
+    """Return the sine of a multiple of an eighth of pi."""
+    place = eighths % 16
+    size = _SINES[4 - abs(place % 8 - 4)]
+    return -size if place > 8 else size

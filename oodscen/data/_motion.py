@@ -1,0 +1,302 @@
+"""Motions made to order: movements that a scene carries, for what no catalogue has."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
+
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
+
+from oodscen.data._base import Data, IssuesError
+from oodscen.data._category import Category
+from oodscen.data._courses import Circle, Drift, KeyPose, Roll, Swing, Walk
+from oodscen.data._poses import PoseTrack
+from oodscen.errors import DataError, Issue
+
+if TYPE_CHECKING:
+    from oodscen.data._catalogue import BehaviourKind
+
+KEYED = "keyed"
+"""Id of the behaviour of the kinematic world that moves bodies through key poses."""
+MOST_KEYS = 24
+LONGEST_S = 60.0
+"""Greatest time of a key, s."""
+FARTHEST_M = 300.0
+"""Greatest distance of the ego at a key, m."""
+EGO_MPS = 10.0
+"""Speed of the ego for which a motion over its distance is checked before a scene is known, m/s."""
+BACKWARDS = 0.4
+"""Share of its speed that a body reaches backwards."""
+NEAR_M = 1e-6
+
+Frame = Literal["start", "lane", "other", "ego"]
+BodyKind = Literal["person", "animal", "cyclist", "car", "truck", "loose", "flying"]
+Facing = Literal["fixed", "along", "against"]
+Ending = Literal["stay", "repeat", "go_on"]
+
+_COURSES = ("keys", "walk", "roll", "drift", "swing", "circle")
+
+
+class Ability(NamedTuple):
+    """The limits of what a kind of body can do."""
+
+    words: str
+    speed: float
+    """m/s"""
+    acceleration: float
+    """In any direction along the ground, m/s^2."""
+    climb: float
+    """Up or down, m/s."""
+    height: float
+    """Greatest height above the road, m."""
+    spin: float
+    """Rate of turn about any axis, degrees per second."""
+    radius: float
+    """Least radius of a turn that it faces along, m."""
+    categories: tuple[Category, ...]
+    """Categories of the assets that are such bodies."""
+
+
+ABILITIES: dict[BodyKind, Ability] = {
+    "person": Ability("a person", 8, 6, 4, 3, 400, 0, ("pedestrian",)),
+    "animal": Ability("an animal", 18, 10, 6, 3, 400, 0, ("animal",)),
+    "cyclist": Ability("a cyclist", 15, 6, 4, 3, 180, 1.2, ("cyclist",)),
+    "car": Ability("a car", 45, 9.5, 6, 4, 180, 4, ("vehicle",)),
+    "truck": Ability("a truck", 30, 6, 3, 4, 60, 6, ("vehicle",)),
+    "loose": Ability(
+        "a loose thing", 30, 25, 20, 30, 1440, 0, ("object", "work_zone", "vegetation", "signal")
+    ),
+    "flying": Ability("a flying thing", 25, 15, 10, 30, 720, 0, ("object", "animal")),
+}
+
+
+class Motion(Data):
+    """The design of one movement: a body's key poses, or a course that yields them."""
+
+    noun: ClassVar[str] = "motion"
+
+    schema_version: Literal[1] = 1
+    id: str = Field(pattern=r"^[a-z][a-z0-9_]{1,39}$")
+    """Its name as a behaviour."""
+    description: str = Field(min_length=3, max_length=120, pattern=r"^[^\x00-\x1f\x7f<>]+$")
+    """Visible movement as a participle, e.g. `falling over across the road`."""
+    body: BodyKind
+    """Kind of body that moves so; it limits speed, acceleration and turning."""
+    frame: Frame = "start"
+    """Reference of the keys: straight on from the actor's start and heading, the road as the ego drives it,
+    the actor `other`, or the ego. Before the trigger an actor rides on `other`; elsewhere it waits."""
+    by: Literal["time", "ego"] = "time"
+    """Meaning of `at`: seconds since the trigger, or metres that the ego has driven since then."""
+    facing: Facing = "fixed"
+    """Heading: that of the frame, along the actor's way, or against it; the yaw of a key is added."""
+    begins: Literal["rest", "moving"] = "rest"
+    """Before the trigger it rests in the pose of the first key, or comes straight on at its first speed."""
+    then: Ending = "stay"
+    """End: it stays at the last key, begins again at the first, or goes on at its last velocity."""
+    pivot_m: float = Field(default=0.0, ge=0, le=30)
+    """Height above the body's underside about which it pitches and rolls, m: 0 for what falls over."""
+    let_go: float | None = Field(default=None, ge=0, le=300)
+    """`at` from which an actor in the frame of another body is let go: it flies on, falls and slides to rest."""
+    delay: float = Field(default=0.0, ge=0, le=20)
+    """Every actor begins up to so much later, drawn from the seed: people of a crowd differ."""
+    pace: float = Field(default=0.0, ge=0, le=0.5)
+    """Every actor is up to this share faster or slower, drawn from the seed."""
+    keys: tuple[KeyPose, ...] = Field(default=(), max_length=MOST_KEYS)
+    """Poses in order; the first is at 0 and where the actor is placed."""
+    walk: Walk | None = None
+    roll: Roll | None = None
+    drift: Drift | None = None
+    swing: Swing | None = None
+    circle: Circle | None = None
+
+    @model_serializer(mode="wrap")
+    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        value: dict[str, Any] = serialise(self)
+        return {name: one for name, one in value.items() if one not in (None, (), [])}
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        issues = list(_form_faults(self))
+        if not issues or _is_ordered(self):
+            issues += motion_faults(self)
+        if issues:
+            raise IssuesError(issues)
+        return self
+
+    @property
+    def course(self) -> str:
+        """The member that gives the key poses: `keys` or the name of a course."""
+        return next(name for name in _COURSES if getattr(self, name))
+
+    def poses(self) -> tuple[KeyPose, ...]:
+        """Return the key poses, those of its course if it has one."""
+        if self.keys:
+            return self.keys
+        found: Walk | Roll | Drift | Swing | Circle = getattr(self, self.course)
+        return found.poses()
+
+    def track(self) -> PoseTrack:
+        """Return the smooth curve through the key poses."""
+        rows = [pose.values() for pose in self.poses()]
+        return PoseTrack.of(rows, self.then, is_moving=self.begins == "moving")
+
+    @property
+    def fastest(self) -> float:
+        """Greatest speed of its body, m/s: backwards it is less."""
+        return ABILITIES[self.body].speed * (BACKWARDS if self.facing == "against" else 1.0)
+
+    @property
+    def is_tilting(self) -> bool:
+        """True if the body ever pitches or rolls."""
+        return any(pose.pitch or pose.roll for pose in self.poses())
+
+    def kind(self) -> "BehaviourKind":
+        """Return it as a behaviour of a catalogue."""
+        from oodscen.data._catalogue import BehaviourKind
+
+        before = "stands" if self.begins == "rest" else "comes straight on"
+        if self.frame == "other":
+            before = "goes along with another actor"
+        way = " along the road" if self.frame == "lane" else ""
+        return BehaviourKind(
+            id=self.id,
+            description=f"{before}; from the trigger on{way}: {self.description}",
+            categories=ABILITIES[self.body].categories,
+            needs_other=self.frame == "other",
+            like=KEYED,
+        )
+
+
+def motion_faults(motion: Motion, ego_speed: float = EGO_MPS) -> list[Issue]:
+    """Return the faults of a motion that its body cannot do, with paths in the writer's coordinates.
+
+    Args:
+        motion: A motion in good form.
+        ego_speed: Speed of the ego for keys over its distance, m/s.
+    """
+    rate = max(ego_speed, 1.0) if motion.by == "ego" else 1.0
+    track, able = motion.track(), ABILITIES[motion.body]
+    if motion.pace:
+        rate *= 1.0 + motion.pace
+    issues = [
+        Issue(_at(motion, index + 1), message)
+        for index in range(len(track.spans))
+        if (message := _stretch_fault(motion, track, index, rate, able))
+    ]
+    issues += [
+        Issue(
+            _at(motion, index, "up"), f"{able.words} gets {able.height:g} m above the road at most"
+        )
+        for index, pose in enumerate(motion.poses())
+        if pose.up > able.height
+    ]
+    return issues
+
+
+# ---------------------------------------------------------------------- faults
+
+
+def _form_faults(motion: Motion) -> Iterator[Issue]:
+    """Yield the faults of the form: what is missing, out of order, or does not fit together."""
+    given = [name for name in _COURSES if getattr(motion, name)]
+    if len(given) != 1:
+        told = f"not {' and '.join(given)}" if given else "none is given"
+        yield Issue(given[1] if given else "keys", f"give one of {', '.join(_COURSES)}; {told}")
+        return
+    try:
+        poses = motion.poses()
+    except DataError as error:
+        for issue in error.issues:
+            yield Issue(motion.course, f"leads to a key whose `{issue.path}` is out of range")
+        return
+    limit = FARTHEST_M if motion.by == "ego" else LONGEST_S
+    unit = "m" if motion.by == "ego" else "s"
+    first = poses[0]
+    if first.at != 0:
+        yield Issue(_at(motion, 0, "at"), "the first key is at 0")
+    for name in ("ahead", "left"):
+        if getattr(first, name) != 0:
+            yield Issue(_at(motion, 0, name), "the first key is where the actor is placed: 0")
+    for index, (one, two) in enumerate(pairwise(poses), start=1):
+        if two.at < one.at + 0.05:
+            yield Issue(
+                _at(motion, index, "at"), f"must be at least 0.05 {unit} after the last key"
+            )
+    if poses[-1].at > limit:
+        yield Issue(_at(motion, len(poses) - 1, "at"), f"at most {limit:g} {unit}")
+    if motion.let_go is not None and motion.frame not in ("other", "ego"):
+        yield Issue("let_go", "only what moves with another body (`other`, `ego`) can be let go")
+    if motion.begins == "moving":
+        if motion.by == "ego" or motion.frame in ("other", "ego"):
+            yield Issue("begins", "what moves with another body cannot move before: `rest`")
+        elif len(poses) < 2 or motion.then == "repeat":
+            yield Issue("begins", "needs at least two keys, and no repetition")
+    if motion.frame in ("start", "lane") and len({pose.values()[1:] for pose in poses}) < 2:
+        yield Issue(motion.course, "nothing moves: at least two keys differ")
+    if motion.then != "stay" and len(poses) < 2:
+        yield Issue("then", "needs at least two keys")
+    elif motion.then == "repeat":
+        yield from _seam_faults(motion, first, poses[-1])
+    if motion.frame in ("other", "ego") and motion.facing != "fixed" and motion.let_go is not None:
+        yield Issue("facing", "what is let go keeps its heading: `fixed`")
+
+
+def _is_ordered(motion: Motion) -> bool:
+    """Return whether there is one course, and every key comes after the last."""
+    if sum(bool(getattr(motion, name)) for name in _COURSES) != 1:
+        return False
+    try:
+        poses = motion.poses()
+    except DataError:
+        return False
+    return all(two.at > one.at for one, two in pairwise(poses))
+
+
+def _seam_faults(motion: Motion, first: KeyPose, last: KeyPose) -> Iterator[Issue]:
+    """Yield a fault where the last pose of a repeated motion is not the first."""
+    where = len(motion.poses()) - 1
+    for name in ("ahead", "left", "up"):
+        if abs(getattr(first, name) - getattr(last, name)) > NEAR_M:
+            yield Issue(_at(motion, where, name), "what repeats ends in the pose of its first key")
+    for name in ("yaw", "pitch", "roll"):
+        apart = (getattr(first, name) - getattr(last, name)) % 360.0
+        if min(apart, 360.0 - apart) > NEAR_M:
+            yield Issue(_at(motion, where, name), "what repeats ends in the pose of its first key")
+
+
+def _stretch_fault(
+    motion: Motion, track: PoseTrack, index: int, rate: float, able: Ability
+) -> str | None:
+    """Return why a body cannot move so between two keys, if it cannot."""
+    found = track.measure(index)
+    span, moved = track.spans[index], track.moved(index)
+    over = f"{span:g} s" if motion.by == "time" else f"{span:g} m of the ego"
+    here = f"{moved:.3g} m within {over}"
+    if found.speed * rate > motion.fastest + 1e-9:
+        how = "backwards " if motion.facing == "against" else ""
+        can = f"{able.words} can {how}{motion.fastest:g}"
+        return f"{here} takes {found.speed * rate:.3g} m/s; {can}"
+    if found.climb * rate > able.climb + 1e-9:
+        return f"up or down at {found.climb * rate:.3g} m/s; {able.words} can {able.climb:g}"
+    if found.spin * rate > able.spin + 1e-9:
+        return (
+            f"turns at {found.spin * rate:.3g} degrees per second; {able.words} can {able.spin:g}"
+        )
+    needed = found.acceleration * rate * rate
+    if needed > able.acceleration + 1e-9:
+        message = f"needs {needed:.3g} m/s^2; {able.words} can {able.acceleration:g}"
+        return f"{here} {message}: allow more time, or ease in and out with further keys"
+    if motion.facing != "fixed" and found.radius < able.radius - 1e-9:
+        return f"turns within {found.radius:.2g} m; {able.words} needs {able.radius:g} m"
+    return None
+
+
+def _at(motion: Motion, index: int, name: str = "") -> str:
+    """Return the path of a key, or of the course that yields it."""
+    if not motion.keys:
+        return motion.course
+    return f"keys[{index}].{name}" if name else f"keys[{index}]"

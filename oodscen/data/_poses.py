@@ -1,0 +1,116 @@
+"""Smooth curves through key poses: monotone cubics that never leave the range between two keys."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple, Self
+
+AHEAD, LEFT, UP, YAW, PITCH, ROLL = range(6)
+"""Indices of a pose: metres, then radians."""
+_SAMPLES = 8
+"""Places of a stretch at which speed and curvature are measured."""
+_SLOW = 0.3
+"""Speed below which a direction of travel means nothing, m per unit."""
+
+Pose = tuple[float, ...]
+
+
+class Measures(NamedTuple):
+    """Greatest rates over one stretch, per unit of `at`."""
+
+    speed: float
+    """Along the ground, m."""
+    acceleration: float
+    """Along the ground, m per squared unit."""
+    climb: float
+    """Up or down, m."""
+    spin: float
+    """About any axis, degrees."""
+    radius: float
+    """Least radius of the way, m; infinite for a straight one."""
+
+
+class PoseTrack(NamedTuple):
+    """Key poses with the slopes of a cubic between each two."""
+
+    at: tuple[float, ...]
+    poses: tuple[Pose, ...]
+    slopes: tuple[Pose, ...]
+
+    @classmethod
+    def of(
+        cls, rows: Sequence[Sequence[float]], ending: str = "stay", *, is_moving: bool = False
+    ) -> Self:
+        """Return the curve through rows of `at` and six values.
+
+        Slopes are those of the parabola through three keys, limited so that the cubic stays monotone between two
+        keys (Fritsch and Carlson, "Monotone piecewise cubic interpolation", 1980). A body starts and ends at
+        rest; one that is moving already, repeats or goes on keeps its pace.
+
+        Args:
+            rows: `at` and pose of each key, in order.
+            ending: `stay`, `repeat` or `go_on`.
+            is_moving: True if it moves before the first key.
+        """
+        at = tuple(row[0] for row in rows)
+        poses = tuple(tuple(row[1:]) for row in rows)
+        last = len(rows) - 1
+        spans = [at[k + 1] - at[k] for k in range(last)]
+        columns = []
+        for axis in range(6):
+            rise = [(poses[k + 1][axis] - poses[k][axis]) / spans[k] for k in range(last)]
+            inner = [_slope(rise[k - 1], rise[k], spans[k - 1], spans[k]) for k in range(1, last)]
+            ends = [0.0, 0.0]
+            if last and ending == "repeat":
+                ends = [_slope(rise[-1], rise[0], spans[-1], spans[0])] * 2
+            elif last and axis != UP:
+                ends = [rise[0] * is_moving, rise[-1] * (ending == "go_on")]
+            columns.append([ends[0], *inner, ends[1]] if last else [0.0])
+        return cls(at, poses, tuple(zip(*columns, strict=True)))
+
+    @property
+    def spans(self) -> tuple[float, ...]:
+        """Lengths of the stretches in units of `at`."""
+        return tuple(b - a for a, b in zip(self.at, self.at[1:], strict=False))
+
+    def moved(self, index: int) -> float:
+        """Return the distance along the ground between two keys, m."""
+        one, two = self.poses[index], self.poses[index + 1]
+        return math.dist(one[:UP], two[:UP])
+
+    def measure(self, index: int) -> Measures:
+        """Return the greatest rates over one stretch."""
+        speed = climb = spin = acceleration = 0.0
+        radius = math.inf
+        for k in range(_SAMPLES + 1):
+            rates, bends = self._rates(index, k / _SAMPLES)
+            vx, vy = rates[AHEAD], rates[LEFT]
+            ax, ay = bends[AHEAD], bends[LEFT]
+            pace = math.sqrt(vx * vx + vy * vy)
+            speed, climb = max(speed, pace), max(climb, abs(rates[UP]))
+            spin = max(spin, *(math.degrees(abs(rates[axis])) for axis in (YAW, PITCH, ROLL)))
+            acceleration = max(acceleration, math.sqrt(ax * ax + ay * ay))
+            turning = abs(vx * ay - vy * ax)
+            if pace > _SLOW and turning > 1e-9:
+                radius = min(radius, pace**3 / turning)
+        return Measures(speed, acceleration, climb, spin, radius)
+
+    def _rates(self, index: int, u: float) -> tuple[list[float], list[float]]:
+        """Return the first and second derivatives at a share of a stretch."""
+        span = self.at[index + 1] - self.at[index]
+        rates, bends = [], []
+        for axis in range(6):
+            rise = (self.poses[index + 1][axis] - self.poses[index][axis]) / span
+            first, second = self.slopes[index][axis], self.slopes[index + 1][axis]
+            c, d = 3.0 * rise - 2.0 * first - second, first + second - 2.0 * rise
+            rates.append(first + 2.0 * c * u + 3.0 * d * u * u)
+            bends.append((2.0 * c + 6.0 * d * u) / span)
+        return rates, bends
+
+
+def _slope(before: float, after: float, span: float, following: float) -> float:
+    """Return the slope at a key between two stretches; 0 at a turning point or a pause."""
+    if before * after <= 0.0:
+        return 0.0
+    mean = (before * following + after * span) / (span + following)
+    limit = 3.0 * min(abs(before), abs(after))
+    return min(max(mean, -limit), limit)

@@ -1,0 +1,160 @@
+"""Making movements that a catalogue lacks, so that dropped branches can be shown after all."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import ClassVar, Literal, NamedTuple
+
+from oodscen._text import one_line
+from oodscen.data._base import Data
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._category import Category
+from oodscen.data._motion import ABILITIES, Motion
+from oodscen.data._scene import Scene
+from oodscen.errors import Issue, LLMError, OodscenError
+from oodscen.llm._ask import ask, speaker
+from oodscen.prompts._scenario.design_motion import DesignedMotion, DesignMotion
+from oodscen.protocols import LLM, Control, Simulator
+from oodscen.stages._props.making import is_id, makeable
+from oodscen.stages._prune.decisions import PruneDecision
+from oodscen.tree._scenario_tree import ScenarioTree
+
+MOTIONS = "motions.jsonl"
+"""File of a study with one line per movement that was made."""
+_TRIAL_S = 3.0
+"""Time for which a movement is tried in the simulator, s."""
+
+
+class MadeMotion(Data):
+    """A movement that was to be made: its design, or the reason why there is none."""
+
+    noun: ClassVar[str] = "made motion"
+
+    id: str
+    status: Literal["ok", "failed"] = "ok"
+    error: str | None = None
+    retryable: bool = False
+    motion: Motion | None = None
+    """`None` if it could not be made."""
+    reason: str = ""
+    """Why it could not be made."""
+    model: str = ""
+    """Name of the model that designed it."""
+    prompt: str = ""
+    """The question that the model was asked: `purpose@version`."""
+
+
+class WantedMotion(NamedTuple):
+    """A movement that dropped leaves lack."""
+
+    name: str
+    path: tuple[str, ...]
+    """Labels of the first leaf that lacks it."""
+    categories: tuple[Category, ...]
+    """Categories of the things that this leaf lacks besides; empty if it lacks none."""
+
+
+class MotionMaker:
+    """Asks for the designs of movements that a catalogue lacks, and tries them.
+
+    A design that the simulator refuses is sent back with its faults.
+
+    Args:
+        llm: The model that designs.
+        simulator: Plays the designs.
+    """
+
+    def __init__(self, llm: LLM, simulator: Simulator) -> None:
+        self.llm = llm
+        self.simulator = simulator
+        self.catalogue: Catalogue = simulator.catalogue()
+
+    def make(self, wanted: WantedMotion) -> MadeMotion:
+        """Return one movement, made or not."""
+        if not getattr(self.simulator, "plays_motions", True):
+            reason = f"{self.simulator.name} moves bodies by itself and plays no motions"
+            return MadeMotion(id=wanted.name, reason=reason)
+        question = DesignMotion(**wanted._asdict())
+        asked = {"model": speaker(self.llm), "prompt": question.citation()}
+        try:
+            answer = ask(self.llm, question, check=self._faults)
+        except LLMError as error:
+            return MadeMotion(
+                id=wanted.name,
+                status="failed",
+                error=one_line(str(error)),
+                retryable=error.retryable,
+                **asked,
+            )
+        reason = "" if answer.motion else one_line(answer.cannot_make)
+        return MadeMotion(id=wanted.name, motion=answer.motion, reason=reason, **asked)
+
+    def _faults(self, answer: DesignedMotion) -> Sequence[Issue]:
+        motion = answer.motion
+        scene = None if motion is None else trial_scene(motion, self.catalogue)
+        if scene is None:
+            return []
+        try:
+            self.simulator.reset(scene, 0)
+            for _ in range(round(_TRIAL_S / self.simulator.dt)):
+                self.simulator.step(Control())
+        except OodscenError as error:
+            return [Issue("motion", f"the simulator cannot play it: {one_line(str(error))}")]
+        return []
+
+
+def trial_scene(motion: Motion, catalogue: Catalogue) -> Scene | None:
+    """Return a scene on the first road in which one actor moves so, or `None` if the catalogue has none that can."""
+    able = ABILITIES[motion.body].categories
+    mover = next((asset for asset in catalogue.assets if asset.category in able), None)
+    carrier = next((asset for asset in catalogue.assets if asset.category == "vehicle"), None)
+    if mover is None or (carrier is None and motion.frame == "other"):
+        return None
+    actors = [
+        {
+            "id": "mover",
+            "asset": mover.id,
+            "placement": {"ahead_m": 30.0},
+            "behaviour": {
+                "name": motion.id,
+                "other": "carrier" if motion.frame == "other" else None,
+            },
+        }
+    ]
+    if carrier is not None and motion.frame == "other":
+        actors.append({"id": "carrier", "asset": carrier.id, "placement": {"ahead_m": 50.0}})
+    return Scene.model_validate(
+        {
+            "id": "trial",
+            "scenario_id": "trial",
+            "map": max(catalogue.maps, key=lambda road: road.length_m).id,
+            "ego": {"speed": 0.0},
+            "actors": actors,
+            "hazard": {"actors": {actor["id"]: None for actor in actors}},
+            "decision": {"kind": "time", "value": 1.0},
+            "motions": [motion.model_dump()],
+        }
+    )
+
+
+def wanted_motions(
+    tree: ScenarioTree, decisions: Iterable[PruneDecision], catalogue: Catalogue
+) -> list[WantedMotion]:
+    """Return the movements whose making may restore dropped leaves, each once, in the order of the tree."""
+    by_id = {one.id: one for one in decisions}
+    known = {kind.id for kind in catalogue.behaviours}
+    found: dict[str, WantedMotion] = {}
+    for leaf in tree.leaves:
+        decision = by_id.get(leaf.id)
+        if decision is None or not (makeable(decision) or decision.made):
+            continue
+        things = dict.fromkeys(one.category for one in decision.lacks if one.category)
+        for one in decision.lacks:
+            if one.kind == "behaviour" and is_id(one) and one.name not in known:
+                wanted = WantedMotion(one.name, decision.path, tuple(things))
+                found.setdefault(one.name, wanted)
+    return list(found.values())
+
+
+def made_motions(rows: Iterable[Mapping[str, object]]) -> dict[str, Motion]:
+    """Return the movements that were made, by id, from lines of `motions.jsonl`."""
+    lines = (MadeMotion.parse(row, source=MOTIONS) for row in rows)
+    return {one.id: one.motion for one in lines if one.motion is not None}
