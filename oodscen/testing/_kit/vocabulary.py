@@ -38,7 +38,7 @@ def check_catalogue(probe: Probe) -> None:
             inside = parameter.minimum <= parameter.default <= parameter.maximum
             found.that(inside, f"behaviour {kind.id}", f"the default of {name} is out of range")
     kinds = catalogue.details or DetailKinds()
-    known = {one.id for one in (*kinds.poses, *kinds.parts)}
+    known = {one.id for one in kinds.poses} | {one.id for one in kinds.parts}
     for asset in catalogue.assets:
         offers = asset.offers or Offers()
         for name in sorted({*offers.poses, *offers.parts} - known):
