@@ -41,7 +41,7 @@ def detailed(asset: str, shown: Appearance, make: Make, shipped: Shipped) -> Mes
         held = shipped(details.holds, "")
         size = held.bounds[1] - held.bounds[0]
         place = held_place(pose.grip, offers.scale, (size[0], size[1], size[2]))
-        _insert(mesh, held, details.holds, place.at, is_turned=place.is_turned)
+        _insert(mesh, held, place.at, is_turned=place.is_turned)
         x, deep = place.at[0], float(size[1] if place.is_turned else size[0])
         half = (high[0] - low[0]) / 2
         mesh.shift((-(max(half, x + deep / 2) - max(half, deep / 2 - x)) / 2, 0.0, 0.0))
@@ -49,18 +49,12 @@ def detailed(asset: str, shown: Appearance, make: Make, shipped: Shipped) -> Mes
         load = shipped(details.cargo, "")
         size = load.bounds[1] - load.bounds[0]
         x, z = offers.bed.at
-        _insert(mesh, load, details.cargo, (x, 0.0, z), is_turned=bool(size[1] > size[0]))
+        _insert(mesh, load, (x, 0.0, z), is_turned=bool(size[1] > size[0]))
     return mesh
 
 
-def _insert(
-    mesh: MeshBuilder,
-    thing: Mesh,
-    name: str,
-    at: tuple[float, float, float],
-    *,
-    is_turned: bool,
-) -> None:
+def _insert(mesh: MeshBuilder, thing: Mesh, at: Point, *, is_turned: bool) -> None:
+    """Add a thing at a place, turned by a quarter or not."""
     turn = shapes.AssetPart(asset="thing", to=at, yaw=90.0 if is_turned else 0.0)
     insert(mesh, thing, turn, 1.0, Placing())
 
