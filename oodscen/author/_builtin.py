@@ -1,7 +1,7 @@
 """The default author: deterministic, embedded, built on a knowledge base instead of a language model."""
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,11 @@ from oodscen.author._imagining import Imagination
 from oodscen.author._knowledge.base import HazardKind
 from oodscen.author._knowledge.designs import design
 from oodscen.author._knowledge.loading import load_knowledge, stamp_of
+<<<<<<< HEAD
 from oodscen.author._knowledge.motions import design_motion
 from oodscen.author._reading.claim_extraction import read_claims
+=======
+>>>>>>> perf5
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._staging.drafting import Stager
 from oodscen.author._taxonomy import TreeAuthor
@@ -78,7 +81,6 @@ class BuiltinAuthor(Brief):
         self._knowledge = load_knowledge(knowledge)
         self._recogniser = _recogniser(self.knowledge, stamp_of(self.knowledge))
         self._composer = Composer(self._knowledge)
-        self._twins = OrdinaryAuthor(self._knowledge, self._recogniser)
         self._imagination = Imagination(seed, self._knowledge, self._recogniser)
         self._trees = TreeAuthor(self._knowledge, self._recogniser)
         self._judge = BranchJudge(self._recogniser)
@@ -95,7 +97,7 @@ class BuiltinAuthor(Brief):
             DesignProp: lambda prompt, request: design(prompt),
             DescribePath: self._describe,
             DescribeOrdinary: self._ordinary,
-            ExtractClaims: lambda prompt, request: Claims(claims=list(read_claims(prompt.text))),
+            ExtractClaims: lambda prompt, request: _claimed(prompt),
             StageScene: self._stage,
             MarkHazard: lambda prompt, request: _marked(prompt),
         }
@@ -205,6 +207,11 @@ class BuiltinAuthor(Brief):
         rng = self._stream(request, prompt.text)
         return OrdinaryText(text=self._twins.twin(prompt.text, label, rng))
 
+    @cached_property
+    def _twins(self) -> OrdinaryAuthor:
+        """The writer of twins, whose patterns of all places take long to compile."""
+        return OrdinaryAuthor(self._knowledge, self._recogniser)
+
     def _told_by(self, label: str) -> tuple[HazardKind, ...]:
         """Return the hazards that the texts of a leaf describe.
 
@@ -223,6 +230,13 @@ class BuiltinAuthor(Brief):
 
     def _hazard(self, text: str) -> HazardKind | None:
         return self._recogniser.recognise(text).hazard
+
+
+def _claimed(prompt: ExtractClaims) -> Claims:
+    # Its many patterns are compiled at the import.
+    from oodscen.author._reading.claim_extraction import read_claims
+
+    return Claims(claims=list(read_claims(prompt.text)))
 
 
 @cache

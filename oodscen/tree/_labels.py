@@ -10,6 +10,7 @@ escape what they show.
 import html
 import re
 import unicodedata
+from functools import lru_cache
 
 from oodscen._text import BLANK, is_visible, one_line
 
@@ -99,6 +100,12 @@ def label_fault(label: str) -> str:
         return "the label is empty"
     if len(label) > MAX_LABEL:
         return f"the label has {len(label)} characters, at most {MAX_LABEL} are allowed"
+    return _wording_fault(label)
+
+
+@lru_cache(maxsize=16_384)
+def _wording_fault(label: str) -> str:
+    """Return why a visible text of permitted length cannot be a label; every edit of a tree asks again."""
     if label.isascii() and label.isprintable():
         text = label
     else:

@@ -8,12 +8,15 @@ from oodscen.baselines._handwritten import handwritten_driving
 from oodscen.baselines._ordinary import bare, draw, ordinary_driving
 from oodscen.errors import UsageError
 
-TEXTS = draw(2000)
+
+@pytest.fixture(scope="module")
+def drawn():
+    return draw(2000)
 
 
-def test_the_baseline_is_drawn_and_written_by_hand_and_all_its_texts_differ():
+def test_the_baseline_is_drawn_and_written_by_hand_and_all_its_texts_differ(drawn):
     texts = ordinary_driving().texts
-    assert texts == TEXTS + handwritten_driving().texts
+    assert texts == drawn + handwritten_driving().texts
     assert len({bare(text) for text in texts}) == len(texts)
 
 
@@ -23,9 +26,9 @@ def test_another_process_draws_the_same():
     assert run.stdout.decode().strip() == ordinary_driving().digest()
 
 
-def test_a_shorter_draw_is_the_beginning_and_a_seed_another_draw():
-    assert draw(50) == TEXTS[:50]
-    assert len(set(draw(50, seed=1)) & set(TEXTS[:50])) < 25
+def test_a_shorter_draw_is_the_beginning_and_a_seed_another_draw(drawn):
+    assert draw(50) == drawn[:50]
+    assert len(set(draw(50, seed=1)) & set(drawn[:50])) < 25
 
 
 def test_more_than_there_is_cannot_be_drawn(monkeypatch):
@@ -42,8 +45,8 @@ def test_more_than_there_is_cannot_be_drawn(monkeypatch):
         draw(2)
 
 
-def test_every_text_is_written_as_an_editor_would():
-    for text in TEXTS:
+def test_every_text_is_written_as_an_editor_would(drawn):
+    for text in drawn:
         _is_edited(text)
 
 
@@ -75,6 +78,6 @@ def test_no_text_contradicts_itself(one, other):
     assert both == []
 
 
-def test_no_text_tells_of_anything_out_of_the_ordinary():
+def test_no_text_tells_of_anything_out_of_the_ordinary(drawn):
     strange = r"accident|crash|suddenly|fog|snow|\bice\b|flood|overturned|debris|wrong way|police|ambulance|construction|road works|animal|deer"
-    assert [text for text in TEXTS if re.search(strange, text, re.IGNORECASE)] == []
+    assert [text for text in drawn if re.search(strange, text, re.IGNORECASE)] == []

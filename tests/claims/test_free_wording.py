@@ -8,7 +8,7 @@ from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.claims._matching import Likeness
-from oodscen.encoders._minilm import MiniLM
+from oodscen.encoders._all_minilm import all_minilm
 from oodscen.stages._augment import Augmenter
 from oodscen.testing import ScriptedLLM
 
@@ -35,7 +35,7 @@ WORDED_FREELY = {
 @pytest.fixture(scope="module")
 def judged():
     catalogue = load_catalogue()
-    augmenter = Augmenter(ScriptedLLM(lambda request: ""), catalogue, encoder=MiniLM())
+    augmenter = Augmenter(ScriptedLLM(lambda request: ""), catalogue, encoder=all_minilm())
     wanted = [one for one in recorded() if one["id"] in WORDED_FREELY or one["fault"]]
     return {one["id"]: (told, why) for one, told, why in accepted(augmenter, wanted)}
 
@@ -57,7 +57,7 @@ def test_real_faults_are_refused(judged):
 
 def test_a_scene_that_contradicts_its_text_is_refused_by_the_claim(judged):
     catalogue = load_catalogue()
-    likeness = Likeness(MiniLM(), catalogue)
+    likeness = Likeness(all_minilm(), catalogue)
     scenes = [told for told, _ in judged.values() if told is not None]
     made = list(falsified(scenes, catalogue, 40))
     assert {one.change for one in made} >= set(CHANGES) - {"fewer", "other side", "other state"}

@@ -7,9 +7,9 @@ from oodscen.encoders._minilm import MiniLM
 from oodscen.encoders._onnx import OnnxMiniLM
 from oodscen.errors import MissingExtra
 from oodscen.protocols import Encoder
+from tests.needs import needs
 
-pytest.importorskip("onnxruntime")
-pytest.importorskip("onnx")
+pytestmark = needs("onnxruntime", "onnx")
 
 TEXTS = [
     "A silver sedan waits at the red light.",

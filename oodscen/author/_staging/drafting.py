@@ -15,7 +15,6 @@ from oodscen.author._knowledge.base import (
     RecipeActor,
     RoadKind,
 )
-from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._staging import decision_timing as approach
 from oodscen.author._staging.actors import StagedActors, cast, told_traffic
@@ -74,7 +73,7 @@ class Stager:
         self.recogniser = recogniser
 
     def stage(self, prompt: StageScene, seed: int, attempt: int) -> SceneDraft:
-        """StagedActors a scene for a text.
+        """Stage a scene for a text.
 
         Args:
             prompt: The text and the simulator's catalogue.
@@ -85,6 +84,9 @@ class Stager:
             LLMError: If the text shows nothing that the author can stage.
         """
         hazard = self._hazard(prompt)
+        # Its many patterns are compiled at the import.
+        from oodscen.author._reading.claim_extraction import read_claims
+
         assert hazard.stage is not None
         offered = {asset.id: asset for asset in prompt.catalogue.assets}
         recipe = moved_aside(varied(hazard.stage, prompt.text), prompt.text, offered)

@@ -1,7 +1,6 @@
 """Builds corridors from OpenDRIVE files."""
 
 import math
-from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import replace
@@ -17,7 +16,7 @@ from oodscen._files import read_regular
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.driving._roads.corridor import Corridor, OtherRoad, PaintedArea, RoadSignal, Structure
 from oodscen.driving._roads.crosssection import Places, build_strips, frozen
-from oodscen.driving._roads.geometry import piecewise
+from oodscen.driving._roads.geometry import piecewise, piecewise_all
 from oodscen.driving._roads.network import Network, Road, Signal
 from oodscen.driving._roads.opendrive import MAX_BYTES, read_network
 from oodscen.driving._roads.routes import (
@@ -27,10 +26,12 @@ from oodscen.driving._roads.routes import (
     find_route,
     joint,
     road_point,
+    road_points,
     straight_on,
 )
 from oodscen.errors import DataError, Issue, UnknownComponent
-from oodscen.numerics._exact import cos, sin
+from oodscen.numerics._arrays import interpolated, rounded, sincos_each
+from oodscen.numerics._exact import Floats, Real, cos, sin
 
 SAMPLE_STEP = 0.5
 """Maximum distance between two samples of a corridor, m."""
@@ -283,28 +284,24 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
         begins.append(begins[-1] + track.length)
     length = begins[-1]
     count = max(2, math.ceil(length / SAMPLE_STEP - 1e-9) + 1)
-    along = [length * place / (count - 1) for place in range(count)]
-    places = Places([], [], [track.shift for track in tracks])
-    columns: list[list[float]] = [[], [], [], [], [], []]
-    number = 0
-    for s in along:
-        while number + 1 < len(tracks) and s >= begins[number + 1]:
-            number += 1
-        track = tracks[number]
-        own = track.own(s - begins[number])
-        places.legs.append(number)
-        places.own.append(own)
-        for column, value in zip(columns, track.point(own), strict=True):
-            column.append(round(value, 6))
-    x, y, z, c, s_, curvature = (frozen(np.array(column)) for column in columns)
-    in_junction = np.array([bool(legs[number].road.junction) for number in places.legs])
+    along = length * np.arange(count) / (count - 1)
+    number = np.searchsorted(begins[1:-1], along, side="right")
+    own = np.empty(count)
+    columns = np.empty((6, count))
+    for place, (track, begin) in enumerate(zip(tracks, begins[:-1], strict=True)):
+        here = number == place
+        own[here] = track.own(along[here] - begin)
+        columns[:, here] = track.points(own[here])
+    x, y, z, c, s_, curvature = (frozen(rounded(column)) for column in columns)
+    in_junction = np.array([bool(leg.road.junction) for leg in legs])[number]
     in_junction.setflags(write=False)
+    places = Places(number, own, [track.shift for track in tracks])
     start = begins[index] + tracks[index].from_start(start_m)
     strips = build_strips(
         network, legs, places, in_junction, step=length / (count - 1), start=start
     )
     return Corridor(
-        s=frozen(np.array([round(s, 6) for s in along])),
+        s=frozen(rounded(along)),
         x=x,
         y=y,
         z=z,
@@ -349,7 +346,7 @@ class _LegTrack:
                     self._nodes.append(self._nodes[-1] + kept * width)
         self.length = self._nodes[-1] if shift else self.span
 
-    def _own(self, driven: float) -> float:
+    def _own(self, driven: Real) -> Real:
         """Return s on the road's own line at a distance driven along it, m."""
         return driven if self.leg.forward else self.span - driven
 
@@ -357,39 +354,34 @@ class _LegTrack:
         curvature = road_point(self.leg.road, self._own(driven)).curvature
         return curvature if self.leg.forward else -curvature
 
-    def own(self, along: float) -> float:
-        """Return s on the road's own line at a distance along this track, m."""
-        if not self.shift:
-            return self._own(along)
-        return self._own(_interpolated(along, self._nodes, self._driven))
+    def own(self, along: Floats) -> Floats:
+        """Return s on the road's own line at distances along this track, m."""
+        if self.shift:
+            along = interpolated(along, np.array(self._nodes), np.array(self._driven))
+        return self._own(along)
 
     def from_start(self, own: float) -> float:
         """Return the distance along this track at s on the road's own line, m."""
         driven = own if self.leg.forward else self.span - own
         if not self.shift:
             return driven
-        return _interpolated(driven, self._driven, self._nodes)
+        return float(
+            interpolated(np.array([driven]), np.array(self._driven), np.array(self._nodes))[0]
+        )
 
-    def point(self, own: float) -> tuple[float, float, float, float, float, float]:
+    def points(self, own: Floats) -> tuple[Floats, ...]:
         """Return x, y, z, cosine and sine of the heading, and curvature at s on the road's own line."""
         road, forward = self.leg
-        place = road_point(road, own)
+        x, y, heading, curvature = road_points(road, own)
         sign = 1.0 if forward else -1.0
-        along, across = sign * cos(place.heading), sign * sin(place.heading)
-        curvature = sign * place.curvature
-        z = piecewise(road.elevation, own)
+        sine, cosine = sincos_each(heading)
+        along, across = sign * cosine, sign * sine
+        curvature = sign * curvature
+        z = piecewise_all(road.elevation, own)
         if not self.shift:
-            return place.x, place.y, z, along, across, curvature
-        x, y = place.x - self.shift * across, place.y + self.shift * along
+            return x, y, z, along, across, curvature
+        x, y = x - self.shift * across, y + self.shift * along
         return x, y, z, along, across, curvature / (1.0 - self.shift * curvature)
-
-
-def _interpolated(value: float, known: Sequence[float], wanted: Sequence[float]) -> float:
-    """Return the linear interpolation of `wanted` over the ascending `known` values."""
-    index = min(max(bisect_right(known, value) - 1, 0), len(known) - 2)
-    low, high = known[index], known[index + 1]
-    part = (value - low) / (high - low) if high > low else 0.0
-    return wanted[index] + part * (wanted[index + 1] - wanted[index])
 
 
 def _tracks(legs: Sequence[Leg]) -> list[_LegTrack]:

@@ -6,6 +6,7 @@ direction, and `t`, metres to its left. It hides the individual roads of the map
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -351,12 +352,18 @@ class Corridor(Brief):
 
 def _intervals(strips: Sequence[LaneStrip]) -> list[Ranges]:
     """Return the drivable ranges of t at every sample, with touching strips merged."""
-    edges = [(s.right.tolist(), s.left.tolist()) for s in strips if s.kind in DRIVABLE]
+    drivable = [strip for strip in strips if strip.kind in DRIVABLE]
+    count = len(strips[0].right) if strips else 0
+    if not drivable:
+        return [()] * count
+    edges = np.stack([side for one in drivable for side in (one.right, one.left)])
+    changes = np.flatnonzero((edges[:, 1:] != edges[:, :-1]).any(axis=0)) + 1
     ranges_of: list[Ranges] = []
-    for sample in range(len(strips[0].right) if strips else 0):
+    for first, last in pairwise([0, *changes.tolist(), count]):
         ranges: list[tuple[float, float]] = []
-        for right, left in edges:
-            if left[sample] - right[sample] >= 1e-6:
-                extend(ranges, right[sample], left[sample], touch=0.01)
-        ranges_of.append(tuple(ranges))
+        sides = edges[:, first].tolist()
+        for right, left in zip(sides[::2], sides[1::2], strict=True):
+            if left - right >= 1e-6:
+                extend(ranges, right, left, touch=0.01)
+        ranges_of += [tuple(ranges)] * (last - first)
     return ranges_of

@@ -2,15 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving._roads.corridor import LaneStrip
-from oodscen.driving._roads.geometry import Cubic, piecewise
+from oodscen.driving._roads.geometry import Cubic, piecewise_all
 from oodscen.driving._roads.network import KINDS, Lane, Network, StripKind
 from oodscen.driving._roads.routes import Leg, lane_links, section_links
+from oodscen.numerics._arrays import rounded
 
 _BRIDGED = frozenset({"driving", "shoulder", "median"})
 """Kinds of strips that continue through a junction even if its connecting road lacks them."""
@@ -23,10 +25,10 @@ _MAX_EDGES = 2_500_000
 class Places(NamedTuple):
     """Positions of a corridor's samples on its legs."""
 
-    legs: list[int]
-    """Index of the leg under each sample."""
-    own: list[float]
-    """s of each sample along its road's own reference line, m."""
+    legs: NDArray[np.int64]
+    """[n], index of the leg under each sample."""
+    own: NDArray[np.float64]
+    """[n], s of each sample along its road's own reference line, m."""
     shifts: list[float]
     """For each leg, t of the corridor's line relative to the leg's own line, m."""
 
@@ -70,8 +72,8 @@ def build_strips(
     """
     stages = [_SectionStage(k, j) for k, leg in enumerate(legs) for j in range(len(leg.sections))]
     sides = {sign: _chains(network, legs, stages, sign) for sign in (-1, 1)}
-    owner = _owners(legs, places)
-    count = len(owner)
+    runs = _runs(legs, places)
+    count = len(places.own)
     if sum(map(len, sides.values())) * count > _MAX_EDGES:
         raise ValueError("has too many lanes for its length")
     edges = {
@@ -80,20 +82,20 @@ def build_strips(
         for chain in chains
     }
     numbers = {stage: number for number, stage in enumerate(stages)}
-    for stage, (first, last) in _runs(owner):
-        _measure(legs, stage, numbers[stage], places, range(first, last), sides, edges)
+    for stage, part in runs:
+        _measure(legs, stage, numbers[stage], places, part, sides, edges)
     ordered = sides[-1][::-1] + sides[1]
     columns = [edges[id(chain)] for chain in ordered]
     wanted = [
         _drawn_through(right, left, in_junction, KINDS.get(chain.type, "none"))
         for chain, (right, left) in zip(ordered, columns, strict=True)
     ]
-    for _, (first, last) in _runs(owner):
-        _fill(columns, wanted, slice(first, last))
+    for _, part in runs:
+        _fill(columns, wanted, part)
     keeps = -1 if legs[0].road.left_hand else 1
     strips: list[LaneStrip] = []
     for sign in (1, -1):
-        marks = _marks(legs, sides[sign], sign, owner, numbers)
+        marks = _marks(legs, sides[sign], sign, runs, numbers)
         for chain, rows in zip(sides[sign], marks, strict=True):
             kind = KINDS.get(chain.type, "none")
             direction = 0
@@ -119,12 +121,12 @@ def _marks(
     legs: Sequence[Leg],
     chains: Sequence[_Chain],
     sign: int,
-    owner: Sequence[_SectionStage],
+    runs: Sequence[tuple[_SectionStage, slice]],
     numbers: dict[_SectionStage, int],
 ) -> list[list[tuple[int, str, str]]]:
     """Return the changes of marks of every chain on one side: sample index, left and right mark."""
     rows: list[list[tuple[int, str, str]]] = [[] for _ in chains]
-    for stage, (first, _) in _runs(owner):
+    for stage, part in runs:
         section = legs[stage.leg].sections[stage.section]
         inner = _mark(next(lane.mark for lane in section.lanes if lane.id == 0))
         for chain, known in zip(chains, rows, strict=True):
@@ -134,7 +136,7 @@ def _marks(
             outer = _mark(lane.mark)
             pair = (inner, outer) if sign < 0 else (outer, inner)
             if not known or known[-1][1:] != pair:
-                known.append((first, *pair))
+                known.append((part.start, *pair))
             inner = outer
     for chain, known in zip(chains, rows, strict=True):
         if not known:
@@ -201,34 +203,23 @@ def _chains(
     return chains
 
 
-def _owners(legs: Sequence[Leg], places: Places) -> list[_SectionStage]:
-    """Return the stage under each sample."""
-    owners = []
-    section, last = 0, -1
-    for number, own in zip(places.legs, places.own, strict=True):
-        leg = legs[number]
-        if number != last:
-            section, last = 0, number
-        sections = leg.sections
-        if leg.forward:
-            while section + 1 < len(sections) and own >= sections[section + 1].s:
-                section += 1
-        else:
-            while section + 1 < len(sections) and own < sections[section].s:
-                section += 1
-        owners.append(_SectionStage(number, section))
-    return owners
-
-
-def _runs(owner: Sequence[_SectionStage]) -> list[tuple[_SectionStage, tuple[int, int]]]:
+def _runs(legs: Sequence[Leg], places: Places) -> list[tuple[_SectionStage, slice]]:
     """Return every stage that has samples, with their range."""
-    runs: list[tuple[_SectionStage, tuple[int, int]]] = []
-    first = 0
-    for index in range(1, len(owner) + 1):
-        if index == len(owner) or owner[index] != owner[first]:
-            runs.append((owner[first], (first, index)))
-            first = index
-    return runs
+    sections = np.zeros(len(places.own), dtype=np.int64)
+    for number, leg in enumerate(legs):
+        here = places.legs == number
+        own, begins = places.own[here], [section.s for section in leg.road.sections[1:]]
+        passed = np.searchsorted(begins, own, side="right")
+        if not leg.forward:
+            passed = len(begins) - passed
+        # A leg does not return to a section, even where the last bit of s goes back.
+        sections[here] = np.maximum.accumulate(passed)
+    is_new = (np.diff(places.legs) != 0) | (np.diff(sections) != 0)
+    bounds = [0, *(np.flatnonzero(is_new) + 1).tolist(), len(sections)]
+    return [
+        (_SectionStage(int(places.legs[first]), int(sections[first])), slice(first, last))
+        for first, last in pairwise(bounds)
+    ]
 
 
 def _measure(
@@ -236,7 +227,7 @@ def _measure(
     stage: _SectionStage,
     number: int,
     places: Places,
-    samples: range,
+    part: slice,
     sides: dict[int, list[_Chain]],
     edges: dict[int, tuple[NDArray[np.float64], NDArray[np.float64]]],
 ) -> None:
@@ -244,32 +235,27 @@ def _measure(
     leg, shift = legs[stage.leg], places.shifts[stage.leg]
     start = leg.sections[stage.section].s
     turn = 1.0 if leg.forward else -1.0
-    own = [places.own[index] for index in samples]
-    offsets = [turn * value - shift for value in _values(leg.road.lane_offset, own)]
-    along = [s - start for s in own]
+    own = places.own[part]
+    offsets = turn * _values(leg.road.lane_offset, own) - shift
+    along = own - start
     for sign, chains in sides.items():
-        edge = [round(offset, 6) + 0.0 for offset in offsets]
+        edge = rounded(offsets) + 0.0
         for chain in chains:
             lane = chain.lanes.get(number)
             if lane is None:
                 continue
-            outer = [
-                round(inner + sign * min(max(width, 0.0), _MAX_WIDTH), 6) + 0.0
-                for inner, width in zip(edge, _values(lane.widths, along), strict=True)
-            ]
+            width = np.clip(_values(lane.widths, along), 0.0, _MAX_WIDTH)
+            outer = rounded(edge + sign * width) + 0.0
             right, left = edges[id(chain)]
-            part = slice(samples.start, samples.stop)
             right[part], left[part] = (outer, edge) if sign < 0 else (edge, outer)
             edge = outer
 
 
-def _values(pieces: tuple[Cubic, ...], along: list[float]) -> list[float]:
-    if not pieces:
-        return [0.0] * len(along)
-    first = pieces[0]
-    if len(pieces) == 1 and first.start <= 0.0 and first.b == first.c == first.d == 0.0:
-        return [first.a] * len(along)
-    return [piecewise(pieces, s) for s in along]
+def _values(pieces: tuple[Cubic, ...], along: NDArray[np.float64]) -> NDArray[np.float64]:
+    first = pieces[0] if len(pieces) == 1 else None
+    if first and first.start <= 0.0 and first.b == first.c == first.d == 0.0:
+        return np.full_like(along, first.a)
+    return piecewise_all(pieces, along)
 
 
 def _drawn_through(

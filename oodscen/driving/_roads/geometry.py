@@ -7,10 +7,17 @@ on the last bits of a mathematical library.
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from oodscen.numerics._exact import atan2, cos, sin
+import numpy as np
+
+from oodscen.numerics._arrays import sincos_each
+from oodscen.numerics._exact import Floats, Real, atan2, cos, sin, sincos
+
+Points = tuple[Floats, Floats, Floats, Floats]
+"""x, y, heading and curvature of many points, as in `CurvePoint`; [n] each."""
 
 _GAUSS = (
     (-0.9061798459386640, 0.2369268850561891),
@@ -60,6 +67,17 @@ def piecewise(pieces: tuple[Cubic, ...], s: float) -> float:
     return pieces[found - 1].at(s) if found else 0.0
 
 
+def piecewise_all(pieces: tuple[Cubic, ...], s: Floats) -> Floats:
+    """Return `piecewise` at many positions, with the same bits for each."""
+    if not pieces:
+        return np.zeros_like(s)
+    table = np.array([(one.start, one.a, one.b, one.c, one.d) for one in pieces])
+    found = np.searchsorted(table[:, 0], s + 1e-9, side="right")
+    start, *k = table[np.maximum(found - 1, 0)].T
+    d = s - start
+    return np.where(found > 0, k[0] + d * (k[1] + d * (k[2] + d * k[3])), 0.0)
+
+
 @dataclass(frozen=True)
 class Curve(ABC):
     """One piece of a plan view."""
@@ -75,10 +93,17 @@ class Curve(ABC):
     def at(self, along: float) -> CurvePoint:
         """Return the point `along` metres after this piece's start."""
 
-    def _place(self, u: float, v: float, turn: float, curvature: float) -> CurvePoint:
-        """Transform a point of the local frame (u forward, v left) into the road's frame."""
-        along, across = cos(self.heading), sin(self.heading)
-        return CurvePoint(
+    def at_all(self, along: Floats) -> Points:
+        """Return many points, with the same bits as `at` for each."""
+        x, y, heading, curvature = np.array([self.at(one) for one in along.tolist()]).T
+        return x, y, heading, curvature
+
+    def _place(
+        self, u: Real, v: Real, turn: Real, curvature: Real
+    ) -> tuple[Real, Real, Real, Real]:
+        """Transform points of the local frame (u forward, v left) into the road's frame."""
+        across, along = sincos(self.heading)
+        return (
             self.x + u * along - v * across,
             self.y + u * across + v * along,
             self.heading + turn,
@@ -92,7 +117,12 @@ class Line(Curve):
 
     def at(self, along: float) -> CurvePoint:
         """Return the point `along` metres after this piece's start."""
-        return self._place(along, 0.0, 0.0, 0.0)
+        return CurvePoint(*self._place(along, 0.0, 0.0, 0.0))
+
+    def at_all(self, along: Floats) -> Points:
+        """Return many points, with the same bits as `at` for each."""
+        none = np.zeros_like(along)
+        return self._place(along, none, none, none)
 
 
 @dataclass(frozen=True)
@@ -105,7 +135,18 @@ class Arc(Curve):
         """Return the point `along` metres after this piece's start."""
         half = 0.5 * self.curvature * along
         chord = along * (sin(half) / half if abs(half) > 1e-12 else 1.0)
-        return self._place(chord * cos(half), chord * sin(half), 2.0 * half, self.curvature)
+        return CurvePoint(
+            *self._place(chord * cos(half), chord * sin(half), 2.0 * half, self.curvature)
+        )
+
+    def at_all(self, along: Floats) -> Points:
+        """Return many points, with the same bits as `at` for each."""
+        half = 0.5 * self.curvature * along
+        sine, cosine = sincos_each(half)
+        share = np.divide(sine, half, out=np.ones_like(half), where=np.abs(half) > 1e-12)
+        chord = along * share
+        curvature = np.full_like(along, self.curvature)
+        return self._place(chord * cosine, chord * sine, 2.0 * half, curvature)
 
 
 @dataclass(frozen=True)
@@ -122,31 +163,45 @@ class Spiral(Curve):
         nodes = [(0.0, 0.0, 0.0)]
         for index in range(count):
             start, end = self.length * index / count, self.length * (index + 1) / count
-            du, dv = self._integrate(start, end)
+            du, dv = self._integrate(start, end, sincos)
             nodes.append((end, nodes[-1][1] + du, nodes[-1][2] + dv))
         object.__setattr__(self, "_nodes", tuple(nodes))
 
-    def _turn(self, along: float) -> float:
-        rate = (self.curvature_end - self.curvature_start) / self.length
-        return along * (self.curvature_start + 0.5 * rate * along)
+    @property
+    def _rate(self) -> float:
+        return (self.curvature_end - self.curvature_start) / self.length
 
-    def _integrate(self, start: float, end: float) -> tuple[float, float]:
+    def _turn(self, along: Real) -> Real:
+        return along * (self.curvature_start + 0.5 * self._rate * along)
+
+    def _bend(self, along: Real) -> Real:
+        return self.curvature_start + self._rate * along
+
+    def _integrate(
+        self, start: Real, end: Real, sincos: Callable[[Real], tuple[Real, Real]]
+    ) -> tuple[Real, Real]:
         middle, half = 0.5 * (start + end), 0.5 * (end - start)
-        u = v = 0.0
+        u = v = 0.0 * half
         for node, weight in _GAUSS:
-            turn = self._turn(middle + half * node)
-            u += weight * cos(turn)
-            v += weight * sin(turn)
+            sine, cosine = sincos(self._turn(middle + half * node))
+            u = u + weight * cosine
+            v = v + weight * sine
         return half * u, half * v
 
     def at(self, along: float) -> CurvePoint:
         """Return the point `along` metres after this piece's start."""
         index = min(int(along / self.length * (len(self._nodes) - 1)), len(self._nodes) - 1)
         start, u, v = self._nodes[max(index, 0)]
-        du, dv = self._integrate(start, along)
-        rate = (self.curvature_end - self.curvature_start) / self.length
-        curvature = self.curvature_start + rate * along
-        return self._place(u + du, v + dv, self._turn(along), curvature)
+        du, dv = self._integrate(start, along, sincos)
+        return CurvePoint(*self._place(u + du, v + dv, self._turn(along), self._bend(along)))
+
+    def at_all(self, along: Floats) -> Points:
+        """Return many points, with the same bits as `at` for each."""
+        last = len(self._nodes) - 1
+        index = (along / self.length * last).astype(np.int64).clip(0, last)
+        start, u, v = np.array(self._nodes)[index].T
+        du, dv = self._integrate(start, along, sincos_each)
+        return self._place(u + du, v + dv, self._turn(along), self._bend(along))
 
 
 @dataclass(frozen=True)
@@ -208,7 +263,7 @@ class ParamPoly3(Curve):
         p = self._parameter(along)
         u, du, ddu = _derivatives(self.u, p)
         v, dv, ddv = _derivatives(self.v, p)
-        return self._place(u, v, atan2(dv, du), _bend(du, dv, ddu, ddv))
+        return CurvePoint(*self._place(u, v, atan2(dv, du), _bend(du, dv, ddu, ddv)))
 
 
 @dataclass(frozen=True)
@@ -237,7 +292,7 @@ class Poly3(Curve):
         (arc0, u0), (arc1, u1) = self._nodes[index], self._nodes[index + 1]
         u = u0 + (u1 - u0) * (along - arc0) / (arc1 - arc0)
         v, slope, bend = _derivatives(self.v, u)
-        return self._place(u, v, atan2(slope, 1.0), _bend(1.0, slope, 0.0, bend))
+        return CurvePoint(*self._place(u, v, atan2(slope, 1.0), _bend(1.0, slope, 0.0, bend)))
 
 
 def _derivatives(k: tuple[float, float, float, float], p: float) -> tuple[float, float, float]:

@@ -5,7 +5,9 @@ from bisect import bisect_right
 from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
 
-from oodscen.driving._roads.geometry import CurvePoint
+import numpy as np
+
+from oodscen.driving._roads.geometry import CurvePoint, Points
 from oodscen.driving._roads.network import (
     KINDS,
     Contact,
@@ -16,7 +18,7 @@ from oodscen.driving._roads.network import (
     RoadLink,
 )
 from oodscen.errors import Issue
-from oodscen.numerics._exact import cos, sin
+from oodscen.numerics._exact import Floats, cos, sin
 
 AHEAD_M = 2_000.0
 """Length ahead of the start at which a default route ends, m."""
@@ -84,6 +86,18 @@ def road_point(road: Road, s: float, forward: bool = True) -> CurvePoint:
     if forward:
         return point
     return CurvePoint(point.x, point.y, point.heading + math.pi, -point.curvature)
+
+
+def road_points(road: Road, s: Floats) -> Points:
+    """Return many points of a road's reference line, with the same bits as `road_point` for each."""
+    begins = np.array([curve.s for curve in road.curves])
+    pieces = np.maximum(np.searchsorted(begins, s, side="right") - 1, 0)
+    found = np.empty((4, len(s)))
+    for index in np.unique(pieces):
+        curve, here = road.curves[index], pieces == index
+        found[:, here] = curve.at_all(np.clip(s[here] - curve.s, 0.0, curve.length))
+    x, y, heading, curvature = found
+    return x, y, heading, curvature
 
 
 def followers(network: Network, leg: Leg) -> list[Leg]:

@@ -1,6 +1,7 @@
 """The tree-LLM's prompt: find the place of a scenario in the tree."""
 
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any, ClassVar, Literal
 
 from pydantic import BaseModel, Field
@@ -80,14 +81,7 @@ class PlaceScenario(Prompt[PlacedScenario]):
 
     def variables(self) -> dict[str, Any]:
         """Return the fields, with the tree as an outline."""
-        tree = ScenarioTree.parse({"nodes": self.nodes})
-        left_out = {item.id: item.leaves for item in self.hidden}
-        lines = (
-            f"{'  ' * depth}- {node.label} [{node.id}]"
-            + (f" (+{left_out[node.id]})" if node.id in left_out else "")
-            for node, depth in tree.walk()
-        )
-        return {**super().variables(), "outline": "\n".join(lines)}
+        return {**super().variables(), "outline": _outline(self.nodes, self.hidden)}
 
     def check(self, answer: PlacedScenario) -> list[Issue]:
         """Return faults: a decision that names no existing node or lacks the labels it needs."""
@@ -142,3 +136,14 @@ def label_issues(answer: PlacedScenario, nodes: Iterable[Node]) -> list[Issue]:
     if len(set(map(same_words, found.values()))) < len(found):
         issues.append(Issue("category", "leaf and family need different labels"))
     return issues
+
+
+@lru_cache(maxsize=8)
+def _outline(nodes: tuple[Node, ...], hidden: tuple[Hidden, ...]) -> str:
+    """Return a tree as indented lines, which both turns of a question ask for."""
+    left_out = {item.id: item.leaves for item in hidden}
+    return "\n".join(
+        f"{'  ' * depth}- {node.label} [{node.id}]"
+        + (f" (+{left_out[node.id]})" if node.id in left_out else "")
+        for node, depth in ScenarioTree.parse({"nodes": nodes}).walk()
+    )

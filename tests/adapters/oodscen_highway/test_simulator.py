@@ -1,19 +1,18 @@
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oodscen_highway import HighwaySimulator
+from oodscen_highway._catalogue import load_catalogue
 
 from oodscen import make_catalogue
 from oodscen.data import Actor, Behaviour, Placement
 from oodscen.protocols import Control
 from oodscen.testing import simulator_checks
 from oodscen.testing._kit.samples import sample_scene
-
-pytest.importorskip("highway_env")
-
-from oodscen_highway import HighwaySimulator
-from oodscen_highway._catalogue import load_catalogue
-
 from tests.adapters.missing import told_without
+from tests.needs import needs
+
+pytestmark = needs("highway_env")
 
 CATALOGUE = load_catalogue()
 

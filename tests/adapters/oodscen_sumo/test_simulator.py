@@ -1,5 +1,8 @@
 import numpy as np
 import pytest
+from oodscen_sumo import SumoSimulator
+from oodscen_sumo._catalogue import load_catalogue
+from oodscen_sumo._network import Networks, load_sumo
 
 from oodscen import make_catalogue
 from oodscen.data import Actor, Behaviour, Placement, Trigger
@@ -8,15 +11,10 @@ from oodscen.errors import SceneError, SimulatorError
 from oodscen.protocols import Control
 from oodscen.testing import simulator_checks
 from oodscen.testing._kit.samples import sample_scene
-
-pytest.importorskip("libsumo")
-pytest.importorskip("sumo")
-
-from oodscen_sumo import SumoSimulator
-from oodscen_sumo._catalogue import load_catalogue
-from oodscen_sumo._network import Networks, load_sumo
-
 from tests.adapters.missing import told_without
+from tests.needs import needs
+
+pytestmark = needs("libsumo", "sumo")
 
 CATALOGUE = load_catalogue()
 AVENUE = CATALOGUE.map("urban_avenue")

@@ -1,5 +1,7 @@
 """Reading: what the words say and nothing else, whatever the words are."""
 
+from functools import cache
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -82,7 +84,7 @@ def test_what_is_denied_or_compared_is_no_claim(text):
     assert told(text) == set()
 
 
-AUTHOR = BuiltinAuthor()
+author = cache(BuiltinAuthor)
 
 
 @given(
@@ -99,7 +101,7 @@ def test_any_words_are_read_and_answered_validly(words):
     claims = read_claims(text)
     assert claims == read_claims(text)
     if claims:
-        assert tuple(ask(AUTHOR, ExtractClaims(text=text)).claims) == claims
+        assert tuple(ask(author(), ExtractClaims(text=text)).claims) == claims
 
 
 @given(st.text(max_size=60))

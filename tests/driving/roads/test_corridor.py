@@ -1,4 +1,5 @@
 import math
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -10,11 +11,12 @@ from oodscen.driving import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
-ROADS = {road.id: load_corridor(road) for road in SHIPPED_MAPS}
+ROADS = {road.id: road for road in SHIPPED_MAPS}
 
 
+@cache
 def road_of(name: str) -> Corridor:
-    return ROADS[name]
+    return load_corridor(ROADS[name])
 
 
 corridors = st.builds(road_of, st.sampled_from(sorted(ROADS)))

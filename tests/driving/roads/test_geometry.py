@@ -15,6 +15,7 @@ from oodscen.driving._roads.geometry import (
     Poly3,
     Spiral,
     piecewise,
+    piecewise_all,
 )
 
 coordinate = st.floats(-1e3, 1e3)
@@ -39,6 +40,19 @@ def test_curves_are_measured_by_arc_length(curve: Curve, fraction: float) -> Non
         abs_tol=1e-4,
     )
     assert math.isclose(b.heading - a.heading, 0.01 * a.curvature, abs_tol=1e-5)
+
+
+POLYNOMIALS = (
+    Poly3(0.0, 1.0, 2.0, 0.3, 60.0, (0.0, 0.1, 0.003, -1e-5)),
+    ParamPoly3(0.0, 1.0, 2.0, 0.3, 60.0, (0.0, 60.0, 1.0, -2.0), (0.0, 0.0, 9.0, -4.0), 1.0),
+)
+
+
+@given(curves | st.sampled_from(POLYNOMIALS), st.lists(st.floats(0, 1), min_size=1))
+def test_many_points_have_the_bits_of_single_ones(curve: Curve, fractions: list[float]) -> None:
+    along = np.array(fractions) * curve.length
+    single = [curve.at(one) for one in along.tolist()]
+    assert np.array(curve.at_all(along)).tobytes() == np.array(single).T.tobytes()
 
 
 @given(coordinate, coordinate, heading, length, bend, st.floats(0, 1))
@@ -132,6 +146,17 @@ def test_the_last_polynomial_that_began_holds(starts: list[float], s: float) -> 
     pieces = tuple(Cubic(start, float(index)) for index, start in enumerate(sorted(starts), 1))
     expected = max((i for i, p in enumerate(pieces, 1) if p.start <= s + 1e-9), default=0.0)
     assert piecewise(pieces, s) == float(expected)
+
+
+@given(
+    st.lists(st.builds(Cubic, *[st.floats(-10, 10)] * 5), max_size=4),
+    st.lists(st.floats(-20, 20)),
+)
+def test_many_values_of_polynomials_are_the_single_ones(
+    pieces: list[Cubic], s: list[float]
+) -> None:
+    known = tuple(sorted(pieces, key=lambda piece: piece.start))
+    assert piecewise_all(known, np.array(s)).tolist() == [piecewise(known, one) for one in s]
 
 
 NUMBERS = st.floats(-10, 10)

@@ -6,14 +6,16 @@ import pytest
 from oodscen.errors import StudyError
 from oodscen.judging._shortcuts.audit import Audit, audit, source
 from tests.judging.cases import Case
+from tests.needs import needs
 
-pytest.importorskip("sklearn")
-cv2 = pytest.importorskip("cv2")
+pytestmark = needs("sklearn", "cv2")
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     """Rare pictures are bright, and keeping the speed fails in rare scenes alone."""
+    import cv2
+
     folder, case, rng = (
         tmp_path_factory.mktemp("audit"),
         Case(paths=10, per_path=4),

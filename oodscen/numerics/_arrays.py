@@ -1,0 +1,54 @@
+"""Exact arithmetic over arrays, with the same bits as for each number alone.
+
+NumPy's element-wise `+ - * /` are those of IEEE 754, so these functions give the bits of their
+counterparts in `oodscen.numerics._exact` and in Python.
+"""
+
+import numpy as np
+
+from oodscen.numerics._exact import (
+    _HALF_PI_HIGH,
+    _HALF_PI_LOW,
+    _HALF_PI_MIDDLE,
+    HALF_PI,
+    Floats,
+    _cosine_series,
+    _sine_series,
+)
+
+_TIE = 1e-15
+"""Distance from a tie, relative to the number, below which a product may lie on its wrong side."""
+
+
+def sincos_each(angle: Floats) -> tuple[Floats, Floats]:
+    """Return the sines and cosines of angles, with the same bits as `sincos` for each."""
+    turns = np.floor(angle / HALF_PI + 0.5)
+    y = ((angle - turns * _HALF_PI_HIGH) - turns * _HALF_PI_MIDDLE) - turns * _HALF_PI_LOW
+    z = y * y
+    sine = y + y * z * _sine_series(z)
+    cosine = 1.0 - 0.5 * z + z * z * _cosine_series(z)
+    quadrant = turns % 4.0
+    is_odd = (quadrant == 1.0) | (quadrant == 3.0)
+    sin, cos = np.where(is_odd, cosine, sine), np.where(is_odd, sine, cosine)
+    is_back = (quadrant == 1.0) | (quadrant == 2.0)
+    return np.where(quadrant >= 2.0, -sin, sin), np.where(is_back, -cos, cos)
+
+
+def rounded(values: Floats) -> Floats:
+    """Return numbers rounded to six decimals, with the same bits as `round(value, 6)` for each."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        scaled = values * 1e6
+        found = np.rint(scaled) / 1e6
+        # The product is inexact: near a tie only Python's own rounding tells on which side it is.
+        is_clear = np.abs(scaled - np.floor(scaled) - 0.5) > _TIE * np.abs(scaled)
+    for index in np.flatnonzero(~is_clear):
+        found[index] = round(float(values[index]), 6)
+    return found
+
+
+def interpolated(values: Floats, known: Floats, wanted: Floats) -> Floats:
+    """Return the linear interpolation of `wanted` over the ascending `known` values, also beyond them."""
+    index = np.clip(np.searchsorted(known, values, side="right") - 1, 0, len(known) - 2)
+    low, high = known[index], known[index + 1]
+    part = np.divide(values - low, high - low, out=np.zeros_like(values), where=high > low)
+    return wanted[index] + part * (wanted[index + 1] - wanted[index])
