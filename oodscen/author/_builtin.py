@@ -15,11 +15,7 @@ from oodscen.author._imagining import Imagination
 from oodscen.author._knowledge.base import HazardKind
 from oodscen.author._knowledge.designs import design
 from oodscen.author._knowledge.loading import load_knowledge, stamp_of
-<<<<<<< HEAD
 from oodscen.author._knowledge.motions import design_motion
-from oodscen.author._reading.claim_extraction import read_claims
-=======
->>>>>>> perf5
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._staging.drafting import Stager
 from oodscen.author._taxonomy import TreeAuthor
