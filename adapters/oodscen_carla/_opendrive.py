@@ -26,7 +26,7 @@ def for_carla(text: str) -> str:
 
 
 def _reachable(road: "re.Match[str]") -> str:
-    """Return the beginning of a road whose end a 32-bit float can reach; it is under 0.1 mm longer."""
+    """Return the beginning of a road whose end a 32-bit float can reach; at most 0.2 mm longer."""
     before, _, given = road.groups()
     try:
         length = float(given)
