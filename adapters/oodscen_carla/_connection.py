@@ -250,7 +250,7 @@ class Connection:
             self._cameras = {}
             place = self._carla.Transform(
                 self._carla.Location(camera.x, -camera.y, camera.z),
-                self._carla.Rotation(pitch=-camera.pitch_deg),
+                self._carla.Rotation(pitch=-camera.pitch_deg, yaw=-camera.yaw_deg),
             )
             for kind in KINDS:
                 blueprint = self._blueprints.find(f"sensor.camera.{kind}")

@@ -64,8 +64,9 @@ class Blueprint:
 
     def definition(self, uid: int) -> list[Any]:
         """Return the definition that a client reads."""
+        # Scripts draw a colour at random from the recommended ones, so there has to be one.
         attributes = [
-            [name, kind, value, [], is_free, False]
+            [name, kind, value, [value] if kind == COLOUR else [], is_free, False]
             for name, kind, value, is_free in self.attributes
         ]
         return [uid, self.id, self.id.replace(".", ","), attributes]

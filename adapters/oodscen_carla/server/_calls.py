@@ -29,7 +29,7 @@ WITHOUT_EFFECT = frozenset(
             "set_annotations_traverse_translucency",
         ),
         *("set_pedestrians_cross_factor", "set_pedestrians_seed", "enable_sensor_for_ros"),
-        *("disable_sensor_for_ros", "set_replayer_time_factor"),
+        *("disable_sensor_for_ros", "set_replayer_time_factor", "update_day_night_cycle"),
     }
 )
 """Calls that are accepted and change nothing."""

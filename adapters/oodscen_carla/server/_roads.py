@@ -80,7 +80,7 @@ class ServedMap:
 
     @classmethod
     def _of(cls, name: str, text: str, road_map: RoadMap) -> "ServedMap":
-        network = read_network(text.encode(), source=name)
+        network = read_network(read_map(road_map.file), source=name)
         points = _spawn_points(network)
         shown = tuple(filter(_is_shown(load_corridor(road_map)), points))
         return cls(name, text, road_map, _samples(network), shown or points)

@@ -1,5 +1,6 @@
 """Sends what the sensors of the served world measure in a tick."""
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -155,20 +156,21 @@ def aimed(
 ) -> Shot:
     """Return the camera in right-handed axes.
 
-    A forward camera on a level vehicle is mounted on the vehicle's exact pose, without the noise of
+    A level camera on a level vehicle is mounted on the vehicle's exact pose, without the noise of
     32-bit floats; any other stands free in the world.
     """
     is_level = host is not None and not (host.place.rotation[0] or host.place.rotation[2])
-    if pose is not None and is_level and not (mount.rotation[1] or mount.rotation[2]):
+    if pose is not None and is_level and not mount.rotation[2]:
         x, y, z = (round(value, 6) for value in mount.location)
-        camera = _moved(size, x, -y, z, round(-mount.rotation[0], 6))
+        pitch, yaw, _ = (round(angle, 6) for angle in mount.rotation)
+        camera = _moved(size, x, -y, z, -pitch, math.remainder(-yaw, 360.0))
         return Shot(camera, pose, 0.0, time)
     x, y, z = place.location
     pitch, yaw, roll = place.rotation
-    camera = _moved(size, 0.0, 0.0, 0.0, -pitch)
+    camera = _moved(size, 0.0, 0.0, 0.0, -pitch, 0.0)
     return Shot(camera, (x, -y, z, -yaw * 0.017453292519943295), roll, time)
 
 
-def _moved(size: Camera, x: float, y: float, z: float, pitch_deg: float) -> Camera:
+def _moved(size: Camera, x: float, y: float, z: float, pitch_deg: float, yaw_deg: float) -> Camera:
     pitch = max(-90.0, min(90.0, pitch_deg))
-    return Camera(size.width, size.height, size.fov_deg, x, y, z, pitch)
+    return Camera(size.width, size.height, size.fov_deg, x, y, z, pitch, yaw_deg)

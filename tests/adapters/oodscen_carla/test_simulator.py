@@ -87,9 +87,8 @@ def test_frames_equal_those_of_pybullet():
 
 def test_it_keeps_the_promises_of_the_protocol(server):
     made = partial(CarlaSimulator, server.address)
-    check_simulator(
-        made, parts=("catalogue", "weather", "controls", "snapshot", "frames", "refusals")
-    )
+    parts = ("catalogue", "weather", "controls", "snapshot", "frames", "turning", "refusals")
+    check_simulator(made, parts=parts)
 
 
 def test_nothing_is_left_on_the_server(server):

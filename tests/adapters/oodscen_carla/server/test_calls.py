@@ -24,6 +24,13 @@ def test_what_has_no_effect_succeeds_and_what_is_missing_is_empty(served):
     assert all(served.get(name) == [] for name in EMPTY)
 
 
+def test_every_vehicle_recommends_a_colour(served):
+    for _, name, _, attributes in served.get("get_actor_definitions"):
+        colours = [one[3] for one in attributes if one[0] == "color"]
+        assert name.startswith("vehicle.") == bool(colours), name
+        assert all(colours), name
+
+
 def test_a_driven_car_moves_brakes_and_reverses(served):
     car = served.spawn(CAR, 100.0, 1.7)
     served.get("apply_control_to_vehicle", car, CONTROL)
