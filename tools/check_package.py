@@ -28,6 +28,7 @@ PROMISES = {
     "pytest": ("pytest", "oodscen.pytest_plugin._session"),
     "tables": ("pandas", "pyarrow"),
     "publish": ("pyarrow",),
+    "notebooks": ("duckdb", "jupyterlab"),
     "inspect": ("inspect_ai", "oodscen.inspect._tasks"),
     "carla": ("carla", "msgpack"),
     "carla-server": ("msgpack", "oodscen_carla.server"),

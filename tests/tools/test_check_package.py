@@ -54,3 +54,9 @@ def test_an_error_about_a_missing_package_names_an_extra_that_has_it() -> None:
 def test_the_citation_has_the_version() -> None:
     cited = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f"\nversion: {__version__}\n" in cited
+
+
+def test_the_check_of_the_wheel_expects_the_packages_that_are_built() -> None:
+    tools = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
+    built = tools["hatch"]["build"]["targets"]["wheel"]["packages"]
+    assert [Path(one).name for one in built] == tools["check-wheel-contents"]["toplevel"]
