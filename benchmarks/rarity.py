@@ -185,6 +185,8 @@ def anchors(bench: Bench) -> list[Row]:
         row(f"  all {len(rates)} rates", all_found.factor_left_out, "x", "", None),
         row("  slope", found.slope, "", "", None),
     ]
+    by_all = float(10.0 ** np.median(np.abs(left_out(rates, own)[graded])))
+    rows.append(row("  each by all other rates, of any grade", by_all, "x", "", None))
     errors = 10.0 ** np.abs(left_out(few, few_own))
     for kind in dict.fromkeys(rate.kind for rate in few):
         part = [error for error, rate in zip(errors, few, strict=True) if rate.kind == kind]

@@ -15,7 +15,7 @@ from oodscen.errors import DataError, Issue
 from oodscen.metrics._rarity.anchors import Calibration, Rate, calibrate
 from oodscen.metrics._rarity.head import Estimates, Head, head_for, load_head
 from oodscen.metrics._rarity.plausibility import is_impossible, names_event, parts
-from oodscen.metrics._rarity.subject import is_number, names_road
+from oodscen.metrics._rarity.subject import is_number, names_road, repeats_word
 from oodscen.protocols import Encoder
 
 if TYPE_CHECKING:
@@ -207,7 +207,8 @@ def _flags(text: str, head: Head, found: Estimates, place: int) -> list[Flag]:
     """Return the faults of a text that its words, and a head's estimate of it, show."""
     flags: list[Flag] = []
     letters = len(_LETTER.findall(text))
-    if letters < 0.5 * len(re.sub(r"\s", "", text)) or is_number(text):
+    is_mostly_signs = letters < 0.5 * len(re.sub(r"\s", "", text))
+    if is_mostly_signs or is_number(text) or repeats_word(text):
         flags.append("no driving")
     elif found.known[place] < _FEWEST_KNOWN or len(_ASCII_LETTER.findall(text)) < 0.8 * letters:
         flags.append("language")

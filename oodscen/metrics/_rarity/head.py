@@ -6,8 +6,8 @@ is the decimal logarithm of kilometres. It is kernel ridge regression on inducin
 Quinonero-Candela and Rasmussen, 2005), fitted by `tools/rarity/train.py`, which also says to what. Stems alone serve
 any encoder; the embedding of all-MiniLM-L6-v2 is added where that is the encoder.
 
-The interval is conformal with origins as groups: residuals come from texts of an origin that had no part in the
-fit, every origin counts alike, and quantiles are taken by thirds of the estimate. It covers 90 % of texts of an origin
+The interval is conformal with writers as groups: residuals come from texts of a writer who had no part in the
+fit, every writer counts alike, the parts of the baseline as one, and quantiles are taken by thirds of the estimate. It covers 90 % of texts of an origin
 like these; `docs/rarity.md` has the figures.
 """
 

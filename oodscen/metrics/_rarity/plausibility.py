@@ -48,6 +48,11 @@ _FASTEST: Final = {"m/s": 140.0, "mph": 310.0}
 _EVENT = re.compile(
     r"\b(?:explod|collaps|burst|erupt|overturn|derail|ignit|faint|capsiz|jackknif|run(?:s|ning)? loose|ran loose)\w*"
 )
+_ENTERS = re.compile(
+    r"\W*(?:an?|another|two|three|some|several)\b.{0,60}?\b(?:jump|leap|dart|bolt|fall|drop|crash|collid|skid|swerv|roll|spin|"
+    r"tumbl|topple|slid|plung|slam|rush|burst|escap|break|explod|collaps|run|land)(?:s|es)?\b"
+)
+"""A thing that a part is the first to mention, and that does something sudden."""
 _PART = re.compile(
     r"(?<=[.!?;])\s+|,?\s+(?:and then|then|while|just as|at the same time|meanwhile|moments later|after which)\s+"
 )
@@ -73,4 +78,5 @@ def parts(text: str) -> list[str]:
 
 def names_event(part: str) -> bool:
     """Return whether a part of a text names a sudden event, which the head may take for common."""
-    return _EVENT.search(part.lower()) is not None
+    lower = part.lower()
+    return _EVENT.search(lower) is not None or _ENTERS.match(lower) is not None

@@ -19,6 +19,7 @@ wiper zebra
 _FEWEST = 6
 """Words of a text that must name something of the road: a shorter one may be the label of a kind."""
 _WORD = re.compile(r"[^\W\d_]+")
+_TOKEN = re.compile(r"\d+|[^\W\d_]+")
 _NUMBERS: Final = frozenset(
     "zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen nineteen "
     "twenty thirty forty fifty sixty seventy eighty ninety hundred hundreds thousand thousands million millions billion billions "
@@ -27,8 +28,16 @@ _NUMBERS: Final = frozenset(
 
 
 def is_number(text: str) -> bool:
-    """Return whether a text says nothing but numbers and units of length."""
-    return all(word in _NUMBERS for word in _WORD.findall(text[:1_000].lower()))
+    """Return whether a text says nothing but numbers and units of length, or has more numbers than words."""
+    found = _TOKEN.findall(text[:1_000].lower())
+    words = [word for word in found if not word.isdecimal() and word not in _NUMBERS]
+    return len(words) < sum(word.isdecimal() for word in found) or not words
+
+
+def repeats_word(text: str) -> bool:
+    """Return whether a text of three words or more repeats a single one."""
+    found = _WORD.findall(text[:1_000].lower())
+    return len(found) > 2 and len(set(found)) == 1
 
 
 def names_road(text: str) -> bool:

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.metrics._rarity.plausibility import is_impossible, parts
+from oodscen.metrics._rarity.plausibility import is_impossible, names_event, parts
 
 
 @pytest.mark.parametrize(
@@ -49,3 +49,17 @@ def test_unusual_things_are_possible(text):
 def test_any_text_is_read(text):
     assert is_impossible(text) in (True, False)
     assert all(len(part.split()) > 2 for part in parts(text))
+
+
+@pytest.mark.parametrize(
+    ("part", "is_event"),
+    [
+        ("A deer jumps on the road.", True),
+        ("The bridge collapses.", True),
+        ("The deer jumps on the road.", False),
+        ("A red light.", False),
+        ("A car waits at the red light.", False),
+    ],
+)
+def test_a_new_thing_that_does_something_sudden_is_an_event(part, is_event):
+    assert names_event(part) == is_event

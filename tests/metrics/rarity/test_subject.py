@@ -4,21 +4,29 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.metrics._rarity.subject import is_number, names_road
+from oodscen.metrics._rarity.subject import is_number, names_road, repeats_word
 
 _PLAIN = st.sampled_from("beat the eggs with sugar until the dough is soft and bake it".split())
 
 
 @pytest.mark.parametrize(
-    "text", ["5 km", "once in 3,000 miles", "three thousand two hundred", "12"]
+    "text", ["5 km", "once in 3,000 miles", "three thousand two hundred", "12", "1 2 3 car"]
 )
 def test_numbers_and_units_are_no_text(text):
     assert is_number(text)
 
 
-@given(st.text())
-def test_a_text_that_names_a_car_is_no_number(text):
-    assert not is_number(f"car {text}")
+@given(st.lists(_PLAIN, min_size=1), st.lists(st.integers(0), max_size=20))
+def test_a_text_is_a_number_if_it_has_more_numbers_than_words(words, numbers):
+    text = " ".join([*map(str, numbers), *words])
+    other = [word for word in words if word != "and"]
+    assert is_number(text) == (len(other) < len(numbers) or not other)
+
+
+@given(_PLAIN, st.integers(3, 9))
+def test_a_word_alone_is_repeated_until_another_joins(word, times):
+    assert repeats_word(f"{word} " * times)
+    assert not repeats_word(f"{word} " * times + "lorry")
 
 
 @given(st.lists(_PLAIN, min_size=6, max_size=40))
