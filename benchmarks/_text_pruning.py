@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 from oodscen import Pruner, RedTeamer, ScenarioTree, TreeGrower, make_llm
 from oodscen._doctor import examine_knowledge
 from oodscen._registry import make_catalogue
-from oodscen.data._additions import extended
+from oodscen.data._additions import extend
 from oodscen.data._catalogue import Catalogue
-from oodscen.stages._prune.decisions import PruneDecision, all_decisions, pruned
+from oodscen.stages._prune.decisions import PruneDecision, all_decisions, apply_decisions
 from oodscen.stages._prune.restoration import Unlocked, restoration
 from oodscen.stages._prune.side_by_side import compare
 
@@ -57,7 +57,7 @@ def _explained(
     share = len(told) / len(tree.nodes)
     text = "every node has a decision with a reason"
     yield row(f"{name}: nodes with a reason", share, "share", text, share == 1.0)
-    result = pruned(tree, judged)
+    result = apply_decisions(tree, judged)
     inner = [node.id for node in tree.nodes if tree.children[node.id] and node.parent]
     agree = all(
         (node in result.by_id) == any(child in result.by_id for child in tree.children[node])
@@ -87,7 +87,7 @@ def _promised(
     kept_word = 0
     for one in tried:
         model = make_llm(llm, seed=seed)
-        richer = extended(catalogue, one.additions)
+        richer = extend(catalogue, one.additions)
         after = {d.id for d in Pruner(model, richer, threads=8).decisions(tree) if d.keep}
         kept_word += after - before == set(one.paths)
     share = kept_word / max(1, len(tried))

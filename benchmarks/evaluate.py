@@ -32,7 +32,7 @@ from oodscen.judging._kinds import LISTED
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._leaderboard.scores import Estimate
 from oodscen.judging._safe_sets import safety_figures
-from oodscen.judging._selection import chosen
+from oodscen.judging._selection import choose_items
 from oodscen.judging._shortcuts.audit import audit
 from oodscen.llm._remote.limits import Limits
 from oodscen.stages._drive import RuleBasedDriver, drive
@@ -332,7 +332,9 @@ def main() -> int:
         if not given.study:
             run_study(folder, StudyConfig(), workers=2)
         study = Study.open(folder)
-        judged = chosen(ran_and_seen(study), count=study.config.ordinary, seed=study.config.seed)
+        judged = choose_items(
+            ran_and_seen(study), count=study.config.ordinary, seed=study.config.seed
+        )
         rows = [*safe_sets(study.episodes), *keeping(judged), *blind_gains(study)]
         rows += flips(study, 180)
         rows += [*references(study), *shortcuts(study)]
@@ -341,7 +343,7 @@ def main() -> int:
         began = time.perf_counter()
         run_study(small, StudyConfig(max_paths=given.paths), workers=2)
         made = Study.open(small)
-        asked = chosen(made.episodes, count=made.config.ordinary, seed=made.config.seed)
+        asked = choose_items(made.episodes, count=made.config.ordinary, seed=made.config.seed)
         rows += served(small, len(asked))
         print(f"served part: {time.perf_counter() - began:.0f} s")
     for one in rows:

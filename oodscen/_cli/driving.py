@@ -35,7 +35,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     """
     from oodscen._registry import driver_maker, make_simulator
     from oodscen.data._pairing import scene_of
-    from oodscen.judging._drive_board import current, drive_board, remarks
+    from oodscen.judging._drive_board import current_results, drive_board, remarks
     from oodscen.report._render import write_report
     from oodscen.stages._drive import drive as drive_scenes
     from oodscen.study._study import Study
@@ -47,7 +47,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     names = drivers or ("rule-based",)
     makers = [(name, driver_maker(name)) for name in names]
     before = study.drives
-    found = {row.id: row for row in current(before, staged)}
+    found = {row.id: row for row in current_results(before, staged)}
     seed = study.config.seed
     with make_simulator(study.config.simulator) as simulator:
         for name, make in makers:
@@ -56,7 +56,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
                     scenes, make, simulator, name=name, seed=seed, progress=told
                 ):
                     found[one.id] = one
-    rows = current(found.values(), staged)
+    rows = current_results(found.values(), staged)
     board = drive_board(rows, scenarios, seed=study.config.seed)
     study.store.write_lines("drives.jsonl", rows)
     page = write_report(study)

@@ -451,14 +451,14 @@ def _enter(place: Path, found: "list[PlayedVerdict]", is_replacing: bool) -> Non
     Raises:
         UsageError: If the table has other results of the driver for these scenes that are not to be replaced.
     """
-    from oodscen.judging._drive_board import current
+    from oodscen.judging._drive_board import current_results
     from oodscen.report._render import write_report
     from oodscen.study._study import Study
 
     study = Study.open(place)
     click.get_current_context().with_resource(study.store.writing())
     digests = {scene.id: scene.digest() for scene in study.scenes}
-    rows = {row.id: row for row in current(study.drives, study.scenes)}
+    rows = {row.id: row for row in current_results(study.drives, study.scenes)}
     made = [
         one.drive.model_copy(update={"made_from": digests[scene_of(one.scene_id)]}) for one in found
     ]

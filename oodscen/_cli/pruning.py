@@ -63,7 +63,7 @@ def prune(
     from oodscen import ScenarioTree, make_llm
     from oodscen._registry import make_catalogue
     from oodscen.llm._accounting import Ledger
-    from oodscen.stages._prune.decisions import all_decisions, pruned
+    from oodscen.stages._prune.decisions import all_decisions, apply_decisions
     from oodscen.stages._prune.restoration import restoration
     from oodscen.stages._prune.side_by_side import compare
 
@@ -87,7 +87,7 @@ def prune(
         write_lines(decisions, all_decisions(grown, answers))
     if restore is not None:
         write(restore, restoration(answers).to_json())
-    write(out, pruned(grown, answers).to_json())
+    write(out, apply_decisions(grown, answers).to_json())
     (name,) = offered
     (tally,) = compare(grown, offered, {name: answers}).tallies
     say(str(tally), err=True)

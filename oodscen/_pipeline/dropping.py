@@ -33,30 +33,30 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
         InUse: When another process writes the study.
     """
     with study.store.writing():
-        return _dropped(study, names)
+        return _drop(study, names)
 
 
-def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
+def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
     config, verdicts = study.config, study.verdicts
-    made = {name: _called(name, config) for name in config.vlms}
-    made |= {
+    names_by_entry = {name: _name_in_verdicts(name, config) for name in config.vlms}
+    names_by_entry |= {
         without_pictures(name): called and without_pictures(called)
-        for name, called in tuple(made.items())
+        for name, called in tuple(names_by_entry.items())
         if name in config.withheld
     }
-    made |= {person(name): person(name) for name in config.people}
-    called = {name: other or name for name, other in made.items()}
+    names_by_entry |= {person(name): person(name) for name in config.people}
+    called = {name: other or name for name, other in names_by_entry.items()}
     known = {*called, *called.values(), *({one.model for one in verdicts} - {*ALWAYS})}
     for name in names:
         if name not in known:
             raise UnknownComponent("judged model", name, known)
-    gone = {name for name in called if name in names or called[name] in names}
-    gone |= {blind for name in gone if (blind := without_pictures(name)) in called}
-    models = {called.get(name, name) for name in (*names, *gone)}
-    if all(made[name] for name in called if name not in gone):
+    dropped = {name for name in called if name in names or called[name] in names}
+    dropped |= {blind for name in dropped if (blind := without_pictures(name)) in called}
+    models = {called.get(name, name) for name in (*names, *dropped)}
+    if all(names_by_entry[name] for name in called if name not in dropped):
         # A model that can no longer be made may have judged under another name, so drop every
         # verdict that no remaining model accounts for.
-        judging = {called[name] for name in called if name not in gone}
+        judging = {called[name] for name in called if name not in dropped}
         models |= {one.model for one in verdicts} - judging
     models -= {*ALWAYS}
     kept = [one for one in verdicts if one.model not in models]
@@ -67,16 +67,18 @@ def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     asked = {config.llm, config.red_llm, config.fallback, config.judge, config.rarity_llm}
     config = config.model_copy(
         update={
-            "vlms": tuple(name for name in config.vlms if name not in gone),
+            "vlms": tuple(name for name in config.vlms if name not in dropped),
             "withheld": tuple(
-                name for name in config.withheld if gone.isdisjoint((name, without_pictures(name)))
+                name
+                for name in config.withheld
+                if dropped.isdisjoint((name, without_pictures(name)))
             ),
             "people": tuple(name for name in config.people if person(name) not in models),
-            "asked": {name: found for name, found in config.asked.items() if name not in gone},
+            "asked": {name: found for name, found in config.asked.items() if name not in dropped},
             "servers": {
                 name: address
                 for name, address in config.servers.items()
-                if name not in gone or name in asked
+                if name not in dropped or name in asked
             },
         }
     )
@@ -102,7 +104,7 @@ def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     return counts
 
 
-def _called(name: str, config: StudyConfig) -> str | None:
+def _name_in_verdicts(name: str, config: StudyConfig) -> str | None:
     """Return a model's name in verdicts, or `None` if the model can no longer be made."""
     try:
         return make_llm(name, api_base=config.servers.get(name, config.api_base)).name

@@ -126,19 +126,19 @@ def _copy(study: Study, target: Path) -> None:
 def _judging(config: StudyConfig, is_withheld: bool) -> Iterator[Request]:
     """Yield the questions about one item, at their expected length."""
     frames = tuple(Image(name=f"{name}.jpg", sha256="0" * 64) for name in moments(config.frames))
-    seen = (DESCRIPTION,) * len(frames) if config.chain and not is_withheld else ()
+    descriptions = (DESCRIPTION,) * len(frames) if config.chain and not is_withheld else ()
     facts = DriveFacts(times_s=(0.0,) * len(frames), ego_speed_mps=10.0, behind="a lorry")
     shown = Shown(frames, facts, frames[0] if config.rear_view else None)
-    told = shown.without_pictures() if is_withheld else shown
+    fields = shown.without_pictures() if is_withheld else shown
     kinds = [AspectOption(id=str(n), label="word " * 10 + str(n)) for n in range(LISTED + 1)]
     prompts: tuple[Prompt[Any], ...] = (
         *(
-            DescribeFrame(frames=frames[: n + 1], descriptions=seen[:n], total=len(frames))
-            for n in range(len(seen))
+            DescribeFrame(frames=frames[: n + 1], descriptions=descriptions[:n], total=len(frames))
+            for n in range(len(descriptions))
         ),
-        naming_prompt(told, seen),
-        choosing_prompt(told, kinds, seen),
-        acting_prompt(told, seen),
+        naming_prompt(fields, descriptions),
+        choosing_prompt(fields, kinds, descriptions),
+        acting_prompt(fields, descriptions),
     )
     for prompt in prompts:
         yield Request(prompt, prompt.messages(), prompt.answer_schema())

@@ -68,30 +68,30 @@ class Models:
         return self._made[key]
 
     def _wrapped(self, name: str, fallback: str | None) -> LLM:
-        made = self._make(name)
-        if is_reference(made):
-            return made
-        logged: LLM = LoggedLLM(made, self._log)
+        model = self._make(name)
+        if is_reference(model):
+            return model
+        logged: LLM = LoggedLLM(model, self._log)
         if fallback is not None:
             logged = FallbackLLM(logged, LoggedLLM(self._make(fallback), self._log))
-        if fallback is None and (is_builtin(name) or isinstance(made, ReplayLLM)):
+        if fallback is None and (is_builtin(name) or isinstance(model, ReplayLLM)):
             return logged
         if self._recorder is None:
             self._recorder = Recorder.at(self._store.path(ANSWERS))
         return RecordingLLM(logged, self._recorder, is_reading=not self._options.retry)
 
     def _make(self, name: str) -> LLM:
-        given = self._options.models.get(name)
-        made = make_llm(
-            given or name,
+        preset = self._options.models.get(name)
+        model = make_llm(
+            preset or name,
             seed=self._config.seed,
             api_base=self._config.servers.get(name, self._config.api_base),
             limits=self.limits,
         )
         # A client of litellm counts its HTTP requests itself.
-        is_free = is_builtin(name) and given is None
-        is_free = is_free or isinstance(made, ReplayLLM) or hasattr(made, "limits")
-        return made if is_free or is_reference(made) else CappedLLM(made, self.limits)
+        is_free = is_builtin(name) and preset is None
+        is_free = is_free or isinstance(model, ReplayLLM) or hasattr(model, "limits")
+        return model if is_free or is_reference(model) else CappedLLM(model, self.limits)
 
     def _log(self, call: Call) -> None:
         call = call.model_copy(update={"stage": self.stage})

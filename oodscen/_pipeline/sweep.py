@@ -25,9 +25,9 @@ from oodscen.driving._trace_table import to_parquet
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
 from oodscen.protocols import Camera, Frame, Simulator
 from oodscen.stages._annotations import annotate, encode_annotations, semantic_map
-from oodscen.stages._decision_retiming import retimed
-from oodscen.stages._demands.demanding import demanding
-from oodscen.stages._restage import Attempt, Restaging, restaged
+from oodscen.stages._decision_retiming import retime
+from oodscen.stages._demands.demanding import draw_demand
+from oodscen.stages._restage import Attempt, Restaging, restage
 from oodscen.stages._simulate import Simulated, simulate
 from oodscen.stages._video import View, record
 from oodscen.study._store import Store
@@ -207,16 +207,16 @@ def _demand(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) 
     """Make and run the demand of a scene that was run."""
 
     def made() -> tuple[Scene, Simulated]:
-        return demanding(
+        return draw_demand(
             scene, simulated, simulator, job.seed, job.outputs.traces, job.camera, job.reaction
         )
 
     name = demand_id(scene.id)
-    found = _guarded(job, name, made)
+    found = _guard(job, name, made)
     if isinstance(found, Episode):
         return SweepResult(found)
     demand, run = found
-    result = _guarded(job, name, lambda: _result(job, simulator, demand, run))
+    result = _guard(job, name, lambda: _result(job, simulator, demand, run))
     return SweepResult(result) if isinstance(result, Episode) else replace(result, demand=demand)
 
 
@@ -245,7 +245,7 @@ def failed_episode(job: Job, name: str, error: Exception) -> Episode:
     )
 
 
-def _guarded(job: Job, name: str, work: Callable[[], Made]) -> Made | Episode:
+def _guard(job: Job, name: str, work: Callable[[], Made]) -> Made | Episode:
     """Return what `work` gives, or the failed record of an item."""
     try:
         return work()
@@ -257,12 +257,12 @@ def _guarded(job: Job, name: str, work: Callable[[], Made]) -> Made | Episode:
         return failed_episode(job, name, SimulatorCrash(job.simulator, reason(error)))
 
 
-def _run(job: Job, simulator: Simulator, given: Scene) -> tuple[SweepResult, Simulated | None]:
+def _run(job: Job, simulator: Simulator, scene: Scene) -> tuple[SweepResult, Simulated | None]:
     """Run one scene, and re-stage it if the job says so; `None` instead of a run that failed."""
 
     def run() -> tuple[SweepResult, Simulated]:
         simulated = simulate(
-            given,
+            scene,
             simulator,
             seed=job.seed,
             camera=job.camera.behind() if job.is_rear else job.camera,
@@ -273,14 +273,14 @@ def _run(job: Job, simulator: Simulator, given: Scene) -> tuple[SweepResult, Sim
             horizon=job.horizon,
             moments=("last",) if job.is_rear else job.moments,
         )
-        found = Restaging(given, simulated)
-        if job.restages and not given.is_ordinary:
-            found = _improved(job, simulator, given, simulated)
+        found = Restaging(scene, simulated)
+        if job.restages and not scene.is_ordinary:
+            found = _improve(job, simulator, scene, simulated)
         result = _result(job, simulator, found.scene, found.simulated)
-        changed = found.scene if found.scene is not given else None
+        changed = found.scene if found.scene is not scene else None
         return replace(result, restaged=changed, tried=found.tried), found.simulated
 
-    found = _guarded(job, given.id, run)
+    found = _guard(job, scene.id, run)
     return (SweepResult(found), None) if isinstance(found, Episode) else found
 
 
@@ -305,12 +305,12 @@ def _result(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) 
     return SweepResult(simulated.episode.model_copy(update=named), frames, extra)
 
 
-def _improved(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> Restaging:
+def _improve(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> Restaging:
     """Return the scene, re-staged if its hazard cannot be named or its choice does not matter, and its run."""
     found = Restaging(scene, simulated)
-    for stage in (retimed, restaged):
+    for stage in (retime, restage):
         episode = found.simulated.episode
-        if episode.is_below_floor if stage is retimed else not episode.is_decidable:
+        if episode.is_below_floor if stage is retime else not episode.is_decidable:
             better = stage(
                 found.scene,
                 found.simulated,
@@ -322,14 +322,14 @@ def _improved(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated
                 job.reaction,
             )
             if episode.restaged and better.scene is not found.scene:
-                better = _described(
+                better = _describe(
                     better, f"{episode.restaged}; {better.simulated.episode.restaged}"
                 )
             found = better._replace(tried=found.tried + better.tried)
     return found
 
 
-def _described(found: Restaging, how: str) -> Restaging:
+def _describe(found: Restaging, how: str) -> Restaging:
     """Return a re-staging with another description of the change."""
     episode = found.simulated.episode.model_copy(update={"restaged": how})
     return found._replace(simulated=replace(found.simulated, episode=episode))

@@ -8,7 +8,7 @@ from typing import ClassVar, Literal, NamedTuple
 from oodscen.claims._actors import ObservedActor
 from oodscen.claims._matching import OF_THE_MAP, Likeness, doubt, is_of_map
 from oodscen.claims._surroundings import judge_surroundings
-from oodscen.claims._things import Thing, may_be, named
+from oodscen.claims._things import Thing, may_be, thing_named
 from oodscen.claims._watching import watch
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue, RoadMap
@@ -120,7 +120,7 @@ def _groups(subjects: Mapping[str, Sequence[Claim]]) -> list[list[str]]:
     """Group the subjects whose names differ only in a trailing number."""
     groups: dict[object, list[str]] = {}
     for subject in subjects:
-        thing = named(subject)
+        thing = thing_named(subject)
         groups.setdefault(thing.name if thing else subject.rstrip(" 0123456789"), []).append(
             subject
         )
@@ -163,7 +163,7 @@ def _settle(
     subjects: Mapping[str, Sequence[Claim]], roles: Mapping[str, _Role], road: RoadMap | None
 ) -> dict[str, tuple[dict[Claim, ClaimFinding], set[str]]]:
     """Assign subjects of one name to actors so that the fewest claims fail."""
-    thing = named(next(iter(subjects)))
+    thing = thing_named(next(iter(subjects)))
     fitting = list(dict.fromkeys(one for name in subjects for one in roles[name].fitting))
     fitting.sort(key=lambda one: one.actor)
     scenery = {

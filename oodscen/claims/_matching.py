@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.claims._things import Thing, is_head, may_be, named, words_of
+from oodscen.claims._things import Thing, is_head, may_be, thing_named, words_of
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.encoders._check import encode
 from oodscen.metrics._detection.guard import is_calibrated
@@ -89,7 +89,7 @@ def doubt(
     """
     if may_be(subject, asset):
         return ""
-    thing = named(subject)
+    thing = thing_named(subject)
     if thing is not None and _is_human(thing) and _shares(subject, quotes, asset):
         return ""
     called = _called(subject, thing, catalogue)
@@ -112,7 +112,7 @@ def doubt(
 
 def is_of_map(subject: str, road: RoadMap | None) -> bool:
     """Return whether a road may show a thing by itself, by the words of its description."""
-    thing = named(subject)
+    thing = thing_named(subject)
     if thing is not None:
         return thing.is_scenery(road)
     if road is None:

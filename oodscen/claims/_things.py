@@ -128,7 +128,7 @@ def mentions(text: str) -> Iterator[Mention]:
 
 
 @cache
-def named(subject: str) -> Thing | None:
+def thing_named(subject: str) -> Thing | None:
     """Return the thing that a noun phrase names; of several, the last one, which is its head."""
     head = _head(subject)
     for part in (subject, head):
@@ -151,7 +151,7 @@ def may_be(subject: str, asset: "Named") -> bool:
 
     An unknown name is compared with the words of the asset.
     """
-    thing = named(subject)
+    thing = thing_named(subject)
     if thing is not None:
         return thing.fits(asset)
     words = words_of(asset) | set(re.findall(r"[a-z]+", asset.description.casefold()))

@@ -94,7 +94,7 @@ def map_with(traits: Iterable[str]) -> Addition:
     return Addition(kind="map", name=" + ".join(dict.fromkeys(traits)))
 
 
-def extended(catalogue: Catalogue, additions: Iterable[Addition]) -> Catalogue:
+def extend(catalogue: Catalogue, additions: Iterable[Addition]) -> Catalogue:
     """Return the catalogue extended by placeholders for some additions.
 
     A placeholder has a name and a plausible size but cannot be drawn: it shows what could be staged, not

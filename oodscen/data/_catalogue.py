@@ -184,9 +184,9 @@ class Catalogue(Data):
         Args:
             additions: The additions, e.g. those of `Pruner.restoration`.
         """
-        from oodscen.data._additions import extended
+        from oodscen.data._additions import extend
 
-        return extended(self, additions)
+        return extend(self, additions)
 
     def with_made(self, made: Iterable[Prop], motions: Iterable[Motion] = ()) -> "Catalogue":
         """Return the catalogue extended by things and motions made to order; what it has already stays."""

@@ -134,7 +134,7 @@ class BaseSimulator(Brief, ABC):
         return self._state
 
 
-def checked(control: Control) -> Control:
+def checked_control(control: Control) -> Control:
     """Return a control if it is finite.
 
     Raises:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._scene import Scene
-from oodscen.driving._base_simulator import BaseSimulator, checked
+from oodscen.driving._base_simulator import BaseSimulator, checked_control
 from oodscen.driving._motion.bodies import WHEELBASE
 from oodscen.driving._motion.world import KinematicWorld, WorldSnapshot
 from oodscen.driving._staged_scene import StagedBody, StagedScene, with_heights
@@ -123,7 +123,7 @@ class DynamicSimulator(BaseSimulator):
             SimulatorError: If `bodies` returns something else than it should.
         """
         world, before = self.world, self.world.time
-        self.move(checked(control))
+        self.move(checked_control(control))
         world.follow(*self._measured())
         self._fire(world, before)
         return self._keep_state(world.publish())

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset
 from oodscen.data._scene import Scene
-from oodscen.driving._base_simulator import BaseSimulator, checked
+from oodscen.driving._base_simulator import BaseSimulator, checked_control
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._motion.world import KinematicWorld, Published, WorldSnapshot
 from oodscen.driving._roads.corridor import Corridor
@@ -115,7 +115,7 @@ class MirrorSimulator(BaseSimulator):
         Raises:
             UsageError: If the control is not finite, which means that its driver is broken.
         """
-        self.world.step(checked(control))
+        self.world.step(checked_control(control))
         return self._publish()
 
     def snapshot(self) -> WorldSnapshot:

@@ -214,7 +214,7 @@ class Trace(Brief):
             UsageError: For any other suffix.
             MissingExtra: If pyarrow is not installed.
         """
-        target = table.checked(path)
+        target = table.checked_path(path)
         table.write(self.to_arrow(), target)
         return target
 
@@ -227,11 +227,11 @@ class Trace(Brief):
             DataError: If the file is missing or is not a trace.
             MissingExtra: If pyarrow is not installed.
         """
-        source = table.checked(path)
+        source = table.checked_path(path)
         return cls(*table.from_arrow(table.read(source), str(source)))
 
 
-def concatenated(traces: Mapping[str, Trace]) -> "pa.Table":
+def concatenate(traces: Mapping[str, Trace]) -> "pa.Table":
     """Return several traces as one Arrow table with their names in the first column, `phase`.
 
     Raises:

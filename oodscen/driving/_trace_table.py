@@ -170,7 +170,7 @@ def with_phase(table: "pa.Table", phase: str) -> "pa.Table":
     return _with_plain_ids(table).add_column(0, "phase", column)
 
 
-def checked(path: str | Path) -> Path:
+def checked_path(path: str | Path) -> Path:
     """Return the path of a table's file.
 
     Raises:

@@ -28,7 +28,7 @@ CRITICAL_TTC_S = 1.5
 """The time to collision below which a conflict is critical, s."""
 
 
-def current(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> list[DriveResult]:
+def current_results(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> list[DriveResult]:
     """Return the results of the scenes as they are now, sorted by driver and then in the order of the scenes."""
     digests = {scene.id: scene.digest() for scene in scenes}
     order = {name: place for place, name in enumerate(digests)}
@@ -171,19 +171,19 @@ def drive_board(
 
 def remarks(board: DriveBoard) -> list[str]:
     """Return sentences that name the figures that do not show skill."""
-    said = []
+    sentences = []
     for driver in board.drivers:
         scenes, twins = board.of(driver), board.of(driver, "twins")
         if scenes is None or twins is None:
             continue
-        came = twins.means["progress"].value
+        progress = twins.means["progress"].value
         passed = scenes.shares["passed"].value
-        if came is not None and passed is not None and came < HARDLY_DRIVES:
-            said.append(
+        if progress is not None and passed is not None and progress < HARDLY_DRIVES:
+            sentences.append(
                 f"{driver} passes {passed:.0%} of the scenes by hardly driving: on the ordinary twins it comes "
-                f"{came:.0%} as far as keeping the speed would. Standing still is no skill."
+                f"{progress:.0%} as far as keeping the speed would. Standing still is no skill."
             )
-    return said
+    return sentences
 
 
 def _rank(row: DriveRow) -> float:

@@ -50,11 +50,11 @@ def drive_requirements(
         grouped.setdefault(one.driver, []).append(one)
     level = ALPHA / max(len(grouped), 1)
     return [
-        _graded(name, found, paths, bars, level, seed) for name, found in sorted(grouped.items())
+        _grade(name, found, paths, bars, level, seed) for name, found in sorted(grouped.items())
     ]
 
 
-def _graded(
+def _grade(
     name: str,
     drives: Sequence[DriveResult],
     paths: dict[str, str],

@@ -265,10 +265,10 @@ class Ratio:
 
     def __post_init__(self) -> None:
         there = self.mask & np.isfinite(self.values)
-        put = object.__setattr__
-        put(self, "is_there", there)
-        put(self, "above", np.where(there, self.values, 0.0))
-        put(self, "below", np.where(there, 1.0 if self.most is None else self.most, 0.0))
+        set_field = object.__setattr__
+        set_field(self, "is_there", there)
+        set_field(self, "above", np.where(there, self.values, 0.0))
+        set_field(self, "below", np.where(there, 1.0 if self.most is None else self.most, 0.0))
 
     def missing(self, sheet: AnswerColumns) -> Mask:
         """[n] Return the items that were asked about and got no answer."""

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 from oodscen._seeding import stream
 from oodscen.data._scenario import Scenario
-from oodscen.judging._aspects.concepts import seen, seen_label
+from oodscen.judging._aspects.concepts import seen_label, visible_naming
 from oodscen.judging._references import AspectOption
 
 LISTED = 7
@@ -44,7 +44,7 @@ class Kinds:
         """
         labels = {one.leaf: one.path[-1] for one in scenarios if one.leaf and one.path}
         families = {one.leaf: one.path[-2:-1] for one in scenarios if one.leaf and one.path}
-        kinds = merged(labels)
+        kinds = merge_kinds(labels)
         families = {kind.id: families[kind.id] for kind in kinds}
         leaves = {one.id: one.leaf for one in scenarios}
         here: dict[str, list[AspectOption]] = {}
@@ -79,7 +79,7 @@ class Kinds:
         return tuple(own + others)[:LISTED]
 
 
-def merged(labels: Mapping[str, str]) -> list[AspectOption]:
+def merge_kinds(labels: Mapping[str, str]) -> list[AspectOption]:
     """Return the kinds of leaves: those whose labels show the same things in the same states are one.
 
     Args:
@@ -96,13 +96,13 @@ def merged(labels: Mapping[str, str]) -> list[AspectOption]:
 
 def _look(label: str) -> object:
     """Return what frames show of a label: its concepts, and the words outside them."""
-    found = seen(label)
+    found = visible_naming(label)
     names = frozenset(one.name for one in found.concepts)
     return (names, frozenset(found.rest)) if not names else (names, frozenset())
 
 
 def _places(label: str) -> set[str]:
-    return {one.name for one in seen(label).concepts if one.kind == "place"}
+    return {one.name for one in visible_naming(label).concepts if one.kind == "place"}
 
 
 def _parts(ordered: Sequence[AspectOption]) -> list[Sequence[AspectOption]]:

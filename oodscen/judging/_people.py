@@ -72,8 +72,8 @@ class PersonAnswers(Brief):
     def __init__(self, name: str, items: Mapping[str, QuizAnswer]) -> None:
         self.name = person(name)
         self.items = dict(items)
-        said = {item: answer.model_dump() for item, answer in sorted(self.items.items())}
-        self.sha256 = digest(said)
+        answers = {item: answer.model_dump() for item, answer in sorted(self.items.items())}
+        self.sha256 = digest(answers)
 
     @classmethod
     def matched(

@@ -157,7 +157,7 @@ class AnswerReader(Generic[Value, Answer]):
         return self.make(raw, reading.value), [], reading.note
 
 
-def noticing(protocol: Protocol = "ours") -> AnswerReader[Any, Any]:
+def naming_reader(protocol: Protocol = "ours") -> AnswerReader[Any, Any]:
     """Return the reader of the first task's open question."""
     if protocol == "paper":
         return AnswerReader(
@@ -165,7 +165,7 @@ def noticing(protocol: Protocol = "ours") -> AnswerReader[Any, Any]:
             read_named_aspect,
             lambda raw, aspect: NamedAspect(aspect=aspect),
             '"aspect": one short noun phrase',
-            _named,
+            _named_fields,
         )
     return AnswerReader(
         NameAspect.purpose,
@@ -182,7 +182,7 @@ def noticing(protocol: Protocol = "ours") -> AnswerReader[Any, Any]:
     )
 
 
-def choosing(options: Sequence[AspectOption]) -> AnswerReader[str, ChosenAspect]:
+def choosing_reader(options: Sequence[AspectOption]) -> AnswerReader[str, ChosenAspect]:
     """Return the reader of the closed question with these options."""
     labels = {option.id: option.label for option in options}
     names = list(labels)
@@ -195,7 +195,7 @@ def choosing(options: Sequence[AspectOption]) -> AnswerReader[str, ChosenAspect]
     )
 
 
-def acting() -> AnswerReader[str, ChosenAction]:
+def acting_reader() -> AnswerReader[str, ChosenAction]:
     """Return the reader of the second task's question."""
     return AnswerReader(
         ChooseAction.purpose,
@@ -215,7 +215,7 @@ def naming_prompt(
 ) -> DriveQuestion[Any]:
     """Return the first task's open question."""
     kind = NameOodAspect if protocol == "paper" else NameAspect
-    return kind(**_told(shown, descriptions))
+    return kind(**_common_fields(shown, descriptions))
 
 
 def choosing_prompt(
@@ -223,7 +223,7 @@ def choosing_prompt(
 ) -> ChooseAspect:
     """Return the closed question."""
     return ChooseAspect(
-        **_told(shown, descriptions),
+        **_common_fields(shown, descriptions),
         labels=tuple({option.id: option.label for option in options}.values()),
     )
 
@@ -233,13 +233,13 @@ def acting_prompt(
 ) -> ChooseAction:
     """Return the second task's question."""
     return ChooseAction(
-        **_told(shown, descriptions),
+        **_common_fields(shown, descriptions),
         options=OPTIONS,
         is_collision_only=protocol == "paper",
     )
 
 
-def _told(shown: Shown, descriptions: tuple[str, ...]) -> dict[str, Any]:
+def _common_fields(shown: Shown, descriptions: tuple[str, ...]) -> dict[str, Any]:
     """Return the fields that every question about a drive has."""
     return {
         "frames": shown.images,
@@ -255,6 +255,6 @@ def paragraphs(prompt: DriveQuestion[Any]) -> list[str]:
     return [" ".join(part.split()) for part in prompt.question().split("\n\n")]
 
 
-def _named(answer: NamedAspect) -> dict[str, Any]:
+def _named_fields(answer: NamedAspect) -> dict[str, Any]:
     is_ood = not names_nothing(answer.aspect)
     return {"is_ood": is_ood, "aspect": answer.aspect[:ASPECT_LENGTH] if is_ood else ""}

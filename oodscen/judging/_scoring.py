@@ -16,10 +16,10 @@ from oodscen.errors import (
     ModelSkipped,
     OodscenError,
 )
-from oodscen.judging._aspects.matching import naming
-from oodscen.judging._aspects.opinions import is_open, opinion, rescored
+from oodscen.judging._aspects.matching import score_naming
+from oodscen.judging._aspects.opinions import is_open, opinion, rescore_verdict
 from oodscen.judging._parsing import is_refusal
-from oodscen.judging._questions import AnswerReader, acting, choosing, noticing
+from oodscen.judging._questions import AnswerReader, acting_reader, choosing_reader, naming_reader
 from oodscen.judging._references import AspectOption, is_reference
 from oodscen.llm._ask import heard
 from oodscen.protocols import LLM
@@ -89,8 +89,8 @@ class AnswerKey(Data):
 
     def reader(self, purpose: str) -> AnswerReader[Any, Any]:
         """Return the reader of the answers to the question of this purpose."""
-        readers = {reader.purpose: reader for reader in (noticing(), acting())}
-        return readers[purpose] if purpose in readers else choosing(self.options)
+        readers = {reader.purpose: reader for reader in (naming_reader(), acting_reader())}
+        return readers[purpose] if purpose in readers else choosing_reader(self.options)
 
     def verdict(
         self, purpose: str, raw: str, *, model: str = "", judge: LLM | None = None
@@ -113,12 +113,12 @@ class AnswerKey(Data):
             fields = reader.fields(answer)
         except AnswerError as error:
             failures.append(error)
-        return scored(
+        return score_answers(
             self.episode, model, self.truth, self.options, fields, "ours", failures, judge
         )
 
 
-def scored(
+def score_answers(
     episode: Episode,
     model: str,
     truth: Truth,
@@ -134,7 +134,7 @@ def scored(
     """Compare the answers with the ground truth."""
     is_ood, action, choice = fields.get("is_ood"), fields.get("action"), fields.get("choice")
     if is_ood is not None and not episode.is_ordinary:
-        named = naming(fields["aspect"] if is_ood else "", truth.path, truth.visible)
+        named = score_naming(fields["aspect"] if is_ood else "", truth.path, truth.visible)
         fields |= {"thing_is_right": named.thing, "aspect_is_right": named.right}
     if choice is not None or is_closed_asked:
         right = NOTHING if episode.is_ordinary else truth.leaf
@@ -169,7 +169,7 @@ def scored(
     if judge is None or not is_open(verdict):
         return verdict
     found = opinion(judge, verdict.aspect, truth.path, truth.visible)
-    return rescored(verdict, truth.path, {found.id: found}, found.judge, truth.visible)
+    return rescore_verdict(verdict, truth.path, {found.id: found}, found.judge, truth.visible)
 
 
 def _outcome(error: OodscenError | None) -> Outcome:

@@ -13,7 +13,7 @@ def ordinary_drives(scene_id: str, *, seed: int) -> tuple[str, str]:
     return both[::-1] if stream(seed, "ordinary", scene_id).integers(2) else both
 
 
-def chosen(episodes: Sequence[Episode], *, count: int, seed: int) -> list[Episode]:
+def choose_items(episodes: Sequence[Episode], *, count: int, seed: int) -> list[Episode]:
     """Return the scenes, each with `count` of its ordinary drives.
 
     With one, a draw by seed and scene takes the twin or the demand, so that every other ordinary drive asks

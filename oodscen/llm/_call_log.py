@@ -9,7 +9,7 @@ from oodscen._redaction import redact
 from oodscen.data._base import Data
 from oodscen.llm._check import complete
 from oodscen.llm._prefix import cacheable_share
-from oodscen.llm._remote.usage import believed
+from oodscen.llm._remote.usage import plausible_usage
 from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request, Usage
 
@@ -82,7 +82,7 @@ class LoggedLLM(Wrapper):
         failure: BaseException | None,
         seconds: float,
     ) -> Call:
-        usage = believed(completion.usage, request) if completion else Usage()
+        usage = plausible_usage(completion.usage, request) if completion else Usage()
         return Call(
             purpose=request.prompt.purpose,
             prompt_version=request.prompt.version(),

@@ -2,7 +2,7 @@
 
 from oodscen.errors import UsageError
 from oodscen.llm._remote.limits import Limits, Spent
-from oodscen.llm._remote.usage import believed, estimate_tokens
+from oodscen.llm._remote.usage import estimate_tokens, plausible_usage
 from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request
 
@@ -44,7 +44,7 @@ class CappedLLM(Wrapper):
             used, answered = most, 0
             try:
                 completion = self._llm.complete(request)
-                usage = believed(completion.usage, request)
+                usage = plausible_usage(completion.usage, request)
                 if usage.input_tokens + usage.output_tokens:
                     answered = usage.output_tokens
                     cost = usage.cost_usd or self._cost(usage.input_tokens, answered)

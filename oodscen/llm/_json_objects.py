@@ -39,7 +39,7 @@ def find_objects(text: str) -> Iterator[Found]:
     strings. The closing brace may be missing, but an object cut off within a string, a number, a list or an
     inner object is skipped. Lone surrogates are replaced.
     """
-    text = cleaned(text)
+    text = clean_surrogates(text)
     tail = text.rpartition("</think>")[2]
     for part in dict.fromkeys((tail, text)):
         closed, broken_off = scan(part)
@@ -61,7 +61,7 @@ def is_cut_off(text: str) -> bool:
     return scan(text)[1] is not None
 
 
-def cleaned(text: str) -> str:
+def clean_surrogates(text: str) -> str:
     """Replace lone surrogates, escaped or not."""
     return _ESCAPE.sub(lambda found: "\\ufffd" if found[1] else found[0], whole(text))
 
@@ -116,7 +116,7 @@ def scan(text: str) -> tuple[list[Found], int | None]:
         is_mended = not isinstance(value, dict)
         if is_mended:
             end = _matching_brace(text, position)
-            value = _mended(text[position:end]) if end else None
+            value = _mend(text[position:end]) if end else None
             broken_off = position if broken_off is None and not end else broken_off
         if isinstance(value, dict):
             found.append(Found(value, end - position, True, position, is_mended))
@@ -146,7 +146,7 @@ def _ended(text: str) -> dict[str, Any] | None:
     text = re.sub(r"\s*(?:```)?\s*$", "", text)
     if text.endswith("}") and re.match(r"\{\s*'", text):
         # Quotation marks inside single-quoted strings make brackets uncountable.
-        return _mended(text)
+        return _mend(text)
     marks = [token.group() for token in _TOKEN.finditer(text)]
     is_missing_a_brace = (
         text.endswith(('"', "]", "}"))
@@ -154,10 +154,10 @@ def _ended(text: str) -> dict[str, Any] | None:
         and marks.count("{") == marks.count("}") + 1
         and marks.count("[") == marks.count("]")
     )
-    return _mended(text + "}") if is_missing_a_brace else None
+    return _mend(text + "}") if is_missing_a_brace else None
 
 
-def _mended(text: str) -> dict[str, Any] | None:
+def _mend(text: str) -> dict[str, Any] | None:
     if len(text) > _MENDABLE:
         return None
     plain = _TRAILING_COMMA.sub(lambda match: match[1] or "", text)

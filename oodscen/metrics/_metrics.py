@@ -31,8 +31,8 @@ from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
 from oodscen.metrics._rarity.anchors import Rate, load_rates, published_rates
-from oodscen.metrics._rarity.asking import asked
-from oodscen.metrics._rarity.estimates import Rarity, estimated
+from oodscen.metrics._rarity.asking import ask_rarity
+from oodscen.metrics._rarity.estimates import Rarity, estimate_rarity
 from oodscen.metrics._rarity.exposure import Exposure, exposure
 from oodscen.metrics._report import BaselineBatch, MetricsReport, baseline_batch, report
 from oodscen.metrics._score import score_records
@@ -116,9 +116,9 @@ class Metrics(Brief):
         plain = check_texts(texts)
         rates = _rates(anchors)
         if llm is None:
-            return estimated(self._space, plain, rates)
+            return estimate_rarity(self._space, plain, rates)
         model = conforming("llm", llm)
-        return asked(model, plain, anchors=rates, draws=whole_number("draws", draws, 1, 100))
+        return ask_rarity(model, plain, anchors=rates, draws=whole_number("draws", draws, 1, 100))
 
     def exposure(
         self,

@@ -16,7 +16,7 @@ from oodscen.metrics._detection.calibration import Calibration, calibrate
 from oodscen.metrics._detection.guard import OffTopicFlags, is_calibrated
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness, scores
-from oodscen.metrics._rarity.estimates import Rarity, estimated
+from oodscen.metrics._rarity.estimates import Rarity, estimate_rarity
 from oodscen.metrics._selection import Band
 from oodscen.statistics._auroc import Auroc, auroc_interval
 from oodscen.statistics._intervals import Interval
@@ -222,7 +222,7 @@ def report(
         calibration=calibration,
         control=control,
         off_topic=flags,
-        rarity=estimated(space, texts),
+        rarity=estimate_rarity(space, texts),
     )
 
 

@@ -29,7 +29,7 @@ from oodscen.data._base import Data
 from oodscen.encoders._similarity import Vectors
 from oodscen.errors import UsageError
 from oodscen.metrics._oodness import Measure
-from oodscen.metrics._rarity.estimates import estimated
+from oodscen.metrics._rarity.estimates import estimate_rarity
 
 if TYPE_CHECKING:
     from oodscen.metrics._vectors.space import Space
@@ -90,7 +90,7 @@ def band(
     if not low <= high:
         raise UsageError(f"the band's lower bound {low} is not below its upper bound {high}")
     values: list[float | None] = (
-        [one.best for one in estimated(space, texts).per_text]
+        [one.best for one in estimate_rarity(space, texts).per_text]
         if definition == "rarity"
         else space.scores(texts, definition).tolist()
     )
@@ -136,7 +136,7 @@ def select(space: "Space", inside: Band, n: int, method: Method) -> Selection:
 def _by_exposure(
     space: "Space", texts: Sequence[str], n: int, *, is_rarest: bool
 ) -> NDArray[np.int64]:
-    found = [one.best for one in estimated(space, texts).per_text]
+    found = [one.best for one in estimate_rarity(space, texts).per_text]
     told = [
         (-value if is_rarest else value, i) for i, value in enumerate(found) if value is not None
     ]

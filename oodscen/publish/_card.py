@@ -8,7 +8,7 @@ import jinja2
 
 from oodscen._version import __version__
 from oodscen.data._base import canonical_json
-from oodscen.judging._kinds import merged
+from oodscen.judging._kinds import merge_kinds
 from oodscen.judging._leaderboard.requirements import FIGURES
 from oodscen.judging._leaderboard.scores import LeaderboardRow, Rate
 from oodscen.judging._people import person
@@ -66,7 +66,7 @@ def _split(name: str, drives: Sequence[PublishedDrive]) -> dict[str, Any]:
         "name": name,
         "drives": len(own),
         "questions": len(own) * len(TASKS),
-        "kinds": sorted(one.label for one in merged(labels)),
+        "kinds": sorted(one.label for one in merge_kinds(labels)),
         **{kind: count[kind] for kind in ("rare", "twin", "demand")},
     }
 

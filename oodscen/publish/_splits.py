@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Literal
 
 from oodscen._seeding import stream
-from oodscen.judging._kinds import merged
+from oodscen.judging._kinds import merge_kinds
 
 Split = Literal["validation", "test"]
 SPLITS: tuple[Split, ...] = ("validation", "test")
@@ -22,7 +22,7 @@ def splits(labels: Mapping[str, str], *, share: float = VALIDATION, seed: int) -
         share: Share of the kinds in the validation split, rounded up; at least one kind stays in the test split.
         seed: Seed of the draw.
     """
-    kinds = merged(labels)
+    kinds = merge_kinds(labels)
     count = min(math.ceil(share * len(kinds)), max(len(kinds) - 1, 0))
     order = stream(seed, "publish-splits").permutation(len(kinds))
     drawn = {int(index) for index in order[:count]}

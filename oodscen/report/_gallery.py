@@ -337,7 +337,7 @@ def _players(scene: Scene | None) -> list[Row]:
         return []
     players = [
         {
-            "name": words.called(actor),
+            "name": words.actor_name(actor),
             "hazard": actor.id in scene.hazard.actors,
             "what": f"{words.place(actor.placement)}; {words.behaviour(actor.behaviour)}",
         }

@@ -92,8 +92,8 @@ def _without_repeats(board: Leaderboard) -> list[LeaderboardRow]:
             alike.append(row)
         else:
             rows.append(row)
-    told = {(row.detection.to_json(), row.identification.to_json()) for row in alike}
-    if len(told) > 1:
+    scores = {(row.detection.to_json(), row.identification.to_json()) for row in alike}
+    if len(scores) > 1:
         return list(board.standings)
     if alike:
         name = alike[0].model if len(alike) == 1 else f"constant ({len(alike)} alike)"

@@ -14,7 +14,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._verdict import Verdict
 from oodscen.errors import DataError
-from oodscen.judging._drive_board import current
+from oodscen.judging._drive_board import current_results
 from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.metrics._measurements import Measurements
@@ -97,7 +97,7 @@ def read(study: Study) -> Material:
     found.verdicts = _rows(store, "verdicts", Verdict, found)
     found.whole = _optional(store, "episodes.paper.jsonl", Episode, found)
     drives = _optional(store, "drives.jsonl", DriveResult, found)
-    found.drives = current(drives, found.scenes)
+    found.drives = current_results(drives, found.scenes)
     if lost := len(drives) - len(found.drives):
         note = f"{lost} results in drives.jsonl are of scenes that have changed since, and left out"
         _note(found, "drives.jsonl", note)
@@ -128,7 +128,7 @@ def number(value: object, *keys: str) -> float | None:
     return float(found) if abs(found) < float("inf") else None
 
 
-def printable(value: Any) -> Any:
+def make_printable(value: Any) -> Any:
     """Return nested data with unprintable characters replaced (lone surrogates, control characters).
 
     Credentials in URLs are removed too.
@@ -136,9 +136,9 @@ def printable(value: Any) -> Any:
     if isinstance(value, str):
         return _CREDENTIALS.sub(r"\1", _UNPRINTABLE.sub("\ufffd", value))
     if isinstance(value, Mapping):
-        return {printable(str(key)): printable(item) for key, item in value.items()}
+        return {make_printable(str(key)): make_printable(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [printable(item) for item in value]
+        return [make_printable(item) for item in value]
     return value
 
 
@@ -153,7 +153,7 @@ def _object(store: Store, name: str, found: Material) -> dict[str, Any]:
     if content is None:
         return {}
     try:
-        return dict(printable(parse_object(content)))
+        return dict(make_printable(parse_object(content)))
     except ValueError as error:
         found.gaps[name] = f"{name} cannot be read: {error}"
         return {}
@@ -175,7 +175,7 @@ def _value(
 
 def _rows(store: Store, table: str, kind: type[Row], found: Material) -> list[Row]:
     rows = []
-    for line in _parsed(_lines(store, TABLES[table], found), kind, TABLES[table], found):
+    for line in _parse(_lines(store, TABLES[table], found), kind, TABLES[table], found):
         if isinstance(line, Data):
             rows.append(line)
             status, error = getattr(line, "status", "ok"), getattr(line, "error", None)
@@ -192,17 +192,17 @@ def _optional(store: Store, name: str, kind: type[Row], found: Material) -> list
     """Return the rows of a file that most studies do not have."""
     if not store.has(name):
         return []
-    lines = _parsed(_lines(store, name, found), kind, name, found)
+    lines = _parse(_lines(store, name, found), kind, name, found)
     return [line for line in lines if isinstance(line, kind)]
 
 
 def _texts(store: Store, size: str, found: Material) -> list[Scenario]:
     name = f"texts.diverse.{size}.jsonl"
-    lines = _parsed(_lines(store, name, found), Scenario, name, found)
+    lines = _parse(_lines(store, name, found), Scenario, name, found)
     return [line for line in lines if isinstance(line, Scenario)]
 
 
-def _parsed(
+def _parse(
     lines: Iterable[dict[str, Any]], kind: type[Row], name: str, found: Material
 ) -> Iterator[Row | dict[str, Any]]:
     """Yield rows; a line for a failed item stays plain data."""
@@ -230,7 +230,7 @@ def _lines(store: Store, name: str, found: Material) -> Iterator[dict[str, Any]]
         if isinstance(line, ValueError):
             bad += 1
         else:
-            yield dict(printable(line))
+            yield dict(make_printable(line))
     if bad:
         _note(found, name, f"{bad} line(s) of {name} are not JSON objects and were left out")
 

@@ -61,7 +61,7 @@ def undecided(study: Study, found: Material) -> Variables | None:
     ]
     if not episodes:
         return None
-    told = {str(line.get("id")): line for line in found.restagings}
+    lines_by_id = {str(line.get("id")): line for line in found.restagings}
     return {
         "count": len(episodes),
         "restaged": sum(
@@ -71,7 +71,7 @@ def undecided(study: Study, found: Material) -> Variables | None:
             {
                 "id": one.scene_id,
                 "all_safe": bool(one.safe_set),
-                "tried": _tried(told.get(one.scene_id, {})),
+                "tried": _tried(lines_by_id.get(one.scene_id, {})),
             }
             for one in episodes[:_MOST_SCENES]
         ],

@@ -144,7 +144,7 @@ def trigger(value: Trigger, ego: str, target: str) -> str:
     return f"once {ego} is {amount(value.value)} s from hitting {other}"
 
 
-def called(actor: Actor) -> str:
+def actor_name(actor: Actor) -> str:
     """Return an actor's name: its asset, with its state and its details if it has any."""
     told = []
     if actor.state not in ("", "off"):

@@ -65,8 +65,10 @@ def context(
     rows, boxes, ends, clouds = [], [], [], []
     families: list[RarityFamily] = []
     for name, rarity in known.items():
-        told = [(place, one) for place, one in enumerate(rarity.per_text) if one.best is not None]
-        values = [one.best for _, one in told if one.best is not None]
+        estimated = [
+            (place, one) for place, one in enumerate(rarity.per_text) if one.best is not None
+        ]
+        values = [one.best for _, one in estimated if one.best is not None]
         if not values or rarity.median is None:
             continue
         low, high = np.quantile(values, [0.1, 0.9])
@@ -75,14 +77,16 @@ def context(
         rows.append(RarityRow(labels[name], len(rarity.per_text), median, middle, rarity.untold))
         boxes.append((name, values))
         oodness = metrics.sets[name].oodness.per_text if metrics is not None else ()
-        step = max(1, len(told) // _MOST)
-        points = [(one.best, oodness[place]) for place, one in told[::step] if one.best is not None]
+        step = max(1, len(estimated) // _MOST)
+        points = [
+            (one.best, oodness[place]) for place, one in estimated[::step] if one.best is not None
+        ]
         clouds.append(charts.Cloud(labels[name], points))
         own = texts.get(name, ())
         if len(own) == len(rarity.per_text):
             if name == "simulatable":
-                families = _families([(own[place], one.best or 0.0) for place, one in told])
-            order = sorted(told, key=lambda item: (-(item[1].best or 0.0), item[0]))
+                families = _families([(own[place], one.best or 0.0) for place, one in estimated])
+            order = sorted(estimated, key=lambda item: (-(item[1].best or 0.0), item[0]))
             shown = [
                 (f"{_power(one.best)} ({one.low:.1f} to {one.high:.1f})", own[place].text)
                 for place, one in order

@@ -58,7 +58,7 @@ def render(context: dict[str, Any]) -> str:
         environment()
         .get_template("page.html.j2")
         .render(
-            **{**context, "payload": embedded(context["payload"])},
+            **{**context, "payload": embed_json(context["payload"])},
             style=Markup(style),
             script=Markup(script),
             style_hash=_hash(style),
@@ -67,7 +67,7 @@ def render(context: dict[str, Any]) -> str:
     )
 
 
-def embedded(value: Any) -> Markup:
+def embed_json(value: Any) -> Markup:
     """Return plain data as JSON that is safe inside a script element."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     for char in "<>&\u2028\u2029":
@@ -97,11 +97,11 @@ def environment() -> jinja2.Environment:
         [(kind, getattr(row, kind)) for kind in ("safe", "marginal", "unsafe", "unavailable")]
     )
     environment.globals["whisker"] = _whisker
-    environment.globals["rendered"] = rendered
+    environment.globals["rendered"] = render_part
     return environment
 
 
-def rendered(part: RenderedPart) -> Markup:
+def render_part(part: RenderedPart) -> Markup:
     """Return a part of the page; its template sees its own data alone."""
     template = environment().get_template(f"parts/{part.template}.html.j2")
     return Markup(template.render(part.data))

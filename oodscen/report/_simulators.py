@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from oodscen.report._load import Material, printable
+from oodscen.report._load import Material, make_printable
 from oodscen.stages._prune.side_by_side import CatalogueComparison, CatalogueTally, Side
 from oodscen.study._study import CATALOGUES, Study
 
@@ -48,11 +48,11 @@ def _compared(compared: CatalogueComparison) -> dict[str, Any]:
         "tallies": compared.tallies,
         "absent": {tally.catalogue: _absent(tally) for tally in compared.tallies},
         "dropped": {
-            name: printable(_dropped(compared, number))
+            name: make_printable(_dropped(compared, number))
             for number, name in enumerate(compared.catalogues)
             if number
         },
-        "everything": printable(compared.rows()),
+        "everything": make_printable(compared.rows()),
     }
 
 

@@ -112,26 +112,26 @@ class Augmenter(Brief):
                 none; the error lists the faults and every contradicted claim, or the reason.
             LLMError: When the model cannot be reached.
         """
-        with reporting(progress) as told:
-            told("augment", 0, 2)
+        with reporting(progress) as report_progress:
+            report_progress("augment", 0, 2)
             known = self.read(scenario) if claims is None else tuple(claims)
-            told("augment", 1, 2)
+            report_progress("augment", 1, 2)
             scene = self._staged(scenario, known)
-            told("augment", 2, 2)
+            report_progress("augment", 2, 2)
         return scene
 
-    def _staged(self, scenario: Scenario, told: tuple[Claim, ...]) -> Scene:
+    def _staged(self, scenario: Scenario, claims: tuple[Claim, ...]) -> Scene:
         prompt = StageScene(
             text=scenario.text,
             path=scenario.path,
-            claims=told,
-            roads=self.roads(told),
+            claims=claims,
+            roads=self.roads(claims),
             catalogue=self.digest,
         )
         draft = ask(
             self.llm,
             fitted(prompt, self.context),
-            check=lambda draft: self.faults(scenario, told, draft),
+            check=lambda draft: self.faults(scenario, claims, draft),
             attempts=self.attempts,
         )
         if draft.cannot_show:
@@ -145,14 +145,15 @@ class Augmenter(Brief):
         Raises:
             AnswerError: When no map satisfies them.
         """
-        told = of_roads(claims)
-        if not told:
+        road_claims = of_roads(claims)
+        if not road_claims:
             return ()
-        roads = fitting_roads(told, self.catalogue.maps)
+        roads = fitting_roads(road_claims, self.catalogue.maps)
         if not roads:
-            said = "; ".join(map(str, told))
+            statements = "; ".join(map(str, road_claims))
             fault = Issue(
-                "cannot_show", f"the simulator has no road with all of these properties: {said}"
+                "cannot_show",
+                f"the simulator has no road with all of these properties: {statements}",
             )
             raise AnswerError(self.llm.name, StageScene.purpose, [fault], "", 0)
         return roads
@@ -180,14 +181,14 @@ def _together(contradicted: Sequence[Mismatch], scene: Scene) -> list[Issue]:
         causes.setdefault((one.path, one.claim.subject, one.found), []).append(one)
     issues: list[Issue] = []
     for (path, subject, found), group in causes.items():
-        said = "; ".join(str(one.claim).removeprefix(f"{subject}: ") for one in group)
+        statements = "; ".join(str(one.claim).removeprefix(f"{subject}: ") for one in group)
         about = f"{subject}: " if subject else ""
         hint = ""
         if subject and path == "actors" and subject not in scene.stands_for:
             hint = "; if one of the actors shows it, say which in `stands_for`"
         elif not issues:
             hint = " (if no honest scene can show it, say so in `cannot_show`)"
-        issues.append(Issue(path, f"the text says {about}{said}, but {found}{hint}"))
+        issues.append(Issue(path, f"the text says {about}{statements}, but {found}{hint}"))
     return issues
 
 

@@ -17,7 +17,7 @@ from oodscen.driving._sight.scene_checks import bodies
 from oodscen.driving._sight.staging_advice import LATEST_S, LOOK_S
 from oodscen.errors import OodscenError
 from oodscen.protocols import Camera, Simulator, State, camera_for
-from oodscen.stages._restage import Attempt, Restaging, changed, contradiction
+from oodscen.stages._restage import Attempt, Restaging, changed_scene, contradiction
 from oodscen.stages._simulate import Simulated, approach, simulate
 from oodscen.stages._visibility import sighting
 
@@ -36,7 +36,7 @@ class _Later(NamedTuple):
     seen: Sighting
 
 
-def retimed(
+def retime(
     scene: Scene,
     simulated: Simulated,
     simulator: Simulator,
@@ -88,7 +88,7 @@ def retimed(
     for share in SLOWER if scene.ego.speed > 0.0 else SLOWER[:1]:
         slowed, how = scene, TO_NAME
         if share < 1.0:
-            slowed = _slowed(scene, share)
+            slowed = _slow_ego(scene, share)
             how += f"approach speed {scene.ego.speed:g} -> {slowed.ego.speed:g} m/s, "
         whys: list[str] = []
         try:
@@ -117,7 +117,7 @@ def retimed(
     return done or Restaging(scene, simulated, tuple(tried))
 
 
-def _slowed(scene: Scene, share: float) -> Scene:
+def _slow_ego(scene: Scene, share: float) -> Scene:
     """Return the scene with a slower ego; ordinary traffic that starts behind it slows alike."""
     actors = []
     for actor in scene.actors:
@@ -129,7 +129,7 @@ def _slowed(scene: Scene, share: float) -> Scene:
             actor = actor.model_copy(update={"behaviour": behaviour})
         actors.append(actor)
     ego = scene.ego.model_copy(update={"speed": round(scene.ego.speed * share, 2)})
-    return changed(scene, ego=ego, actors=actors)
+    return changed_scene(scene, ego=ego, actors=actors)
 
 
 def _later(
@@ -142,7 +142,7 @@ def _later(
     for later in list(islice(_moments(scene, simulator, seed, camera), MOST_MOMENTS)):
         value = value_in(scene.decision, later.state, corridor)
         decision = scene.decision.model_copy(update={"value": value})
-        yield changed(scene, decision=decision), later.seen.distance_m
+        yield changed_scene(scene, decision=decision), later.seen.distance_m
 
 
 def _moments(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> Iterator[_Later]:

@@ -19,7 +19,7 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import STYLES, DescribePath, plain
 from oodscen.protocols import LLM, Encoder
-from oodscen.stages._options import DescribeOptions, chosen
+from oodscen.stages._options import DescribeOptions, with_changes
 from oodscen.tree._scenario_tree import ScenarioTree
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Describer(Brief):
         options: DescribeOptions | None = None,
         **changes: Any,
     ) -> None:
-        self.options = chosen(DescribeOptions, options, changes)
+        self.options = with_changes(DescribeOptions, options, changes)
         if metrics is None and self.options.is_selective:
             raise UsageError("texts are chosen by metrics; pass `metrics=Metrics(encoder)`")
         self.llm = llm
@@ -86,8 +86,8 @@ class Describer(Brief):
             paths,
             threads=self.options.threads,
         )
-        with reporting(progress) as told:
-            found = dict(counted(written, "describe", len(paths), told))
+        with reporting(progress) as report_progress:
+            found = dict(counted(written, "describe", len(paths), report_progress))
         scenarios = [scenario for leaf in paths for scenario in found[leaf]]
         again = {scenario.id: scenario for scenario in self.reworded(scenarios)}
         return [again.get(scenario.id, scenario) for scenario in scenarios]

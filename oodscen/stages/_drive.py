@@ -16,7 +16,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
-from oodscen.driving._drivers.following import followed
+from oodscen.driving._drivers.following import following_acceleration
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._trace import Course, Trace
@@ -75,10 +75,10 @@ def drive(
     """
     seed_number(seed)
     label = name or getattr(driver, "__name__", type(driver).__name__)
-    with reporting(progress) as told:
+    with reporting(progress) as report_progress:
         results = [
             result
-            for scene in counted(scenes, "drive", len(scenes), told)
+            for scene in counted(scenes, "drive", len(scenes), report_progress)
             for result in _both(scene, driver, simulator, label, seed, twins, camera)
         ]
     digests = {item: one.digest() for one in scenes for item in (one.id, twin_id(one.id))}
@@ -129,7 +129,7 @@ class RuleBasedDriver(Brief):
         speed = observation.speed
         if self._closing > 0 and self._gap / self._closing < self.emergency_ttc_s:
             return replace(control, acceleration=-8.0)
-        acceleration = followed(
+        acceleration = following_acceleration(
             speed,
             self._desired,
             self._gap,
@@ -209,7 +209,7 @@ def _both(
         other = _drive(plan.twin, driver, simulator, label, seed, plan.steps, camera)
     except OodscenError as error:
         return [one, failed_drive(twin_id(scene.id), label, error)]
-    return _paired(one, other, is_needless(other, is_clear))
+    return _pair(one, other, is_needless(other, is_clear))
 
 
 def horizon(
@@ -339,7 +339,7 @@ def drive_states(
         yield state
 
 
-def _paired(one: DriveResult, other: DriveResult, needless: bool | None) -> list[DriveResult]:
+def _pair(one: DriveResult, other: DriveResult, needless: bool | None) -> list[DriveResult]:
     """Add to both results how the same driver fared in the other."""
     if other.status == "ok":
         both = one.status == "ok"

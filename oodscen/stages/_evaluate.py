@@ -16,15 +16,15 @@ from oodscen.judging._questions import (
     ATTEMPTS,
     AnswerReader,
     Shown,
-    acting,
     acting_prompt,
-    choosing,
+    acting_reader,
     choosing_prompt,
+    choosing_reader,
     naming_prompt,
-    noticing,
+    naming_reader,
 )
 from oodscen.judging._references import AspectOption, Case, takes_cases
-from oodscen.judging._scoring import Truth, kind_of_answerer, scored
+from oodscen.judging._scoring import Truth, kind_of_answerer, score_answers
 from oodscen.llm._ask import ask
 from oodscen.prompts import Prompt
 from oodscen.prompts._judging.describe_frame import DescribeFrame, FrameDescription
@@ -111,7 +111,7 @@ def evaluate(
         asked.failures.append(error)
     fields["notes"] = tuple(asked.notes)
     fields["prompts"] = asked.versions
-    return scored(
+    return score_answers(
         episode,
         without_pictures(vlm.name) if withheld else vlm.name,
         truth,
@@ -124,7 +124,7 @@ def evaluate(
     )
 
 
-def unjudged(
+def unjudged_verdict(
     episode: Episode,
     model: LLM,
     error: str,
@@ -185,32 +185,35 @@ class _Asked:
 
         A frame without a usable description gets `NO_DESCRIPTION`, so that the others keep their places.
         """
-        said: tuple[str, ...] = ()
+        descriptions_so_far: tuple[str, ...] = ()
         total = len(shown.images)
         for count in range(1, total + 1) if self.is_chain else ():
             question = DescribeFrame(
-                frames=shown.images[:count], descriptions=said, total=max(3, total)
+                frames=shown.images[:count], descriptions=descriptions_so_far, total=max(3, total)
             )
-            said = (*said, self.put(question, _DESCRIBING).get("description", NO_DESCRIPTION))
-        return said
+            descriptions_so_far = (
+                *descriptions_so_far,
+                self.put(question, _DESCRIBING).get("description", NO_DESCRIPTION),
+            )
+        return descriptions_so_far
 
     def aspect(
         self, shown: Shown, descriptions: tuple[str, ...], protocol: Protocol
     ) -> dict[str, Any]:
         """Ask the first task and return the verdict's fields about it, empty without an answer."""
-        return self.put(naming_prompt(shown, descriptions, protocol), noticing(protocol))
+        return self.put(naming_prompt(shown, descriptions, protocol), naming_reader(protocol))
 
     def choice(
         self, shown: Shown, descriptions: tuple[str, ...], options: Sequence[AspectOption]
     ) -> dict[str, Any]:
         """Ask the closed question and return the id of the chosen option, empty without an answer."""
-        return self.put(choosing_prompt(shown, options, descriptions), choosing(options))
+        return self.put(choosing_prompt(shown, options, descriptions), choosing_reader(options))
 
     def action(
         self, shown: Shown, descriptions: tuple[str, ...], protocol: Protocol
     ) -> dict[str, Any]:
         """Ask the second task and return the verdict's fields about it, empty without an answer."""
-        return self.put(acting_prompt(shown, descriptions, protocol), acting())
+        return self.put(acting_prompt(shown, descriptions, protocol), acting_reader())
 
 
 _DESCRIBING = AnswerReader(
@@ -233,15 +236,17 @@ def _judged_directly(
     protocol: Protocol,
     judge: LLM | None,
 ) -> Verdict:
-    said = reference.judge(Case(episode, truth.path, truth.leaf, options, episode.frames))
+    descriptions_so_far = reference.judge(
+        Case(episode, truth.path, truth.leaf, options, episode.frames)
+    )
     fields = {
-        "is_ood": said.is_ood,
-        "aspect": said.aspect,
-        "confidence": said.confidence,
-        "choice": said.choice if options else None,
-        "action": said.action,
+        "is_ood": descriptions_so_far.is_ood,
+        "aspect": descriptions_so_far.aspect,
+        "confidence": descriptions_so_far.confidence,
+        "choice": descriptions_so_far.choice if options else None,
+        "action": descriptions_so_far.action,
     }
-    return scored(
+    return score_answers(
         episode,
         reference.name,
         truth,

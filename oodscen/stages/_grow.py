@@ -50,22 +50,22 @@ class TreeGrower(Brief):
         Raises:
             AnswerError: When the model gives no valid tree.
         """
-        with reporting(progress) as told:
-            told("grow", 0, 3)
+        with reporting(progress) as report_progress:
+            report_progress("grow", 0, 3)
             give = GiveExamples(shown=self.shown, count=self.examples)
-            given = tuple(ask(self.llm, give, sample).examples)
-            told("grow", 1, 3)
-            classify = ClassifyExamples(asked=give, given=given)
+            examples = tuple(ask(self.llm, give, sample).examples)
+            report_progress("grow", 1, 3)
+            classify = ClassifyExamples(asked=give, given=examples)
             sorted_ = sorted(ask(self.llm, classify, sample).examples, key=lambda item: item.number)
-            told("grow", 2, 3)
+            report_progress("grow", 2, 3)
             propose = ProposeTree(
                 asked=classify,
                 classes=tuple(item.scenario_class for item in sorted_),
                 nodes=self.nodes,
             )
             proposed = ask(self.llm, propose, sample)
-            told("grow", 3, 3)
-        return _initial_tree(proposed, given, model=speaker(self.llm), prompt=propose.citation())
+            report_progress("grow", 3, 3)
+        return _initial_tree(proposed, examples, model=speaker(self.llm), prompt=propose.citation())
 
 
 def _initial_tree(

@@ -95,7 +95,9 @@ class DescribeOptions(Data):
         return self.candidates > 1 or self.band is not None
 
 
-def chosen(kind: type[Options], options: Options | None, changes: Mapping[str, Any]) -> Options:
+def with_changes(
+    kind: type[Options], options: Options | None, changes: Mapping[str, Any]
+) -> Options:
     """Return options with some of their fields changed.
 
     Raises:

@@ -34,7 +34,7 @@ class Restaging(NamedTuple):
     """Variants that were rejected."""
 
 
-def restaged(
+def restage(
     scene: Scene,
     simulated: Simulated,
     simulator: Simulator,
@@ -132,21 +132,21 @@ def variants(scene: Scene, catalogue: Catalogue, is_too_easy: bool) -> Iterator[
         value = round(scene.decision.value * factor, 2)
         decision = scene.decision.model_copy(update={"value": value})
         how = f"decision {scene.decision.kind} {scene.decision.value:g} -> {value:g}"
-        yield changed(scene, decision=decision), how
+        yield changed_scene(scene, decision=decision), how
     for factor in (1.1, 1.2, 1.3) if is_too_easy else (0.9, 0.8, 0.7):
         speed = round(min(scene.ego.speed * factor, 45.0), 2)
         ego = scene.ego.model_copy(update={"speed": speed})
-        yield changed(scene, ego=ego), f"approach speed {scene.ego.speed:g} -> {speed:g} m/s"
+        yield changed_scene(scene, ego=ego), f"approach speed {scene.ego.speed:g} -> {speed:g} m/s"
     has_car = any(asset.id == "car" for asset in catalogue.assets)
     if is_too_easy and has_car and all(actor.id != COMPANION for actor in scene.actors):
         for lane, side in ((1, "left"), (-1, "right")):
             companion = _companion(scene, ahead_m=3.5, lane=lane)
             how = f"a car drives beside the ego in the next lane on the {side}"
-            yield changed(scene, actors=(*scene.actors, companion)), how
+            yield changed_scene(scene, actors=(*scene.actors, companion)), how
         for gap in (14.0, 10.0):
             companion = _companion(scene, ahead_m=-gap, lane=0)
             how = f"a car follows {gap:g} m behind"
-            yield changed(scene, actors=(*scene.actors, companion)), how
+            yield changed_scene(scene, actors=(*scene.actors, companion)), how
 
 
 def _companion(scene: Scene, *, ahead_m: float, lane: int) -> Actor:
@@ -160,6 +160,6 @@ def _companion(scene: Scene, *, ahead_m: float, lane: int) -> Actor:
     )
 
 
-def changed(scene: Scene, **fields: object) -> Scene:
+def changed_scene(scene: Scene, **fields: object) -> Scene:
     """Return a scene with other fields, validated again."""
     return Scene.model_validate({**scene.model_dump(), **fields})

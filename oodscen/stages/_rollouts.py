@@ -56,7 +56,7 @@ class Trials(NamedTuple):
         ]
         return cls(middle, tuple(one for one in grid if one != Variation(middle)))
 
-    def differing(self, action: str, passed: bool) -> Iterator[Variation]:
+    def other_variations(self, action: str, passed: bool) -> Iterator[Variation]:
         """Yield the other variations of an action, those first whose outcome most likely differs.
 
         Args:
@@ -99,12 +99,12 @@ class Rollouts:
         observation = self.simulator.observe()
         if not is_available(action, observation):
             return ActionOutcome(safe=False, unavailable=True), None, same
-        states = self._executed(action, self.trials.middle, observation)
+        states = self._execute(action, self.trials.middle, observation)
         trace = Trace.measured([first, *states], self.course)
         ran_red = self._ran_red([first, *states])
-        outcome = judged(states, trace, self.trials.collisions_only, ran_red=ran_red)
+        outcome = judge_outcome(states, trace, self.trials.collisions_only, ran_red=ran_red)
         passed = {outcome.safe}
-        for variation in self.trials.differing(action, outcome.safe):
+        for variation in self.trials.other_variations(action, outcome.safe):
             if len(passed) > 1:
                 break
             if self.rehearse is None and variation != Variation(variation.reaction_s):
@@ -122,7 +122,7 @@ class Rollouts:
         if self.rehearse is not None:
             seconds = self.scene.horizon_s
             return bool(self.rehearse(action, seconds, **variation._asdict())), same
-        states = self._executed(action, variation.reaction_s, self.simulator.observe())
+        states = self._execute(action, variation.reaction_s, self.simulator.observe())
         last = states[-1]
         passed = not last.contacts and (self.trials.collisions_only or not last.off_road)
         return passed and not self._ran_red([first, *states]), same
@@ -131,7 +131,7 @@ class Rollouts:
         """Return whether the ego passes the stop line while the light is red."""
         return self.line is not None and runs_red(states, self.line, self.course)
 
-    def _executed(self, action: str, reaction_s: float, observation: Observation) -> list[State]:
+    def _execute(self, action: str, reaction_s: float, observation: Observation) -> list[State]:
         """Drive to the scene's horizon, or until a collision or leaving the road."""
         simulator, driver = self.simulator, action_driver(action, reaction_s)
         states: list[State] = []
@@ -163,7 +163,7 @@ def runs_red(states: Sequence[State], line: StopLine, course: Course) -> bool:
     return times[0] is None and passed is not None and passed >= line.red_from_s
 
 
-def judged(
+def judge_outcome(
     states: Sequence[State], trace: Trace, collisions_only: bool = False, *, ran_red: bool = False
 ) -> ActionOutcome:
     """Return the outcome of an action, with margins from the first step on."""

@@ -27,7 +27,7 @@ from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._sight.visibility import is_noticeable
-from oodscen.driving._trace import Course, Trace, concatenated
+from oodscen.driving._trace import Course, Trace, concatenate
 from oodscen.errors import MissingExtra, UnknownComponent
 from oodscen.protocols import (
     Camera,
@@ -90,7 +90,7 @@ class Simulated(Brief):
         Raises:
             MissingExtra: When pyarrow is not installed.
         """
-        return concatenated({"approach": self.trace, **self.rollouts})
+        return concatenate({"approach": self.trace, **self.rollouts})
 
 
 def simulate(

@@ -247,7 +247,10 @@ def record(
         raise UsageError(f"a video's name must end in .mp4, not {Path(path).name!r}")
     stride = max(1, round(1.0 / (simulator.dt * fps)))
     end, is_decided = MAX_APPROACH_S + scene.horizon_s, False
-    with reporting(progress) as told, Video(path, fps=1.0 / (stride * simulator.dt)) as video:
+    with (
+        reporting(progress) as report_progress,
+        Video(path, fps=1.0 / (stride * simulator.dt)) as video,
+    ):
         while True:
             if not is_decided and (
                 state.time >= MAX_APPROACH_S or is_due(scene.decision, None, state, corridor)
@@ -259,9 +262,9 @@ def record(
             if state.step % stride == 0:
                 video.add(_picture(simulator, state, scene, catalogue, camera, view))
             if state.time >= end - 1e-9:
-                told("record", state.step, state.step)
+                report_progress("record", state.step, state.step)
                 break
-            told("record", state.step, max(state.step + 1, round(end / simulator.dt)))
+            report_progress("record", state.step, max(state.step + 1, round(end / simulator.dt)))
             state = simulator.step(now.act(simulator.observe()))
         return video.path
 

@@ -15,7 +15,7 @@ from oodscen.judging._kinds import Kinds
 from oodscen.judging._questions import Shown, aspect_options
 from oodscen.judging._references import AspectOption
 from oodscen.judging._scoring import Truth
-from oodscen.judging._selection import chosen
+from oodscen.judging._selection import choose_items
 
 if TYPE_CHECKING:
     from oodscen.study._store import Store
@@ -80,7 +80,7 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
     maps = {name: one.map for name, one in scenes.items()}
     kinds = Kinds.of(list(scenarios.values()), maps, seed=config.seed)
     found = []
-    for episode in chosen(episodes, count=config.ordinary, seed=config.seed):
+    for episode in choose_items(episodes, count=config.ordinary, seed=config.seed):
         name = scene_of(episode.scene_id)
         if episode.status != "ok" or not episode.frames or name in unseen:
             continue

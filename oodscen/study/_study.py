@@ -219,7 +219,7 @@ class Study(Brief):
         if not info:
             return f"<p>{escaped(self.folder)}: no study yet</p>"
         counts = {"status": info.get("status", ""), **info.get("counts", {})}
-        told = ((name, value) for name, value in counts.items() if value not in ({}, None))
+        counted = ((name, value) for name, value in counts.items() if value not in ({}, None))
         rows = [
             (
                 name.replace("_", " "),
@@ -227,7 +227,7 @@ class Study(Brief):
                 if isinstance(value, Mapping)
                 else value,
             )
-            for name, value in told
+            for name, value in counted
         ]
         link = f'<p><a href="{escaped(self._link())}">report</a></p>' if has_report else ""
         return f"<div>{html_table(rows, caption=str(self.folder))}{link}</div>"

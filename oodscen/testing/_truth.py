@@ -11,7 +11,7 @@ from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
 from oodscen.driving import load_corridor
 from oodscen.driving._motion.world import ego_strip, neighbour_strip
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.driving._sight.scene_checks import PlacedBody, bodies, floating, overlapping
+from oodscen.driving._sight.scene_checks import PlacedBody, bodies, floating_issues, overlap_issues
 from oodscen.driving._sight.visibility import Eye
 from oodscen.errors import Issue, SceneError
 from oodscen.protocols import Camera, Frame, Simulator, camera_for
@@ -68,7 +68,7 @@ def check_truth(
         moment: bodies(scene, catalogue, simulated.state_of(moment).poses) for moment in MOMENTS
     }
     issues = _misplaced(scene, corridor, moments["first"])
-    issues += floating(scene, corridor, moments) + overlapping(scene, corridor, moments)
+    issues += floating_issues(scene, corridor, moments) + overlap_issues(scene, corridor, moments)
     issues += _unlike(simulated.frames, moments, camera)
     if simulated.episode.hazard_visible is False:
         issues.append(_unseen(scene, simulated))

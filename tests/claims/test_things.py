@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen.claims._things import may_be, mentions, named, things
+from oodscen.claims._things import may_be, mentions, thing_named, things
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
 
@@ -34,10 +34,10 @@ def test_every_asset_has_a_name():
 
 
 def test_a_phrase_names_its_head():
-    assert named("lorry with a mattress").name == "lorry"
-    assert named("large cardboard box").name == "cardboard box"
-    assert named("car 2").name == "car"
-    assert named("spaceship") is None
+    assert thing_named("lorry with a mattress").name == "lorry"
+    assert thing_named("large cardboard box").name == "cardboard box"
+    assert thing_named("car 2").name == "car"
+    assert thing_named("spaceship") is None
 
 
 def test_an_unknown_name_is_compared_with_the_asset_itself():

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.data._additions import Addition, AdditionKind, extended, map_with
+from oodscen.data._additions import Addition, AdditionKind, extend, map_with
 from oodscen.data._catalogue import Catalogue
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.testing._flat import FlatSimulator
@@ -59,7 +59,7 @@ def test_a_map_brings_every_map_with_fewer_traits():
     ids=lambda one: one.words,
 )
 def test_an_extended_catalogue_is_valid_and_has_it(addition):
-    richer = extended(CATALOGUE, [addition])
+    richer = extend(CATALOGUE, [addition])
     assert Catalogue.parse(richer.to_json()) == richer
     digest = CatalogueDigest.of(richer)
     has = {
@@ -78,20 +78,20 @@ def test_weather_that_a_scene_can_ask_for_is_added_as_such(name):
         update={"weather": type(CATALOGUE.weather)(min_sun_elevation_deg=0.0)}
     )
     assert not CatalogueDigest.of(bare).limits.offers(name)
-    richer = extended(bare, [Addition(kind="weather", name=name)])
+    richer = extend(bare, [Addition(kind="weather", name=name)])
     assert CatalogueDigest.of(richer).limits.offers(name)
     assert richer.weather.others == ()
 
 
 def test_what_no_catalogue_can_bring_changes_nothing():
-    assert extended(CATALOGUE, [Addition(kind="other", name="a recipe")]) == CATALOGUE
+    assert extend(CATALOGUE, [Addition(kind="other", name="a recipe")]) == CATALOGUE
 
 
 @pytest.mark.parametrize("traits", [["oncoming"], ["shoulder"], ["tunnel", "oncoming", "shoulder"]])
 def test_an_added_map_has_the_lanes_that_its_traits_name(traits):
     model = CATALOGUE.maps[0].model_copy(update={"oncoming_lanes": 0, "has_shoulder": False})
     bare = CATALOGUE.model_copy(update={"maps": (model,)})
-    added = extended(bare, [map_with(traits)]).maps[-1]
+    added = extend(bare, [map_with(traits)]).maps[-1]
     assert added.oncoming_lanes == int("oncoming" in traits)
     assert added.has_shoulder == ("shoulder" in traits)
     assert added.landmarks == (("tunnel",) if "tunnel" in traits else ())

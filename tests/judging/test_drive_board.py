@@ -4,7 +4,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._drive_result import DriveResult
-from oodscen.judging._drive_board import HARDLY_DRIVES, RULE_BASED, current, drive_board, remarks
+from oodscen.judging._drive_board import (
+    HARDLY_DRIVES,
+    RULE_BASED,
+    current_results,
+    drive_board,
+    remarks,
+)
 from oodscen.testing._scenes import example_scene
 
 
@@ -98,4 +104,4 @@ def test_results_are_kept_in_the_order_of_the_scenes_while_these_stay_as_they_ar
     ]
     kept = {scene.id for scene, is_moved in zip(scenes, moved, strict=True) if not is_moved}
     wanted = [one for one in results if one.scene_id.removesuffix("~twin") in kept]
-    assert current(rng.sample(results, len(results)), now) == wanted
+    assert current_results(rng.sample(results, len(results)), now) == wanted

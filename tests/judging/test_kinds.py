@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._scenario import Scenario
-from oodscen.judging._kinds import LISTED, Kinds, merged
+from oodscen.judging._kinds import LISTED, Kinds, merge_kinds
 
 FAMILIES = ("Animals", "Debris", "Stranded")
 LABELS = tuple(
@@ -44,7 +44,7 @@ def test_what_frames_cannot_tell_apart_is_one_kind_in_visible_words():
         "b": "Jogger running in the lane",
         "c": "Deer running onto the road",
     }
-    kinds = merged(labels)
+    kinds = merge_kinds(labels)
     assert [kind.leaves for kind in kinds] == [("a", "b"), ("c",)]
     assert kinds[0].label == "Jogger running in the lane"
 

@@ -7,7 +7,7 @@ import pytest
 from oodscen.llm._json_objects import (
     Found,
     Members,
-    cleaned,
+    clean_surrogates,
     find_objects,
     is_cut_off,
     scan,
@@ -71,9 +71,9 @@ def test_what_is_whole_or_no_object_is_not_cut_off() -> None:
 
 
 def test_lone_surrogates_are_replaced_and_pairs_kept() -> None:
-    assert cleaned("a\ud800b\\ud800c\\ude00d") == "a\ufffdb\\ufffdc\\ufffdd"
+    assert clean_surrogates("a\ud800b\\ud800c\\ude00d") == "a\ufffdb\\ufffdc\\ufffdd"
     for kept in ("\\ud83d\\ude00", "\\\\ud800", "\\n\\u00e9", "\U0001f600"):
-        assert cleaned(kept) == kept
+        assert clean_surrogates(kept) == kept
 
 
 def test_members_that_repeat_with_other_values_are_remembered() -> None:

@@ -16,7 +16,7 @@ import pytest
 from oodscen.errors import LLMError, LLMTimeout
 from oodscen.llm._ask import ask
 from oodscen.llm._recording import Recorder
-from oodscen.llm._remote.call_bounds import HEAD, CallBounds, bounded
+from oodscen.llm._remote.call_bounds import HEAD, CallBounds, apply_bounds
 from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.offline import OutsideError, enforce, is_offline
@@ -147,7 +147,11 @@ def test_the_addresses_of_a_name_share_the_time(monkeypatch):
     monkeypatch.setattr(socket, "getaddrinfo", lines)
     plain = httpx.Client(trust_env=False)
     plain._transport._pool._network_backend = Backend()
-    with bounded(CallBounds(8.0, 100)), guard(plain) as asked, pytest.raises(httpx.ConnectTimeout):
+    with (
+        apply_bounds(CallBounds(8.0, 100)),
+        guard(plain) as asked,
+        pytest.raises(httpx.ConnectTimeout),
+    ):
         asked.get("http://model.invalid")
     assert [host for host, _ in tried] == [f"192.0.2.{number}" for number in range(4)]
     assert tried[0][1] <= 2.0

@@ -7,7 +7,7 @@ from filelock import FileLock
 from oodscen import Study, StudyConfig
 from oodscen._pipeline import run_study
 from oodscen.data._episode import Episode
-from oodscen.judging._selection import chosen
+from oodscen.judging._selection import choose_items
 
 ORDINARY = Path(__file__).with_name("ordinary.txt")
 QUICK = StudyConfig.quick(
@@ -29,4 +29,4 @@ def finished(config: StudyConfig, folder: Path) -> Path:
 
 def asked_about(study: Study) -> list[Episode]:
     """Return the episodes that answerers are asked about: every scene with one of its ordinary drives."""
-    return chosen(study.episodes, count=study.config.ordinary, seed=study.config.seed)
+    return choose_items(study.episodes, count=study.config.ordinary, seed=study.config.seed)

@@ -2,7 +2,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import Study
-from oodscen.report._load import dig, number, printable, read
+from oodscen.report._load import dig, make_printable, number, read
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.floats(allow_nan=False) | st.text(),
@@ -13,9 +13,9 @@ JSON = st.recursive(
 
 @given(st.text(st.characters(codec=None)))
 def test_printable_text_can_be_encoded_and_stays_so(text: str) -> None:
-    once = printable(text)
+    once = make_printable(text)
     once.encode("utf-8")
-    assert printable(once) == once
+    assert make_printable(once) == once
     assert not any(ord(char) < 32 and char not in "\t\n\r" for char in once)
 
 

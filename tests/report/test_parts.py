@@ -8,13 +8,13 @@ from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
 from oodscen.report._load import Material
 from oodscen.report._parts import covered, driving, undecided
-from oodscen.report._render import rendered
+from oodscen.report._render import render_part
 from oodscen.report._sections import RenderedPart
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 
 def page_of(template, data):
-    return html.fromstring(f"<div>{rendered(RenderedPart('', template, data))}</div>")
+    return html.fromstring(f"<div>{render_part(RenderedPart('', template, data))}</div>")
 
 
 def episode(name, *safe):

@@ -62,7 +62,7 @@ def test_outcomes() -> None:
 
 def test_actors_and_times() -> None:
     actor = Actor(id="p", asset="police_car", placement=Placement(ahead_m=1), state="beacon")
-    assert words.called(actor) == "police car (beacon on)"
+    assert words.actor_name(actor) == "police car (beacon on)"
     assert [words.duration(t) for t in (0.25, 42, 131.4, 7300)] == [
         "0.2 s",
         "42 s",

@@ -10,7 +10,7 @@ from oodscen import Study
 from oodscen.errors import DataError, Issue
 from oodscen.report import _sections as sections
 from oodscen.report._load import Material, read
-from oodscen.report._render import rendered
+from oodscen.report._render import render_part
 from oodscen.report._sections import PARTS, PagePart, Place, RenderedPart, drawn
 
 
@@ -35,7 +35,7 @@ def test_a_broken_file_is_a_note_in_its_place(
     )
     monkeypatch.setattr(sections, "PARTS", here)
     good, bad = drawn(study, read(study))["metrics"]
-    assert "6<figcaption>texts" in rendered(good)
+    assert "6<figcaption>texts" in render_part(good)
     assert (bad.title, bad.data) == ("Bad", {})
     assert "rows[3]: nothing fits" in bad.error
 
@@ -51,7 +51,7 @@ def test_a_misspelt_attribute_ends_the_report(
 @pytest.mark.parametrize("part", PARTS, ids=lambda part: part.template)
 def test_a_template_sees_its_own_data_alone_and_nothing_else(part: PagePart) -> None:
     with pytest.raises(jinja2.UndefinedError):
-        rendered(RenderedPart(part.title, part.template, {"metrics": 1, "study": 2}))
+        render_part(RenderedPart(part.title, part.template, {"metrics": 1, "study": 2}))
 
 
 def test_every_place_has_a_part() -> None:
@@ -63,5 +63,5 @@ def test_shipped_parts_draw_what_a_study_holds(make_study: Callable[..., Study])
     places = drawn(study, read(study))
     assert not [one.error for row in places.values() for one in row if one.error]
     (chart,) = places["growth"]
-    assert "<svg" in rendered(chart)
+    assert "<svg" in render_part(chart)
     assert not [one for row in drawn(study, Material()).values() for one in row]

@@ -5,7 +5,7 @@ from oodscen._pipeline.steps.compare import CATALOGUES
 from oodscen._registry import make_catalogue
 from oodscen.data._additions import Addition
 from oodscen.report._load import Material, read
-from oodscen.report._render import rendered
+from oodscen.report._render import render_part
 from oodscen.report._sections import RenderedPart, drawn
 from oodscen.report._simulators import simulators
 from oodscen.stages._prune.decisions import PruneDecision
@@ -45,7 +45,7 @@ def compared():
 def markup_of(study: Study) -> str:
     data = simulators(study, read(study))
     assert data is not None
-    return rendered(RenderedPart("", "simulators", data))
+    return render_part(RenderedPart("", "simulators", data))
 
 
 def test_figures_absent_kinds_and_reasons_are_shown(study: Study) -> None:

@@ -8,7 +8,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.metrics._measurements import Measurements, measurements
 from oodscen.report import _text_metrics as measures
 from oodscen.report._load import Material, read
-from oodscen.report._render import rendered
+from oodscen.report._render import render_part
 from oodscen.report._sections import RenderedPart
 from oodscen.testing._encoder import HashEncoder
 
@@ -45,7 +45,7 @@ def test_a_real_report_is_read_in_full(measured: Measurements) -> None:
 def test_all_pictures_are_drawn_inside_their_boxes(study: Study, measured: Measurements) -> None:
     data = measures.pictures(study, Material(metrics=measured))
     assert data is not None
-    page = html.fromstring(f"<div>{rendered(RenderedPart('', 'pictures', data))}</div>")
+    page = html.fromstring(f"<div>{render_part(RenderedPart('', 'pictures', data))}</div>")
     boxes = page.xpath("//svg")
     assert len(boxes) == len(page.xpath("//figcaption")) == 4
     for box in boxes:

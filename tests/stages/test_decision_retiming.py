@@ -8,8 +8,8 @@ from oodscen.claims._checking import mismatches
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.protocols import Camera
-from oodscen.stages._decision_retiming import SLOWER, _slowed, retimed
-from oodscen.stages._restage import changed, contradiction, variants
+from oodscen.stages._decision_retiming import SLOWER, _slow_ego, retime
+from oodscen.stages._restage import changed_scene, contradiction, variants
 from oodscen.testing import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
@@ -40,7 +40,7 @@ def test_the_first_moment_at_which_it_can_be_named_is_taken(flat, decision):
     scene = far(decision=decision)
     before = simulate(scene, flat, camera=SMALL)
     assert before.episode.sighting.faults == ("small",)
-    found = retimed(scene, before, flat, 0, camera=SMALL)
+    found = retime(scene, before, flat, 0, camera=SMALL)
     after = found.simulated.episode
     assert after.sighting.faults == ()
     assert after.is_decidable
@@ -56,7 +56,7 @@ def test_a_slower_approach_is_tried_and_else_nothing_changes(flat):
     passed = example_scene().actors[0].model_copy(update={"placement": behind})
     scene = far(actors=(passed,), decision=Trigger(value=1.0))
     before = simulate(scene, flat, camera=SMALL)
-    found = retimed(scene, before, flat, 0, camera=SMALL)
+    found = retime(scene, before, flat, 0, camera=SMALL)
     assert found.scene is scene
     assert found.simulated is before
     assert [attempt.why for attempt in found.tried] == [
@@ -74,7 +74,7 @@ def test_a_hazard_that_can_be_named_too_late_to_matter_is_named_all_the_same(fla
     assert before.episode.is_decidable
     assert before.episode.is_below_floor
     told = (said("ego_speed", "58"),)
-    found = retimed(scene, before, flat, 0, camera=SMALL, claims=told)
+    found = retime(scene, before, flat, 0, camera=SMALL, claims=told)
     after = found.simulated.episode
     assert found.scene.ego == fast
     assert not after.is_below_floor
@@ -91,7 +91,7 @@ def test_only_ordinary_traffic_behind_slows_with_the_ego(share):
         Actor(id=name, asset="car", placement=Placement(ahead_m=ahead), behaviour=behaviour)
         for name, ahead in (("behind", -20.0), ("ahead", 30.0))
     ]
-    slowed = _slowed(changed(scene, actors=(*scene.actors, *cars)), share)
+    slowed = _slow_ego(changed_scene(scene, actors=(*scene.actors, *cars)), share)
     speeds = {one.id: one.behaviour.parameters.get("speed") for one in slowed.actors}
     assert speeds == {"box": None, "behind": 8.0 * share, "ahead": 8.0}
     assert slowed.ego.speed == scene.ego.speed * share
@@ -110,7 +110,7 @@ def test_no_move_contradicts_what_the_text_says(flat):
     scene = far()
     before = simulate(scene, flat, camera=SMALL)
     told = (THERE, AWAY, said("ego_speed", str(round(3.6 * scene.ego.speed))))
-    found = retimed(scene, before, flat, 0, camera=SMALL, claims=told)
+    found = retime(scene, before, flat, 0, camera=SMALL, claims=told)
     assert found.scene.decision != scene.decision
     assert mismatches(check_claims(told, found.scene, flat.catalogue())) == []
     box = scene.actors[0]
@@ -124,12 +124,12 @@ def test_no_move_contradicts_what_the_text_says(flat):
             ),
         }
     )
-    early = changed(scene, actors=(leaves,))
+    early = changed_scene(scene, actors=(leaves,))
     rests = (THERE, said("motion", "stationary", subject="box"))
     assert mismatches(check_claims(rests, early, flat.catalogue())) == []
     run = simulate(early, flat, camera=SMALL)
-    assert retimed(early, run, flat, 0, camera=SMALL).scene != early
-    kept = retimed(early, run, flat, 0, camera=SMALL, claims=rests)
+    assert retime(early, run, flat, 0, camera=SMALL).scene != early
+    kept = retime(early, run, flat, 0, camera=SMALL, claims=rests)
     assert kept.scene == early
     assert any("the text says box" in one.why for one in kept.tried)
 

@@ -30,14 +30,14 @@ from oodscen.judging._aspects.opinions import (
     judge_label,
     opinion,
     opinion_id,
-    rescored,
+    rescore_verdict,
 )
 from oodscen.judging._kinds import Kinds
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._people import PersonAnswers, person
 from oodscen.judging._questions import Shown, aspect_options
 from oodscen.judging._references import Blind, NoveltyReference, Oracle, is_reference, takes_cases
-from oodscen.judging._selection import chosen
+from oodscen.judging._selection import choose_items
 from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
@@ -46,7 +46,7 @@ from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._versions import prompt_versions
 from oodscen.protocols import LLM
 from oodscen.stages._evaluate import evaluate as judge_episode
-from oodscen.stages._evaluate import unjudged
+from oodscen.stages._evaluate import unjudged_verdict
 from oodscen.study._config import StudyConfig
 
 ALWAYS = (*(f"constant:{action}" for action in ACTIONS), "random", "blind", "novelty", "oracle")
@@ -85,7 +85,7 @@ def evaluate(
     """
     unseen = {episode.scene_id for episode in episodes if episode.is_below_floor}
     episodes = [episode for episode in episodes if scene_of(episode.scene_id) not in unseen]
-    judged_ones = chosen(episodes, count=run.config.ordinary, seed=run.config.seed)
+    judged_ones = choose_items(episodes, count=run.config.ordinary, seed=run.config.seed)
     scenes = [scene for scene in scenes if scene.id not in unseen]
     models = _models(run, episodes, scenarios, scenes)
     shown: dict[Protocol, Sequence[Episode]] = {"ours": judged_ones}
@@ -112,8 +112,8 @@ def evaluate(
     def made_from(name: str) -> str:
         episode, model, protocol, _ = items[name]
         answerer = models[model][0]
-        told = truths[protocol, "" if is_reference(answerer) else episode.scene_id]
-        return digest([told, answerer.sha256]) if isinstance(answerer, PersonAnswers) else told
+        truth = truths[protocol, "" if is_reference(answerer) else episode.scene_id]
+        return digest([truth, answerer.sha256]) if isinstance(answerer, PersonAnswers) else truth
 
     earlier = run.fitting("verdicts.jsonl", items, made_from)
     limits = run.models.limits
@@ -123,10 +123,10 @@ def evaluate(
             return ask_about(item, models[item.model][0])
 
         for turn in ("new", "unasked", "failed"):
-            due = [item for key, item in todo.items() if _turn(earlier.get(key)) == turn]
+            items = [item for key, item in todo.items() if _turn(earlier.get(key)) == turn]
             with limits.lenient(math.inf if turn == "failed" else JUDGING):
                 for name, (_, threads) in models.items():
-                    batch = [item for item in due if item.model == name]
+                    batch = [item for item in items if item.model == name]
                     found = as_finished(judge, batch, threads=threads, cancel=run.cancel)
                     for _, verdict in found:
                         is_kept = verdict.outcome == "unasked" and turn == "failed"
@@ -134,7 +134,7 @@ def evaluate(
 
     rows = run.each("evaluate", "verdicts.jsonl", items, work, made_from=made_from)
     kept = [Verdict.parse(row) for row in rows]
-    verdicts = [_dated(verdict) for verdict in _judged(run, kept, scenarios, scenes)]
+    verdicts = [_mark_outdated(verdict) for verdict in _judge_aspects(run, kept, scenarios, scenes)]
     if verdicts != kept:
         run.store.write_lines("verdicts.jsonl", verdicts)
     board = leaderboard(
@@ -170,7 +170,7 @@ def _truths(
             # The pixels count, not the bytes that hold them.
             content = one.model_dump(mode="json", exclude={"file_sha256"})
             scene = scene_of(one.scene_id)
-            told = [
+            truth = [
                 digest(content),
                 texts.get(scene),
                 leaves,
@@ -178,8 +178,8 @@ def _truths(
                 visible.get(scene),
                 config.chain,
             ]
-            told += ["rear view"] if config.rear_view and protocol == "ours" else []
-            found[protocol, one.scene_id] = digest(told)
+            truth += ["rear view"] if config.rear_view and protocol == "ours" else []
+            found[protocol, one.scene_id] = digest(truth)
         found[protocol, ""] = digest(list(found.values()))
     return found
 
@@ -220,8 +220,8 @@ def judged(
     }
     label = next((verdict.judge for verdict in verdicts if verdict.judge), "")
     if label:
-        said = [Opinion.parse(line) for line in opinions]
-        counts["agrees"], counts["labelled"] = agreement(said, label)
+        parsed = [Opinion.parse(line) for line in opinions]
+        counts["agrees"], counts["labelled"] = agreement(parsed, label)
     return {"judged": counts} if any(counts.values()) else {}
 
 
@@ -309,7 +309,7 @@ def _questions(
     def ask_about(item: Item, model: LLM) -> Verdict:
         episode = item.episode
         if episode.status == "failed" or not episode.frames:
-            return unjudged(
+            return unjudged_verdict(
                 episode,
                 model,
                 f"it did not run: {episode.error}",
@@ -331,7 +331,7 @@ def _questions(
                     before = Shown.of(earlier, images(earlier))
             except (OSError, DataError) as error:
                 kind = type(error).__name__
-                return unjudged(
+                return unjudged_verdict(
                     episode, model, str(error), kind, item.protocol, withheld=item.is_withheld
                 )
         leaf = scenario.leaf if scenario else ""
@@ -357,7 +357,7 @@ def _questions(
     return ask_about
 
 
-def _judged(
+def _judge_aspects(
     run: Context,
     verdicts: Sequence[Verdict],
     scenarios: Sequence[Scenario],
@@ -402,10 +402,10 @@ def _judged(
         rows = run.each("judge", OPINIONS, items, work)
         opinions = {row["id"]: Opinion.parse(row) for row in rows}
     rescore = [(verdict, *truth(verdict)) for verdict in verdicts]
-    return [rescored(one, path, opinions, label, visible) for one, path, visible in rescore]
+    return [rescore_verdict(one, path, opinions, label, visible) for one, path, visible in rescore]
 
 
-def _dated(verdict: Verdict) -> Verdict:
+def _mark_outdated(verdict: Verdict) -> Verdict:
     """Mark a verdict whose answers belong to other versions of the prompts than this run's."""
     is_outdated = not verdict.prompts.items() <= prompt_versions().items()
     is_outdated |= verdict.protocol == "paper" and NameAspect.purpose in verdict.prompts

@@ -57,7 +57,7 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         context=run.config.context,
         encoder=run.encoder,
     )
-    made = _made_for(run)
+    staging = _made_for(run)
     with_made = {
         names: Augmenter(
             run.llm,
@@ -68,26 +68,26 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
             made=props,
             motions=motions,
         )
-        for names, (props, motions) in {_ids(one): one for one in made.values()}.items()
+        for names, (props, motions) in {_ids(one): one for one in staging.values()}.items()
     }
     by_id = {scenario.id: scenario for scenario in scenarios}
-    before = _staged(_lines(run))
-    written = _written(run, by_id, before)
-    told = _claims(run, augmenter, scenarios)
+    before = _staged_scenes(_lines(run))
+    written = _written_scenes(run, by_id, before)
+    claims_by_text = _claims(run, augmenter, scenarios)
 
     def made_from(name: str) -> str:
-        scenario, claims = by_id[name], told[name]
+        scenario, claims = by_id[name], claims_by_text[name]
         if isinstance(claims, LLMError):
             return digest([scenario.text, scenario.path, None])
         said = [claim.model_dump(mode="json") for claim in claims]
         return digest([scenario.text, scenario.path, said])
 
     def work(scenario: Scenario) -> Staging | Line:
-        claims = told[scenario.id]
+        claims = claims_by_text[scenario.id]
         if isinstance(claims, LLMError):
             return failed(scenario.id, claims, scenario_id=scenario.id)
         try:
-            needed = _ids(made[scenario.path]) if scenario.path in made else ()
+            needed = _ids(staging[scenario.path]) if scenario.path in staging else ()
             scene = with_made.get(needed, augmenter).run(scenario, claims)
             if run.config.horizon is not None:
                 scene = scene.model_copy(update={"horizon_s": run.config.horizon})
@@ -104,9 +104,9 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     }
     if len(kept) < len(written):
         run.store.write_lines(SCENES, kept.values())
-    _asked(run, "augment", STAGED, scenarios, work, made_from)
+    _ask_each(run, "augment", STAGED, scenarios, work, made_from)
     lines = _lines(run)
-    staged = _staged(lines)
+    staged = _staged_scenes(lines)
     _write_scenes(run, lines, {name: one.ran for name, one in staged.items()} | kept, staged)
     return [one.scene for one in staged.values()]
 
@@ -133,9 +133,9 @@ def _made_for(run: Context) -> dict[tuple[str, ...], Made]:
     }
 
 
-def _ids(made: Made) -> tuple[str, ...]:
+def _ids(staging: Made) -> tuple[str, ...]:
     """Return the ids of things and motions."""
-    return tuple(one.id for group in made for one in group)
+    return tuple(one.id for group in staging for one in group)
 
 
 def _lines(run: Context) -> dict[str, Line]:
@@ -143,7 +143,7 @@ def _lines(run: Context) -> dict[str, Line]:
     return {line["id"]: line for line in run.store.lines(STAGED)}
 
 
-def _staged(lines: Mapping[str, Line]) -> dict[str, Staging]:
+def _staged_scenes(lines: Mapping[str, Line]) -> dict[str, Staging]:
     """Return the scenes that could be staged, by id."""
     return {
         name: Staging.parse(line, source=f"{STAGED}, {name}")
@@ -152,7 +152,7 @@ def _staged(lines: Mapping[str, Line]) -> dict[str, Staging]:
     }
 
 
-def _written(
+def _written_scenes(
     run: Context, texts: Collection[str], staged: Mapping[str, Staging]
 ) -> dict[str, Scene]:
     """Return the scenes of `scenes.jsonl`, which may have been edited by hand, by id."""
@@ -177,9 +177,9 @@ def _written(
     return found
 
 
-def _is_by_hand(scene: Scene, made: Staging | None) -> bool:
+def _is_by_hand(scene: Scene, staging: Staging | None) -> bool:
     """Return whether a scene of `scenes.jsonl` differs from the staged scene and from the one that was run."""
-    return made is None or scene not in (made.scene, made.run)
+    return staging is None or scene not in (staging.scene, staging.run)
 
 
 def _write_scenes(
@@ -217,7 +217,7 @@ def _claims(
             return failed(scenario.id, error)
         return {"id": scenario.id, "claims": [claim.model_dump(mode="json") for claim in claims]}
 
-    rows = _asked(run, "claims", CLAIMS, scenarios, work, lambda name: digest(texts[name]))
+    rows = _ask_each(run, "claims", CLAIMS, scenarios, work, lambda name: digest(texts[name]))
     errors = {
         row["id"]: LLMError(
             f"what the text says could not be read: {row['error']}",
@@ -238,7 +238,7 @@ def _claims_of(rows: Iterable[Line]) -> dict[str, tuple[Claim, ...]]:
     }
 
 
-def _asked(
+def _ask_each(
     run: Context,
     stage: str,
     file: str,
@@ -271,18 +271,18 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
         The scenes as they were run, and the episodes of scenes, twins and demands.
     """
     lines = _lines(run)
-    staged = _staged(lines)
-    episodes = _simulated(run, staged)
+    staged = _staged_scenes(lines)
+    episodes = _simulate(run, staged)
     by_hand = {
         name: Staging(id=name, made_from=lines[name]["made_from"], scene=scene)
-        for name, scene in _written(run, lines, staged).items()
+        for name, scene in _written_scenes(run, lines, staged).items()
         if _is_by_hand(scene, staged.get(name))
     }
     if by_hand:
         staged |= by_hand
         staged = {name: staged[name] for name in lines if name in staged}
         run.store.write_lines(STAGED, [staged.get(name, line) for name, line in lines.items()])
-        episodes = _simulated(run, staged)
+        episodes = _simulate(run, staged)
     run.store.write_lines(STAGED, [staged.get(name, line) for name, line in lines.items()])
     restagings = [staged[name].restaging() for name in sorted(staged)]
     run.store.write_lines(RESTAGED, filter(None, restagings))
@@ -291,7 +291,7 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
     return list(ran.values()), episodes
 
 
-def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
+def _simulate(run: Context, staged: dict[str, Staging]) -> list[Episode]:
     """Run the scenes that lack an episode, each with its ordinary drives; update `staged` with the outcomes."""
     job = Job(
         run.config.simulator,
@@ -352,10 +352,10 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
     """
     camera = run.config.camera
     job = Job(run.config.simulator, run.config.seed, protocol="paper", camera=camera)
-    return _swept(run, job, {scene.id: scene for scene in scenes}, "episodes.paper.jsonl")
+    return _sweep(run, job, {scene.id: scene for scene in scenes}, "episodes.paper.jsonl")
 
 
-def _swept(run: Context, job: Job, items: Mapping[str, Scene], file: str) -> list[Episode]:
+def _sweep(run: Context, job: Job, items: Mapping[str, Scene], file: str) -> list[Episode]:
     """Run the scenes that lack an episode in a file, and return the episodes of all."""
 
     def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:
@@ -392,7 +392,7 @@ def simulate_behind(run: Context, episodes: Sequence[Episode]) -> dict[str, str]
     items = {one.scene_id: drives[one.scene_id] for one in episodes if one.status == "ok"}
     config = run.config
     job = Job(config.simulator, config.seed, camera=config.camera, is_rear=True)
-    rows = _swept(run, job, items, REAR)
+    rows = _sweep(run, job, items, REAR)
     return {one.scene_id: one.frames["last"] for one in rows if one.frames}
 
 

@@ -10,7 +10,7 @@ from oodscen.stages._grow import TreeGrower
 from oodscen.stages._props.files import ASSETS
 from oodscen.stages._props.making import MadeProp, PropMaker, judged_again, wanted_things
 from oodscen.stages._props.motions import MOTIONS, MotionMaker, made_motions, wanted_motions
-from oodscen.stages._prune.decisions import PruneDecision, all_decisions, pruned
+from oodscen.stages._prune.decisions import PruneDecision, all_decisions, apply_decisions
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.stages._prune.restoration import restoration
 from oodscen.stages._redteam.red_teamer import RedTeamer
@@ -88,10 +88,10 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
     """
     total = len(tree.leaves)
     paths = tree.paths
-    judged = [item for item in run.study.decisions if paths.get(item.id) == item.path]
-    judged = [item for item in judged if not run.is_again(item.model_dump())]
-    run.store.write_lines("pruned.jsonl", judged)
-    run.progress("prune", len(judged), total)
+    judgements = [item for item in run.study.decisions if paths.get(item.id) == item.path]
+    judgements = [item for item in judgements if not run.is_again(item.model_dump())]
+    run.store.write_lines("pruned.jsonl", judgements)
+    run.progress("prune", len(judgements), total)
     pruner = Pruner(
         run.llm,
         run.simulator.catalogue(),
@@ -100,15 +100,15 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
         cancel=run.cancel,
         context=run.config.context,
     )
-    for decision in pruner.decisions(tree, [item.id for item in judged]):
+    for decision in pruner.decisions(tree, [item.id for item in judgements]):
         run.store.append("pruned.jsonl", decision)
-        judged.append(decision)
-        run.progress("prune", len(judged), total)
+        judgements.append(decision)
+        run.progress("prune", len(judgements), total)
     if run.config.made:
-        judged = _with_made(run, tree, judged)
-    decisions = all_decisions(tree, judged)
+        judgements = _with_made(run, tree, judgements)
+    decisions = all_decisions(tree, judgements)
     run.store.write_lines("pruned.jsonl", decisions)
-    simulatable = pruned(tree, judged)
+    simulatable = apply_decisions(tree, judgements)
     run.store.write_lines("edits.jsonl", simulatable.edits)
     run.store.write("restore.json", restoration(decisions).to_json() + "\n")
     run.store.write("tree.simulatable.json", _tree_text(simulatable))
@@ -116,7 +116,7 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
 
 
 def _with_made(
-    run: Context, tree: ScenarioTree, judged: Sequence[PruneDecision]
+    run: Context, tree: ScenarioTree, judgements: Sequence[PruneDecision]
 ) -> list[PruneDecision]:
     """Make what dropped leaves lack, and judge these leaves again.
 
@@ -124,15 +124,15 @@ def _with_made(
     """
     catalogue = run.simulator.catalogue()
     maker, mover = PropMaker(run.llm, run.simulator), MotionMaker(run.llm, run.simulator)
-    wanted = {one.name: one for one in wanted_things(tree, judged, catalogue)}
-    rows = _made(run, ASSETS, judged, wanted, maker.make)
+    wanted = {one.name: one for one in wanted_things(tree, judgements, catalogue)}
+    rows = _made(run, ASSETS, judgements, wanted, maker.make)
     props = {one.id: one.prop for one in map(MadeProp.parse, rows) if one.prop is not None}
-    moves = {one.name: one for one in wanted_motions(tree, judged, catalogue)}
+    moves = {one.name: one for one in wanted_motions(tree, judgements, catalogue)}
     motions: dict[str, Motion] = {}
     if moves or run.has(MOTIONS):
-        motions = made_motions(_made(run, MOTIONS, judged, moves, mover.make))
+        motions = made_motions(_made(run, MOTIONS, judgements, moves, mover.make))
     if not props and not motions:
-        return list(judged)
+        return list(judgements)
     pruner = Pruner(
         run.llm,
         catalogue.with_made(props.values(), motions.values()),
@@ -141,19 +141,19 @@ def _with_made(
         cancel=run.cancel,
         context=run.config.context,
     )
-    again = {one.id: one for one in judged_again(pruner, tree, judged, {*props, *motions})}
-    return [again.get(one.id, one) for one in judged]
+    again = {one.id: one for one in judged_again(pruner, tree, judgements, {*props, *motions})}
+    return [again.get(one.id, one) for one in judgements]
 
 
 def _made(
     run: Context,
     file: str,
-    judged: Sequence[PruneDecision],
+    judgements: Sequence[PruneDecision],
     wanted: Mapping[str, Wish],
     make: Callable[[Wish], Data],
 ) -> list[dict[str, Any]]:
     """Return the lines of what was made: what is wanted, and what decisions already use."""
-    used = {name for one in judged for name in one.made}
+    used = {name for one in judgements for name in one.made}
     before = {line["id"]: line for line in run.store.lines(file) if line["id"] in used}
     return run.each(
         "make",

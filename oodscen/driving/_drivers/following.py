@@ -1,7 +1,7 @@
 """Car following by the intelligent driver model, which reference drivers share."""
 
 
-def followed(
+def following_acceleration(
     speed: float,
     desired: float,
     gap: float,

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from oodscen._display import Brief
 from oodscen.driving._drivers.braking import DELAY_S, DelayedBrake
-from oodscen.driving._drivers.following import followed
+from oodscen.driving._drivers.following import following_acceleration
 from oodscen.driving._drivers.perception import Neighbour, Perception
 from oodscen.driving._motion.actions import Cruise
 from oodscen.protocols import Control, Observation, State
@@ -48,7 +48,7 @@ class WatchingDriver(Brief):
         seen = self._perception.look(self._state, observation.visual_range_m)
         deceleration = self._emergency(seen, observation)
         following = (
-            followed(
+            following_acceleration(
                 observation.speed,
                 self._desired,
                 one.gap,

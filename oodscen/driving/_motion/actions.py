@@ -81,7 +81,7 @@ class Plan(NamedTuple):
 
 
 @part
-def planned(action: int, now: Look) -> Plan:
+def plan_action(action: int, now: Look) -> Plan:
     """Plan an action.
 
     Lane changes take about three seconds at constant speed, longer on slippery roads. Pulling over brakes
@@ -108,7 +108,7 @@ def planned(action: int, now: Look) -> Plan:
 
 
 @part
-def sideways(plan: Plan, travelled: float) -> tuple[float, float, float]:
+def lateral_course(plan: Plan, travelled: float) -> tuple[float, float, float]:
     """Return the offset of a plan's course, m, and its first two derivatives by the distance travelled.
 
     The course is quintic from the origin to the target: straight at both ends.
@@ -122,7 +122,7 @@ def sideways(plan: Plan, travelled: float) -> tuple[float, float, float]:
 
 
 @part
-def followed(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
+def follow_plan(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
     """Return the acceleration, m/s^2, and the steering angle, rad, of the next step of a plan.
 
     Args:
@@ -130,7 +130,7 @@ def followed(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
         travelled: Distance since its start, m.
         now: The current observation.
     """
-    offset, slope, turn = sideways(plan, travelled)
+    offset, slope, turn = lateral_course(plan, travelled)
     steering, across = _steering(
         offset,
         slope,
@@ -203,12 +203,12 @@ def _stretch(now: Look, shift: float, seconds: float, share: float) -> float:
 
 @Kernel
 def _begin(action: int, now: Look) -> Plan:
-    return planned(action, now)
+    return plan_action(action, now)
 
 
 @Kernel
 def _follow(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
-    return followed(plan, travelled, now)
+    return follow_plan(plan, travelled, now)
 
 
 class ActionDriver(Brief):

@@ -11,18 +11,18 @@ from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.bodies import GRAVITY, Situation
 from oodscen.driving._motion.car_following import (
     accelerate,
-    attentive,
+    change_lane,
     cruise,
     desired_speed,
     grip,
-    hurry,
+    idm_acceleration,
     keep_lane,
     move,
-    sideways,
+    opposite_heading,
+    sideways_duration,
     since,
     smooth,
     speed_up,
-    turned,
 )
 from oodscen.driving._motion.keyframes import FREE, STAGE, follow_keys
 from oodscen.driving._roads.track import centre, drivable_range, heading, locate, point
@@ -142,15 +142,17 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
     elif code in (Code.CUT_IN, Code.CUT_OUT):
         shift = centre(w.track, w.codes[i, col.TARGET], w.state[i, col.S])
         shift -= centre(w.track, w.codes[i, col.LANE], w.state[i, col.S]) + traits[i, col.OFFSET]
-        blend = smooth(waited / sideways(w, shift, traits[i, col.DURATION]))
+        blend = smooth(waited / sideways_duration(w, shift, traits[i, col.DURATION]))
         # An actor that cuts out knows the obstacle and means to pass it: only traffic counts.
-        hurry(w, i, blend, 0.0, 1.2, 0.5 if code == Code.CUT_OUT else -math.inf)
+        change_lane(w, i, blend, 0.0, 1.2, 0.5 if code == Code.CUT_OUT else -math.inf)
     elif code in (Code.HARD_BRAKE, Code.STALL) and waited >= 0.0:
         keep_lane(w, i, accelerate(w, i, -traits[i, col.DECELERATION]), 0.0, 0.0)
     elif code == Code.HALT and waited >= 0.0:
         braking = traits[i, col.DECELERATION]
         if waited < traits[i, col.GOAL] / braking + traits[i, col.PAUSE]:
-            acceleration = min(-braking, attentive(w, i, desired_speed(w, i), 1.2, -math.inf))
+            acceleration = min(
+                -braking, idm_acceleration(w, i, desired_speed(w, i), 1.2, -math.inf)
+            )
             keep_lane(w, i, accelerate(w, i, acceleration), 0.0, 0.0)
         else:
             cruise(w, i, 0.0, 0.0)
@@ -159,7 +161,7 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
         if cycles - math.floor(cycles) >= 0.5:
             cruise(w, i, 0.0, 0.0)
         else:
-            acceleration = min(-2.5, attentive(w, i, traits[i, col.GOAL], 1.2, -math.inf))
+            acceleration = min(-2.5, idm_acceleration(w, i, traits[i, col.GOAL], 1.2, -math.inf))
             keep_lane(w, i, accelerate(w, i, acceleration), 0.0, 0.0)
     elif code in (Code.SWERVE, Code.WOBBLE):
         cruise(w, i, 0.0, _weave(w, i, waited))
@@ -168,14 +170,16 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
             blend = smooth(waited / traits[i, col.DURATION])
             # A driver who leaves a row of parked vehicles means to pass them: only traffic counts.
             slowest = -math.inf if blend >= 1.0 else 0.5
-            acceleration = attentive(w, i, desired_speed(w, i), 1.2, slowest)
+            acceleration = idm_acceleration(w, i, desired_speed(w, i), 1.2, slowest)
             keep_lane(w, i, accelerate(w, i, min(2.0, acceleration)), blend, 0.0)
     elif code == Code.DRIFT and waited > 0.0:
         cruise(w, i, 0.0, _within_road(w, i, traits[i, col.LATERAL] * waited))
     elif code == Code.OVERTAKE:
         _overtake(w, i, waited)
     elif code == Code.FOLLOW_LANE:
-        acceleration = attentive(w, i, desired_speed(w, i), traits[i, col.HEADWAY], -math.inf)
+        acceleration = idm_acceleration(
+            w, i, desired_speed(w, i), traits[i, col.HEADWAY], -math.inf
+        )
         keep_lane(w, i, accelerate(w, i, max(acceleration, -traits[i, col.DECELERATION])), 0.0, 0.0)
     elif code in (
         Code.HARD_BRAKE,
@@ -218,12 +222,12 @@ def _overtake(w: Situation, i: int, waited: float) -> None:
     """Move aside, pass, and move back once the ego is well behind."""
     aside = w.state[i, col.MEMORY]
     if waited >= 0.0:
-        step = w.dt / sideways(w, w.traits[i, col.LATERAL], 2.5)
+        step = w.dt / sideways_duration(w, w.traits[i, col.LATERAL], 2.5)
         ahead = (w.state[i, col.S] - w.paths[0, 0]) * w.codes[i, col.DIRECTION]
         aside = max(0.0, aside - step) if ahead > _PASSED_M else min(1.0, aside + step)
         w.state[i, col.MEMORY] = quantised(aside)
     shift = _within_road(w, i, smooth(aside) * w.traits[i, col.LATERAL])
-    hurry(w, i, 0.0, shift, 0.6, -math.inf)
+    change_lane(w, i, 0.0, shift, 0.6, -math.inf)
 
 
 @part
@@ -274,7 +278,7 @@ def _hesitate(w: Situation, i: int) -> None:
     else:
         if state[i, col.MEMORY + 2] == 0.0:
             state[i, col.MEMORY + 2] = 1.0
-            state[i, col.HEADING] = turned(state[i, col.HEADING])
+            state[i, col.HEADING] = opposite_heading(state[i, col.HEADING])
         _go(w, i, 2.0 * distance, w.traits[i, col.QUICKNESS])
 
 

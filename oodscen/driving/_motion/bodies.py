@@ -43,7 +43,7 @@ class Situation(NamedTuple):
 
 
 @part
-def bounded(value: float, low: float, high: float) -> float:
+def clamp(value: float, low: float, high: float) -> float:
     """Return `value` clamped to the limits, or 0 for NaN."""
     if value != value:
         return 0.0
@@ -65,9 +65,9 @@ def drive_ego(w: Situation, acceleration: float, steering: float) -> None:
     state, dt = w.state, w.dt
     before = state[0, col.SPEED]
     grip = w.friction * GRAVITY
-    angle = bounded(steering, -MAX_STEERING, MAX_STEERING)
+    angle = clamp(steering, -MAX_STEERING, MAX_STEERING)
     curvature = sin(atan(0.5 * tan(angle))) / (0.5 * WHEELBASE)
-    along = bounded(acceleration, -2.0 * grip, min(MAX_DRIVE, grip))
+    along = clamp(acceleration, -2.0 * grip, min(MAX_DRIVE, grip))
     across = before * before * curvature
     total = math.sqrt(along * along + across * across)
     if total > grip:
@@ -79,7 +79,7 @@ def drive_ego(w: Situation, acceleration: float, steering: float) -> None:
         limit = left / (faster * faster)
         curvature = limit if curvature > 0.0 else -limit
     mean = 0.5 * (before + after)
-    slip = asin(bounded(0.5 * WHEELBASE * curvature, -1.0, 1.0))
+    slip = asin(clamp(0.5 * WHEELBASE * curvature, -1.0, 1.0))
     turn = mean * curvature * dt
     sine, cosine = sincos(state[0, col.YAW] + 0.5 * turn + slip)
     state[0, col.X] = quantised(state[0, col.X] + mean * dt * cosine)

@@ -107,7 +107,7 @@ def smooth(progress: float) -> float:
 
 
 @part
-def sideways(w: Situation, shift: float, duration: float) -> float:
+def sideways_duration(w: Situation, shift: float, duration: float) -> float:
     """Return the duration of a sideways move, s: longer than `duration` on slippery roads."""
     return max(duration, math.sqrt(_PEAK * abs(shift) / grip(w)))
 
@@ -167,7 +167,7 @@ def curve_speed(w: Situation, i: int, grip: float) -> float:
 
 
 @part
-def attentive(w: Situation, i: int, desired: float, headway: float, slowest: float) -> float:
+def idm_acceleration(w: Situation, i: int, desired: float, headway: float, slowest: float) -> float:
     """Return the acceleration of the intelligent driver model (Treiber et al. 2000), m/s^2.
 
     On slippery roads, comfortable braking uses half of the grip.
@@ -198,19 +198,21 @@ def desired_speed(w: Situation, i: int) -> float:
 
 
 @part
-def hurry(w: Situation, i: int, blend: float, shift: float, headway: float, slowest: float) -> None:
+def change_lane(
+    w: Situation, i: int, blend: float, shift: float, headway: float, slowest: float
+) -> None:
     """Drive in the lane at the behaviour's speed, reacting to traffic ahead."""
-    acceleration = attentive(w, i, desired_speed(w, i), headway, slowest)
+    acceleration = idm_acceleration(w, i, desired_speed(w, i), headway, slowest)
     keep_lane(w, i, accelerate(w, i, acceleration), blend, shift)
 
 
 @part
 def cruise(w: Situation, i: int, blend: float, shift: float) -> None:
     """Drive like `hurry`, with full attention."""
-    hurry(w, i, blend, shift, _HEADWAY, -math.inf)
+    change_lane(w, i, blend, shift, _HEADWAY, -math.inf)
 
 
 @part
-def turned(heading: float) -> float:
+def opposite_heading(heading: float) -> float:
     """Return the opposite heading."""
     return quantised(wrapped(heading + PI))

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from oodscen.driving._motion import columns as col
-from oodscen.driving._motion.actions import KEEP, Look, followed, planned
+from oodscen.driving._motion.actions import KEEP, Look, follow_plan, plan_action
 from oodscen.driving._motion.bodies import WHEELBASE, Situation
 from oodscen.driving._motion.stepping import advance, is_off_road, is_touching, look
 from oodscen.numerics._exact import quantised
@@ -78,15 +78,15 @@ def is_passed(
     reach = 0.5 * w.traits[0, col.LENGTH]
     is_before = w.state[0, col.S] + reach <= line_s
     is_reacting = begins_s <= time
-    plan, travelled = planned(action if is_reacting else KEEP, now), 0.0
+    plan, travelled = plan_action(action if is_reacting else KEEP, now), 0.0
     for step in range(count, count + steps):
         time = quantised(step * w.dt)
         if not is_reacting and time >= begins_s:
             is_reacting = True
-            plan, travelled, before = planned(action, now), 0.0, time
+            plan, travelled, before = plan_action(action, now), 0.0, time
         travelled += now.speed * (time - before)
         before = time
-        acceleration, steering = followed(plan, travelled, now)
+        acceleration, steering = follow_plan(plan, travelled, now)
         _advance(w, step, acceleration, steering)
         if is_touching(w) or is_off_road(w):
             return False

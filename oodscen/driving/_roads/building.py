@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from oodscen._files import read_regular
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.driving._roads.corridor import Corridor, OtherRoad, PaintedArea, RoadSignal, Structure
-from oodscen.driving._roads.crosssection import Places, build_strips, frozen
+from oodscen.driving._roads.crosssection import Places, build_strips, freeze
 from oodscen.driving._roads.geometry import piecewise, piecewise_all
 from oodscen.driving._roads.network import Network, Road, Signal
 from oodscen.driving._roads.opendrive import MAX_BYTES, read_network
@@ -292,7 +292,7 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
         here = number == place
         own[here] = track.own(along[here] - begin)
         columns[:, here] = track.points(own[here])
-    x, y, z, c, s_, curvature = (frozen(rounded(column)) for column in columns)
+    x, y, z, c, s_, curvature = (freeze(rounded(column)) for column in columns)
     in_junction = np.array([bool(leg.road.junction) for leg in legs])[number]
     in_junction.setflags(write=False)
     places = Places(number, own, [track.shift for track in tracks])
@@ -301,7 +301,7 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
         network, legs, places, in_junction, step=length / (count - 1), start=start
     )
     return Corridor(
-        s=frozen(rounded(along)),
+        s=freeze(rounded(along)),
         x=x,
         y=y,
         z=z,
@@ -485,6 +485,6 @@ def _outlines(road: Road) -> list[PaintedArea]:
             for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1], strict=True)
         )
         outlines.append(
-            PaintedArea(patch.kind, frozen(np.array(points if area > 0 else points[::-1])))
+            PaintedArea(patch.kind, freeze(np.array(points if area > 0 else points[::-1])))
         )
     return outlines

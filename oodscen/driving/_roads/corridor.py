@@ -15,9 +15,16 @@ from numpy.typing import NDArray
 from oodscen._display import Brief
 from oodscen.data._catalogue import RoadMap
 from oodscen.driving._roads import track as look
-from oodscen.driving._roads.coverage import REACH_M, OverlapStrip, Ranges, covered, extend, merged
+from oodscen.driving._roads.coverage import (
+    REACH_M,
+    OverlapStrip,
+    Ranges,
+    covered_ranges,
+    extend,
+    union_of,
+)
 from oodscen.driving._roads.network import StripKind
-from oodscen.driving._roads.track import Track, for_kernels, packed, viewed
+from oodscen.driving._roads.track import Track, for_kernels, pack, view_track
 from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import seen
 
@@ -171,9 +178,9 @@ class Corridor(Brief):
             bands = [one for other in self.others for one in self._bands(other.corridor)]
             count = len(self.s)
             roads = [band for is_drivable, band in bands if is_drivable]
-            for sample, ranges in covered(roads, self.step, count).items():
-                own[sample] = merged(own[sample], ranges)
-            every = covered((band for _, band in bands), self.step, count)
+            for sample, ranges in covered_ranges(roads, self.step, count).items():
+                own[sample] = union_of(own[sample], ranges)
+            every = covered_ranges((band for _, band in bands), self.step, count)
             for sample, ranges in every.items():
                 around[sample] = tuple(ranges)
             self._follow(own)
@@ -192,7 +199,7 @@ class Corridor(Brief):
         """Build the arrays for look-ups."""
         norm = np.sqrt(self.cos * self.cos + self.sin * self.sin)
         columns = (self.x, self.y, self.z, self.cos / norm, self.sin / norm, self.curvature)
-        track = packed(
+        track = pack(
             np.stack(columns, axis=1),
             np.stack([side for one in self.strips for side in (one.right, one.left)], axis=1),
             drivable,
@@ -202,7 +209,7 @@ class Corridor(Brief):
             length=self.length,
         )
         object.__setattr__(self, "track", track)
-        object.__setattr__(self, "_plain", viewed(track))
+        object.__setattr__(self, "_plain", view_track(track))
 
     def point(self, s: float, t: float) -> tuple[float, float, float, float]:
         """Return x, y, z and the road's heading at a place; beyond the ends, the road continues straight."""

@@ -25,7 +25,7 @@ class OverlapStrip(NamedTuple):
     left: tuple[FloatArray, FloatArray]
 
 
-def covered(
+def covered_ranges(
     bands: Iterable[OverlapStrip], step: float, count: int
 ) -> dict[int, list[tuple[float, float]]]:
     """Return the ranges of t that the bands cover, by sample of the corridor.
@@ -91,7 +91,7 @@ def _crossing(s: FloatArray, t: FloatArray, at: FloatArray) -> tuple[FloatArray,
     return low, high
 
 
-def merged(own: Sequence[tuple[float, float]], others: Sequence[tuple[float, float]]) -> Ranges:
+def union_of(own: Sequence[tuple[float, float]], others: Sequence[tuple[float, float]]) -> Ranges:
     """Return the union of two ascending lists of ranges; touching ranges are merged."""
     ranges: list[tuple[float, float]] = []
     for low, high in sorted([*own, *others]):

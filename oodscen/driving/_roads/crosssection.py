@@ -107,8 +107,8 @@ def build_strips(
             strip = LaneStrip(
                 kind=kind,
                 direction=direction,
-                right=frozen(right),
-                left=frozen(left),
+                right=freeze(right),
+                left=freeze(left),
                 mark=mark,
                 right_mark=right_mark,
                 marks=spans if len(spans) > 1 else (),
@@ -145,7 +145,7 @@ def _marks(
     return rows
 
 
-def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+def freeze(array: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a contiguous read-only copy without negative zeros."""
     copy = np.ascontiguousarray(array, dtype=np.float64) + 0.0
     copy.setflags(write=False)

@@ -35,7 +35,7 @@ class Track(NamedTuple):
     """True if the cross-section is the same everywhere."""
 
 
-def packed(
+def pack(
     samples: Array,
     edges: Array,
     drivable: Sequence[Ranges],
@@ -74,10 +74,10 @@ def packed(
 
 def for_kernels(track: Track) -> Track:
     """Return a track in the form that kernels take."""
-    return track if is_compiled() else viewed(track)
+    return track if is_compiled() else view_track(track)
 
 
-def viewed(track: Track) -> Track:
+def view_track(track: Track) -> Track:
     """Return a track that plain Python indexes quickly."""
     views: Any = {name: memoryview(getattr(track, name)) for name in Track._fields[:5]}
     return track._replace(**views)

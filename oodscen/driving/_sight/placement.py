@@ -9,7 +9,13 @@ from oodscen.driving._motion.world import KinematicWorld, ego_strip, neighbour_s
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._sight.motion_places import motion_places
-from oodscen.driving._sight.scene_checks import PlacedBody, bodies, overlapping, touch, truth_issues
+from oodscen.driving._sight.scene_checks import (
+    PlacedBody,
+    bodies,
+    overlap_issues,
+    touch,
+    truth_issues,
+)
 from oodscen.errors import DataError, Issue, UnknownComponent
 from oodscen.protocols import camera_for
 
@@ -90,7 +96,7 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     if issues:
         return issues
     world = KinematicWorld(corridor, scene, catalogue, 0)
-    return overlapping(scene, corridor, {"first": bodies(scene, catalogue, world.poses())})
+    return overlap_issues(scene, corridor, {"first": bodies(scene, catalogue, world.poses())})
 
 
 def _all_actors(scene: Scene) -> list[tuple[str, Actor]]:

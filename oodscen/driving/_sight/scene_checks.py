@@ -94,19 +94,19 @@ def truth_issues(
         moments: All bodies at the key moments.
         camera: The camera that shows them.
     """
-    issues = floating(scene, corridor, moments) + overlapping(scene, corridor, moments)
+    issues = floating_issues(scene, corridor, moments) + overlap_issues(scene, corridor, moments)
     if scene.is_ordinary:
         return issues
     hazard = scene.hazard
     if hazard.weather is not None and not is_noticeable(scene.weather, hazard.weather):
         message = "the weather hardly differs from the ordinary: nobody would notice it"
         issues.append(Issue("hazard.weather", message))
-    if hazard.actors and not seen(scene, corridor, moments, camera):
+    if hazard.actors and not first_seen(scene, corridor, moments, camera):
         issues.append(_unseen(scene, corridor, moments, camera))
     return issues
 
 
-def seen(
+def first_seen(
     scene: Scene, corridor: Corridor, moments: Moments, camera: Camera = CAMERA
 ) -> dict[str, str]:
     """Return the recognisable unusual actors, each with the first moment at which it can be recognised."""
@@ -122,7 +122,7 @@ def seen(
     return found
 
 
-def floating(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
+def floating_issues(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
     """Return issues for bodies above or below the ground, unless they are carried or fly."""
     airborne = AIRBORNE | {motion.id for motion in scene.motions}
     exempt = {
@@ -145,7 +145,7 @@ def floating(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
     return list(issues.values())
 
 
-def overlapping(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
+def overlap_issues(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
     """Return issues for actors inside one another at a moment, unless one belongs to the other."""
     owners = {"ego": None} | {actor.id: actor.behaviour.other for actor in scene.actors}
     issues: dict[tuple[str, str], Issue] = {}

@@ -22,7 +22,7 @@ from oodscen.interchange._verdicts.plausibility import check_motion, check_steps
 from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
 from oodscen.protocols import State
 from oodscen.stages._drive import drive_result, inconclusive_drive
-from oodscen.stages._rollouts import judged, runs_red
+from oodscen.stages._rollouts import judge_outcome, runs_red
 
 Floats = NDArray[np.float64]
 
@@ -118,7 +118,7 @@ def verdict(
         is_complete=ends,
         inconclusive=doubt,
         notes=tuple(notes),
-        outcome=None if doubt else judged(after or [states[first]], trace, ran_red=ran_red),
+        outcome=None if doubt else judge_outcome(after or [states[first]], trace, ran_red=ran_red),
         drive=drive,
     )
 

@@ -86,12 +86,12 @@ def seen_label(label: str) -> str:
 
 
 @lru_cache(maxsize=4096)
-def seen(text: str) -> "Naming":
+def visible_naming(text: str) -> "Naming":
     """Return what a label names that frames can show.
 
     A concept that cannot be seen gives way to what it is a kind of: an angry person to a person.
     """
-    whole, hidden = named(text), set(_table()["unseen"]["concepts"])
+    whole, hidden = naming_of(text), set(_table()["unseen"]["concepts"])
 
     def shown(found: Sequence[Concept]) -> tuple[Concept, ...]:
         names: list[str] = []
@@ -103,7 +103,7 @@ def seen(text: str) -> "Naming":
 
 
 @cache
-def widened(name: str) -> frozenset[str]:
+def with_broader(name: str) -> frozenset[str]:
     """Return the names of a concept and of all its broader concepts."""
     found, ahead = set[str](), [name]
     while ahead:
@@ -115,7 +115,7 @@ def widened(name: str) -> frozenset[str]:
 
 
 @lru_cache(maxsize=4096)
-def named(text: str) -> Naming:
+def naming_of(text: str) -> Naming:
     """Return what a text names; if several expressions start at the same word, the longest wins."""
     words, parts = _split(text)
     found: list[tuple[int, Concept]] = []
@@ -127,12 +127,12 @@ def named(text: str) -> Naming:
                 used.update(places)
                 found.append((start, concept))
                 break
-    told = [(start, one) for start, one in found if one.kind != "aside"]
-    denied = _denied(words, parts, used, [start for start, _ in told])
-    told = [(start, one) for start, one in told if start not in denied]
+    stated = [(start, one) for start, one in found if one.kind != "aside"]
+    denied = _denied(words, parts, used, [start for start, _ in stated])
+    stated = [(start, one) for start, one in stated if start not in denied]
     return Naming(
-        tuple(one for _, one in told),
-        tuple(_heads(told, words, used)),
+        tuple(one for _, one in stated),
+        tuple(_heads(stated, words, used)),
         tuple(words),
         tuple(one for i, one in enumerate(words) if i not in used and one not in _LINKS),
     )
@@ -180,14 +180,14 @@ _DENIALS = frozenset({"no", "not", "without", "never", "neither", "nor", "free",
 
 
 def _heads(
-    told: Sequence[tuple[int, Concept]], words: Sequence[str], used: set[int]
+    stated: Sequence[tuple[int, Concept]], words: Sequence[str], used: set[int]
 ) -> Iterator[Concept]:
-    things = [(start, one) for start, one in told if one.kind in ("odd", "ordinary")]
+    things = [(start, one) for start, one in stated if one.kind in ("odd", "ordinary")]
     if not things:
         return
     first = things[0][0]
     ends = [i for i, word in enumerate(words) if i > first and i not in used and word in _LINKS]
-    ends += [start for start, one in told if start > first and one.kind in ("state", "act")]
+    ends += [start for start, one in stated if start > first and one.kind in ("state", "act")]
     end = min(ends, default=len(words))
     starts = {start for start, _ in things}
     # In "truck tyre" the truck only says which tyre.

@@ -35,11 +35,11 @@ def agreement(opinions: Iterable[Opinion], judge: str) -> tuple[int, int]:
         opinions: Opinions, those on labelled answers among them.
         judge: The judge's label.
     """
-    said = {one.id: one.is_same for one in opinions if one.is_same is not None}
+    judgements = {one.id: one.is_same for one in opinions if one.is_same is not None}
     pairs = [
-        said[name] == one.is_right
+        judgements[name] == one.is_right
         for one in labelled_answers()
-        if (name := opinion_id(judge, one.answer, one.path)) in said
+        if (name := opinion_id(judge, one.answer, one.path)) in judgements
     ]
     return sum(pairs), len(pairs)
 

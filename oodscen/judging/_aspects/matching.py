@@ -10,9 +10,9 @@ from oodscen.judging._aspects.concepts import (
     Concept,
     Naming,
     concepts,
-    named,
-    seen,
-    widened,
+    naming_of,
+    visible_naming,
+    with_broader,
 )
 
 MOST_THINGS = 6
@@ -33,10 +33,10 @@ class Named(NamedTuple):
 
 def names_aspect(aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()) -> bool:
     """Return whether an open answer names what a path is about; see `naming`."""
-    return naming(aspect, path, visible).right
+    return score_naming(aspect, path, visible).right
 
 
-def naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()) -> Named:
+def score_naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()) -> Named:
     """Compare an open answer with what a path is about, as far as it can be seen.
 
     The leaf's label decides, or what can be seen of the hazard in this scene; an answer that fits either is
@@ -70,30 +70,33 @@ def naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()) ->
         return Named(thing=True, right=True)
     if len(_parts(aspect)) > MOST_THINGS:
         return Named(thing=False, right=False)
-    said = named(aspect)
-    truths = [(path[-1], named(path[-1])), (path[-1], seen(path[-1]))]
-    truths += [(one.what, named(text)) for one in visible if (text := _told(one))]
-    right = any(_fits(said, aspect, text, label) for text, label in truths)
-    return Named(right or any(_names_thing(said, label) for _, label in truths), right)
+    answer_naming = naming_of(aspect)
+    truths = [(path[-1], naming_of(path[-1])), (path[-1], visible_naming(path[-1]))]
+    truths += [(one.what, naming_of(text)) for one in visible if (text := _told(one))]
+    right = any(_fits(answer_naming, aspect, text, label) for text, label in truths)
+    return Named(right or any(_names_thing(answer_naming, label) for _, label in truths), right)
 
 
 def _told(one: Visible) -> str:
     return " ".join(filter(None, (one.what, one.doing, one.where)))
 
 
-def _fits(said: Naming, aspect: str, text: str, label: Naming) -> bool:
+def _fits(answer_naming: Naming, aspect: str, text: str, label: Naming) -> bool:
     heads = label.heads or _implied(label.concepts)
     if not heads:
-        return _names_state(said, label) or _names_word(aspect, text)
-    return any(_names_oddity(said, head) or _names_case(said, label, head) for head in heads)
+        return _names_state(answer_naming, label) or _names_word(aspect, text)
+    return any(
+        _names_oddity(answer_naming, head) or _names_case(answer_naming, label, head)
+        for head in heads
+    )
 
 
-def _names_thing(said: Naming, label: Naming) -> bool:
+def _names_thing(answer_naming: Naming, label: Naming) -> bool:
     """Return whether an answer names a head of the label, or a broader or narrower word for one."""
-    things = {one.name for one in _things(said)}
-    given = {name for thing in things for name in widened(thing)}
+    things = {one.name for one in _things(answer_naming)}
+    broader = {name for thing in things for name in with_broader(thing)}
     heads = {one.name for one in label.heads or _implied(label.concepts)}
-    return bool(heads & given) or any(things & widened(head) for head in heads)
+    return bool(heads & broader) or any(things & with_broader(head) for head in heads)
 
 
 def is_same_wording(aspect: str, label: str) -> bool:
@@ -102,24 +105,28 @@ def is_same_wording(aspect: str, label: str) -> bool:
     return first == second
 
 
-def _names_oddity(said: Naming, head: Concept) -> bool:
+def _names_oddity(answer_naming: Naming, head: Concept) -> bool:
     """Rule 2: return whether an answer names a thing that is odd in itself."""
     if head.kind != "odd":
         return False
-    if any(head.name in widened(one.name) for one in said.concepts):
+    if any(head.name in with_broader(one.name) for one in answer_naming.concepts):
         return True
-    wider = {one.name for one in said.concepts if one.kind == "odd"} & widened(head.name)
+    wider = {one.name for one in answer_naming.concepts if one.kind == "odd"} & with_broader(
+        head.name
+    )
     return any(
-        not any(name in widened(one.name) and one.name != name for one in said.concepts)
+        not any(
+            name in with_broader(one.name) and one.name != name for one in answer_naming.concepts
+        )
         for name in wider
     )
 
 
-def _names_case(said: Naming, label: Naming, head: Concept) -> bool:
+def _names_case(answer_naming: Naming, label: Naming, head: Concept) -> bool:
     """Rules 3 and 4: return whether an answer names a thing and what makes it unusual."""
-    things = _things(said)
-    kinds = widened(head.name)
-    is_narrow = any(head.name in widened(one.name) for one in things)
+    things = _things(answer_naming)
+    kinds = with_broader(head.name)
+    is_narrow = any(head.name in with_broader(one.name) for one in things)
     is_special = (is_narrow and head.name not in GENERAL) or any(
         one.name in kinds - GENERAL for one in things
     )
@@ -127,19 +134,19 @@ def _names_case(said: Naming, label: Naming, head: Concept) -> bool:
         return False
     others = [one for one in label.concepts if one != head]
     telling = {one.name for one in others if one.kind in ("odd", "state")}
-    given = _widened(said.concepts)
-    if telling & given:
+    broader = _widened(answer_naming.concepts)
+    if telling & broader:
         return True
     mere = _widened(one for one in others if one.kind != "place") - GENERAL
     places = {one.name for one in others if one.kind == "place"}
     if telling:
-        return is_special and bool((mere | places) & given)
+        return is_special and bool((mere | places) & broader)
     words = telling_words(" ".join(label.rest))
-    shared = (mere | places) & given | (words & telling_words(" ".join(said.rest)))
+    shared = (mere | places) & broader | (words & telling_words(" ".join(answer_naming.rest)))
     if not is_narrow:
         return len(shared) >= ENOUGH_SHARED
     if head.name in GENERAL:
-        is_standing = {"stopped", "on the road"} <= given and "stopped" in mere
+        is_standing = {"stopped", "on the road"} <= broader and "stopped" in mere
         return _is_just(things, head) and (
             is_standing or _names_circumstance(shared, mere, places, words, head)
         )
@@ -152,7 +159,7 @@ ENOUGH_SHARED = 2
 
 def _is_just(things: Iterable[Concept], head: Concept) -> bool:
     """Return whether an ordinary thing of the head's kind is named."""
-    return any(one.kind == "ordinary" and head.name in widened(one.name) for one in things)
+    return any(one.kind == "ordinary" and head.name in with_broader(one.name) for one in things)
 
 
 def _names_circumstance(
@@ -164,20 +171,21 @@ def _names_circumstance(
     return bool(shared) or not (mere | words)
 
 
-def _things(said: Naming) -> list[Concept]:
+def _things(answer_naming: Naming) -> list[Concept]:
     """Return the things named; without any, and without unknown words, the things that states imply."""
-    found = [one for one in said.concepts if one.kind in ("odd", "ordinary")]
-    is_clear = not telling_words(" ".join(said.rest))
-    return found or (_implied(said.concepts) if is_clear else [])
+    found = [one for one in answer_naming.concepts if one.kind in ("odd", "ordinary")]
+    is_clear = not telling_words(" ".join(answer_naming.rest))
+    return found or (_implied(answer_naming.concepts) if is_clear else [])
 
 
 def _widened(found: Iterable[Concept]) -> set[str]:
-    return {name for one in found for name in widened(one.name)}
+    return {name for one in found for name in with_broader(one.name)}
 
 
-def _names_state(said: Naming, label: Naming) -> bool:
+def _names_state(answer_naming: Naming, label: Naming) -> bool:
     return bool(
-        {one.name for one in label.concepts if one.kind == "state"} & _widened(said.concepts)
+        {one.name for one in label.concepts if one.kind == "state"}
+        & _widened(answer_naming.concepts)
     )
 
 
@@ -198,11 +206,11 @@ _PHRASE_END = re.compile(r"\b(?:on|in|into|onto|at|from|over|across|with|of|by|t
 
 def affirmed_words(text: str) -> set[str]:
     """Return the telling words of the clauses of a text that deny nothing (unlike "no deer")."""
-    said: set[str] = set()
+    words: set[str] = set()
     for part in _parts(text):
         if not _DENIAL.search(part):
-            said |= telling_words(part)
-    return said
+            words |= telling_words(part)
+    return words
 
 
 _DENIAL = re.compile(r"\b(?:no|not|without|free\s+of|absence\s+of|never|neither|nor)\b")

@@ -8,7 +8,7 @@ from oodscen.data._base import Data, digest
 from oodscen.data._scene import Visible
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
-from oodscen.judging._aspects.matching import is_same_wording, naming
+from oodscen.judging._aspects.matching import is_same_wording, score_naming
 from oodscen.llm._ask import ask
 from oodscen.prompts._judging.judge_aspect import JudgeAspect
 from oodscen.protocols import LLM
@@ -86,15 +86,15 @@ def opinion(
             "retryable": bool(getattr(error, "retryable", False)),
         }
         return blank.model_copy(update=failure)
-    said = {
+    fields = {
         "is_thing": answer.is_same_thing,
         "is_same": answer.is_same_thing and answer.is_same_fault,
         "reasoning": answer.reasoning[:600],
     }
-    return blank.model_copy(update=said)
+    return blank.model_copy(update=fields)
 
 
-def rescored(
+def rescore_verdict(
     verdict: Verdict,
     path: Sequence[str],
     opinions: Mapping[str, Opinion],
@@ -122,7 +122,7 @@ def rescored(
         }
     else:
         error = "" if not label else (found.error if found else None) or "it was not asked"
-        by_rule = naming(verdict.aspect, path, visible)
+        by_rule = score_naming(verdict.aspect, path, visible)
         update = {
             "thing_is_right": by_rule.thing,
             "aspect_is_right": by_rule.right,

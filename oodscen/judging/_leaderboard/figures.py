@@ -113,7 +113,7 @@ def rate(
     hits, n = float(column.above.sum()), int(there.sum())
     units = resampler.count(there)
     if replicates is None and units >= FEWEST_CLUSTERS:
-        replicates = resampled(resampler, [column])[:, 0]
+        replicates = resample_ratios(resampler, [column])[:, 0]
     missing = int(column.missing(sheet).sum())
     least = hits + missing if is_fault else hits
     return Rate(
@@ -127,7 +127,7 @@ def rate(
     )
 
 
-def resampled(resampler: Resampler, columns: Sequence[Ratio]) -> NDArray[np.float64]:
+def resample_ratios(resampler: Resampler, columns: Sequence[Ratio]) -> NDArray[np.float64]:
     """Return [r, k] ratios over resampled paths, a column for each of k ratios."""
     above = np.stack([column.above for column in columns], axis=1)
     below = np.stack([column.below for column in columns], axis=1)

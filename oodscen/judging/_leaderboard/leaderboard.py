@@ -14,7 +14,7 @@ from oodscen.data._verdict import NOTHING, Verdict
 from oodscen.judging._items import AnswerColumns, Floats, Items, Mask, Ratio
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.comparisons import Key, comparisons
-from oodscen.judging._leaderboard.figures import FAULTS, PairColumns, figures, rate, resampled
+from oodscen.judging._leaderboard.figures import FAULTS, PairColumns, figures, rate, resample_ratios
 from oodscen.judging._leaderboard.gains import mean_of, with_gains
 from oodscen.judging._leaderboard.paper_example import paper_example
 from oodscen.judging._leaderboard.scores import (
@@ -174,7 +174,7 @@ def _standing(
         "ordinary_safe": Ratio(sheet.safe, twin, is_neutral=sheet.is_neutral),
         "above_chance": Ratio(sheet.safe - items.chance, items.is_decidable, 1.0 - items.chance),
     }
-    found = resampled(study.resampler, list(columns.values()))
+    found = resample_ratios(study.resampler, list(columns.values()))
     replicates = dict(zip(columns, found.T, strict=True))
     rates = {
         name: rate(study.resampler, column, sheet, replicates[name], is_fault=name in FAULTS)
@@ -355,7 +355,7 @@ def _worst_balanced(
         Ratio(right, sheet.was_asked & items.is_scene),
         Ratio(right, sheet.was_asked & ~items.is_scene),
     ]
-    replicates = resampled(resampler, columns).mean(axis=1)
+    replicates = resample_ratios(resampler, columns).mean(axis=1)
     return Estimate(
         value=(sensitivity.with_missing_wrong + specificity.with_missing_wrong) / 2,
         n=int(sheet.was_asked.sum()),

@@ -89,11 +89,11 @@ class RequirementResult(Data):
     bars: tuple[BarResult, ...]
 
     def __str__(self) -> str:
-        told = ", ".join(
+        listing = ", ".join(
             f"{one.bar.figure} {'-' if one.share is None else f'{one.share:.1%}'}"
             for one in self.bars
         )
-        return f"{self.model}: {self.words} ({told})"
+        return f"{self.model}: {self.words} ({listing})"
 
     @property
     def words(self) -> str:
@@ -155,12 +155,12 @@ def requirements(
             grouped.setdefault(verdict.model, []).append(verdict)
     level = ALPHA / max(len(grouped), 1)
     return [
-        _graded(items, model, AnswerColumns.of(items, found), bars, level, seed)
+        _grade(items, model, AnswerColumns.of(items, found), bars, level, seed)
         for model, found in sorted(grouped.items())
     ]
 
 
-def _graded(
+def _grade(
     items: Items, model: str, sheet: AnswerColumns, bars: Sequence[Bar], level: float, seed: int
 ) -> RequirementResult:
     known = figures(items, sheet)
@@ -185,15 +185,15 @@ def grade_of(
         per_path: Mean number of scenes of a path.
     """
     results = tuple(test.result() for test in tests)
-    own = level / len(tests)
+    level_each = level / len(tests)
     grade: Grade = "cannot tell yet"
     more = None
     if all(one.p_meets <= level for one in results):
         grade = "meets"
-    elif any(one.p_fails <= own for one in results):
+    elif any(one.p_fails <= level_each for one in results):
         grade = "fails"
     else:
-        times = _times(tests, results, level, own)
+        times = _times(tests, results, level, level_each)
         if times is not None:
             paths = max(one.paths for one in results)
             more = max(math.ceil((times - 1) * paths * per_path), 1)
@@ -201,10 +201,10 @@ def grade_of(
 
 
 def _times(
-    tests: Sequence["BarTest"], results: Sequence[BarResult], level: float, own: float
+    tests: Sequence["BarTest"], results: Sequence[BarResult], level: float, level_each: float
 ) -> float | None:
     """Return how many times as large the study must be to tell, if its figures stay as they are."""
-    falling = [t for test in tests if (t := test.times(own, is_met=False)) is not None]
+    falling = [t for test in tests if (t := test.times(level_each, is_met=False)) is not None]
     if falling:
         return min(falling)
     rising = [

@@ -15,7 +15,7 @@ from oodscen.judging._parsing.reading import (
     words_in,
 )
 from oodscen.judging._parsing.stating import is_against
-from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, folded
+from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, fold
 
 LONGEST_ASPECT = 300
 """The longest prose that can be the name of an aspect, in characters."""
@@ -33,16 +33,16 @@ class Detected:
 
 def read_aspect(text: str) -> ParsedAnswer[Detected]:
     """Return whether something was called out of the ordinary, the aspect and the confidence."""
-    return read(text, Question(_detected, _detected_in_prose, _DETECTION, _disowned))
+    return read(text, Question(_detection, _detected_in_prose, _DETECTION, _disowns))
 
 
 def read_named_aspect(text: str) -> ParsedAnswer[str]:
     """Return the aspect named in answer to the paper's question; empty if the answer says that there is none."""
-    return read(text, Question(_named, _named_in_prose, _NAMED, _disowned))
+    return read(text, Question(_named_aspect, _named_in_prose, _NAMED, _disowns))
 
 
-def _disowned(reasons: str, _: object) -> bool:
-    return is_against(folded(reasons))
+def _disowns(reasons: str, _: object) -> bool:
+    return is_against(fold(reasons))
 
 
 def names_nothing(aspect: str) -> bool:
@@ -68,7 +68,7 @@ _CONFIDENCE = re.compile(r"(?:confidence|certainty|probability)")
 _DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{_CONFIDENCE.pattern}")
 
 
-def _detected(value: Mapping[str, Any]) -> Detected | None:
+def _detection(value: Mapping[str, Any]) -> Detected | None:
     held = [one for one in members(value, _IS_OOD) if not is_placeholder(one)]
     if not held:
         return None
@@ -91,7 +91,7 @@ def _aspect(value: Mapping[str, Any]) -> str:
     return said
 
 
-def _named(value: Mapping[str, Any]) -> str | None:
+def _named_aspect(value: Mapping[str, Any]) -> str | None:
     held = [one for one in members(value, _NAMED) if not is_placeholder(one)]
     said = {words_in(one) for one in held}
     if len(said) > 1:
@@ -155,7 +155,7 @@ def _confidence_in(prose: str) -> float | None:
 
 def _detected_in_prose(prose: str) -> Detected | None:
     """Parse a "yes" or "no" that is marked as the answer, or opens the text with words that agree with it."""
-    plain = folded(prose)
+    plain = fold(prose)
     marked = {_TRUTHS[one[1]] for one in _MARKED.finditer(plain)}
     opening = _OPENING.match(plain)
     said = marked or ({_TRUTHS.get(opening[1], False)} if opening else set())
@@ -192,7 +192,7 @@ def _named_in_prose(prose: str) -> str | None:
     named = _labelled(prose)
     if named is not None:
         return _name(named)
-    plain = folded(prose)
+    plain = fold(prose)
     is_short = 0 < len(plain.split()) <= 20 and len(re.findall(r"[.!?](?:\s|$)", plain)) <= 1
     if not is_short or is_refusal(prose) or _OPEN.search(plain) or plain.endswith(("?", ":")):
         return None

@@ -12,10 +12,10 @@ from oodscen.judging._parsing.reading import (
     is_refusal,
     members,
     read,
-    unwrapped,
+    unwrap,
 )
-from oodscen.judging._parsing.stating import FIRST, GERUNDS, OPTION, is_against, stated
-from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, folded, tidied
+from oodscen.judging._parsing.stating import FIRST, GERUNDS, OPTION, is_against, stated_option
+from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, fold, tidy
 
 Marking = Callable[[str], str]
 """Replaces every option that folded prose names with a character of `stating.OPTION`."""
@@ -33,7 +33,7 @@ def read_action(text: str, offered: Sequence[str] = ACTIONS) -> ParsedAnswer[str
     """
     if "" in offered:
         raise UsageError("the id of an action is empty")
-    words = {name: _ACTION_WORDS.get(name, re.escape(folded(name))) for name in offered}
+    words = {name: _ACTION_WORDS.get(name, re.escape(fold(name))) for name in offered}
     return _read(text, list(offered), _marking(words), _ACTION, is_numbered=False)
 
 
@@ -44,13 +44,13 @@ def read_choice(text: str, labels: Mapping[str, str]) -> ParsedAnswer[str]:
         text: A model's answer.
         labels: Text of every option by id, in the order in which they were offered.
     """
-    words = {name: re.escape(folded(tidied(label))) for name, label in labels.items()}
+    words = {name: re.escape(fold(tidy(label))) for name, label in labels.items()}
     return _read(text, list(labels), _marking(words, is_numbered=True), _CHOICE, is_numbered=True)
 
 
 def contradiction(reasoning: str, action: str, offered: Sequence[str]) -> str:
     """Return a sentence if the reasoning states another action than the answer; else an empty string."""
-    found = read_action(tidied(reasoning), offered).value
+    found = read_action(tidy(reasoning), offered).value
     if found is None or found == action:
         return ""
     return f"the reasoning settles on {found}, the answer is {action}"
@@ -70,13 +70,13 @@ def _read(
         if isinstance(value, list) and len(value) == 1 and depth:
             return resolved(value[0], depth - 1)
         if isinstance(value, dict) and depth:
-            held, reasons = unwrapped(value, _INSIDE)
+            held, reasons = unwrap(value, _INSIDE)
             found = agreed(list(held.values()), depth - 1)
-            return None if found is None or denies(tidied(reasons), found) else found
+            return None if found is None or denies(tidy(reasons), found) else found
         if is_numbered and isinstance(value, (int, float)) and not isinstance(value, bool):
             return int(value) - 1 if value in range(1, len(names) + 1) else None
         is_text = isinstance(value, str) and re.match(r"[\s*`\"'(#]*\w", value)
-        return in_prose(tidied(value)) if is_text else None
+        return in_prose(tidy(value)) if is_text else None
 
     def agreed(values: Sequence[Any], depth: int = 4) -> int | None:
         found = {resolved(value, depth) for value in values}
@@ -85,7 +85,7 @@ def _read(
         return found.pop() if found else None
 
     def in_prose(prose: str) -> int | None:
-        found = None if is_refusal(prose) else stated(mark(folded(prose)))
+        found = None if is_refusal(prose) else stated_option(mark(fold(prose)))
         return found if found is not None and found < len(names) else None
 
     def picked(value: Mapping[str, Any]) -> int | None:
@@ -96,7 +96,7 @@ def _read(
         return found
 
     def denies(reasons: str, option: int) -> bool:
-        return is_against(mark(folded(reasons)), option)
+        return is_against(mark(fold(reasons)), option)
 
     reading = read(text, Question(picked, in_prose, keys, denies))
     if reading.value is None:

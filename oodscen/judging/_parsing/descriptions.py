@@ -13,7 +13,7 @@ from oodscen.judging._parsing.reading import (
     read,
     words_in,
 )
-from oodscen.judging._parsing.text import UnusableError, folded
+from oodscen.judging._parsing.text import UnusableError, fold
 
 _DESCRIPTION = re.compile(r"(?:\w*description|answer|text|summary|caption)")
 _ANY = re.compile(r".*")
@@ -42,6 +42,6 @@ def _in_prose(prose: str) -> str:
 
 
 def _usable(said: str) -> str:
-    if sum(char.isalpha() for char in folded(said)) < 4:
+    if sum(char.isalpha() for char in fold(said)) < 4:
         raise UnusableError("no description")
     return said

@@ -16,11 +16,11 @@ from oodscen.judging._parsing.text import (
     LONGEST,
     TWO_ANSWERS,
     UnusableError,
-    folded,
-    spoken,
-    tidied,
+    after_reasoning,
+    fold,
+    tidy,
 )
-from oodscen.llm._json_objects import Found, cleaned, scan
+from oodscen.llm._json_objects import Found, clean_surrogates, scan
 
 Value = TypeVar("Value")
 
@@ -57,9 +57,9 @@ class Question(Generic[Value]):
         Raises:
             UnusableError: If it has a member that was not asked for, or reasons against its own answer.
         """
-        held, reasons = unwrapped(value, self.members)
+        held, reasons = unwrap(value, self.members)
         found = self.pick(held)
-        if found is not None and self.denies and self.denies(tidied(reasons), found):
+        if found is not None and self.denies and self.denies(tidy(reasons), found):
             raise UnusableError("its reasons are against the answer")
         return found
 
@@ -79,7 +79,7 @@ def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
             if value is not None:
                 return ParsedAnswer(value, "answered", "JSON")
         else:
-            prose = tidied(said)
+            prose = tidy(said)
             lines = _labelled(prose, question.members) if question.has_labels else None
             value = question.answer_in(lines) if lines else question.prose(prose)
             if value is not None:
@@ -96,14 +96,14 @@ def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
 
 def spoken_json(text: str) -> str:
     """Return the text after the reasoning, unwrapped if all of it is one JSON string."""
-    said = cleaned(text).strip()
+    said = clean_surrogates(text).strip()
     if said.startswith('"'):
         try:
             inner = json.loads(said, strict=False)
         except (ValueError, RecursionError):
             inner = None
         said = inner if isinstance(inner, str) else said
-    said = spoken(said)
+    said = after_reasoning(said)
     return said if '"' in said else re.sub("[\u201c\u201d]", '"', said)
 
 
@@ -120,8 +120,8 @@ def _only_object(said: str) -> dict[str, Any] | None:
     if one.is_mended and _lost_words(one, said):
         raise UnusableError("the JSON object has faults")
     before, after = said[: one.start], said[one.start + one.width :]
-    lead = folded(tidied(_OPENS.sub("", before)))
-    end = folded(tidied(_CLOSES.sub("", after)))
+    lead = fold(tidy(_OPENS.sub("", before)))
+    end = fold(tidy(_CLOSES.sub("", after)))
     if not (_LEAD.fullmatch(lead) and _COURTESY.fullmatch(end)):
         raise UnusableError("other words stand around the JSON object")
     return one.value
@@ -186,7 +186,7 @@ _LABEL = re.compile(r"(?:[-\u2022] |#{1,6} )?([\w ]{2,40}?) ?[:=] ?(.*)")
 # ------------------------------------------------------------------ members
 
 
-def unwrapped(
+def unwrap(
     value: Mapping[str, Any], asked: re.Pattern[str], depth: int = 4
 ) -> tuple[dict[str, Any], str]:
     """Return the requested members of an object, or of the one that it wraps, and the reasons beside them.
@@ -207,7 +207,7 @@ def unwrapped(
             raise UnusableError(f"nobody asked for {name[:40]!r}")
     inner = next(iter(rest.values())) if len(rest) == 1 else None
     if isinstance(inner, dict) and depth and all(_WRAPPERS.fullmatch(spelt(name)) for name in rest):
-        held, within = unwrapped(inner, asked, depth - 1)
+        held, within = unwrap(inner, asked, depth - 1)
         return held, "\n".join([*reasons, within])
     for name in rest:
         if not asked.fullmatch(spelt(name)):
@@ -288,7 +288,7 @@ def reasoning_in(text: str) -> str:
 
 def is_refusal(text: str) -> bool:
     """Return whether a model declines to answer, or cannot see the picture."""
-    return bool(_REFUSAL.search(folded(tidied(spoken(text[:20_000])))))
+    return bool(_REFUSAL.search(fold(tidy(after_reasoning(text[:20_000])))))
 
 
 _CANNOT = (

@@ -15,7 +15,7 @@ OPTION = f"[{chr(FIRST)}-{chr(FIRST + 2 * GERUNDS - 1)}]"
 _BASE = f"[{chr(FIRST)}-{chr(FIRST + GERUNDS - 1)}]"
 
 
-def stated(plain: str) -> int | None:
+def stated_option(plain: str) -> int | None:
     """Return the number of the option that folded prose states; `None` if it states none.
 
     Raises:

@@ -3,7 +3,7 @@
 import re
 import unicodedata
 
-from oodscen.llm._json_objects import cleaned
+from oodscen.llm._json_objects import clean_surrogates
 
 LONGEST = 200_000
 """The longest answer that is parsed, in characters."""
@@ -15,7 +15,7 @@ class UnusableError(ValueError):
     """An answer that must not be read, with the reason."""
 
 
-def spoken(text: str) -> str:
+def after_reasoning(text: str) -> str:
     """Return the text after the reasoning; empty if there is reasoning anywhere but at the start."""
     text = _CONTROL_TOKENS.sub(" ", _FINAL_CHANNEL.sub("</think>", text))
     marks = list(_THINKING.finditer(text))
@@ -35,12 +35,12 @@ _FINAL_CHANNEL = re.compile(r"<\|channel\|>\s?final\s?<\|message\|>")
 _CONTROL_TOKENS = re.compile(r"<\|[a-z_]{1,30}\|>|</?s>|\[/?INST\]")
 
 
-def tidied(text: str) -> str:
+def tidy(text: str) -> str:
     """Return prose without emphasis, with one form of quotes and spaces, and `name: value` for headings and elements.
 
     Private-use characters are dropped, since they stand for options elsewhere.
     """
-    text = unicodedata.normalize("NFKC", cleaned(text))
+    text = unicodedata.normalize("NFKC", clean_surrogates(text))
     text = _INVISIBLE.sub("", text).replace("\\_", "_")
     text = _BOXED.sub(r" answer: \1 ", text)
     text = _ELEMENT.sub(r"\n\1: \2\n", text)
@@ -58,7 +58,7 @@ _BOXED = re.compile(r"\${0,2}\\boxed\s?\{(?:\\text\{)?([^{}\n]{0,200})\}{1,2}\${
 _ELEMENT = re.compile(r"<(\w{1,30})>([^<]{1,2000})</\1>")
 
 
-def folded(tidy: str) -> str:
+def fold(tidy: str) -> str:
     """Return tidied prose in lower case, with spaces for underscores and hyphens in words."""
     text = _CAMEL_CASE.sub(" ", tidy).casefold().replace("_", " ")
     text = re.sub(r"(?<=[a-z])[-\u2010\u2011](?=[a-z])", " ", text)

@@ -15,7 +15,7 @@ from oodscen.errors import MissingExtra, StudyError
 from oodscen.judging._items import Items, Mask, Ratio
 from oodscen.judging._leaderboard.scores import Estimate
 from oodscen.judging._shortcuts import facts
-from oodscen.judging._shortcuts.rules import Guess, audited, folds_of
+from oodscen.judging._shortcuts.rules import Guess, folds_of, is_audited
 from oodscen.statistics._auroc import auroc_of_items
 from oodscen.statistics._intervals import Floats, percentiles
 from oodscen.statistics._resampling import Resampler
@@ -135,7 +135,7 @@ def audit(
         MissingExtra: If scikit-learn or OpenCV is not installed.
     """
     items = Items.of(list(episodes), list(scenarios))
-    there = audited(items)
+    there = is_audited(items)
     rows: list[int] = np.flatnonzero(there).tolist()
     clusters = [items.clusters[row] for row in rows]
     if len(set(clusters)) < 2:
@@ -146,7 +146,7 @@ def audit(
     resampler = Resampler(clusters, seed=seed)
     kinds = np.array([items.kinds[row] for row in rows])
     table = [
-        _scored(guess, needs, method, task.is_rare, kinds, resampler)
+        _score(guess, needs, method, task.is_rare, kinds, resampler)
         for guess, needs, method in guesses
     ]
     best = max(
@@ -264,7 +264,7 @@ def _sklearn() -> Any:
     return sklearn
 
 
-def _scored(
+def _score(
     guess: Guess,
     needs: Needs,
     method: str,

@@ -62,7 +62,7 @@ def folds_of(clusters: Sequence[str]) -> Floats:
     return np.array([place[label] % FOLDS for label in clusters], np.float64)
 
 
-def audited(items: Items) -> Mask:
+def is_audited(items: Items) -> Mask:
     """[n] Return the items that are judged: those of scenes whose hazard can be named, with an ordinary drive."""
     scene = np.where(items.owners >= 0, items.owners, np.arange(len(items.episodes)))
     paired = np.zeros(len(items.episodes), np.bool_)
@@ -74,7 +74,7 @@ def audited(items: Items) -> Mask:
 
 def best_rule(items: Items) -> tuple[Guess, Mask] | None:
     """Return the best rule on the bodies that the simulator knows, over the audited items; `None` without two paths."""
-    there = audited(items)
+    there = is_audited(items)
     rows: list[int] = np.flatnonzero(there).tolist()
     clusters = [items.clusters[row] for row in rows]
     if len(set(clusters)) < 2:

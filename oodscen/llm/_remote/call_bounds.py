@@ -93,7 +93,7 @@ class CallBounds:
         """Record the bound that ends the call."""
         self.broken, self.detail = broken, detail
 
-    def sending(self, url: str) -> None:
+    def note_request(self, url: str) -> None:
         """Record that a request is about to be sent."""
         self.is_sent, self.url, self.status, self._read = True, url, None, 0
 
@@ -152,7 +152,7 @@ _bounds: ContextVar[CallBounds | None] = ContextVar("bounds", default=None)
 
 
 @contextmanager
-def bounded(bounds: CallBounds) -> Iterator[CallBounds]:
+def apply_bounds(bounds: CallBounds) -> Iterator[CallBounds]:
     """Apply these bounds to every request of this thread while the context lasts."""
     token = _bounds.set(bounds)
     try:

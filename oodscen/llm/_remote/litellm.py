@@ -27,11 +27,11 @@ from oodscen.errors import (
     UnknownComponent,
     UsageError,
 )
-from oodscen.llm._remote.call_bounds import CallBounds, bounded
+from oodscen.llm._remote.call_bounds import CallBounds, apply_bounds
 from oodscen.llm._remote.failures import FailedAttempt, Filtered, NoAnswer, diagnose
 from oodscen.llm._remote.limits import LONGEST_S, Limits, Price, Spent, check_seconds
 from oodscen.llm._remote.offline import SWITCH, enforce, is_loopback, is_offline
-from oodscen.llm._remote.usage import believed, count, estimate_tokens
+from oodscen.llm._remote.usage import count, estimate_tokens, plausible_usage
 from oodscen.protocols import Completion, Request, Usage
 
 NO_KEY = "none"
@@ -126,7 +126,7 @@ class LiteLLM(Brief):
             _check_address(api_base)
         hide([*secrets_in({**settings, **(options or {})}), *secrets_of(api_base or "")])
         # litellm asks some models' servers what they can do.
-        with bounded(CallBounds(LOOKUP_S, max_bytes)):
+        with apply_bounds(CallBounds(LOOKUP_S, max_bytes)):
             self._model, provider, address = _resolve(sdk, model, api_base)
             _permit(model, api_base, address)
             self.price = self.limits.prices.get(model) or known_price(sdk, self._model)
@@ -204,7 +204,7 @@ class LiteLLM(Brief):
                 is_closed=self.limits.is_over,
             )
             try:
-                with bounded(bounds):
+                with apply_bounds(bounds):
                     response = self._sdk.completion(**arguments)
                 completion = self._completion(response, request)
                 answered = completion.usage.output_tokens
@@ -289,7 +289,7 @@ class LiteLLM(Brief):
         cost = self._cost(response, usage.input_tokens, usage.output_tokens)
         return Completion(
             text=redact_keys(text.encode("utf-8", "replace").decode()),
-            usage=believed(usage.model_copy(update={"cost_usd": cost}), request),
+            usage=plausible_usage(usage.model_copy(update={"cost_usd": cost}), request),
         )
 
     def _cost(self, response: Any, asked: int, answered: int) -> float | None:
@@ -310,7 +310,7 @@ class LiteLLM(Brief):
     @cached_property
     def _ability(self) -> str:
         """The answer formats that litellm says the model has; it asks some models' servers."""
-        with bounded(CallBounds(LOOKUP_S, self.max_bytes)):
+        with apply_bounds(CallBounds(LOOKUP_S, self.max_bytes)):
             return _json_ability(self._sdk, self._model)
 
     def _wait(self, failure: FailedAttempt, tries: int, request: Request) -> float | None:

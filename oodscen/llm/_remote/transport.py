@@ -19,7 +19,14 @@ import httpcore
 import httpx
 
 from oodscen._redaction import redact
-from oodscen.llm._remote.call_bounds import HEAD, KEPT, BoundReached, CallBounds, active, bounded
+from oodscen.llm._remote.call_bounds import (
+    HEAD,
+    KEPT,
+    BoundReached,
+    CallBounds,
+    active,
+    apply_bounds,
+)
 from oodscen.llm._remote.offline import is_loopback, is_offline
 
 CONNECT_S = 10.0
@@ -44,7 +51,7 @@ def responds(url: str, timeout_s: float) -> bool:
     """
     asked = httpx.URL(url)
     page = httpx.URL(scheme=asked.scheme, host=asked.host, port=asked.port, path="/")
-    with bounded(CallBounds(timeout_s, HEAD)) as bounds:
+    with apply_bounds(CallBounds(timeout_s, HEAD)) as bounds:
         try:
             with guard(httpx.Client(verify=False, timeout=timeout_s)) as client:
                 client.send(client.build_request("GET", page), stream=True).close()
@@ -100,7 +107,7 @@ def install(handlers: ModuleType, openai: ModuleType) -> None:
 
 def _ask_for_plain_text(request: httpx.Request) -> None:
     if (bounds := active()) is not None:
-        bounds.sending(str(request.url))
+        bounds.note_request(str(request.url))
         # The size of compressed data is unknown until it is unpacked.
         request.headers["accept-encoding"] = "identity"
 
@@ -140,7 +147,7 @@ def _target(response: httpx.Response) -> str:
 def _beginning(response: httpx.Response) -> bytes:
     """Return the beginning of a body that is about to be refused; a slow server does not delay the refusal."""
     beginning = CallBounds(BEGINNING_S, KEPT)
-    with bounded(beginning), suppress(httpx.HTTPError, BoundReached):
+    with apply_bounds(beginning), suppress(httpx.HTTPError, BoundReached):
         for chunk in response.iter_raw():
             beginning.count(chunk)
     return beginning.head

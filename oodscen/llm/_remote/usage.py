@@ -37,7 +37,7 @@ def count(value: Any) -> int:
     return int(value) if is_whole else -1
 
 
-def believed(usage: Usage, request: Request) -> Usage:
+def plausible_usage(usage: Usage, request: Request) -> Usage:
     """Return the usage that a model reports, or an empty one if it cannot be true.
 
     Every input token stands for at least one byte that was sent, with the schema counted twice, as some

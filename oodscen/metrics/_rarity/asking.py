@@ -14,7 +14,7 @@ from oodscen.metrics._rarity.estimates import (
     Flag,
     Rarity,
     TextRarity,
-    gathered,
+    gather_rarity,
 )
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity, RarityEstimate
 from oodscen.protocols import LLM
@@ -25,7 +25,7 @@ LONGEST = 2_000
 """Characters of a text that are shown to a model."""
 
 
-def asked(
+def ask_rarity(
     llm: LLM,
     texts: Sequence[str],
     *,
@@ -61,7 +61,7 @@ def asked(
         "output_tokens": sum(call.output_tokens for call in calls),
         "cost_usd": sum(known) if len(known) == len(costs) else None,
     }
-    rarity = gathered(per_text, speaker(llm), kept or None, own)
+    rarity = gather_rarity(per_text, speaker(llm), kept or None, own)
     return rarity.model_copy(update={"population": population, **usage})
 
 
@@ -89,10 +89,10 @@ def _drawn(
                 continue
             for one in found.estimates:
                 answers[first + one.number - 1].append(one)
-    return [_joined(found, text) for found, text in zip(answers, texts, strict=True)]
+    return [_join(found, text) for found, text in zip(answers, texts, strict=True)]
 
 
-def _joined(found: Sequence[RarityEstimate], text: str) -> TextRarity:
+def _join(found: Sequence[RarityEstimate], text: str) -> TextRarity:
     """Return the rarity of one text by its draws."""
     names: dict[str, Flag] = {
         "no driving": "no driving",

@@ -72,7 +72,7 @@ class TextRarity(Data):
             raise ValueError("low, best and high are all given, in order, or all missing")
         return self
 
-    def moved(self, calibration: Calibration) -> "TextRarity":
+    def calibrated(self, calibration: Calibration) -> "TextRarity":
         """Return the rarity after calibration."""
         if self.low is None or self.best is None or self.high is None:
             return self
@@ -118,7 +118,7 @@ class Rarity(Data):
         return f"{line}; {self.input_tokens + self.output_tokens:,} tokens, {cost}"
 
 
-def gathered(
+def gather_rarity(
     per_text: Sequence[TextRarity], by: str, anchors: Sequence[Rate] | None, own: Sequence[float]
 ) -> Rarity:
     """Return the rarity of a set, calibrated if there are anchors.
@@ -131,7 +131,7 @@ def gathered(
     """
     calibration = None if anchors is None else calibrate(anchors, own)
     if calibration is not None:
-        per_text = [one.moved(calibration) for one in per_text]
+        per_text = [one.calibrated(calibration) for one in per_text]
     found = [one.best for one in per_text if one.best is not None]
     return Rarity(
         by=by,
@@ -142,7 +142,7 @@ def gathered(
     )
 
 
-def estimated(
+def estimate_rarity(
     space: "Space", texts: Sequence[str], anchors: Sequence[Rate] | None = None
 ) -> Rarity:
     """Return the offline estimate for texts; see `oodscen.metrics._rarity.head`."""
@@ -162,7 +162,7 @@ def estimated(
         )
         per_text.append(TextRarity(low=low, best=best, high=high, flags=_in_order(flags)))
     own = [] if anchors is None else anchor_estimates(space, anchors)
-    return gathered(per_text, name if head.uses_vectors else "words", anchors, own)
+    return gather_rarity(per_text, name if head.uses_vectors else "words", anchors, own)
 
 
 def estimated_km(encoder: Encoder | None, text: str) -> float | None:

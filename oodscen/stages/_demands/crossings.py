@@ -46,8 +46,8 @@ def _at_the_junction(at: Setting, rng: np.random.Generator) -> Draft | None:
         for number, mark in enumerate(marks, start=1)
     ]
     quote = "the traffic light is red"
-    told = claims("traffic light", quote, ("state", "red"))
-    return Draft([*waits, *lights], f"{quote} and a car waits at the line ahead", told)
+    thing_claims = claims("traffic light", quote, ("state", "red"))
+    return Draft([*waits, *lights], f"{quote} and a car waits at the line ahead", thing_claims)
 
 
 def _waiting(at: Setting, rng: np.random.Generator, line: float) -> list[Actor]:
@@ -145,8 +145,8 @@ def _pelican(at: Setting, rng: np.random.Generator) -> Draft | None:
             name = f"beside{lane + 3}"
             row.append(actor(name, asset, place, lane=lane, does="follow_lane", speed=0.0))
     quote = "the traffic light is red"
-    told = claims("traffic light", quote, ("state", "red"))
-    return Draft(row, f"{quote} while someone crosses the road on the zebra crossing", told)
+    thing_claims = claims("traffic light", quote, ("state", "red"))
+    return Draft(row, f"{quote} while someone crosses the road on the zebra crossing", thing_claims)
 
 
 def _turns_red(walkers: Sequence[Actor]) -> float:
@@ -181,5 +181,5 @@ def zebra(at: Setting, rng: np.random.Generator) -> Draft | None:
     if not people:
         return None
     quote = "someone crosses the road on the zebra crossing ahead"
-    told = claims("person", quote, ("motion", "crossing"), ("place", "ahead"))
-    return Draft([*people, *row], quote, told)
+    thing_claims = claims("person", quote, ("motion", "crossing"), ("place", "ahead"))
+    return Draft([*people, *row], quote, thing_claims)

@@ -41,7 +41,7 @@ class Demanding(NamedTuple):
     simulated: Simulated
 
 
-def demanding(
+def draw_demand(
     scene: Scene,
     simulated: Simulated,
     simulator: Simulator,
@@ -78,7 +78,7 @@ def demanding(
             draft = kind.draw(at, rng)
             if draft is None:
                 break
-            one = _staged(scene, at, kind, draft, with_company=attempt == 0)
+            one = _stage(scene, at, kind, draft, with_company=attempt == 0)
             if one is None or check_scene(one, catalogue):
                 continue
             assert one.demand is not None
@@ -108,7 +108,7 @@ def demanding(
     return resort
 
 
-def _staged(
+def _stage(
     scene: Scene, at: Setting, kind: DemandKind, draft: Draft, *, with_company: bool
 ) -> Scene | None:
     """Return the scene of a draft; `None` if its values are out of range."""
@@ -116,7 +116,7 @@ def _staged(
     weather = scene.hazard.weather or scene.weather
     text = f"{_opening(at, weather)} {draft.event[0].upper()}{draft.event[1:]}."
     try:
-        told = Demand(kind=kind.id, text=text, claims=tuple(draft.claims))
+        demand = Demand(kind=kind.id, text=text, claims=tuple(draft.claims))
         return Scene(
             id=demand_id(scene.id),
             scenario_id=scene.scenario_id,
@@ -127,7 +127,7 @@ def _staged(
             hazard=Hazard(),
             decision=Trigger(kind="time", value=round(at.decision_s, 6)),
             horizon_s=scene.horizon_s,
-            demand=told,
+            demand=demand,
         )
     except ValidationError:
         return None
@@ -146,9 +146,9 @@ def _company(scene: Scene) -> list[Actor]:
 
 def _is_fair(episode: Episode, draft: Draft) -> bool:
     """Return whether a run is decided, an action is safe, and the demand can be seen."""
-    shown = episode.visible.get("last", {})
-    seen = sum(shown.get(one.id, 0) for one in draft.actors)
-    is_seen = not episode.visible or seen >= _SEEN * VISIBLE_PX
+    pixels = episode.visible.get("last", {})
+    pixels_of_draft = sum(pixels.get(one.id, 0) for one in draft.actors)
+    is_seen = not episode.visible or pixels_of_draft >= _SEEN * VISIBLE_PX
     is_decided = episode.decision_fired and episode.is_deterministic
     return is_seen and is_decided and bool(episode.safe_set)
 

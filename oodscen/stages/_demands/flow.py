@@ -11,7 +11,7 @@ from oodscen.stages._demands.setting import (
     Setting,
     actor,
     claims,
-    named,
+    everyday_name,
     with_article,
 )
 
@@ -51,10 +51,10 @@ def queue(at: Setting, rng: np.random.Generator) -> Draft | None:
     rear = at.at_m + gap
     row = _line(at, rng, rear, first, int(rng.integers(2, 5)))
     quote = "a queue of vehicles stands ahead"
-    told = claims("vehicle", quote, ("motion", "stationary"), ("place", "ahead"))
+    thing_claims = claims("vehicle", quote, ("motion", "stationary"), ("place", "ahead"))
     if at.lanes == 1:
         if at.has("tunnel", "roundabout", "junction") or "temporary_light" not in at.assets:
-            return Draft(row, f"{quote} in the lane", told)
+            return Draft(row, f"{quote} in the lane", thing_claims)
         end = max(one.placement.ahead_m for one in row) + 5.0
         side = at.edge(end)
         light = actor("light", "temporary_light", end, offset=-side - 0.6, state="red")
@@ -62,11 +62,11 @@ def queue(at: Setting, rng: np.random.Generator) -> Draft | None:
         if "road_works_sign" in at.assets:
             near = max(rear - float(rng.uniform(8.0, 14.0)), 8.0)
             row.append(actor("sign", "road_works_sign", near, offset=-at.edge(near) - 0.6))
-        return Draft(row, f"{quote} in the lane before a temporary light that is red", told)
+        return Draft(row, f"{quote} in the lane before a temporary light that is red", thing_claims)
     for lane in range(-at.lane, at.lanes - at.lane):
         if lane:
             row += _line(at, rng, rear + float(rng.uniform(-3.0, 8.0)), "", 2, lane)
-    return Draft(row, f"{quote} in all lanes", told)
+    return Draft(row, f"{quote} in all lanes", thing_claims)
 
 
 def leader(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -93,12 +93,12 @@ def leader(at: Setting, rng: np.random.Generator) -> Draft | None:
         deceleration=hard,
         pause=12.0,
     )
-    noun = named(asset)
+    noun = everyday_name(asset)
     stop = at.at_m + gap + slow * slow / (2.0 * hard) + reach + 3.0
     row = _line(at, rng, stop, at.choose(rng, *CARS), 2)
     quote = f"{with_article(noun)} ahead slows down"
-    told = claims(noun, quote, ("motion", "braking"), ("place", "ahead"))
-    return Draft([lead, *row], f"{quote} behind a queue of vehicles", told)
+    thing_claims = claims(noun, quote, ("motion", "braking"), ("place", "ahead"))
+    return Draft([lead, *row], f"{quote} behind a queue of vehicles", thing_claims)
 
 
 def slow_vehicle(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -117,10 +117,14 @@ def slow_vehicle(at: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     gap = max(at.gap_m, 0.5 * at.length(asset) + FRONT_M + 2.0 + at.room(_SOFT, speed))
     begin = at.at_m + gap - speed * at.decision_s
-    noun = named(asset)
+    noun = everyday_name(asset)
     quote = f"{with_article(noun)} drives slowly ahead in the lane"
-    told = claims(noun, quote, ("motion", "moving"), ("place", "ahead"), ("place", "in_lane"))
-    return Draft([actor("slow", asset, begin, does="follow_lane", speed=speed)], quote, told)
+    thing_claims = claims(
+        noun, quote, ("motion", "moving"), ("place", "ahead"), ("place", "in_lane")
+    )
+    return Draft(
+        [actor("slow", asset, begin, does="follow_lane", speed=speed)], quote, thing_claims
+    )
 
 
 def cyclist(at: Setting, rng: np.random.Generator) -> Draft | None:

@@ -9,7 +9,7 @@ from oodscen.stages._demands.setting import (
     Setting,
     actor,
     claims,
-    named,
+    everyday_name,
     with_article,
 )
 
@@ -50,10 +50,10 @@ def merging_car(at: Setting, rng: np.random.Generator) -> Draft | None:
         lanes=-side,
         duration=_MOVE_S,
     )
-    noun = named(asset)
+    noun = everyday_name(asset)
     quote = f"{with_article(noun)} ahead merges into the lane with its indicator on"
-    told = claims(noun, quote, ("motion", "into_lane"), ("place", "ahead"))
-    return Draft([car], quote, told)
+    thing_claims = claims(noun, quote, ("motion", "into_lane"), ("place", "ahead"))
+    return Draft([car], quote, thing_claims)
 
 
 def _leaves_the_kerb(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -91,10 +91,10 @@ def _leaves_the_kerb(at: Setting, rng: np.random.Generator) -> Draft | None:
     front = at.choose(rng, *CARS)
     ahead = begin + 0.5 * (at.length(asset) + at.length(front)) + 3.5
     cars.append(actor("parked-front", front, ahead, offset=aside))
-    noun = named(asset)
+    noun = everyday_name(asset)
     quote = f"{with_article(noun)} leaves its parking space ahead with its indicator on"
-    told = claims(noun, quote, ("motion", "moving"), ("place", "ahead"))
-    return Draft(cars, quote, told)
+    thing_claims = claims(noun, quote, ("motion", "moving"), ("place", "ahead"))
+    return Draft(cars, quote, thing_claims)
 
 
 def ambulance(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -119,7 +119,7 @@ def ambulance(at: Setting, rng: np.random.Generator) -> Draft | None:
         duration=_MOVE_S,
     )
     quote = "an ambulance with its blue lights on passes and moves over ahead of the ego vehicle"
-    told = claims("ambulance", quote, ("state", "beacon"), ("motion", "moving"))
+    thing_claims = claims("ambulance", quote, ("state", "beacon"), ("motion", "moving"))
     slower = at.choose(rng, *CARS)
     lead = actor(
         "lead",
@@ -128,4 +128,4 @@ def ambulance(at: Setting, rng: np.random.Generator) -> Draft | None:
         does="follow_lane",
         speed=0.6 * at.speed,
     )
-    return Draft([one, lead], quote, told)
+    return Draft([one, lead], quote, thing_claims)

@@ -39,8 +39,8 @@ def bus_stop(at: Setting, rng: np.random.Generator) -> Draft | None:
             heading = float(rng.uniform(50.0, 120.0))
             row.append(actor(f"passenger-{number}", who, along, offset=-out, heading=heading))
     quote = "a bus stands at its stop with its indicator on"
-    told = claims("bus", quote, ("motion", "stationary"))
-    return Draft(row, f"{quote} ahead in the lane", told)
+    thing_claims = claims("bus", quote, ("motion", "stationary"))
+    return Draft(row, f"{quote} ahead in the lane", thing_claims)
 
 
 def refuse_lorry(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -57,8 +57,8 @@ def refuse_lorry(at: Setting, rng: np.random.Generator) -> Draft | None:
         turn = float(rng.uniform(-12.0, 12.0))
         row.append(actor(f"bin-{number}", "wheelie_bin", along, offset=-kerb - 0.6, heading=turn))
     quote = "a refuse lorry with its beacon on stands ahead and collects bins from the pavement"
-    told = claims("refuse lorry", quote, ("motion", "stationary"), ("state", "beacon"))
-    return Draft(row, quote, told)
+    thing_claims = claims("refuse lorry", quote, ("motion", "stationary"), ("state", "beacon"))
+    return Draft(row, quote, thing_claims)
 
 
 def works(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -73,8 +73,8 @@ def works(at: Setting, rng: np.random.Generator) -> Draft | None:
     if not row:
         return None
     quote = "road works with a sign and a row of cones close the lane ahead"
-    told = claims("cone", quote, ("motion", "stationary"), ("place", "ahead"))
-    return Draft(row, quote, told)
+    thing_claims = claims("cone", quote, ("motion", "stationary"), ("place", "ahead"))
+    return Draft(row, quote, thing_claims)
 
 
 def _closure_of_one(

@@ -209,11 +209,11 @@ def actor(
 
 def claims(subject: str, quote: str, *more: tuple[Kind, str]) -> list[Claim]:
     """Return the claims that a thing is there, and whatever else is said of it."""
-    told: list[tuple[Kind, str]] = [("thing", "present"), *more]
-    return [Claim(kind=kind, value=value, subject=subject, quote=quote) for kind, value in told]
+    stated: list[tuple[Kind, str]] = [("thing", "present"), *more]
+    return [Claim(kind=kind, value=value, subject=subject, quote=quote) for kind, value in stated]
 
 
-def named(asset: str) -> str:
+def everyday_name(asset: str) -> str:
     """Return the everyday name of an asset."""
     return _NAMES.get(asset, asset.replace("_", " "))
 

@@ -119,7 +119,7 @@ class PropMaker:
         return [Issue("prop.parts", fault) for fault in seen.look.faults]
 
 
-def makeable(decision: PruneDecision) -> bool:
+def is_makeable(decision: PruneDecision) -> bool:
     """Return whether a dropped leaf lacks nothing but things and movements, which can be made."""
     return (
         not decision.keep
@@ -139,7 +139,7 @@ def wanted_things(
     found: dict[str, Wanted] = {}
     for leaf in tree.leaves:
         decision = by_id.get(leaf.id)
-        if decision is not None and (makeable(decision) or decision.made):
+        if decision is not None and (is_makeable(decision) or decision.made):
             for one in decision.lacks or ():
                 if one.kind == "asset" and is_id(one) and one.name not in known:
                     category = one.category or "object"
@@ -167,7 +167,7 @@ def judged_again(
     names = {
         one.id: tuple(lack.name for lack in one.lacks)
         for one in decisions
-        if makeable(one) and all(lack.name in made for lack in one.lacks)
+        if is_makeable(one) and all(lack.name in made for lack in one.lacks)
     }
     others = {leaf.id for leaf in tree.leaves if leaf.id not in names}
     before = {one.id: one for one in decisions}

@@ -17,7 +17,13 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
 from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch, JudgeBranches
 from oodscen.protocols import LLM
-from oodscen.stages._prune.decisions import Match, PruneDecision, StandIn, all_decisions, pruned
+from oodscen.stages._prune.decisions import (
+    Match,
+    PruneDecision,
+    StandIn,
+    all_decisions,
+    apply_decisions,
+)
 from oodscen.stages._prune.restoration import Restoration, restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison, compare
 from oodscen.tree._scenario_tree import Node, ScenarioTree
@@ -74,9 +80,9 @@ class Pruner(Brief):
             tree: The diverse tree.
             progress: True for a progress bar, or a callable; it counts the leaves.
         """
-        with reporting(progress) as told:
-            judged = counted(self.decisions(tree), "prune", len(tree.leaves), told)
-            return pruned(tree, judged)
+        with reporting(progress) as report_progress:
+            judged = counted(self.decisions(tree), "prune", len(tree.leaves), report_progress)
+            return apply_decisions(tree, judged)
 
     def decisions(self, tree: ScenarioTree, done: Iterable[str] = ()) -> Iterator[PruneDecision]:
         """Yield a decision for every leaf, in the order of the answers.
@@ -102,7 +108,7 @@ class Pruner(Brief):
     @staticmethod
     def pruned(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> ScenarioTree:
         """Return the tree after decisions on its leaves, as `run` does after its own."""
-        return pruned(tree, judged)
+        return apply_decisions(tree, judged)
 
     @staticmethod
     def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:

@@ -95,7 +95,7 @@ class CatalogueComparison(Data):
             {
                 "branch": " > ".join(line.path[1:]),
                 **{
-                    name: _said(side)
+                    name: _word(side)
                     for name, side in zip(self.catalogues, line.sides, strict=True)
                 },
             }
@@ -113,7 +113,7 @@ class CatalogueComparison(Data):
         for line in self.lines:
             parts.append(f"\n{' > '.join(line.path[1:])}")
             parts += [
-                f"  {name}: {_said(side)}"
+                f"  {name}: {_word(side)}"
                 for name, side in zip(self.catalogues, line.sides, strict=True)
             ]
         return "\n".join(parts)
@@ -164,14 +164,14 @@ def compare(
                 dropped=len(own) - len(shown[name]),
                 failed=sum(one.status == "failed" for one in own),
                 alone=len(shown[name] - others),
-                absent=absent(catalogue),
+                absent=missing_kinds(catalogue),
                 restoration=restoration(own),
             )
         )
     return CatalogueComparison(catalogues=tuple(catalogues), tallies=tuple(tallies), lines=lines)
 
 
-def absent(catalogue: Catalogue) -> tuple[str, ...]:
+def missing_kinds(catalogue: Catalogue) -> tuple[str, ...]:
     """Return the kinds of assets, precipitation and light that a catalogue lacks entirely."""
     offered = {asset.category for asset in catalogue.assets}
     found = [category for category in get_args(Category) if category not in offered]
@@ -194,7 +194,7 @@ def _side(decision: PruneDecision) -> Side:
     )
 
 
-def _said(side: Side) -> str:
+def _word(side: Side) -> str:
     words = {
         "full": "yes",
         "substitute": "with substitutes",

@@ -82,7 +82,7 @@ def edits_of(
     return tuple(edits), leaf
 
 
-def decided(placed: PlacedScenario, edits: Sequence[TreeEdit]) -> Decision:
+def resolve_decision(placed: PlacedScenario, edits: Sequence[TreeEdit]) -> Decision:
     """Return what a decision came to: a leaf that was to be lengthened by another kind is an addition."""
     is_new = any(edit.op == "add" for edit in edits)
     return "add" if placed.decision == "broaden" and is_new else placed.decision

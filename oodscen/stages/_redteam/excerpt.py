@@ -78,7 +78,7 @@ def _hidden(tree: ScenarioTree, shown: set[str]) -> tuple[Hidden, ...]:
     return tuple(Hidden(id=name, leaves=counts[name]) for name in nearest if name in counts)
 
 
-def listed(tree: ScenarioTree, *, tokens: int, turn: int = 0) -> tuple[tuple[str, ...], int]:
+def list_leaves(tree: ScenarioTree, *, tokens: int, turn: int = 0) -> tuple[tuple[str, ...], int]:
     """Return the labels of the leaves that fit into a prompt, and the number of those that do not.
 
     If they do not all fit, each turn lists others, so that all are listed in time.

@@ -97,7 +97,7 @@ class NoveltyFilter:
             return ClosestText(None, None, None, "", False)
         return max(found, key=lambda one: (one.is_too_near, self._excess(one)))
 
-    def ranked(self, text: str, tree: ScenarioTree) -> list[str]:
+    def rank_leaves(self, text: str, tree: ScenarioTree) -> list[str]:
         """Return the ids of a tree's leaves, ordered from the nearest to a text."""
         leaves = tree.leaves
         labels = [leaf.label for leaf in leaves]

@@ -16,9 +16,9 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.protocols import LLM, Completion, Encoder, Request
-from oodscen.stages._options import RedTeamOptions, chosen
-from oodscen.stages._redteam.changes import decided, edits_of, misfits, runners_up
-from oodscen.stages._redteam.excerpt import corner, excerpt, listed, thin
+from oodscen.stages._options import RedTeamOptions, with_changes
+from oodscen.stages._redteam.changes import edits_of, misfits, resolve_decision, runners_up
+from oodscen.stages._redteam.excerpt import corner, excerpt, list_leaves, thin
 from oodscen.stages._redteam.naming import Names
 from oodscen.stages._redteam.novelty import ClosestText, NoveltyFilter
 from oodscen.stages._redteam.rarity import Rarity
@@ -72,7 +72,7 @@ class RedTeamer(Brief):
     ) -> None:
         self.llm = llm
         self.red_llm = red_llm or llm
-        self.options = chosen(RedTeamOptions, options, changes)
+        self.options = with_changes(RedTeamOptions, options, changes)
         self.encoder = encoder if self.options.closed_loop else None
         self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
         self.cancel = cancel
@@ -84,15 +84,15 @@ class RedTeamer(Brief):
             tree: The initial tree.
             progress: True for a progress bar, or a callable; it counts the rounds.
         """
-        with reporting(progress) as told:
+        with reporting(progress) as report_progress:
             done, total = 0, self.options.iterations
-            told("redteam", done, total)
+            report_progress("redteam", done, total)
             for item in self.rounds(tree):
                 tree = tree.apply(*item.edits)
                 done = item.round
-                told("redteam", done, total)
+                report_progress("redteam", done, total)
             if done < total:
-                told("redteam", done, done)
+                report_progress("redteam", done, done)
         return tree
 
     def rounds(self, tree: ScenarioTree, done: Iterable[Round] = ()) -> Iterator[Round]:
@@ -150,10 +150,10 @@ class RedTeamer(Brief):
     def _imagine(self, question: ImagineScenario, number: int, attempts: int) -> "_Proposal":
         counted = _CountingLLM(self.red_llm)
         try:
-            said = ask(counted, question, sample=number, attempts=attempts)
+            answer = ask(counted, question, sample=number, attempts=attempts)
         except (LLMError, DataError) as error:
             return _Proposal("", None, counted.calls, error)
-        return _Proposal(one_line(said.text), said.once_in_km, counted.calls, None)
+        return _Proposal(one_line(answer.text), answer.once_in_km, counted.calls, None)
 
 
 class _Proposal(NamedTuple):
@@ -205,7 +205,7 @@ class _Session:
 
     def play(self, proposal: _Proposal) -> Round:
         """Decide on the proposal of the next round, and add the round."""
-        item = self._decided(self.progress.round + 1, proposal)
+        item = self._decide(self.progress.round + 1, proposal)
         self.add(item)
         return item
 
@@ -231,7 +231,7 @@ class _Session:
     def _question(self, number: int) -> ImagineScenario:
         if not self.options.closed_loop:
             return ImagineScenario(shown=self.options.shown)
-        covered, unlisted = listed(self.tree, tokens=self.options.tokens, turn=number - 1)
+        covered, unlisted = list_leaves(self.tree, tokens=self.options.tokens, turn=number - 1)
         place = corner(self.tree, number, of=self.options.in_flight)
         return ImagineScenario(
             shown=self.options.shown,
@@ -245,8 +245,8 @@ class _Session:
             corner=place,
         )
 
-    def _decided(self, number: int, proposal: _Proposal) -> Round:
-        known = Round(
+    def _decide(self, number: int, proposal: _Proposal) -> Round:
+        record = Round(
             round=number,
             text=proposal.text,
             once_in_km=proposal.once_in_km,
@@ -255,10 +255,10 @@ class _Session:
             seen=max(number - self.options.in_flight, 0) if self.options.closed_loop else 0,
         )
         if proposal.error is not None:
-            return _failed(known, proposal.error)
+            return _fail(record, proposal.error)
         if self.options.closed_loop:
             found = self.novelty.nearness(proposal.text)
-            known = known.model_copy(
+            record = record.model_copy(
                 update={
                     "similarity": found.similarity,
                     "nearest": found.node,
@@ -266,32 +266,32 @@ class _Session:
                 }
             )
             if found.is_too_near:
-                return _refused(known, found)
-            known = self._with_rarity(known)
-            if why := self.rarity.fault(known.once_in_km):
-                return known.model_copy(update={"decision": "implausible", "reason": why})
-        return self._placed(known)
+                return _refuse(record, found)
+            record = self._with_rarity(record)
+            if why := self.rarity.fault(record.once_in_km):
+                return record.model_copy(update={"decision": "implausible", "reason": why})
+        return self._place(record)
 
-    def _with_rarity(self, known: Round) -> Round:
+    def _with_rarity(self, record: Round) -> Round:
         """Return the round with the offline estimate, if the red-LLM gave none."""
-        if known.once_in_km is not None:
-            return known.model_copy(update={"once_in_km_by": "model"})
-        km = estimated_km(self.teamer.encoder, known.text)
-        return known.model_copy(
+        if record.once_in_km is not None:
+            return record.model_copy(update={"once_in_km_by": "model"})
+        km = estimated_km(self.teamer.encoder, record.text)
+        return record.model_copy(
             update={"once_in_km": km, "once_in_km_by": None if km is None else "head"}
         )
 
-    def _placed(self, known: Round) -> Round:
+    def _place(self, record: Round) -> Round:
         teamer, tree = self.teamer, self.tree
         counted = _CountingLLM(teamer.llm)
-        attempts = self.progress.attempts(known.calls)
+        attempts = self.progress.attempts(record.calls)
         try:
-            question, names = self._where(known.text)
+            question, names = self._where(record.text)
             placed = names.answered(
                 ask(
                     counted,
                     question,
-                    sample=known.round,
+                    sample=record.round,
                     check=lambda answer: _misfits(question, tree, answer, names),
                     attempts=attempts,
                 )
@@ -303,18 +303,18 @@ class _Session:
                 placed,
                 splits_lists=self.options.closed_loop,
                 stage="redteam",
-                round=known.round,
+                round=record.round,
                 reason=placed.reasoning,
-                source=known.text,
+                source=record.text,
                 model=speaker(teamer.llm),
                 prompt=question.citation(),
             )
             after = tree.apply(*edits)
         except (LLMError, DataError) as error:
-            return _failed(_spent(known, counted.calls), error)
-        return _spent(known, counted.calls).model_copy(
+            return _fail(_with_calls(record, counted.calls), error)
+        return _with_calls(record, counted.calls).model_copy(
             update={
-                "decision": decided(placed, edits),
+                "decision": resolve_decision(placed, edits),
                 "reason": placed.reasoning,
                 "edits": edits,
                 "nodes": len(after),
@@ -329,7 +329,9 @@ class _Session:
         Ids in the question follow the current labels in full; the names translate those of the answer.
         """
         tree, closed = self.tree, self.options.closed_loop
-        part = excerpt(tree, lambda: self.novelty.ranked(text, tree), tokens=self.options.tokens)
+        part = excerpt(
+            tree, lambda: self.novelty.rank_leaves(text, tree), tokens=self.options.tokens
+        )
         shown = {node.id for node in part.nodes}
         often = [
             name
@@ -359,13 +361,13 @@ def _misfits(
     return misfits(tree, answer)
 
 
-def _spent(known: Round, calls: int) -> Round:
-    return known.model_copy(update={"calls": known.calls + calls})
+def _with_calls(record: Round, calls: int) -> Round:
+    return record.model_copy(update={"calls": record.calls + calls})
 
 
-def _refused(known: Round, found: ClosestText) -> Round:
+def _refuse(record: Round, found: ClosestText) -> Round:
     what = "the leaf" if found.by == "label" else "the earlier proposal"
-    return known.model_copy(
+    return record.model_copy(
         update={
             "decision": "duplicate",
             "reason": f"{found.similarity:.2f} near to {what} {found.words!r}",
@@ -374,9 +376,9 @@ def _refused(known: Round, found: ClosestText) -> Round:
     )
 
 
-def _failed(known: Round, error: LLMError | DataError) -> Round:
+def _fail(record: Round, error: LLMError | DataError) -> Round:
     is_malformed = isinstance(error, (AnswerError, DataError))
-    return known.model_copy(
+    return record.model_copy(
         update={
             "status": "failed",
             "error": str(error),

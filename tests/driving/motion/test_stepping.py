@@ -80,7 +80,7 @@ def test_compiled_and_plain_give_the_same_bits(seed: int, monkeypatch) -> None:
     for name in ("advance", "look", "publish"):
         monkeypatch.setattr(world_module, name, getattr(world_module, name).plain)
     monkeypatch.setattr(world_module, "seen", memoryview)
-    monkeypatch.setattr(world_module, "for_kernels", track.viewed)
+    monkeypatch.setattr(world_module, "for_kernels", track.view_track)
     assert trace(staged, seed) == first
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from oodscen.driving import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
-from oodscen.driving._roads.coverage import merged
+from oodscen.driving._roads.coverage import union_of
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 MAPS = {road.id: load_corridor(road) for road in SHIPPED_MAPS}
@@ -21,7 +21,7 @@ ranges = st.lists(st.tuples(st.floats(-50, 50), st.floats(0.1, 20)), max_size=6)
 
 @given(ranges, ranges, st.floats(-60, 80))
 def test_a_union_holds_what_either_holds(own, others, place) -> None:
-    union = merged(own, others)
+    union = union_of(own, others)
     assert all(a[1] < b[0] for a, b in pairwise(union))
     if any(low <= place <= high for low, high in [*own, *others]):
         assert any(low <= place <= high for low, high in union)

@@ -8,9 +8,9 @@ from oodscen.data._scene import Behaviour, Hazard, Trigger, Weather
 from oodscen.driving import check_scene, load_corridor
 from oodscen.driving._sight.scene_checks import (
     bodies,
-    floating,
-    overlapping,
-    seen,
+    first_seen,
+    floating_issues,
+    overlap_issues,
     touch,
     truth_issues,
 )
@@ -33,7 +33,7 @@ def moments(one, *, lift=0.0):
 def test_a_box_ahead_is_seen():
     one = staged(actor("box", "cardboard_box", ahead=50.0))
     assert check_scene(one, CATALOGUE) == []
-    assert seen(one, *moments(one)) == {"box": "first"}
+    assert first_seen(one, *moments(one)) == {"box": "first"}
 
 
 @pytest.mark.parametrize(
@@ -79,25 +79,29 @@ def test_weather_that_is_no_hazard_is_refused():
 
 def test_what_floats_or_sinks_is_named_unless_it_is_carried():
     one = staged(actor("car"), actor("crate", "cardboard_box", ahead=60.0))
-    assert floating(one, *moments(one)) == []
-    high = floating(one, *moments(one, lift=1.0))
+    assert floating_issues(one, *moments(one)) == []
+    high = floating_issues(one, *moments(one, lift=1.0))
     assert [issue.path for issue in high] == ["actors[0].placement", "actors[1].placement"]
     assert "floats" in high[0].message
-    assert "sinks" in floating(one, *moments(one, lift=-1.0))[0].message
+    assert "sinks" in floating_issues(one, *moments(one, lift=-1.0))[0].message
     carried = one.actors[1].model_copy(update={"behaviour": Behaviour(other="car")})
     riding = one.model_copy(update={"actors": (one.actors[0], carried)})
     corridor, shown = moments(one, lift=1.0)
-    assert [issue.path for issue in floating(riding, corridor, shown)] == ["actors[0].placement"]
+    assert [issue.path for issue in floating_issues(riding, corridor, shown)] == [
+        "actors[0].placement"
+    ]
 
 
 def test_what_belongs_to_another_may_touch_it():
     one = staged(actor("car"), actor("door", "cardboard_box", ahead=31.0))
     corridor, shown = moments(one)
-    (issue,) = overlapping(one, corridor, shown)
+    (issue,) = overlap_issues(one, corridor, shown)
     assert issue.path == "actors[1].placement"
     attached = one.actors[1].model_copy(update={"behaviour": Behaviour(other="car")})
     assert (
-        overlapping(one.model_copy(update={"actors": (one.actors[0], attached)}), corridor, shown)
+        overlap_issues(
+            one.model_copy(update={"actors": (one.actors[0], attached)}), corridor, shown
+        )
         == []
     )
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen.judging._aspects.concepts import concepts, named, widened
+from oodscen.judging._aspects.concepts import concepts, naming_of, with_broader
 
 SPOKEN = [
     (name, expression.replace("*", ""))
@@ -15,7 +15,7 @@ def test_no_expression_belongs_to_two_concepts():
     taken: dict[tuple[str, ...], str] = {}
     for name, one in concepts().items():
         for expression in one.expressions:
-            spelled = named(expression.replace("*", "")).words
+            spelled = naming_of(expression.replace("*", "")).words
             spelled += ("*",) if "*" in expression else ()
             assert taken.setdefault(spelled, name) == name, expression
 
@@ -24,17 +24,17 @@ def test_no_expression_belongs_to_two_concepts():
 def test_every_expression_is_found_for_its_concept_when_it_stands_alone(kind):
     for name, expression in SPOKEN:
         if concepts()[name].kind == kind:
-            assert name in [one.name for one in named(expression).concepts], expression
+            assert name in [one.name for one in naming_of(expression).concepts], expression
 
 
 def test_what_is_set_aside_names_nothing():
     for name, expression in SPOKEN:
         if concepts()[name].kind == "aside":
-            assert not named(expression).concepts, expression
+            assert not naming_of(expression).concepts, expression
 
 
 def test_wider_concepts_are_followed_to_the_widest():
-    assert widened("deer") == {"deer", "wild animal", "animal"}
+    assert with_broader("deer") == {"deer", "wild animal", "animal"}
 
 
 def test_states_imply_things():

@@ -5,13 +5,13 @@ from typing import Any
 import pytest
 
 from oodscen.judging._aspects.labelled import agreement, labelled_answers
-from oodscen.judging._aspects.matching import naming
+from oodscen.judging._aspects.matching import score_naming
 from oodscen.judging._aspects.opinions import judge_label, opinion
 from oodscen.testing import ScriptedLLM
 
 
 def test_the_matcher_counts_right_answers_and_hardly_a_wrong_one():
-    found = [(one.is_right, naming(one.answer, one.path).right) for one in labelled_answers()]
+    found = [(one.is_right, score_naming(one.answer, one.path).right) for one in labelled_answers()]
     right = [counted for is_right, counted in found if is_right]
     wrong = [counted for is_right, counted in found if not is_right]
     assert sum(right) >= 0.9 * len(right)

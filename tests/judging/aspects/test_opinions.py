@@ -8,7 +8,13 @@ from hypothesis import strategies as st
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
 from oodscen.judging._aspects.matching import names_aspect
-from oodscen.judging._aspects.opinions import is_open, judge_label, opinion, opinion_id, rescored
+from oodscen.judging._aspects.opinions import (
+    is_open,
+    judge_label,
+    opinion,
+    opinion_id,
+    rescore_verdict,
+)
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.testing import ScriptedLLM
 from tests.judging.cases import Case
@@ -28,17 +34,17 @@ def test_judge_then_matcher_is_the_matcher_and_a_judge_is_asked_once(aspect, is_
     given = verdict(aspect, is_ood, is_ordinary=twin, aspect_is_right=False)
     found = {one.id: one for one in [opinion(judge, aspect, PATH)]}
     label = judge_label(judge)
-    judged = rescored(given, PATH, found, label)
+    judged = rescore_verdict(given, PATH, found, label)
     if not is_open(given):
         assert judged == given
         return
     is_label = aspect == PATH[-1]
     assert len(judge.requests) == (not is_label)
     assert (judged.aspect_is_right, judged.judge) == (same or is_label, label)
-    assert rescored(judged, PATH, found, label) is judged
-    again = rescored(judged, PATH, {}, "")
+    assert rescore_verdict(judged, PATH, found, label) is judged
+    again = rescore_verdict(judged, PATH, {}, "")
     assert (again.aspect_is_right, again.judge) == (names_aspect(aspect, PATH), "")
-    other = rescored(judged, PATH, {}, label)
+    other = rescore_verdict(judged, PATH, {}, label)
     assert other.judge_error
     assert other.aspect_is_right is names_aspect(aspect, PATH)
 
@@ -50,7 +56,7 @@ def test_a_judge_that_fails_is_data_and_says_so():
     judge = ScriptedLLM(fails)
     found = opinion(judge, "a flipped van", PATH)
     assert (found.status, found.is_same, found.error_type) == ("failed", None, "LLMError")
-    scored = rescored(verdict("a flipped van"), PATH, {found.id: found}, judge_label(judge))
+    scored = rescore_verdict(verdict("a flipped van"), PATH, {found.id: found}, judge_label(judge))
     assert (scored.judge, scored.aspect_is_right) == ("", True)
     assert "no credit" in scored.judge_error
 

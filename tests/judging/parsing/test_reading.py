@@ -28,7 +28,7 @@ from oodscen.judging._parsing.reading import (
     is_placeholder,
     members,
     spelt,
-    unwrapped,
+    unwrap,
     words_in,
 )
 from oodscen.judging._parsing.text import LONGEST, UnusableError
@@ -262,10 +262,10 @@ ASKED = re.compile("action")
 def test_objects_are_looked_into_to_a_depth(depth):
     held = nested({"action": "stop", "reasoning": "wet"}, depth, "answer")
     if depth <= 4:
-        assert unwrapped(held, ASKED) == ({"action": "stop"}, "wet")
+        assert unwrap(held, ASKED) == ({"action": "stop"}, "wet")
     else:
         with pytest.raises(UnusableError):
-            unwrapped(held, ASKED)
+            unwrap(held, ASKED)
     assert words_in(nested(" wet ", depth)) == ("wet" if depth <= 3 else "")
 
 
@@ -297,7 +297,7 @@ def test_any_other_member_makes_it_unreadable(name, held):
 
 def test_reasons_are_those_of_the_object_and_of_what_it_wraps():
     value = {"reasons": ["wet", "icy"], "answer": {"rationale": "dark", "action": "stop"}}
-    assert unwrapped(value, ASKED) == ({"action": "stop"}, "wet\nicy\ndark")
+    assert unwrap(value, ASKED) == ({"action": "stop"}, "wet\nicy\ndark")
     assert words_in((" a ", "", 3, ["b"])) == "a; b"
     assert words_in(3) == ""
 
@@ -314,7 +314,7 @@ def test_members_are_found_however_they_are_spelt_and_once():
         {"answer": {"speed": 3}},
     ):
         with pytest.raises(UnusableError):
-            unwrapped(value, ASKED)
+            unwrap(value, ASKED)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from oodscen.data._bird_sketch import Sketch, SketchBody, SketchLane
 from oodscen.judging._items import Items
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._shortcuts.facts import FAR_M, lane_distance, swept_distance
-from oodscen.judging._shortcuts.rules import Guess, audited, best_rule, folds_of
+from oodscen.judging._shortcuts.rules import Guess, best_rule, folds_of, is_audited
 from tests.judging.cases import Case
 from tests.judging.leaderboard.test_leaderboard import knows
 
@@ -91,6 +91,6 @@ def test_scenes_without_ordinary_drives_and_single_paths_are_not_audited():
     case = Case(paths=3, per_path=1)
     kept = [one for one in case.episodes if one.scene_id != "leaf-0-000~twin"]
     items = Items.of(kept, case.scenarios)
-    assert audited(items).sum() == 4
+    assert is_audited(items).sum() == 4
     assert best_rule(Items.of(case.episodes[:2], case.scenarios)) is None
     assert best_rule(Items.of([], [])) is None

@@ -13,7 +13,13 @@ from oodscen.llm._call_log import LoggedLLM
 from oodscen.llm._capped import CappedLLM
 from oodscen.llm._remote.limits import ANSWER_TOKENS, Limits, Price
 from oodscen.llm._remote.litellm import LiteLLM
-from oodscen.llm._remote.usage import MOST_ANSWERED, MOST_USD, believed, count, estimate_tokens
+from oodscen.llm._remote.usage import (
+    MOST_ANSWERED,
+    MOST_USD,
+    count,
+    estimate_tokens,
+    plausible_usage,
+)
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Completion, Request, Usage
 from oodscen.testing import ScriptedLLM
@@ -97,11 +103,11 @@ def test_a_discount_that_cannot_be_makes_no_cost_negative():
 )
 def test_what_is_believed_can_be(asked, answered, cached, cost):
     usage = Usage(input_tokens=asked, output_tokens=answered, cached_tokens=cached, cost_usd=cost)
-    found = believed(usage, REQUEST)
+    found = plausible_usage(usage, REQUEST)
     assert 0 <= found.cached_tokens <= found.input_tokens <= 10**6
     assert 0 <= found.output_tokens <= MOST_ANSWERED
     assert found.cost_usd is None or 0 <= found.cost_usd <= MOST_USD
-    assert believed(found, REQUEST) == found
+    assert plausible_usage(found, REQUEST) == found
     if (asked, answered, cached, cost) == tuple(found.model_dump().values()):
         assert found == usage
 

@@ -3,7 +3,7 @@
 import pytest
 
 from oodscen import Metrics
-from oodscen.metrics._rarity.asking import asked
+from oodscen.metrics._rarity.asking import ask_rarity
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 
@@ -30,7 +30,7 @@ def good(request):
 
 
 def test_the_median_of_draws_counts_and_the_interval_holds_all():
-    found = asked(ScriptedLLM(good), TEXTS)
+    found = ask_rarity(ScriptedLLM(good), TEXTS)
     light, sofa, eggs = found.per_text
     assert light.draws == pytest.approx((0.5, 0.6, 0.7))
     assert light.best == pytest.approx(0.6)
@@ -56,13 +56,13 @@ def test_the_median_of_draws_counts_and_the_interval_holds_all():
     ],
 )
 def test_nonsense_is_flagged_and_never_a_figure(bad):
-    found = asked(ScriptedLLM(lambda _: bad), TEXTS, draws=1)
+    found = ask_rarity(ScriptedLLM(lambda _: bad), TEXTS, draws=1)
     assert [one.flags for one in found.per_text] == [("not answered",)] * 3
     assert found.median is None
 
 
 def test_one_failed_draw_leaves_the_others():
-    found = asked(ScriptedLLM(lambda r: "no" if r.sample == 1 else good(r)), TEXTS)
+    found = ask_rarity(ScriptedLLM(lambda r: "no" if r.sample == 1 else good(r)), TEXTS)
     assert len(found.per_text[0].draws) == 2
 
 
@@ -72,7 +72,7 @@ def test_many_texts_are_asked_in_parts_and_keep_their_order():
         return {"estimates": [entry(n, float(t.split()[1])) for n, t in enumerate(texts, 1)]}
 
     texts = [f"text {n / 10}" for n in range(45)]
-    found = asked(ScriptedLLM(answer), texts, draws=1, per_call=7)
+    found = ask_rarity(ScriptedLLM(answer), texts, draws=1, per_call=7)
     assert [one.best for one in found.per_text] == [n / 10 for n in range(45)]
 
 

@@ -7,7 +7,7 @@ from oodscen.data._prop import Prop
 from oodscen.data._scenario import Scenario
 from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.stages._augment import scene_of_draft
-from oodscen.stages._props.making import PropMaker, Wanted, judged_again, makeable, wanted_things
+from oodscen.stages._props.making import PropMaker, Wanted, is_makeable, judged_again, wanted_things
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.testing import FlatSimulator, ScriptedLLM
@@ -83,7 +83,7 @@ def test_a_leaf_that_lacks_only_things_is_judged_again_with_them() -> None:
         decision("leaf-1", paths["leaf-1"], wall, quarry),
         decision("leaf-2", paths["leaf-2"], keep=True),
     ]
-    assert [makeable(one) for one in judged] == [True, False, False]
+    assert [is_makeable(one) for one in judged] == [True, False, False]
     (wanted,) = wanted_things(tree, judged, FLAT_CATALOGUE)
     assert (wanted.name, wanted.category) == ("low_wall", "object")
     prop = Prop.parse(WALL)

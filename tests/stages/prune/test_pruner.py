@@ -10,7 +10,7 @@ from oodscen._registry import make_catalogue
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch
-from oodscen.stages._prune.decisions import PruneDecision, all_decisions, pruned
+from oodscen.stages._prune.decisions import PruneDecision, all_decisions, apply_decisions
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._flat import FlatSimulator
 from oodscen.tree._scenario_tree import TreeEdit, slug
@@ -34,7 +34,7 @@ def test_parents_survive_exactly_when_a_child_does(parents, random):
     judged = [
         PruneDecision(id=name, path=tree.path(name), keep=value) for name, value in keep.items()
     ]
-    result = pruned(tree, judged)
+    result = apply_decisions(tree, judged)
     expected = {"root"}
     for name, value in keep.items():
         cursor = name if value else None
@@ -116,7 +116,7 @@ def test_a_label_of_which_a_part_can_be_shown_is_narrowed():
     pruner = judging(Hailstorm_or_snow_ridges=part)
     tree = planted("Hailstorm or snow ridges", "Deer")
     judged = list(pruner.decisions(tree))
-    result = pruned(tree, judged)
+    result = apply_decisions(tree, judged)
     assert [leaf.label for leaf in result.leaves] == ["Snow ridges", "Deer"]
     assert [leaf.id for leaf in result.leaves] == [leaf.id for leaf in tree.leaves]
     edit = next(one for one in result.edits if one.op == "narrow")
@@ -175,7 +175,7 @@ def test_the_built_in_author_narrows_what_somebody_else_wrote():
     pruner = Pruner(make_llm("builtin"), make_catalogue("carla-0.9.16"))
     judged = list(pruner.decisions(tree))
     assert [one.match for one in judged] == ["part", "none"]
-    (leaf,) = pruned(tree, judged).leaves
+    (leaf,) = apply_decisions(tree, judged).leaves
     assert leaf.label == "Large cardboard box on the road"
     assert leaf.attested == "paper"
     assert judged[0].missing == ("an asset: dog", "an asset: cow")

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import Pruner
-from oodscen.data._additions import Addition, extended
+from oodscen.data._additions import Addition, extend
 from oodscen.stages._prune.decisions import PruneDecision, all_decisions
 from oodscen.stages._prune.restoration import Restoration, restoration, restoration_rows
 
@@ -63,14 +63,14 @@ def test_the_first_additions_restore_exactly_what_they_promise(
     promises = [(one.additions, set(one.paths)) for one in (*found.single[:2], found.categories[0])]
     assert promises[0][1]
     for additions, paths in promises:
-        richer = Pruner(author, extended(catalogues[name], additions))
+        richer = Pruner(author, extend(catalogues[name], additions))
         assert {one.id for one in richer.decisions(diverse) if one.keep} - before == paths
 
 
 def test_the_sequence_restores_all_that_can_be(author, diverse, catalogues, judged):
     found = restoration(judged["carla-0.9.16"])
     additions = [one for step in found.sequence for one in step.additions]
-    richer = Pruner(author, extended(catalogues["carla-0.9.16"], additions))
+    richer = Pruner(author, extend(catalogues["carla-0.9.16"], additions))
     dropped = {one.id for one in richer.decisions(diverse) if not one.keep}
     assert dropped == set(found.beyond)
 

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from oodscen import ScenarioTree
 from oodscen.prompts._tree.place_scenario import PlacedScenario
-from oodscen.stages._redteam.changes import decided, edits_of, misfits
+from oodscen.stages._redteam.changes import edits_of, misfits, resolve_decision
 from oodscen.tree._scenario_tree import TreeEdit
 
 TREE = ScenarioTree.initial().apply(
@@ -79,9 +79,9 @@ def test_a_list_of_kinds_becomes_one_leaf_each(things, decision, met):
     labels = [leaf.label for leaf in after.leaves]
     if "Deer" not in things and decision == "broaden":
         assert after.by_id["deer"].label == listed  # no part is the leaf's own: it stays one kind
-        assert decided(placed, edits) == "broaden"
+        assert resolve_decision(placed, edits) == "broaden"
         return
-    assert decided(placed, edits) == "add"
+    assert resolve_decision(placed, edits) == "add"
     assert not any(" or " in label for label in labels)
     wanted = [f"{one[0]}{one[1:].lower()} on the road" for one in things]
     assert {label.casefold() for label in labels} >= {one.casefold() for one in wanted}

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from oodscen import ScenarioTree
 from oodscen.prompts._tree.place_scenario import PlaceScenario
-from oodscen.stages._redteam.excerpt import by_words, corner, excerpt, listed, thin
+from oodscen.stages._redteam.excerpt import by_words, corner, excerpt, list_leaves, thin
 from oodscen.tree._scenario_tree import TreeEdit
 
 
@@ -75,7 +75,7 @@ def test_every_leaf_is_listed_in_some_turn(shape, tokens):
     labels = {leaf.label for leaf in tree.leaves}
     seen = set()
     for turn in range(60):
-        found, unlisted = listed(tree, tokens=tokens, turn=turn)
+        found, unlisted = list_leaves(tree, tokens=tokens, turn=turn)
         assert len(found) + unlisted == len(labels)
         assert sum(len(label) + 2 for label in found) <= 4 * tokens
         seen |= set(found)

@@ -96,7 +96,7 @@ def test_proposals_are_compared_after_centring_on_all_of_them():
 
 def test_leaves_are_ranked_by_meaning_or_by_words():
     for encoder in (None, HashEncoder()):
-        ranked = NoveltyFilter(TREE, encoder).ranked("Hail stones fall on the bonnet.", TREE)
+        ranked = NoveltyFilter(TREE, encoder).rank_leaves("Hail stones fall on the bonnet.", TREE)
         assert ranked == ["hail", "fog"]
 
 
