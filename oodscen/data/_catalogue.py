@@ -8,6 +8,7 @@ from pydantic import Field
 from oodscen._field_docs import with_fields
 from oodscen.data._base import Data
 from oodscen.data._category import Category
+from oodscen.data._map_state import MapPart
 from oodscen.data._prop import Prop, check_prop, sizes_of
 from oodscen.data._scene import CLEAR_AIR_M, Actor, Precipitation, Scene, Weather
 from oodscen.errors import Issue, close_matches
@@ -145,6 +146,8 @@ class Catalogue(Data):
     behaviours: tuple[BehaviourKind, ...]
     maps: tuple[RoadMap, ...]
     weather: WeatherRange
+    map_parts: tuple[MapPart, ...] = ()
+    """Parts of its maps whose state a scene can change: `street_lamps`, `signals`, `signs`."""
     camera: Literal["dash", "top"] = "dash"
     """The pictures that the simulator draws: `dash` for views forward from the ego, with any `Camera`; `top`
     for views straight down only, such as `Camera.above()`."""
@@ -233,6 +236,12 @@ class Catalogue(Data):
                     f"must be {suns[0]:g} as in the scene: the simulator draws every sun alike"
                 )
                 issues.append(Issue("hazard.weather.sun_elevation_deg", message))
+        if scene.map_state is not None:
+            issues += [
+                Issue(f"map_state.{part}", f"{self.simulator} cannot draw the map's own as {state}")
+                for part, state in scene.map_state.faults()
+                if part not in self.map_parts
+            ]
         for index, actor in enumerate(scene.actors):
             issues += self._check_actor(f"actors[{index}]", actor)
         for key, ordinary in scene.hazard.actors.items():

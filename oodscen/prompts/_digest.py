@@ -136,6 +136,8 @@ class CatalogueDigest(Data):
     maps: tuple[MapLine, ...]
     weather: str
     """The weather that can be shown, in one line."""
+    map_parts: tuple[str, ...] = ()
+    """Parts of the maps whose state a scene can change."""
 
     @property
     def limits(self) -> "WeatherLimits":
@@ -187,6 +189,7 @@ class CatalogueDigest(Data):
             behaviours=tuple(_behaviour_line(kind) for kind in catalogue.behaviours),
             maps=tuple(_map_line(road, catalogue) for road in catalogue.maps),
             weather=_weather_line(catalogue),
+            map_parts=catalogue.map_parts,
         )
 
 

@@ -224,6 +224,7 @@ def scene_of_draft(
             if not _is_told_by_words(thing, names, draft, catalogue)
         },
         made=tuple(prop for prop in made if prop.id in shown),
+        map_state=draft.map_state,
     )
 
 
