@@ -21,7 +21,7 @@ _COMMON = frozenset("a an and at by from in into is its of off on onto or that t
 def fitted(question: Question, context: int | None) -> Question:
     """Return a question that fits the context window of a model together with its answer.
 
-    The layouts of the roads go first. Then the assets and behaviours of its catalogue that share the most words
+    The layouts of the roads and the states of what stands on them go first. Then the assets and behaviours of its catalogue that share the most words
     with the question's texts stay as they are, and of the others as many as necessary are reduced to their ids.
 
     Args:
@@ -33,7 +33,7 @@ def fitted(question: Question, context: int | None) -> Question:
         return question
     whole: CatalogueDigest = question.catalogue  # type: ignore[attr-defined]
     maps = tuple(road.model_copy(update={"layout": ""}) for road in whole.maps)
-    catalogue = whole.model_copy(update={"maps": maps})
+    catalogue = whole.model_copy(update={"maps": maps, "map_parts": ()})
     ranked = _ranked(catalogue, _about(question))
     low, high = 0, len(ranked)
     while low < high:

@@ -24,7 +24,7 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 from oodscen.protocols import LLM, Encoder
-from oodscen.stages._visible import visible_of
+from oodscen.stages._visible import visible_of, visible_of_map
 
 
 class Augmenter(Brief):
@@ -210,13 +210,16 @@ def scene_of_draft(
         hazard=draft.hazard,
         decision=decision,
         horizon_s=draft.horizon_s,
-        visible=visible_of(
-            tuple(draft.actors),
-            draft.hazard,
-            draft.weather,
-            (draft.ego.lane, draft.ego.speed),
-            draft.map,
-            catalogue,
+        visible=(
+            *visible_of(
+                tuple(draft.actors),
+                draft.hazard,
+                draft.weather,
+                (draft.ego.lane, draft.ego.speed),
+                draft.map,
+                catalogue,
+            ),
+            *visible_of_map(draft.map_state),
         ),
         stands_for={
             thing: tuple(names)

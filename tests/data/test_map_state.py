@@ -11,6 +11,7 @@ from oodscen.data._claim import Claim
 from oodscen.data._map_state import MapState
 from oodscen.driving import check_scene
 from oodscen.errors import DataError
+from oodscen.stages._visible import visible_of_map
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.testing._scenes import example_scene
 
@@ -95,3 +96,10 @@ def test_claims_about_dark_lamps_and_missing_lights(catalogue):
     assert status(dark, "off", catalogue, "street lamps") == "holds"
     gone = with_state(signals="missing")
     assert status(gone, "present", catalogue, kind="thing") == "fails"
+
+
+@given(st.sampled_from(FAULTS))
+def test_it_is_told_to_those_who_judge_answers(fault):
+    told = visible_of_map(MapState(signals=fault, signs="bent"))
+    assert len(told) == 2
+    assert "traffic lights" in told[0].what

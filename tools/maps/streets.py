@@ -140,13 +140,12 @@ def _narrow_passage() -> MapDesign:
         (end + taper, "broken", wide, kerb, pavement),
     ):
         number = len(sections)
-        kind = "parking" if mark == "broken" else "shoulder"
         edge = "solid" if mark == "broken" else "none"
         sides = []
         for sign in (-1, 1):
             lanes = (
                 LaneDesign("driving", driving, edge),
-                LaneDesign(kind, beside, "curb"),
+                LaneDesign("parking", beside, "curb"),
                 LaneDesign("sidewalk", walk),
             )
             sides.append(

@@ -318,7 +318,14 @@ def _highway(site: Site, is_night: bool) -> None:
         if way.is_ego:
             wide = abs(float(way.asphalt[0][0])) + 0.6
             for spot in site.spots(way, -1, 420.0, first=20.0):
-                if not site.is_spanned(spot, 20.0):
+                x, y = spot.beside(0.0, 0.9)
+                edge = float(np.interp(spot.s, way.course.s, way.asphalt[0]))
+                fits = abs(edge - float(way.asphalt[0][0])) < 0.1
+                if (
+                    fits
+                    and site.ground.is_free((x,), (y,), 0.3)
+                    and not site.is_spanned(spot, 20.0)
+                ):
                     mesh = furniture.gantry(wide)
                     site.stand(mesh, spot, 0.0, 0.9)
         _woods(site, way, 15.0, (7.0, 46.0))
@@ -344,7 +351,7 @@ def _rail(site: Site, way: Way, t: Array, side: int) -> None:
     It is interrupted where another road joins or leaves.
     """
     ribbons, line = Ribbons(way.course), way.course
-    is_free = site.ground.asphalt(line.x - t * line.sin, line.y + t * line.cos) > 0.0
+    is_free = site.ground.asphalt(line.x - t * line.sin, line.y + t * line.cos) > 0.4
     is_median = bool((t > way.asphalt[0]).all() and (t < way.asphalt[1]).all())
     stands = is_free | is_median
     where = stands[1:] & stands[:-1]
