@@ -17,10 +17,11 @@ BEHAVIOURS = (
 def load_catalogue() -> Catalogue:
     """Return the flat simulator's bodies and weather, with the behaviours and roads of highway-env.
 
-    Roads are level, without junctions: highway-env knows no heights, and gets the ego's road only.
+    Roads are level and of one width, without junctions: highway-env knows no heights and no taper, and gets the
+    ego's road only.
     """
     kinds = tuple(kind for kind in DynamicSimulator.BEHAVIOURS if kind.id in BEHAVIOURS)
-    others = {"hill", "junction", "tunnel", "bridge"}
+    others = {"hill", "junction", "tunnel", "bridge", "downhill", "narrow", "exit", "rail_crossing"}
     roads = tuple(road for road in DynamicSimulator.MAPS if not others & set(road.traits))
     mine = {"simulator": "highway", "behaviours": kinds, "maps": roads}
     return FlatSimulator().catalogue().model_copy(update=mine)

@@ -27,7 +27,7 @@ from oodscen_pybullet._meshes import Mesh, asset_ids, learned
 from oodscen_pybullet._meshes.atlas import Snow
 from oodscen_pybullet._meshes.tilting import tilt_of
 from oodscen_pybullet._meshes.vehicles.ego import bonnet
-from oodscen_pybullet._rendering.appearance import Look, SceneBodies, mesh_of
+from oodscen_pybullet._rendering.appearance import Look, SceneBodies, is_lit, mesh_of
 from oodscen_pybullet._rendering.cameras import choose_camera
 from oodscen_pybullet._rendering.particles import Ball, filled, placed
 from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
@@ -165,7 +165,7 @@ class PyBulletSimulator(MirrorSimulator):
         """
         assert self._loaded is not None
         corridor, scene, seed = self._loaded
-        stage, scenery = self._set(corridor, scene, seed)
+        stage, scenery = self._set(corridor, scene, seed, time)
         view = CameraView.of(camera, mount, roll_deg)
         is_inside = _is_inside(view, self._poses[0])
         fired = fired or [-1.0] * len(self._poses)
@@ -226,14 +226,19 @@ class PyBulletSimulator(MirrorSimulator):
 
     # ------------------------------------------------------------------ the picture's parts
 
-    def _set(self, corridor: Corridor, scene: Scene, seed: int) -> tuple[Stage, Scenery]:
+    def _set(
+        self, corridor: Corridor, scene: Scene, seed: int, time: float
+    ) -> tuple[Stage, Scenery]:
         """Return the stage with this road's scenery, building it if necessary."""
         road = find_map(scene.map, self.catalogue())
         is_night = scene.weather.sun_elevation_deg < LIT_DEG
         own = zip(self._cast.assets, self._poses, strict=True)
         places = [(x, y) for asset, (x, y, _, _) in own if asset.category == "signal"]
         without = replaced(corridor, places)
-        key = (road.id, id(corridor), seed, _snow(scene), is_night, without)
+        state = scene.map_state
+        flashes = state is not None and state.signals == "flashing"
+        is_between = flashes and not is_lit(time)
+        key = (road.id, id(corridor), seed, _snow(scene), is_night, without, state, is_between)
         if key in self._stages:
             self._stages.move_to_end(key)
             return self._stages[key]
@@ -241,7 +246,16 @@ class PyBulletSimulator(MirrorSimulator):
             _, (oldest, _) = self._stages.popitem(last=False)
             oldest.close()
         traits = frozenset(road.traits)
-        scenery = build_scenery(corridor, traits, seed, road.id, is_night=is_night, without=without)
+        scenery = build_scenery(
+            corridor,
+            traits,
+            seed,
+            road.id,
+            is_night=is_night,
+            without=without,
+            state=state,
+            is_between=is_between,
+        )
         stage = self._open_stage()
         stage.show_scenery(scenery.meshes, snow=_snow(scene), shelter=Shelter(corridor))
         self._stages[key] = (stage, replace(scenery, meshes=()))

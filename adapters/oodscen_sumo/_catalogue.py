@@ -16,8 +16,9 @@ GUIDED = frozenset(
 
 @lru_cache(maxsize=1)
 def load_catalogue() -> Catalogue:
-    """Return the flat simulator's bodies and weather, with SUMO's behaviours, on roads without junctions."""
+    """Return the flat simulator's bodies and weather, with SUMO's behaviours, on roads without junctions and gaps."""
     kinds = tuple(kind for kind in DynamicSimulator.BEHAVIOURS if kind.id in DRIVEN | GUIDED)
-    roads = tuple(road for road in DynamicSimulator.MAPS if "junction" not in road.traits)
+    others = {"junction", "narrow", "exit", "rail_crossing"}
+    roads = tuple(road for road in DynamicSimulator.MAPS if not others & set(road.traits))
     mine = {"simulator": "sumo", "behaviours": kinds, "maps": roads}
     return FlatSimulator().catalogue().model_copy(update=mine)

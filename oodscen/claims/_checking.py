@@ -6,7 +6,7 @@ from math import perm
 from typing import ClassVar, Literal, NamedTuple
 
 from oodscen.claims._actors import ObservedActor
-from oodscen.claims._matching import OF_THE_MAP, Likeness, doubt, is_of_map
+from oodscen.claims._matching import OF_THE_MAP, Likeness, doubt, fault_of_map, is_of_map
 from oodscen.claims._surroundings import judge_surroundings
 from oodscen.claims._things import Thing, may_be, thing_named
 from oodscen.claims._watching import watch
@@ -137,6 +137,8 @@ class _Role(NamedTuple):
     """Reason why none of those actors can be it."""
     is_of_map: bool = False
     """True if the scene says that the road itself shows it."""
+    map_fault: str = ""
+    """What is wrong with those of the map; empty if they are in order."""
 
 
 def _role(
@@ -149,14 +151,18 @@ def _role(
 ) -> _Role:
     """Return the actors that may show a thing: those named by the scene if they fit, else those that its noun fits."""
     told = scene.stands_for.get(subject)
+    fault = fault_of_map(subject, scene.map_state)
     if not told:
-        return _Role(tuple(one for one in seen if may_be(subject, one.asset)))
+        fitting = tuple(one for one in seen if may_be(subject, one.asset))
+        return _Role(fitting, is_of_map=bool(fault) and not fitting, map_fault=fault)
     quotes = tuple(dict.fromkeys(claim.quote for claim in claims))
     named_ones = [one for one in seen if one.id in told]
     doubts = {one.id: doubt(subject, quotes, one.asset, catalogue, likeness) for one in named_ones}
     fitting = tuple(one for one in named_ones if not doubts[one.id])
     why_not = next(filter(None, doubts.values()), "") if not fitting else ""
-    return _Role(fitting, is_told=True, why_not=why_not, is_of_map=OF_THE_MAP in told)
+    return _Role(
+        fitting, is_told=True, why_not=why_not, is_of_map=OF_THE_MAP in told, map_fault=fault
+    )
 
 
 def _settle(
@@ -167,7 +173,7 @@ def _settle(
     fitting = list(dict.fromkeys(one for name in subjects for one in roles[name].fitting))
     fitting.sort(key=lambda one: one.actor)
     scenery = {
-        name: is_of_map(name, road)
+        name: bool(roles[name].map_fault) or is_of_map(name, road)
         if roles[name].is_of_map
         else thing is not None and thing.is_scenery(road)
         for name in subjects
@@ -257,7 +263,7 @@ def _unstaged(
 ) -> dict[Claim, ClaimFinding]:
     """Return the findings about a thing that no actor represents."""
     if scenery:
-        return {claim: _of_scenery(claim) for claim in claims}
+        return {claim: _of_scenery(claim, role.map_fault) for claim in claims}
     rest = " other" if others else ""
     found = role.why_not or f"there is no{rest} actor that is one"
     if role.is_of_map and not role.why_not:
@@ -275,8 +281,14 @@ def _is_scenic(claims: Sequence[Claim]) -> bool:
     )
 
 
-def _of_scenery(claim: Claim) -> ClaimFinding:
-    """Judge a claim about a thing that only the map shows; it is stationary and in working order."""
+def _of_scenery(claim: Claim, fault: str) -> ClaimFinding:
+    """Judge a claim about a thing that only the map shows; it is stationary, and in order without a fault."""
+    if fault and claim.kind in ("state", "thing"):
+        shown = {"flashing": ("flashing", "amber")}.get(fault, (fault,))
+        holds = fault != "missing" if claim.kind == "thing" else claim.value in shown
+        if claim.kind == "state" and fault in ("bent", "turned"):
+            holds = claim.value not in _OUT_OF_ORDER
+        return _finding(claim, holds, f"the map's own: {fault}", "map_state")
     if claim.kind == "state" and claim.value in _OUT_OF_ORDER:
         return _finding(claim, False, "the map's own is in order", "map")
     return _finding(claim, True if claim.kind == "thing" else None, "the map has it", "map")

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from oodscen.claims._things import Thing, is_head, may_be, thing_named, words_of
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
+from oodscen.data._map_state import MapState
 from oodscen.encoders._check import encode
 from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.protocols import Encoder
@@ -120,6 +121,19 @@ def is_of_map(subject: str, road: RoadMap | None) -> bool:
     words = set(re.findall(r"[a-z]+", f"{road.description} {' '.join(road.traits)}".casefold()))
     mine = _stems(_bare(subject))
     return bool({_stem(word) for word in words} & mine)
+
+
+def fault_of_map(subject: str, state: MapState | None) -> str:
+    """Return what is wrong with the map's own things of a name, such as its street lamps; empty if nothing is."""
+    if state is None:
+        return ""
+    faults = {str(part): fault for part, fault in state.faults()}
+    words, thing = subject.casefold(), thing_named(subject)
+    if re.search(r"\b(?:street ?-?(?:lamp|light)|lamp ?post|streetlamp|streetlight)", words):
+        return faults.get("street_lamps", "")
+    if thing is not None and "signalised" in thing.map:
+        return faults.get("signals", "")
+    return faults.get("signs", "") if re.search(r"\bsigns?\b", words) else ""
 
 
 def _called(subject: str, thing: Thing | None, catalogue: Catalogue) -> list[str]:

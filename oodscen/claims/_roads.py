@@ -67,5 +67,7 @@ _ANY_OF = {
     "signalised": frozenset({"signalised", "signalized"}),
     "curve": frozenset({"curve", "winding"}),
     "junction": frozenset({"junction", "t_junction", "roundabout"}),
+    "level_crossing": frozenset({"level_crossing", "rail_crossing"}),
+    "hill": frozenset({"hill", "downhill"}),
 }
 """Traits that satisfy a value, any one of them; other values need the trait of the same name."""

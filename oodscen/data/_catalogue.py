@@ -9,6 +9,7 @@ from oodscen._field_docs import with_fields
 from oodscen.data._base import Data
 from oodscen.data._category import Category
 from oodscen.data._details import DetailKinds, Details, Offers, check_details, shown_as
+from oodscen.data._map_state import MapPart
 from oodscen.data._motion import KEYED, Motion, motion_faults
 from oodscen.data._prop import Prop, check_prop, sizes_of
 from oodscen.data._scene import CLEAR_AIR_M, Actor, Precipitation, Scene, Weather
@@ -153,6 +154,8 @@ class Catalogue(Data):
     behaviours: tuple[BehaviourKind, ...]
     maps: tuple[RoadMap, ...]
     weather: WeatherRange
+    map_parts: tuple[MapPart, ...] = ()
+    """Parts of its maps whose state a scene can change: `street_lamps`, `signals`, `signs`."""
     camera: Literal["dash", "top"] = "dash"
     """The pictures that the simulator draws: `dash` for views forward from the ego, with any `Camera`; `top`
     for views straight down only, such as `Camera.above()`."""
@@ -285,6 +288,12 @@ class Catalogue(Data):
                     f"must be {suns[0]:g} as in the scene: the simulator draws every sun alike"
                 )
                 issues.append(Issue("hazard.weather.sun_elevation_deg", message))
+        if scene.map_state is not None:
+            issues += [
+                Issue(f"map_state.{part}", f"{self.simulator} cannot draw the map's own as {state}")
+                for part, state in scene.map_state.faults()
+                if part not in self.map_parts
+            ]
         ordinary = {
             f"hazard.actors.{key}": actor
             for key, actor in scene.hazard.actors.items()

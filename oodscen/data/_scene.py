@@ -18,6 +18,7 @@ from pydantic import (
 from oodscen.data._base import Data, IssuesError
 from oodscen.data._claim import Claim
 from oodscen.data._details import Details
+from oodscen.data._map_state import MapState
 from oodscen.data._motion import Motion
 from oodscen.data._pairing import is_ordinary, is_twin, twin_id
 from oodscen.data._prop import Prop
@@ -224,11 +225,13 @@ class Scene(Data):
     """Designs of the assets that no catalogue has; left out of the JSON text if empty."""
     motions: tuple[Motion, ...] = Field(default=(), max_length=400)
     """Designs of the behaviours that no catalogue has; left out of the JSON text if empty."""
+    map_state: MapState | None = None
+    """What is wrong with the map's own lamps, lights and signs; left out of the JSON text if nothing is."""
 
     @model_serializer(mode="wrap")
     def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
         value: dict[str, Any] = serialise(self)
-        for name in ("stands_for", "visible", "demand", "made", "motions"):
+        for name in ("stands_for", "visible", "demand", "made", "motions", "map_state"):
             if not value.get(name):
                 value.pop(name, None)
         return value
@@ -298,6 +301,7 @@ class Scene(Data):
                 "decision": {"kind": "time", "value": decision_s},
                 "stands_for": {},
                 "visible": (),
+                "map_state": None,
             }
         )
 
@@ -348,8 +352,13 @@ def _misfits(scene: Scene) -> list[Issue]:
             if target not in lasting:
                 path = f"hazard.actors.{key}.behaviour.{field}"
                 issues.append(Issue(path, f"there is no actor {target!r} in the ordinary twin"))
-    if not scene.hazard.actors and scene.hazard.weather is None and not scene.is_ordinary:
+    is_named = scene.hazard.actors or scene.hazard.weather is not None or scene.map_state
+    if not is_named and not scene.is_ordinary:
         issues.append(Issue("hazard", "name at least one actor, or the ordinary weather"))
+    if scene.map_state and scene.map_state.street_lamps and scene.weather.sun_elevation_deg > 0.0:
+        issues.append(Issue("map_state.street_lamps", "street lamps are off by day anyway"))
+    if scene.map_state and scene.is_ordinary:
+        issues.append(Issue("map_state", "in an ordinary scene the map is in order"))
     for thing, names in scene.stands_for.items():
         issues += [
             Issue(f"stands_for.{thing}", f"there is no actor {name!r}")

@@ -140,6 +140,8 @@ class CatalogueDigest(Data):
     """Poses of people."""
     parts: tuple[str, ...] = ()
     """States of vehicles' parts."""
+    map_parts: tuple[str, ...] = ()
+    """Parts of the maps whose state a scene can change."""
 
     @property
     def limits(self) -> "WeatherLimits":
@@ -193,6 +195,7 @@ class CatalogueDigest(Data):
             weather=_weather_line(catalogue),
             poses=tuple(kind.id for kind in catalogue.details.poses) if catalogue.details else (),
             parts=tuple(kind.id for kind in catalogue.details.parts) if catalogue.details else (),
+            map_parts=catalogue.map_parts,
         )
 
 

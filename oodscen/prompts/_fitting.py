@@ -15,13 +15,16 @@ CHARACTERS = 4
 ANSWER_TOKENS = 800
 """Tokens reserved for the answer."""
 
+_OF_LANES = frozenset({"two_lane", "three_lane", "four_lane", "oncoming"})
+"""Traits of maps that their numbers of lanes tell as well."""
 _COMMON = frozenset("a an and at by from in into is its of off on onto or that the to with".split())
 
 
 def fitted(question: Question, context: int | None) -> Question:
     """Return a question that fits the context window of a model together with its answer.
 
-    The layouts of the roads, the poses and the parts of vehicles go first. Then the assets and behaviours of its catalogue that share the most words
+    The layouts of the roads, traits that only tell of lanes, poses, and the parts of vehicles and maps go first.
+    Then the assets and behaviours of its catalogue that share the most words
     with the question's texts stay as they are, and of the others as many as necessary are reduced to their ids.
 
     Args:
@@ -32,8 +35,13 @@ def fitted(question: Question, context: int | None) -> Question:
     if context is None or tokens_of(question) <= context - ANSWER_TOKENS:
         return question
     whole: CatalogueDigest = question.catalogue  # type: ignore[attr-defined]
-    maps = tuple(road.model_copy(update={"layout": ""}) for road in whole.maps)
-    catalogue = whole.model_copy(update={"maps": maps, "poses": (), "parts": ()})
+    maps = tuple(
+        road.model_copy(
+            update={"layout": "", "traits": tuple(t for t in road.traits if t not in _OF_LANES)}
+        )
+        for road in whole.maps
+    )
+    catalogue = whole.model_copy(update={"maps": maps, "map_parts": (), "poses": (), "parts": ()})
     ranked = _ranked(catalogue, _about(question))
     low, high = 0, len(ranked)
     while low < high:

@@ -22,6 +22,7 @@ _NAMES = {
     "parking": "parking bays",
     "shoulder": "shoulder",
     "median": "median",
+    "rail": "track",
 }
 _SIDE_M = (20.0, 60.0)
 """Distances from the ego's road between which a side road must run straight away from it, m."""
@@ -34,7 +35,7 @@ def layout(road: "Corridor") -> str:
     """
     section = _section(road, road.start)
     parts = [f"offsets from right to left: {section}", *_structures(road, section)]
-    parts += [*_ends(road), *_bends(road), *_stop_lines(road), *_sides(road)]
+    parts += [*_ends(road), *_bends(road), *_stop_lines(road), *_tracks(road), *_sides(road)]
     return "; ".join(parts)
 
 
@@ -107,6 +108,21 @@ def _stop_lines(road: "Corridor") -> Iterator[str]:
             if own and not is_beside and 0.0 < ahead <= _REACH_M:
                 found.add(round(ahead))
         yield from (f"{name} {ahead} m ahead" for ahead in sorted(found))
+
+
+def _tracks(road: "Corridor") -> Iterator[str]:
+    """Yield the railways that cross the ego's road."""
+    zero = road.ego_lanes[0]
+    for other in road.others:
+        track = other.corridor
+        if all(strip.kind == "rail" for strip in track.strips):
+            s, t = road.locate_all(track.x, track.y)
+            nearest = int(np.abs(t).argmin())
+            ahead = float(s[nearest]) - road.start
+            if abs(float(t[nearest])) < 1.0 and 0.0 < ahead <= _REACH_M:
+                offset = t - road.centre(zero, float(s[nearest]))
+                reach = f"{offset.min():.0f} to {offset.max():.0f}"
+                yield f"railway track {ahead:.0f} m ahead across the road, offsets {reach}"
 
 
 def _sides(road: "Corridor") -> Iterator[str]:

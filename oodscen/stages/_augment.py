@@ -25,7 +25,7 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 from oodscen.protocols import LLM, Encoder
-from oodscen.stages._visible import visible_of
+from oodscen.stages._visible import visible_of, visible_of_map
 
 
 class Augmenter(Brief):
@@ -220,14 +220,17 @@ def scene_of_draft(
         hazard=draft.hazard,
         decision=decision,
         horizon_s=draft.horizon_s,
-        visible=visible_of(
-            tuple(draft.actors),
-            draft.hazard,
-            draft.weather,
-            (draft.ego.lane, draft.ego.speed),
-            draft.map,
-            catalogue,
-            {motion.id: motion.description for motion in motions},
+        visible=(
+            *visible_of(
+                tuple(draft.actors),
+                draft.hazard,
+                draft.weather,
+                (draft.ego.lane, draft.ego.speed),
+                draft.map,
+                catalogue,
+                {motion.id: motion.description for motion in motions},
+            ),
+            *visible_of_map(draft.map_state),
         ),
         stands_for={
             thing: tuple(names)
@@ -236,6 +239,7 @@ def scene_of_draft(
         },
         made=tuple(prop for prop in made if prop.id in shown),
         motions=tuple(motion for motion in motions if motion.id in done),
+        map_state=draft.map_state,
     )
 
 

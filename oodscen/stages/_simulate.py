@@ -340,6 +340,8 @@ def _shows_hazard(
     if not frames or scene.is_ordinary:
         return None
     if not hazard.actors:
+        if scene.map_state is not None:
+            return True
         return hazard.weather is not None and is_noticeable(scene.weather, hazard.weather)
     for moment, frame in frames.items():
         least = VISIBLE_PX * frame.ids.size / (640 * 480)

@@ -6,6 +6,7 @@ from types import MappingProxyType
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._details import DetailKinds, described
+from oodscen.data._map_state import MapPart, MapState
 from oodscen.data._scene import DARK_DEG, FOG_M, Actor, Hazard, Visible, Weather
 from oodscen.driving._motion.behaviours import BUILT_IN
 
@@ -18,6 +19,20 @@ _LOW_DEG = 12.0
 """Sun elevation below which the sun stands low, degrees."""
 _SLIPPERY = 0.5
 
+_PARTS: dict[MapPart, str] = {
+    "street_lamps": "street lamps",
+    "signals": "traffic lights",
+    "signs": "road signs",
+}
+_FAULTS = {
+    "off": "dark",
+    "flashing": "flashing amber",
+    "all_on": "red, amber and green",
+    "bent": "bent",
+    "turned": "turned-away",
+    "missing": "missing",
+}
+"""States of the map's own things, in words."""
 _SHOWN = {
     "hazard": "with its hazard lights on",
     "beacon": "with its beacon flashing",
@@ -32,8 +47,11 @@ _SHOWN = {
     "green": "showing green",
     "closed": "closed",
     "open": "open",
+    "half": "stuck half-way",
 }
-_SIGNALS = frozenset({"off", "all_on", "flashing", "red", "amber", "green", "closed", "open"})
+_SIGNALS = frozenset(
+    {"off", "all_on", "flashing", "red", "amber", "green", "closed", "open", "half"}
+)
 
 
 def visible_of(
@@ -71,6 +89,16 @@ def visible_of(
     if hazard.weather is not None:
         found += [Visible(what=what, where="everywhere") for what in _sky(weather, hazard.weather)]
     return tuple(dict.fromkeys(found))
+
+
+def visible_of_map(state: MapState | None) -> tuple[Visible, ...]:
+    """Return everything that can be seen of a map that is out of order."""
+    if state is None:
+        return ()
+    return tuple(
+        Visible(what=f"{_FAULTS[fault]} {_PARTS[part]}", where="along the road")
+        for part, fault in state.faults()
+    )
 
 
 def _bare(description: str) -> str:

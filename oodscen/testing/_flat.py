@@ -39,6 +39,7 @@ _GROUND = {
     "sidewalk": (0.60, 0.59, 0.57),
     "median": (0.45, 0.45, 0.43),
     "border": (0.36, 0.46, 0.26),
+    "rail": (0.42, 0.38, 0.34),
     "none": (0.36, 0.46, 0.26),
 }
 _PALETTE = np.array(list(_GROUND.values()))

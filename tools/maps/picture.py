@@ -29,9 +29,10 @@ _COLOURS = {
     "sidewalk": (188, 184, 178),
     "median": (170, 176, 150),
     "border": (170, 194, 150),
+    "rail": (140, 118, 96),
     "none": (150, 150, 150),
 }
-_BENEATH = ("none", "border", "median", "sidewalk", "parking", "shoulder", "driving")
+_BENEATH = ("none", "border", "median", "sidewalk", "parking", "shoulder", "driving", "rail")
 """Painting order of strip kinds, because roads overlap in junctions."""
 _WHITE = (245, 245, 245)
 _EGO = (214, 60, 48)

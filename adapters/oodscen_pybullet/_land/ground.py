@@ -101,7 +101,7 @@ class Way:
     corridor: Corridor
     course: RoadCourse
     asphalt: tuple[Array, Array]
-    """[n] t of the outermost drivable edges, right and left."""
+    """[n] t of the outermost edges of what is driven on, rails included, right and left."""
     paved: tuple[Array, Array]
     """[n] t of the outermost edges including pavements, right and left."""
     is_ego: bool
@@ -110,13 +110,19 @@ class Way:
     has_kerb: bool
     name: str
 
+    @property
+    def is_track(self) -> bool:
+        """Return whether it is a railway, on which nothing is for road users."""
+        return all(strip.kind == "rail" for strip in self.corridor.strips)
+
     @classmethod
     def of(
         cls, corridor: Corridor, course: RoadCourse, *, is_ego: bool, is_connecting: bool, name: str
     ) -> "Way":
         """Measure a road along its course."""
-        asphalt = _outline(corridor, course, DRIVABLE)
-        paved = _outline(corridor, course, DRIVABLE | {"sidewalk"})
+        firm = DRIVABLE | {"rail"}
+        asphalt = _outline(corridor, course, firm)
+        paved = _outline(corridor, course, firm | {"sidewalk"})
         kinds = {strip.kind for strip in corridor.strips}
         marks = {strip.mark for strip in corridor.strips} | {corridor.strips[0].right_mark}
         return cls(

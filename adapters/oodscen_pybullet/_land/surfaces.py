@@ -20,6 +20,8 @@ PAINT = 0.008
 """Height of marks above the asphalt, m."""
 _MOUTH_M = 9.0
 """Marks end at a crosswalk that is at most this far from its junction, m."""
+_GAUGE_M, _SLEEPERS_M = 1.5, 0.65
+"""Distance between the middles of two rails, and between two sleepers, m."""
 _WIDER = 0.25
 """Distance by which asphalt extends below kerbs, m."""
 
@@ -116,7 +118,9 @@ def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
         ribbons = Ribbons(way.course)
         layer = 0.0 if way.is_ego else -LAYER * (1 + index % 5)
         _lay(way, ribbons, theme, layer, rng)
-        if not way.is_connecting:
+        if way.is_track:
+            _lay_track(way, ribbons)
+        elif not way.is_connecting:
             _mark_lanes(way, ribbons, layer, ground.corridor.crosswalks)
         if way.is_ego:
             _wear(way, ribbons, rng)
@@ -162,6 +166,8 @@ def _lay(way: Way, ribbons: Ribbons, theme: Theme, layer: float, rng: np.random.
                 ribbons.band(right, left, "asphalt_worn", heights=low, is_region=True, where=worn)
                 is_there = is_there & ~worn
             ribbons.band(right, left, surface, heights=low, is_region=is_region, where=is_there)
+        elif strip.kind == "rail":
+            ribbons.band(right, left, "gravel", heights=low, is_region=True, where=is_there)
         elif strip.kind == "sidewalk":
             _raise(ribbons, right, left, "tunnel_light", is_there & dark)
             _raise(ribbons, right, left, "paving", is_there & spanned & ~dark)
@@ -178,6 +184,17 @@ def _lay(way: Way, ribbons: Ribbons, theme: Theme, layer: float, rng: np.random.
             ribbons.band(right, left, "concrete_dark", heights=low, where=outer & ~dark)
             ribbons.band(right, left, "tunnel_light", heights=low, where=is_there & dark)
     _kerb_medians(ribbons, medians)
+
+
+def _lay_track(way: Way, ribbons: Ribbons) -> None:
+    """Add the sleepers and the two rails of a track along its reference line."""
+    course = way.course
+    sleepers = np.arange(float(course.s[0]), float(course.s[-1]), _SLEEPERS_M).tolist()
+    for s in sleepers:
+        box = (s - 0.13, s + 0.13, -1.25, 1.25)
+        _slab(way.corridor, ribbons, box, -0.5 * LAYER, "wood")
+    for t in (-0.5 * _GAUGE_M, 0.5 * _GAUGE_M):
+        ribbons.band(t - 0.05, t + 0.05, "rail", heights=(2.0 * PAINT, 2.0 * PAINT))
 
 
 def _kerb_medians(ribbons: Ribbons, medians: Sequence[tuple[Array, Array, Mask]]) -> None:

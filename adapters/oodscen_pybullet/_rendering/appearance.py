@@ -221,7 +221,7 @@ def frame_of(asset: str, state: str, pose: Pose, speed: float, time: float) -> i
     if asset in GAITS:
         return _step(GAITS[asset], pose, speed)
     if state in FLASHING or asset in FLASHING:
-        return 0 if math.floor(time * _FLASHES * 3.0 + 1e-6) % 3 < 2 else 1
+        return 0 if is_lit(time) else 1
     if asset in SMOKING:
         return math.floor(time * _PUFFS + 1e-6) % STEPS
     return 0
@@ -253,6 +253,11 @@ def _share(length: float, pose: Pose, steps: int) -> int:
     s, c = exact.sincos(yaw)
     way = (x * c + y * s) / length
     return math.floor(round(steps * (way - math.floor(way)), 3)) % steps
+
+
+def is_lit(time: float) -> bool:
+    """Return whether flashing lamps are lit at a time, s."""
+    return math.floor(time * _FLASHES * 3.0 + 1e-6) % 3 < 2
 
 
 def _step(stride: float, pose: Pose, speed: float) -> int:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.data._map_state import MapState
 from oodscen_pybullet._land.ground import Ground, Way
 from oodscen_pybullet._land.terrain import Terrain
 from oodscen_pybullet._meshes.builder import Mesh, Point
@@ -51,6 +52,8 @@ class Site:
     ground: Ground
     terrain: Terrain
     rng: np.random.Generator
+    state: MapState | None = None
+    """What is wrong with the map's lamps, lights and signs."""
     lamps: list[Point] = field(default_factory=list)
     _vertices: list[Array] = field(default_factory=list)
     _normals: list[Array] = field(default_factory=list)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from oodscen._seeding import stream
+from oodscen.data._map_state import MapState
 from oodscen.driving._roads.corridor import Corridor
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.surfaces import lay_roads
@@ -37,6 +38,8 @@ def build_scenery(
     *,
     is_night: bool = False,
     without: frozenset[str] = frozenset(),
+    state: MapState | None = None,
+    is_between: bool = False,
 ) -> Scenery:
     """Build the roads and their surroundings.
 
@@ -48,12 +51,14 @@ def build_scenery(
         is_night: Whether windows and lamps are lit.
         without: Ids of map signals to omit, for instance because the scene has its own signals
             there: `oodscen_pybullet._scenery.signals.replaced`.
+        state: What is wrong with the map's lamps, lights and signs.
+        is_between: Whether flashing lights are between two flashes.
     """
     theme = theme_of(traits, corridor)
     terrain, road, land = _lay(corridor, theme, seed, name)
     ground = terrain.ground
-    site = Site(ground, terrain, stream(seed, "scenery", name, "roadside"))
-    lights = stand_signals(site, without)
+    site = Site(ground, terrain, stream(seed, "scenery", name, "roadside"), state)
+    lights = stand_signals(site, without, is_between=is_between)
     furnish(site, theme, is_night=is_night)
     spans, tunnel_lamps = build_structures(ground)
     return Scenery(

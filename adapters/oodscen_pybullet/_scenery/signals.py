@@ -2,6 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
 
 from oodscen.driving._roads.corridor import Corridor, RoadSignal
 from oodscen.numerics._exact import cos, sin
@@ -15,6 +18,11 @@ INSTEAD_M = 4.0
 _ALONG = 0.7
 """Cosine between a light and the ego's road above which the light applies to the road."""
 
+_LEANS = (
+    ((1.0, 0.0, 0.0), (0.0, 0.8, 0.6), (0.0, -0.6, 0.8)),
+    ((0.96, 0.0, 0.28), (0.0, 1.0, 0.0), (-0.28, 0.0, 0.96)),
+)
+"""Turns of a bent post about its x and y axes: by 37 and 16 degrees."""
 _SIGNS = {
     "206": "stop_sign",
     "205": "yield_sign",
@@ -26,12 +34,13 @@ _SIGNS = {
 """OpenDRIVE's German sign types and the asset that shows each."""
 
 
-def stand_signals(site: Site, without: frozenset[str]) -> list[Lamp]:
-    """Add the map's signals: green for the ego's road, red for crossing roads.
+def stand_signals(site: Site, without: frozenset[str], *, is_between: bool = False) -> list[Lamp]:
+    """Add the map's signals: green for the ego's road, red for crossing roads, or as the scene has them.
 
     Args:
         site: Receives the signals.
         without: Ids of signals to omit.
+        is_between: Whether flashing lamps are between two flashes.
 
     Returns:
         The lit lamps, in world coordinates.
@@ -40,17 +49,52 @@ def stand_signals(site: Site, without: frozenset[str]) -> list[Lamp]:
     for signal in site.ground.corridor.signals:
         if signal.id in without:
             continue
-        mesh = _mesh_of(site, signal)
-        if mesh is None:
+        mesh, fault = _mesh_of(site, signal, is_between=is_between), _fault_of(site, signal)
+        if mesh is None or fault == "missing":
             continue
-        c, s = -cos(signal.yaw), -sin(signal.yaw)
+        mesh, (c, s) = displaced(mesh, (-cos(signal.yaw), -sin(signal.yaw)), fault)
         at = (signal.x, signal.y, site.terrain.surface(signal.x, signal.y))
         site.add(mesh, at, (c, s))
         shining += [_moved(lamp, at, (c, s)) for lamp in mesh.lamps]
     return shining
 
 
-def _mesh_of(site: Site, signal: RoadSignal) -> Mesh | None:
+def _fault_of(site: Site, signal: RoadSignal) -> str | None:
+    if site.state is None:
+        return None
+    return site.state.signals if signal.kind == "traffic_light" else site.state.signs
+
+
+def displaced(mesh: Mesh, heading: Heading, fault: str | None) -> tuple[Mesh, Heading]:
+    """Return a signal's mesh and heading: leaning if it is bent, a quarter turned if it is turned away."""
+    c, s = heading
+    if fault == "turned":
+        return mesh, (-s, c)
+    return (_leaning(mesh) if fault == "bent" else mesh), heading
+
+
+@lru_cache(maxsize=32)
+def _leaning(mesh: Mesh) -> Mesh:
+    """Return a mesh that leans to its right and a little back, as after a knock."""
+    lean, back = np.array(_LEANS[0]), np.array(_LEANS[1])
+    turn = back @ lean
+
+    def rotated(point: Point) -> Point:
+        x, y, z = (turn @ np.array(point)).tolist()
+        return (x, y, z)
+
+    return replace(
+        mesh,
+        vertices=mesh.vertices @ turn.T,
+        normals=mesh.normals @ turn.T,
+        lamps=tuple(
+            replace(lamp, position=rotated(lamp.position), facing=rotated(lamp.facing))
+            for lamp in mesh.lamps
+        ),
+    )
+
+
+def _mesh_of(site: Site, signal: RoadSignal, *, is_between: bool) -> Mesh | None:
     asset = asset_of(signal)
     if asset is None or asset not in asset_ids():
         return None
@@ -60,7 +104,12 @@ def _mesh_of(site: Site, signal: RoadSignal) -> Mesh | None:
             return None
         if limit != 30:
             return speed_sign(limit)
-    return asset_mesh(asset, state_of(site, signal) if signal.kind == "traffic_light" else "")
+    if signal.kind != "traffic_light":
+        return asset_mesh(asset)
+    fault = _fault_of(site, signal)
+    if fault in ("off", "flashing", "all_on"):
+        return asset_mesh(asset, fault, frame=int(is_between))
+    return asset_mesh(asset, state_of(site, signal))
 
 
 def limit_of(signal: RoadSignal) -> int | None:

@@ -20,6 +20,7 @@ from oodscen_pybullet._scenery.buildings import (
     tower,
 )
 from oodscen_pybullet._scenery.placing import RoadsidePlace, Site
+from oodscen_pybullet._scenery.signals import displaced
 
 _BUS_STOPS = ((-1, 7.0, 19.0), (1, 9.0, 21.0), (-1, 150.0, 230.0), (1, 150.0, 230.0))
 """Side and range of distances ahead of the ego's start, m, of bus stops: clear of where scenes place people."""
@@ -78,7 +79,7 @@ _CIRCLE = tuple(
 
 def _streets(site: Site) -> list[Way]:
     """Return the roads with roadside objects, the ego's first."""
-    return [way for way in site.ground.ways if not way.is_connecting]
+    return [way for way in site.ground.ways if not (way.is_connecting or way.is_track)]
 
 
 def _lamps(
@@ -86,7 +87,7 @@ def _lamps(
 ) -> None:
     """Add street lamps along a road, on alternating sides."""
     reach = 1.6
-    mesh = furniture.street_lamp(reach, height, is_night=is_night)
+    lit, dark = (furniture.street_lamp(reach, height, is_night=on) for on in (is_night, False))
     for side in _SIDES:
         for index, spot in enumerate(site.spots(way, side, spacing)):
             if index % 2 == (side > 0) or site.is_spanned(spot, 0.0):
@@ -94,7 +95,11 @@ def _lamps(
             x, y = spot.beside(0.0, out)
             if not site.ground.is_free((x,), (y,), 0.25):
                 continue
-            _, _, z = site.stand(mesh, spot, 0.0, out)
+            ahead = site.ground.along(x, y)[0] - site.ground.corridor.start
+            is_dark = site.state is not None and site.state.is_dark(ahead)
+            _, _, z = site.stand(dark if is_dark else lit, spot, 0.0, out)
+            if is_dark:
+                continue
             hx, hy = spot.beside(0.0, out - reach)
             site.lamps.append((hx, hy, z + height))
 
@@ -104,11 +109,15 @@ def _speed_signs(site: Site, way: Way, out: float, first: float) -> None:
     limit = round(way.corridor.speed_limit * 3.6)
     if limit not in furniture.LIMITS:
         return
+    fault = site.state.signs if site.state else None
+    if fault == "missing":
+        return
     mesh = asset_mesh("speed_limit_sign") if limit == 30 else furniture.speed_sign(limit)
     for spot in site.spots(way, -1, 210.0, first=first):
         x, y = spot.beside(0.0, out)
         if site.ground.is_free((x,), (y,), 0.4) and not site.is_spanned(spot):
-            site.stand(mesh, spot, 0.0, out, (-spot.heading[0], -spot.heading[1]))
+            shown, heading = displaced(mesh, (-spot.heading[0], -spot.heading[1]), fault)
+            site.stand(shown, spot, 0.0, out, heading)
 
 
 def _tree(
@@ -309,7 +318,14 @@ def _highway(site: Site, is_night: bool) -> None:
         if way.is_ego:
             wide = abs(float(way.asphalt[0][0])) + 0.6
             for spot in site.spots(way, -1, 420.0, first=20.0):
-                if not site.is_spanned(spot, 20.0):
+                x, y = spot.beside(0.0, 0.9)
+                edge = float(np.interp(spot.s, way.course.s, way.asphalt[0]))
+                fits = abs(edge - float(way.asphalt[0][0])) < 0.1
+                if (
+                    fits
+                    and site.ground.is_free((x,), (y,), 0.3)
+                    and not site.is_spanned(spot, 20.0)
+                ):
                     mesh = furniture.gantry(wide)
                     site.stand(mesh, spot, 0.0, 0.9)
         _woods(site, way, 15.0, (7.0, 46.0))
@@ -330,16 +346,23 @@ def _median_rail(site: Site, way: Way, t: Array) -> None:
 
 
 def _rail(site: Site, way: Way, t: Array, side: int) -> None:
-    """Add a steel rail whose face looks towards the road: to the right for `side` +1."""
+    """Add a steel rail whose face looks towards the road: to the right for `side` +1.
+
+    It is interrupted where another road joins or leaves.
+    """
     ribbons, line = Ribbons(way.course), way.course
+    is_free = site.ground.asphalt(line.x - t * line.sin, line.y + t * line.cos) > 0.4
+    is_median = bool((t > way.asphalt[0]).all() and (t < way.asphalt[1]).all())
+    stands = is_free | is_median
+    where = stands[1:] & stands[:-1]
     for low, high, colour in ((0.44, 0.56, "rail"), (0.56, 0.60, "post"), (0.60, 0.74, "rail")):
         if side > 0:
-            ribbons.band(t, t + 1e-4, colour, heights=(low, high))
+            ribbons.band(t, t + 1e-4, colour, heights=(low, high), where=where)
         else:
-            ribbons.band(t - 1e-4, t, colour, heights=(high, low))
-    ribbons.band(t - 0.05, t + 0.05, "rail", heights=(0.74, 0.74))
+            ribbons.band(t - 1e-4, t, colour, heights=(high, low), where=where)
+    ribbons.band(t - 0.05, t + 0.05, "rail", heights=(0.74, 0.74), where=where)
     site.add(ribbons.mesh(), (0.0, 0.0, 0.0), (1.0, 0.0))
-    for row in range(0, len(line.s) - 1):
+    for row in np.flatnonzero(stands[:-1]).tolist():
         c, s = float(line.cos[row]), float(line.sin[row])
         x, y = float(line.x[row] - t[row] * s), float(line.y[row] + t[row] * c)
         heading = (c, s) if side > 0 else (-c, -s)

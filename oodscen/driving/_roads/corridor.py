@@ -177,18 +177,23 @@ class Corridor(Brief):
         if self.others:
             bands = [one for other in self.others for one in self._bands(other.corridor)]
             count = len(self.s)
-            roads = [band for is_drivable, band in bands if is_drivable]
+            roads = [band for kind, band in bands if kind in DRIVABLE]
             for sample, ranges in covered_ranges(roads, self.step, count).items():
                 own[sample] = union_of(own[sample], ranges)
             every = covered_ranges((band for _, band in bands), self.step, count)
             for sample, ranges in every.items():
                 around[sample] = tuple(ranges)
             self._follow(own)
+            tracks = [band for kind, band in bands if kind == "rail"]
+            put(self, "_tracks", covered_ranges(tracks, self.step, count))
         put(self, "_around", around)
 
     _plain: Track = field(init=False, repr=False)
     """The same arrays in a form that plain Python indexes quickly."""
     _around: list[Ranges] = field(init=False, repr=False)
+    _tracks: dict[int, list[tuple[float, float]]] = field(
+        init=False, default_factory=dict, repr=False
+    )
 
     @property
     def ego_lanes(self) -> tuple[int, ...]:
@@ -315,6 +320,11 @@ class Corridor(Brief):
             return False
         return any(low <= t <= high for low, high in self._around[self._index(s)])
 
+    def is_on_track(self, s: float, t: float) -> bool:
+        """Return whether a place is on the rails of another road of the map."""
+        ranges = self._tracks.get(self._index(s), ())
+        return any(low <= t <= high for low, high in ranges)
+
     def neighbour(self, strip: int, s: float, side: int) -> int | None:
         """Return the driving strip that touches `strip` on one side.
 
@@ -326,8 +336,8 @@ class Corridor(Brief):
         found = look.neighbour(self._plain, strip, s, side)
         return None if found < 0 else found
 
-    def _bands(self, road: "Corridor") -> list[tuple[bool, OverlapStrip]]:
-        """Return the strips of a nearby road, each with whether it is drivable."""
+    def _bands(self, road: "Corridor") -> list[tuple[StripKind, OverlapStrip]]:
+        """Return the strips of a nearby road, each with its kind."""
         first, last = (self._index(self.start + m) for m in (-_AROUND_M[0], _AROUND_M[1]))
         among = np.arange(first, last + 1, max(1, round(4.0 / self.step)))
         coarse = among[::4]
@@ -340,7 +350,7 @@ class Corridor(Brief):
         if not near.any():
             return []
         lx, ly, cos, sin = (road.track.samples[near, column] for column in (0, 1, 3, 4))
-        bands = []
+        bands: list[tuple[StripKind, OverlapStrip]] = []
         for strip in road.strips:
             if (strip.left - strip.right).max() > 0.01:
                 sides = []
@@ -349,7 +359,7 @@ class Corridor(Brief):
                     x, y = lx - edge * sin, ly + edge * cos
                     s[near], t[near] = self._locate_among(x, y, among)
                     sides.append((s, t))
-                bands.append((strip.kind in DRIVABLE, OverlapStrip(sides[0], sides[1])))
+                bands.append((strip.kind, OverlapStrip(sides[0], sides[1])))
         return bands
 
     def _index(self, s: float) -> int:

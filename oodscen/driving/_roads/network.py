@@ -6,7 +6,9 @@ from typing import Literal
 from oodscen.driving._roads.geometry import Cubic, Curve
 
 Contact = Literal["start", "end"]
-StripKind = Literal["driving", "shoulder", "parking", "sidewalk", "median", "border", "none"]
+StripKind = Literal[
+    "driving", "shoulder", "parking", "sidewalk", "median", "border", "rail", "none"
+]
 
 KINDS: dict[str, StripKind] = {
     **dict.fromkeys(("driving", "entry", "exit", "onRamp", "offRamp", "slipLane"), "driving"),
@@ -14,6 +16,7 @@ KINDS: dict[str, StripKind] = {
     **dict.fromkeys(("shoulder", "stop", "biking"), "shoulder"),
     **dict.fromkeys(("sidewalk", "walking"), "sidewalk"),
     **dict.fromkeys(("border", "curb", "restricted"), "border"),
+    **dict.fromkeys(("rail", "tram"), "rail"),
     "parking": "parking",
     "median": "median",
 }

@@ -89,6 +89,7 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
         lane = ego_strip(corridor, scene.ego.lane)
     except ValueError as error:
         return [Issue("ego.lane", str(error))]
+    issues += _map_state_issues(scene, corridor)
     for path, actor in _all_actors(scene):
         issues += _place_issues(path, actor, catalogue, corridor, lane)
     if not issues and scene.motions:
@@ -97,6 +98,19 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
         return issues
     world = KinematicWorld(corridor, scene, catalogue, 0)
     return overlap_issues(scene, corridor, {"first": bodies(scene, catalogue, world.poses())})
+
+
+def _map_state_issues(scene: Scene, corridor: Corridor) -> list[Issue]:
+    """Return the parts of the map that a scene changes though the map has none of them."""
+    if scene.map_state is None:
+        return []
+    kinds = {"signals": "traffic_light", "signs": "sign"}
+    there = {signal.kind for signal in corridor.signals}
+    return [
+        Issue(f"map_state.{part}", f"{scene.map!r} has no {kinds[part].replace('_', ' ')}s")
+        for part, _ in scene.map_state.faults()
+        if part in kinds and kinds[part] not in there
+    ]
 
 
 def _all_actors(scene: Scene) -> list[tuple[str, Actor]]:
@@ -148,6 +162,8 @@ def _place_issues(
     strip = corridor.strip_at(s, min(t, left - 1e-6))
     beneath = "none" if strip is None else corridor.strips[strip].kind
     is_on_road = beneath in DRIVABLE or corridor.is_drivable(s, t, t)
+    if "rail" in asset.tags:
+        is_on_road = is_on_road or beneath == "rail" or corridor.is_on_track(s, t)
     if asset.category in _ROADSIDE and moves and not is_on_road:
         message = f"{asset.id!r} that drives must start on the road, not on a {beneath!r} strip"
         issues.append(Issue(f"{path}.placement", message))

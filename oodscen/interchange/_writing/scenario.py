@@ -132,6 +132,9 @@ def to_openscenario(
         notes = _write_reactive(root, scene, bodies, catalogue, seed)
     if not ego:
         strip_ego(root)
+    if scene.map_state is not None:
+        faults = ", ".join(f"{part} {state}" for part, state in scene.map_state.faults())
+        notes = (*notes, f"Players show the map in order, not: {faults}.")
     if target == "esmini":
         notes = (*notes, "Play it in esmini with --traj_filter 0.")
     known = {**facts(scene), **(properties or {}), "seed": str(seed), "mode": mode}

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 
 from oodscen._display import Brief
 from oodscen.data._claim import Claim
+from oodscen.data._map_state import MapState
 from oodscen.data._scene import Actor, Ego, Hazard, Trigger, Weather
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt, without_blanks
@@ -35,6 +36,7 @@ class SceneDraft(Brief, BaseModel):
     decision: Trigger
     """A distance or time to collision without an actor refers to the first of `hazard.actors`."""
     horizon_s: float = Field(default=8.0, gt=0, le=60)
+    map_state: MapState | None = None
     cannot_show: str = Field(
         default="",
         max_length=400,

@@ -242,8 +242,12 @@ def temporary_light(mesh: MeshBuilder, shown: Appearance) -> None:
         lens(mesh, (-0.2, 0, z), 0.12, name, is_lit=name == lit)
 
 
+_HALF = 0.7071
+"""Cosine and sine of the slope of an arm that is stuck half-way."""
+
+
 def level_crossing_gate(mesh: MeshBuilder, shown: Appearance) -> None:
-    """A railway gate with two red lamps; its arm lies across the lane or points up."""
+    """A railway gate with two red lamps; its arm lies across the lane, points up, or is stuck half-way."""
     is_open = shown.state == "open"
     right = -2.9
     mesh.box((0.25, right, 0.55), (0.5, 0.5, 1.1), "light_grey")
@@ -252,7 +256,10 @@ def level_crossing_gate(mesh: MeshBuilder, shown: Appearance) -> None:
     for k in range(10):
         colour = "white" if k % 2 else "red"
         a, b = 0.6 * k, 0.6 * (k + 1)
-        if is_open:
+        if shown.state == "half":
+            near, far = ((0.3, right + 0.2 + _HALF * c, 1.0 + _HALF * c) for c in (a, b))
+            mesh.beam(near, far, 0.13, colour)
+        elif is_open:
             mesh.beam((0.3, right + 0.2, 1.0 + a), (0.3, right + 0.2, 1.0 + b), 0.13, colour)
         else:
             mesh.beam((0.3, right + 0.2 + a, 1.0), (0.3, right + 0.2 + b, 1.0), 0.13, colour)
