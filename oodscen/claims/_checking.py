@@ -138,7 +138,7 @@ class _Role(NamedTuple):
     is_of_map: bool = False
     """True if the scene says that the road itself shows it."""
     map_fault: str = ""
-    """What is wrong with those of the map; empty if they are in order."""
+    """Fault of those of the map; empty if they are in order."""
 
 
 def _role(

@@ -15,7 +15,7 @@ MapPart = Literal["street_lamps", "signals", "signs"]
 
 
 class MapState(Data):
-    """What is wrong with a map's own lamps, lights and signs; what is left out is in order.
+    """Faults of a map's own lamps, lights and signs; what is left out is in order.
 
     All of it is part of the hazard: in the ordinary twin the map is in order.
     """

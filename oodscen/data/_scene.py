@@ -226,7 +226,7 @@ class Scene(Data):
     motions: tuple[Motion, ...] = Field(default=(), max_length=400)
     """Designs of the behaviours that no catalogue has; left out of the JSON text if empty."""
     map_state: MapState | None = None
-    """What is wrong with the map's own lamps, lights and signs; left out of the JSON text if nothing is."""
+    """Faults of the map's own lamps, lights and signs; left out of the JSON text if nothing is."""
 
     @model_serializer(mode="wrap")
     def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:

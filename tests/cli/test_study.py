@@ -60,7 +60,7 @@ def test_a_model_without_usable_answers_exits_with_1_and_later_ones_do_not(study
     assert invoke(*order, f"replay:{tmp_path / 'mute.jsonl'}").exit_code == 1
     later = invoke(*order, "random", "--json")
     assert later.exit_code == 0
-    assert {row["model"] for row in json.loads(later.output)["standings"]} >= {"random", "oracle"}
+    assert {row["model"] for row in json.loads(later.stdout)["standings"]} >= {"random", "oracle"}
 
 
 @pytest.mark.parametrize("command", [["evaluate", "--vlm", "random"], ["report"], ["drive"]])
@@ -145,7 +145,8 @@ def test_items_that_were_not_asked_are_told_per_model() -> None:
     lines = left_out([verdict, verdict, verdict.model_copy(update={"outcome": "error"})])
     assert lines == [
         "m: 2 items not asked: down; the same command asks them, --drop m takes the model out of "
-        "the study"
+        "the study",
+        "m: 1 items failed, e.g. not asked: down; --retry-failed asks them again",
     ]
 
 

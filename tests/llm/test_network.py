@@ -102,7 +102,7 @@ def test_what_comes_before_a_body_has_an_end():
     with talking(dripping(b"", PROCESSING * 4_000, 0.0)) as rogue:
         assert "bytes" in str(refusal(client(rogue)))
     bounds = CallBounds(1.0, 10)
-    bounds.sending("http://x")
+    bounds.note_request("http://x")
     with pytest.raises(Exception, match="no response"):
         bounds.heard(HEAD + 1)
 

@@ -53,7 +53,7 @@ class Site:
     terrain: Terrain
     rng: np.random.Generator
     state: MapState | None = None
-    """What is wrong with the map's lamps, lights and signs."""
+    """Faults of the map's lamps, lights and signs."""
     lamps: list[Point] = field(default_factory=list)
     _vertices: list[Array] = field(default_factory=list)
     _normals: list[Array] = field(default_factory=list)

@@ -51,7 +51,7 @@ def build_scenery(
         is_night: Whether windows and lamps are lit.
         without: Ids of map signals to omit, for instance because the scene has its own signals
             there: `oodscen_pybullet._scenery.signals.replaced`.
-        state: What is wrong with the map's lamps, lights and signs.
+        state: Faults of the map's lamps, lights and signs.
         is_between: Whether flashing lights are between two flashes.
     """
     theme = theme_of(traits, corridor)
