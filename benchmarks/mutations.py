@@ -168,10 +168,18 @@ def broken(content: bytes, draw: random.Random) -> tuple[str, bytes | None]:
     return (name, BYTES[name](content, draw)) if name in BYTES else changed(content, draw)
 
 
+def _is_json(line: bytes) -> bool:
+    """Return whether a line holds a JSON object; a line of a picture may only begin like one."""
+    try:
+        return isinstance(json.loads(line), dict)
+    except ValueError:
+        return False
+
+
 def changed(content: bytes, draw: random.Random) -> tuple[str, bytes]:
     """Change something in one JSON document of a file: one line or the whole file."""
     lines = content.split(b"\n")
-    numbers = [number for number, line in enumerate(lines) if line.startswith(b"{")]
+    numbers = [number for number, line in enumerate(lines) if _is_json(line)]
     if not numbers:
         return "nothing", content
     number = draw.choice(numbers)
