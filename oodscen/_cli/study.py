@@ -132,7 +132,8 @@ if TYPE_CHECKING:
 @click.option(
     "--made/--no-made",
     default=None,
-    help="Let the model design things that the simulator lacks, or keep to its catalogue.  [default: --no-made]",
+    help="Let the model design things that the simulator lacks, or keep to its catalogue.  [default: --made for "
+    "models other than the built-in author, if the simulator draws props]",
 )
 @click.option("--max-paths", type=click.IntRange(min=1), help="Simulate at most this many paths.")
 @click.option(

@@ -161,10 +161,12 @@ class Catalogue(Data):
     for views straight down only, such as `Camera.above()`."""
     details: DetailKinds | None = None
     """Poses and states of parts that the simulator draws; left out of the JSON text if there are none."""
+    draws_props: bool = False
+    """Things made to order are drawn from their designs, not as boxes; left out of the JSON text if not."""
 
     @model_serializer(mode="wrap")
     def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return _without("details", serialise(self))
+        return _without("draws_props", _without("details", serialise(self)))
 
     def asset(self, name: str) -> Asset:
         """Return an asset by id; raises `KeyError` if it is unknown."""
@@ -366,7 +368,7 @@ class Catalogue(Data):
 
 def _without(name: str, value: dict[str, Any]) -> dict[str, Any]:
     """Return the fields of a value without one that is empty."""
-    if value.get(name) is None:
+    if value.get(name) in (None, False):
         value.pop(name, None)
     return value
 

@@ -109,8 +109,11 @@ class StudyConfig(Data):
     """Write every text's ordinary twin as well; by default only if the built-in author writes."""
     demands: bool = True
     """Make and run an ordinary demand beside every scene and its twin."""
-    made: bool = False
-    """Make the things that the simulator lacks, where nothing else keeps a branch from being shown."""
+    made: bool | None = None
+    """Make the things that the simulator lacks, where nothing else keeps a branch from being shown.
+
+    By default only if a model is asked, not the built-in author, and the simulator draws props.
+    """
     max_paths: int | None = Field(default=None, ge=1)
     """Maximum number of paths to simulate; all if left out."""
     band: tuple[float, float] | None = None

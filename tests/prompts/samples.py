@@ -103,8 +103,8 @@ SAMPLES = (
         full=("deer",),
         procedure="closed",
     ),
-    JudgeBranch(path=PATH, catalogue=DIGEST),
-    JudgeBranches(paths=(PATH, (*PATH[:-1], "Fog")), catalogue=DIGEST),
+    JudgeBranch(path=PATH, catalogue=DIGEST, exact=True),
+    JudgeBranches(paths=(PATH, (*PATH[:-1], "Fog")), catalogue=DIGEST, exact=True),
     DesignMotion(name="fall_over", path=PATH, categories=("vegetation", "object")),
     DesignProp(
         name="low_wall",

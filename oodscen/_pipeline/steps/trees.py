@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from oodscen._pipeline.context import Context
+from oodscen._pipeline.models import is_asked
 from oodscen.data._base import Data
 from oodscen.data._motion import Motion
 from oodscen.stages._grow import TreeGrower
@@ -104,7 +105,7 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
         run.store.append("pruned.jsonl", decision)
         judgements.append(decision)
         run.progress("prune", len(judgements), total)
-    if run.config.made:
+    if _makes(run):
         judgements = _with_made(run, tree, judgements)
     decisions = all_decisions(tree, judgements)
     run.store.write_lines("pruned.jsonl", decisions)
@@ -113,6 +114,13 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
     run.store.write("restore.json", restoration(decisions).to_json() + "\n")
     run.store.write("tree.simulatable.json", _tree_text(simulatable))
     return simulatable
+
+
+def _makes(run: Context) -> bool:
+    """Return whether what the simulator lacks is made."""
+    if run.config.made is not None:
+        return run.config.made
+    return is_asked(run.config.llm) and run.simulator.catalogue().draws_props
 
 
 def _with_made(

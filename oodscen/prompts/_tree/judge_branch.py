@@ -74,6 +74,8 @@ class JudgeBranch(Prompt[BranchJudgement]):
     path: tuple[str, ...]
     """Labels from the root down to the leaf."""
     catalogue: CatalogueDigest
+    exact: bool = False
+    """Only the thing itself counts, no substitute."""
 
     def check(self, answer: BranchJudgement) -> list[Issue]:
         """Return faults: named entries that do not exist, missing ones that do, or an invalid narrower label."""
@@ -147,10 +149,13 @@ class JudgeBranches(Prompt[BranchJudgements]):
     paths: tuple[tuple[str, ...], ...]
     """Labels from the root down to the leaf, for every branch."""
     catalogue: CatalogueDigest
+    exact: bool = False
+    """Only the things themselves count, no substitutes."""
 
     def single(self, number: int) -> JudgeBranch:
         """Return the question about one of the branches, counted from 1, alone."""
-        return JudgeBranch(path=self.paths[number - 1], catalogue=self.catalogue)
+        path = self.paths[number - 1]
+        return JudgeBranch(path=path, catalogue=self.catalogue, exact=self.exact)
 
     def check(self, answer: BranchJudgements) -> list[Issue]:
         """Return faults: missing, repeated or unknown numbers, and those of every judgement."""

@@ -150,7 +150,9 @@ class Pruner(Brief):
     ) -> list[PruneDecision]:
         """Judge leaves in one call, or one by one if the model does not manage several."""
         if len(leaves) > 1:
-            question = JudgeBranches(paths=tuple(paths), catalogue=self.catalogue)
+            question = JudgeBranches(
+                paths=tuple(paths), catalogue=self.catalogue, exact=not self.substitutes
+            )
             try:
                 answers = ask(self.llm, question).judgements
             except LLMError as error:
@@ -168,7 +170,8 @@ class Pruner(Brief):
         return [self._judge(leaf, path) for leaf, path in zip(leaves, paths, strict=True)]
 
     def _judge(self, leaf: Node, path: tuple[str, ...]) -> PruneDecision:
-        question = fitted(JudgeBranch(path=path, catalogue=self.catalogue), self.context)
+        judge = JudgeBranch(path=path, catalogue=self.catalogue, exact=not self.substitutes)
+        question = fitted(judge, self.context)
         try:
             return self._decision(leaf, path, ask(self.llm, question), question)
         except LLMError as error:
@@ -209,6 +212,8 @@ class Pruner(Brief):
         elif standing:
             match = "substitute"
         lacks = tuple(dict.fromkeys(answer.missing)) if match != "full" else ()
+        if answer.simulatable and not keep:
+            lacks = lacks or self._stood_for(standing)
         used = answer if keep else None
         return PruneDecision(
             id=leaf.id,
@@ -226,6 +231,14 @@ class Pruner(Brief):
             missing=tuple(one.words for one in lacks),
             lacks=lacks,
             **self._asked(question),
+        )
+
+    def _stood_for(self, standing: Sequence[StandIn]) -> tuple[Addition, ...]:
+        """Return the things that refused substitutes stand for, as additions to the catalogue."""
+        category = {asset.id: asset.category for asset in self.catalogue.assets}
+        return tuple(
+            Addition(kind="asset", name=one.stands_for, category=category.get(one.asset))
+            for one in standing
         )
 
 

@@ -202,6 +202,21 @@ def test_substitutes_are_marked_and_can_be_refused():
     assert bison.assets == ()
 
 
+def test_a_refused_substitute_tells_what_the_catalogue_lacks():
+    asked = []
+
+    def answer(request):
+        asked.append(request.prompt)
+        near = {"asset": "cow", "stands_for": "Steppe bison"}
+        return {"reasoning": "Near.", "simulatable": True, "assets": ["cow"], "substitutes": [near]}
+
+    exact = Pruner(ScriptedLLM(answer), FlatSimulator().catalogue(), substitutes=False)
+    (bison,) = exact.decisions(planted("Bison"))
+    assert (bison.keep, bison.missing) == (False, ("an asset: steppe bison",))
+    assert bison.lacks[0].category == "animal"
+    assert asked[0].exact
+
+
 def test_every_node_has_a_reason_even_where_the_model_gives_none():
     silent = {"reasoning": " ", "simulatable": False, "missing": ["unicorn"]}
     tree = planted("Unicorn", "Deer")
