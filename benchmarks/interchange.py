@@ -27,6 +27,7 @@ from lxml import etree
 
 from oodscen import Episode, Scene, Study, make_catalogue
 from oodscen.data import Catalogue
+from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._pairing import scene_of
 from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
@@ -95,6 +96,12 @@ for path in sys.argv[1:]:
         found[path] = f"{type(error).__name__}: {error}"[:500]
 print(json.dumps(found))
 """
+
+
+class _OneDriver(UnrenderedSimulator):
+    """Tries an action as one driver on one road, as a recording does, and not as several."""
+
+    rehearse = None  # type: ignore[assignment]
 
 
 class _Slower(Cruise):
@@ -271,6 +278,7 @@ def ttc_apart(scene: Scene, catalogue: Catalogue, told: Sequence[tuple[int, int,
 
 def replays(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
     simulator, worst, misses, agreed = UnrenderedSimulator(catalogue), [], [], 0
+    one_driver = _OneDriver(catalogue)
     for scene in scenes:
         path = to_openscenario(scene, catalogue, target="esmini", action="stop").save(folder)
         truth = replayed(scene, simulator, "stop", 0)
@@ -279,7 +287,9 @@ def replays(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
         if run.error or len(run.time) != len(truth.time):
             misses.append(f"{scene.id}: {run.error or 'ended early'}")
             continue
-        ours = simulate(scene, simulator, actions=("stop",), render=False).episode
+        ours = simulate(
+            scene, one_driver, actions=("stop",), render=False, reaction=(NOMINAL_REACTION_S,)
+        ).episode
         its = verdict(scene, PlayedPoses(run.names, run.time, run.poses), catalogue)
         agreed += agree(its, ours)
         far, high, turned = errors(run.poses, run.names, truth)
