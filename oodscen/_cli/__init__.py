@@ -107,6 +107,10 @@ class _CommandGroup(click.Group):
             )
 
 
+_AGAIN_S = 0.5
+"""Time after which an interruption that was dropped is raised again, s."""
+
+
 class _Interrupt(KeyboardInterrupt):
     """A signal that asks the command to end."""
 
@@ -119,14 +123,21 @@ class _Interrupt(KeyboardInterrupt):
 def _interruptible() -> Iterator[None]:
     """Let SIGTERM and SIGHUP interrupt as Ctrl-C does; a second signal ends the process at once.
 
-    A signal that the process was started to ignore, as under `nohup`, stays ignored.
+    A signal that the process was started to ignore, as under `nohup`, stays ignored. Python drops an exception
+    that is raised within a finaliser or a callback, so an interruption is raised again as long as nothing handles it.
     """
     before: dict[int, Any] = {}
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         for one in before:
             signal.signal(one, signal.SIG_DFL)
+        before[signal.SIGALRM] = signal.signal(signal.SIGALRM, lambda *_: raise_again(number))
+        signal.setitimer(signal.ITIMER_REAL, _AGAIN_S, _AGAIN_S)
         raise _Interrupt(number)
+
+    def raise_again(number: int) -> None:
+        if sys.exc_info()[1] is None:
+            raise _Interrupt(number)
 
     try:
         if threading.current_thread() is threading.main_thread():
@@ -136,6 +147,8 @@ def _interruptible() -> Iterator[None]:
                     signal.signal(number, interrupt)
         yield
     finally:
+        if signal.SIGALRM in before:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
         for one, handler in before.items():
             signal.signal(one, handler)
 

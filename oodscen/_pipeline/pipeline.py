@@ -99,7 +99,6 @@ class Pipeline:
                     stopped="it was interrupted; the same command continues it",
                     usage=self._usage(),
                 )
-                self._report()
             raise
         finally:
             self.context.models.close()

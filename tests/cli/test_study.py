@@ -3,6 +3,8 @@ import json
 import os
 import shutil
 import signal
+import sys
+import time
 from contextlib import contextmanager
 
 import pytest
@@ -210,6 +212,22 @@ def test_an_interruption_with_a_full_disk_keeps_the_code_of_the_signal(
     words = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "1"]
     found = CliRunner().invoke(main, ["run", str(tmp_path / "o"), *words])
     assert (found.exit_code, "interrupted" in found.output) == (143, True)
+
+
+def test_an_interruption_that_a_finaliser_swallows_comes_again(tmp_path, monkeypatch) -> None:
+    class Last:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGTERM)
+
+    def swallow(study, bars):
+        with monkeypatch.context() as patch:
+            patch.setattr(sys, "unraisablehook", lambda raised: None)
+            Last()
+        time.sleep(60.0)
+
+    (tmp_path / "study.json").write_text("{}")
+    monkeypatch.setattr("oodscen.report._render.write_report", swallow)
+    assert invoke("report", tmp_path).exit_code == 143
 
 
 def test_a_signal_that_shall_be_ignored_is(tmp_path, monkeypatch) -> None:
