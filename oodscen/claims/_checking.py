@@ -267,7 +267,10 @@ def _unstaged(
     rest = " other" if others else ""
     found = role.why_not or f"there is no{rest} actor that is one"
     if role.is_of_map and not role.why_not:
-        found = "the road has none that could be one, or none that could do this"
+        found = (
+            "the road has none that could be one, or none that could do this; how far away the road's own things are is not "
+            "measured, so an actor must show it"
+        )
     return {claim: _finding(claim, False, found, "actors") for claim in claims}
 
 

@@ -91,7 +91,8 @@ def doubt(
     if may_be(subject, asset):
         return ""
     thing = thing_named(subject)
-    if thing is not None and _is_human(thing) and _shares(subject, quotes, asset):
+    is_human = thing is not None and _is_human(thing)
+    if is_human and (_shares(subject, quotes, asset) or _rides(subject, asset)):
         return ""
     called = _called(subject, thing, catalogue)
     told = f"{asset.id!r} is {asset.description}, and {_bare(subject)!r} names something else"
@@ -153,6 +154,12 @@ def _shares(subject: str, quotes: Sequence[str], asset: Asset) -> bool:
         return False
     theirs = {_stem(word) for word in words_of(asset)} | _stems(asset.description)
     return bool((_stems(" ".join((subject, *quotes))) & theirs) - _COMMON)
+
+
+def _rides(subject: str, asset: Asset) -> bool:
+    """Return whether a person of the text sits on what the asset is: a person on a cargo bike."""
+    found = re.search(r"\b(?:on|riding|astride)\s+(.+)", subject.casefold())
+    return found is not None and asset.category in ("cyclist", "animal") and may_be(found[1], asset)
 
 
 def _stems(text: str) -> set[str]:

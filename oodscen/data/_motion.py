@@ -1,5 +1,6 @@
 """Motions made to order: movements that a scene carries, for what no catalogue has."""
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
@@ -158,13 +159,21 @@ class Motion(Data):
         """Return it as a behaviour of a catalogue."""
         from oodscen.data._catalogue import BehaviourKind
 
-        before = "stands" if self.begins == "rest" else "comes straight on"
+        poses = self.poses()
+        last = poses[-1]
+        before = "stands"
         if self.frame == "other":
             before = "goes along with another actor"
+        elif self.begins == "moving":
+            first = math.dist((poses[1].ahead, poses[1].left), (poses[0].ahead, poses[0].left))
+            before = f"moves straight ahead at {first / poses[1].at:.2g} "
+            before += "m/s" if self.by == "time" else "m per metre of the ego's way"
         way = " along the road" if self.frame == "lane" else ""
+        extent = f"{last.ahead:.3g} m ahead and {last.left:.3g} m to the left in {last.at:.3g} "
+        extent += "s" if self.by == "time" else "m of the ego's way"
         return BehaviourKind(
             id=self.id,
-            description=f"{before}; from the trigger on{way}: {self.description}",
+            description=f"{before}; from the trigger on{way}: {self.description} ({extent})",
             categories=ABILITIES[self.body].categories,
             needs_other=self.frame == "other",
             like=KEYED,

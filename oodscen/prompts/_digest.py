@@ -18,6 +18,8 @@ from oodscen.prompts._layout import layout
 
 _SHARED = 3
 """Number of assets from which their states get a name of their own."""
+_FEW = 7
+"""Largest number of vehicles that are named as those that have a part."""
 
 
 class AssetLine(Data):
@@ -194,7 +196,9 @@ class CatalogueDigest(Data):
             maps=tuple(_map_line(road, catalogue) for road in catalogue.maps),
             weather=_weather_line(catalogue),
             poses=tuple(kind.id for kind in catalogue.details.poses) if catalogue.details else (),
-            parts=tuple(kind.id for kind in catalogue.details.parts) if catalogue.details else (),
+            parts=tuple(_part_line(kind.id, catalogue) for kind in catalogue.details.parts)
+            if catalogue.details
+            else (),
             map_parts=catalogue.map_parts,
         )
 
@@ -204,6 +208,12 @@ def _described(asset: Asset) -> str:
     if asset.description and {"flat", "smoke"} <= set(asset.tags):
         return f"{asset.description} (the size is that of its foot; its smoke rises above)"
     return asset.description
+
+
+def _part_line(part: str, catalogue: Catalogue) -> str:
+    """Return a part, with the vehicles that have it if they are few."""
+    having = [asset.id for asset in catalogue.assets if asset.offers and part in asset.offers.parts]
+    return f"{part} ({', '.join(having)})" if len(having) <= _FEW else part
 
 
 def _behaviour_line(kind: BehaviourKind) -> BehaviourLine:

@@ -38,6 +38,7 @@ class Describer(Brief):
         metrics: Measures OOD-ness, selects texts and flags off-topic ones; required for `candidates` above 1
             and for a `band`.
         catalogue: The simulator that will show the texts, so that they ask for nothing else.
+        made: Things and motions made to order, in words, by the path of the leaf that they were made for.
         options: All other options; the defaults if left out.
         **changes: Single options, e.g. `per_path=3`, instead of those in `options`.
 
@@ -58,6 +59,7 @@ class Describer(Brief):
         *,
         metrics: "Metrics | None" = None,
         catalogue: Catalogue | None = None,
+        made: Mapping[tuple[str, ...], Sequence[str]] | None = None,
         options: DescribeOptions | None = None,
         **changes: Any,
     ) -> None:
@@ -68,6 +70,7 @@ class Describer(Brief):
         self.encoder = encoder
         self.metrics = metrics
         self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
+        self.made = {path: tuple(words) for path, words in (made or {}).items()}
 
     def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> list[Scenario]:
         """Return up to `per_path` scenarios for every leaf, in tree order, all with different texts.
@@ -186,6 +189,7 @@ class Describer(Brief):
                 avoid=earlier,
                 style=self.options.style,
                 catalogue=self.catalogue,
+                made=self.made.get(path, ()),
             )
             found = ask(self.llm, prompt, sample=self.options.sample).texts
             for text in found:

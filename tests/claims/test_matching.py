@@ -21,6 +21,7 @@ PLAUSIBLE = [
     ("toppled birch", "A toppled birch", "fallen_tree"),
     ("leaked diesel", "leaked diesel with a purple sheen", "oil_spill"),
     ("hurt cyclist", "a cyclist lies hurt", "person_lying"),
+    ("person on a cargo bike", "a person on a cargo bike", "cargo_bike"),
     ("grass fire", "a roadside grass fire", "fire"),
     ("poodle", "a white poodle", "dog"),
     ("stallion", "a black stallion", "horse"),
@@ -28,6 +29,7 @@ PLAUSIBLE = [
 ]
 FALSE = [
     ("uprooted maple", "a large uprooted maple", "oil_spill"),
+    ("girl on a horse", "a girl on a horse", "cow"),
     ("leaked diesel", "leaked diesel", "fallen_tree"),
     ("hurt cyclist", "a cyclist lies hurt", "child"),
     ("dog", "a brown dog", "cat"),

@@ -49,6 +49,22 @@ def test_ids_are_numbered_within_the_leaf_and_batches_avoid_earlier_texts():
     assert all(item.path == PATH and item.leaf == "box" for item in scenarios)
 
 
+def test_a_writer_knows_what_was_made_for_its_kind_only():
+    asked = []
+
+    def answer(request):
+        asked.append(request.prompt)
+        return {"texts": [f"A large box lies {len(asked)} m ahead of ego."]}
+
+    other = (*PATH[:-1], "Train on the road")
+    describer = Describer(ScriptedLLM(answer), made={other: ["train: a red locomotive"]})
+    describer.path("box", PATH, 1)
+    describer.path("train", other, 1)
+    assert [one.made for one in asked] == [(), ("train: a red locomotive",)]
+    assert ["a red locomotive" in one.question() for one in asked] == [False, True]
+    assert asked[0].instructions() == asked[1].instructions()
+
+
 def test_near_duplicates_are_replaced():
     first = "A large cardboard box lies in the middle of the lane ahead of the ego vehicle."
     near = "In the middle of the lane ahead of the ego vehicle lies a large cardboard box."

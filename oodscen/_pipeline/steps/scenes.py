@@ -5,21 +5,17 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
+from oodscen._pipeline.steps.made import ids_of, made_for
 from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode, moments
-from oodscen.data._motion import Motion
 from oodscen.data._pairing import demand_id, scene_of, twin_id
-from oodscen.data._prop import Prop
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import DataError, Issue, LLMError
 from oodscen.stages._augment import Augmenter
-from oodscen.stages._props.files import ASSETS
-from oodscen.stages._props.making import MadeProp
-from oodscen.stages._props.motions import MOTIONS, made_motions
 from oodscen.study._staging import Staging
 
 SCENES = "scenes.jsonl"
@@ -37,8 +33,6 @@ REAR = "episodes.rear.jsonl"
 """File of the runs in which the views to the rear were taken."""
 
 Line = dict[str, Any]
-Made = tuple[tuple[Prop, ...], tuple[Motion, ...]]
-"""Things and motions made to order."""
 
 
 def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
@@ -57,7 +51,7 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         context=run.config.context,
         encoder=run.encoder,
     )
-    staging = _made_for(run)
+    staging = made_for(run)
     with_made = {
         names: Augmenter(
             run.llm,
@@ -68,7 +62,7 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
             made=props,
             motions=motions,
         )
-        for names, (props, motions) in {_ids(one): one for one in staging.values()}.items()
+        for names, (props, motions) in {ids_of(one): one for one in staging.values()}.items()
     }
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = _staged_scenes(_lines(run))
@@ -87,7 +81,7 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         if isinstance(claims, LLMError):
             return failed(scenario.id, claims, scenario_id=scenario.id)
         try:
-            needed = _ids(staging[scenario.path]) if scenario.path in staging else ()
+            needed = ids_of(staging[scenario.path]) if scenario.path in staging else ()
             scene = with_made.get(needed, augmenter).run(scenario, claims)
             if run.config.horizon is not None:
                 scene = scene.model_copy(update={"horizon_s": run.config.horizon})
@@ -109,33 +103,6 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     staged = _staged_scenes(lines)
     _write_scenes(run, lines, {name: one.ran for name, one in staged.items()} | kept, staged)
     return [one.scene for one in staged.values()]
-
-
-def _made_for(run: Context) -> dict[tuple[str, ...], Made]:
-    """Return the things and motions that were made for leaves, by the path of the leaf."""
-    if not run.has(ASSETS):
-        return {}
-    lines = [MadeProp.parse(line, source=ASSETS) for line in run.store.lines(ASSETS)]
-    props = {one.id: one.prop for one in lines if one.prop is not None}
-    motions = made_motions(run.store.lines(MOTIONS)) if run.has(MOTIONS) else {}
-    tree = run.study.tree("simulatable")
-    paths = tree.paths
-    return {
-        paths[one.id]: (
-            tuple(props[name] for name in one.made if name in props),
-            tuple(motions[name] for name in one.made if name in motions),
-        )
-        for one in run.study.decisions
-        if one.keep
-        and one.made
-        and one.id in paths
-        and set(one.made) <= props.keys() | motions.keys()
-    }
-
-
-def _ids(staging: Made) -> tuple[str, ...]:
-    """Return the ids of things and motions."""
-    return tuple(one.id for group in staging for one in group)
 
 
 def _lines(run: Context) -> dict[str, Line]:

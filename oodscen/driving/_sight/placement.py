@@ -24,6 +24,8 @@ DT = 0.05
 APPROACH_S = 15.0
 """Time from the start within which the decision must be reached, s."""
 
+_ON_RAILS = {"rail", "train", "tram", "locomotive"}
+"""Words of assets that drive on railway tracks."""
 _ROADSIDE = frozenset({"vehicle", "cyclist"})
 """Categories whose moving actors must start on drivable road."""
 
@@ -162,10 +164,14 @@ def _place_issues(
     strip = corridor.strip_at(s, min(t, left - 1e-6))
     beneath = "none" if strip is None else corridor.strips[strip].kind
     is_on_road = beneath in DRIVABLE or corridor.is_drivable(s, t, t)
-    if "rail" in asset.tags:
+    if _ON_RAILS & {*asset.tags, *asset.id.split("_")}:
         is_on_road = is_on_road or beneath == "rail" or corridor.is_on_track(s, t)
     if asset.category in _ROADSIDE and moves and not is_on_road:
-        message = f"{asset.id!r} that drives must start on the road, not on a {beneath!r} strip"
+        found = "beside it" if beneath == "none" else f"on a {beneath!r} strip"
+        message = (
+            f"{asset.id!r} that drives must start on the road, not {found}; only one that stands or rolls away may, "
+            "and a train on its track"
+        )
         issues.append(Issue(f"{path}.placement", message))
     return issues
 

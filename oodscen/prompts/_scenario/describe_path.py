@@ -43,6 +43,8 @@ class DescribePath(Prompt[Descriptions]):
     """Register of the texts."""
     catalogue: CatalogueDigest | None = None
     """Simulator content that the texts may ask for; `None` allows anything."""
+    made: tuple[str, ...] = ()
+    """Things and motions made to order for this kind, in words; the texts may ask for them too."""
 
     def variables(self) -> dict[str, Any]:
         """Return the fields, with the style's instructions in words and the texts to show."""
