@@ -252,6 +252,14 @@ def sheet(seen: Iterable[SeenProp], *, captions: bool = False, seed: int = 0) ->
     return np.concatenate(lines)
 
 
+def plate(seen: SeenProp) -> Image:
+    """Return a picture of one thing: by day above and by night below, at the three distances."""
+    cells = [_middle(picture) for picture in seen.pictures]
+    count = len(DISTANCES_M)
+    day, night = (np.concatenate(row, axis=1) for row in (cells[:count], cells[count:]))
+    return np.concatenate((day, night))
+
+
 def order(count: int, seed: int) -> list[int]:
     """Return the random order of the rows of a sheet without captions."""
     return [int(i) for i in np.random.Generator(np.random.PCG64(seed)).permutation(count)]
