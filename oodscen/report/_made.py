@@ -52,8 +52,8 @@ class ThingRow:
     facts: tuple[str, ...]
     """Size, mass, touch, support and number of parts."""
     texts: tuple[str, ...]
-    pixels: Mapping[str, Sequence[str]]
-    """Its sizes by day and by night, from near to far; empty if it was not looked at."""
+    measures: Mapping[str, Sequence[str]]
+    """Its pixels and its contrasts from near to far; empty if it was not looked at."""
     recognised: str
     faults: tuple[str, ...]
     model: str
@@ -113,10 +113,10 @@ def _things(study: Study, found: Material) -> Iterator[ThingRow]:
         walk = measured(prop.parts)
         yield ThingRow(
             prop=prop,
-            picture=picture(study.folder, picture_of(prop.id)) if one else _NO_PICTURE,
+            picture=_picture(study, found, prop, uses[digest], is_made=one is not None),
             facts=tuple(_facts(prop, walk)),
             texts=tuple(dict.fromkeys(text for _, text in walk.texts)),
-            pixels=_pixels(look) if look else {},
+            measures=_measures(look) if look else {},
             recognised=look.recognised if look else UNSEEN,
             faults=look.faults if look else (),
             model=one.model if one else "",
@@ -124,7 +124,13 @@ def _things(study: Study, found: Material) -> Iterator[ThingRow]:
         )
 
 
-_NO_PICTURE = FramePicture(problem="came with its scene, and was not looked at by itself")
+def _picture(
+    study: Study, found: Material, prop: Prop, uses: Uses, *, is_made: bool
+) -> FramePicture:
+    """Return the picture of a thing by itself, or of the first scene that shows it."""
+    own = picture(study.folder, picture_of(prop.id)) if is_made else FramePicture()
+    frames = (one.frames.get("last") for one in found.episodes if one.scene_id in uses.scenes[:1])
+    return own if own.href else picture(study.folder, next(frames, None))
 
 
 def _facts(prop: Prop, walk: Measured) -> Iterator[str]:
@@ -139,10 +145,13 @@ def _facts(prop: Prop, walk: Measured) -> Iterator[str]:
     yield f"{walk.parts} parts"
 
 
-def _pixels(look: PropLook) -> dict[str, list[str]]:
+def _measures(look: PropLook) -> dict[str, list[str]]:
+    by_day = [view for view in look.views if not view.is_night]
+    by_night = [view for view in look.views if view.is_night]
     return {
-        name: [f"{view.pixels:,}" for view in look.views if view.is_night is is_night]
-        for name, is_night in (("by day", False), ("by night", True))
+        "pixels": [f"{view.pixels:,}" for view in by_day],
+        "contrast by day": [f"{view.contrast:.0f}" for view in by_day],
+        "by night": [f"{view.contrast:.0f}" for view in by_night],
     }
 
 

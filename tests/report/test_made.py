@@ -3,6 +3,7 @@
 from lxml import html
 
 from oodscen import Study
+from oodscen.data._episode import Episode
 from oodscen.data._prop import Prop
 from oodscen.data._scene import Scene
 from oodscen.report._gallery import payload
@@ -97,10 +98,13 @@ def test_everything_that_was_made_is_on_the_page(tmp_path):
     assert len(page.xpath(".//a[@href = '#scene-s-002']")) >= 4
 
 
-def test_designs_that_only_scenes_carry_are_shown_without_a_picture(tmp_path):
-    page = shown(tmp_path, Material(scenes=[scene()]))
-    assert not page.xpath(".//img")
-    assert "not looked at" in "".join(page.itertext())
+def test_designs_that_only_scenes_carry_are_shown_as_they_are_there(tmp_path):
+    (tmp_path / "frames").mkdir()
+    (tmp_path / "frames" / "last.jpg").write_bytes(b"\xff\xd8")
+    ran = Episode(id="s-001", scene_id="s-001", status="ok", frames={"last": "frames/last.jpg"})
+    page = shown(tmp_path, Material(scenes=[scene()], episodes=[ran]))
+    assert page.xpath(".//img/@src") == ["frames/last.jpg"]
+    assert not shown(tmp_path, Material(scenes=[scene()])).xpath(".//img")
 
 
 def test_where_nothing_was_made_there_is_no_part(tmp_path):
