@@ -20,6 +20,7 @@ from oodscen.data._pairing import kind_of, scene_of
 from oodscen.errors import UnknownComponent, UsageError
 
 if TYPE_CHECKING:
+    from oodscen.data._details import Details
     from oodscen.data._episode import Episode
     from oodscen.data._scenario import Scenario
     from oodscen.data._scene import Scene, Weather
@@ -153,6 +154,8 @@ def _words(
             yield f"  text      {one_line(text)}"
     if kind_of(item) == "rare":
         yield f"  place     {scene.map}, ego at {scene.ego.speed:g} m/s; {_weather(scene.weather)}"
+        for part, state in scene.map_state.faults() if scene.map_state else ():
+            yield f"  map       {part}: {state}"
         for actor in scene.actors:
             mark = "*" if actor.id in scene.hazard.actors else " "
             at = actor.placement
@@ -160,6 +163,8 @@ def _words(
                 f"  actor   {mark} {actor.id}: {actor.asset}, {actor.behaviour.name}, lane {at.lane}, "
                 f"{at.ahead_m:g} m ahead"
             )
+            for name in actor.details.given() if actor.details else ():
+                yield f"              {name}: {_given(actor.details, name)}"
         for prop in scene.made:
             yield f"  made      {prop.id}: {prop.description}"
         for motion in scene.motions:
@@ -174,6 +179,11 @@ def _words(
             yield f"  {action:18}{episode.label(action)}"
     if file is not None:
         yield f"  frame     {file}"
+
+
+def _given(details: "Details | None", name: str) -> str:
+    value = getattr(details, name)
+    return ", ".join(value) if isinstance(value, tuple) else str(value)
 
 
 def _weather(weather: "Weather") -> str:

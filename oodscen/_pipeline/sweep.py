@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Literal, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from oodscen._files import temporary_folder
 from oodscen._members import reason
@@ -290,7 +291,7 @@ def _result(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) 
     prefix = "whole-" if job.protocol == "paper" else ""
     names = {one: "rear" if job.is_rear else f"{prefix}{one}" for one in simulated.frames}
     frames = {
-        moment: to_jpeg(with_sensor_noise(frame, scene.id, "rear" if job.is_rear else moment))
+        moment: to_jpeg(with_sensor_noise(frame, scene.id, "rear" if job.is_rear else moment).rgb)
         for moment, frame in simulated.frames.items()
     }
     files = {moment: f"frames/{scene.id}/{names[moment]}.jpg" for moment in frames}
@@ -383,13 +384,13 @@ def with_sensor_noise(frame: Frame, item: str, moment: str) -> Frame:
     return replace(frame, rgb=np.clip(frame.rgb + noise, 0, 255).astype(np.uint8))
 
 
-def to_jpeg(frame: Frame, quality: int = JPEG_QUALITY) -> bytes:
-    """Encode a frame's colours as JPEG."""
+def to_jpeg(rgb: NDArray[np.uint8], quality: int = JPEG_QUALITY) -> bytes:
+    """Encode a picture as JPEG."""
     try:
         import cv2
     except ImportError:
         raise MissingExtra("writing frames", "pybullet", "opencv-python-headless") from None
-    _, data = cv2.imencode(".jpg", frame.rgb[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
+    _, data = cv2.imencode(".jpg", rgb[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
     return data.tobytes()
 
 

@@ -10,7 +10,7 @@ from oodscen.data._base import Data, IssuesError
 from oodscen.data._category import Category
 from oodscen.data._extents import Measured, Size, Space, measured
 from oodscen.data._lettering import strokes
-from oodscen.data._shapes import Part, Parts
+from oodscen.data._shapes import A_NUMBER, Part, Parts
 from oodscen.errors import Issue
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class Prop(Data):
     """Its support: it stands or lies on the road, hangs, is fixed to a wall, or is carried."""
     touch: Touch = "hard"
     """`hard` stops a car, `soft` gives way if it is light, `flat` is driven over."""
-    mass_kg: float = Field(gt=0, le=60_000)
+    mass_kg: Annotated[float, Field(gt=0, le=60_000), A_NUMBER]
     states: tuple[Word, ...] = Field(default=(), max_length=4)
     """States that its parts tell apart by `when`; the first is the default."""
     passable: tuple[Word, ...] = Field(default=(), max_length=4)

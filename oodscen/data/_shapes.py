@@ -7,14 +7,23 @@ a red cube on the ground. Lengths are in metres, x forward, y left, z up; angles
 import itertools
 from typing import Annotated, Literal, Self, TypeVar
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from oodscen.data._base import Data
 from oodscen.data._colours import Colour
 
-Metres = Annotated[float, Field(ge=-20, le=20)]
-Length = Annotated[float, Field(gt=0, le=20)]
-Degrees = Annotated[float, Field(ge=-360, le=360)]
+
+def _is_number(value: object) -> object:
+    if isinstance(value, bool):
+        raise ValueError("must be a number, not true or false")
+    return value
+
+
+A_NUMBER = BeforeValidator(_is_number)
+"""Refuses true and false, which pydantic takes for 1 and 0."""
+Metres = Annotated[float, Field(ge=-20, le=20), A_NUMBER]
+Length = Annotated[float, Field(gt=0, le=20), A_NUMBER]
+Degrees = Annotated[float, Field(ge=-360, le=360), A_NUMBER]
 Point = tuple[Metres, Metres, Metres]
 Pair = tuple[Metres, Metres]
 Corners = tuple[Point, Point, Point, Point]

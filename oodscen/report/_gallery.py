@@ -329,17 +329,22 @@ def _band(config: Mapping[str, Any]) -> tuple[float, float] | None:
 def _setting(scene: Scene | None) -> str:
     if scene is None:
         return ""
-    return f"{words.plain(scene.map)} · {words.weather(scene.weather)} · ego at {words.speed(scene.ego.speed)}"
+    parts = [words.plain(scene.map)]
+    parts += words.map_faults(scene.map_state) if scene.map_state else []
+    parts += [words.weather(scene.weather), f"ego at {words.speed(scene.ego.speed)}"]
+    return " · ".join(parts)
 
 
 def _players(scene: Scene | None) -> list[Row]:
     if scene is None:
         return []
+    made = {prop.id: f"made to order: {prop.description}; " for prop in scene.made}
+    motions = {motion.id: motion for motion in scene.motions}
     players = [
         {
             "name": words.actor_name(actor),
             "hazard": actor.id in scene.hazard.actors,
-            "what": f"{words.place(actor.placement)}; {words.behaviour(actor.behaviour)}",
+            "what": f"{made.get(actor.asset, '')}{words.place(actor.placement)}; {words.behaviour(actor.behaviour, motions)}",
         }
         for actor in scene.actors
     ]

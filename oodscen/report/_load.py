@@ -18,6 +18,9 @@ from oodscen.judging._drive_board import current_results
 from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.metrics._measurements import Measurements
+from oodscen.stages._props.files import ASSETS
+from oodscen.stages._props.making import MadeProp
+from oodscen.stages._props.motions import MOTIONS, MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._store import Store
@@ -49,6 +52,9 @@ class Material:
     trees: dict[str, ScenarioTree] = field(default_factory=dict)
     rounds: list[Round] = field(default_factory=list)
     decisions: list[PruneDecision] = field(default_factory=list)
+    assets: list[MadeProp] = field(default_factory=list)
+    """Things made to order, and those that could not be made."""
+    motions: list[MadeMotion] = field(default_factory=list)
     scenarios: list[Scenario] = field(default_factory=list)
     scenes: list[Scene] = field(default_factory=list)
     demands: list[Scene] = field(default_factory=list)
@@ -89,6 +95,8 @@ def read(study: Study) -> Material:
             found.trees[name] = tree
     found.rounds = _rows(store, "redteam", Round, found)
     found.decisions = _rows(store, "pruned", PruneDecision, found)
+    found.assets = _optional(store, ASSETS, MadeProp, found)
+    found.motions = _optional(store, MOTIONS, MadeMotion, found)
     found.scenarios = _rows(store, "scenarios", Scenario, found)
     staged = _rows(store, "scenes", Scene, found)
     found.scenes = [one for one in staged if not one.is_ordinary]

@@ -1,8 +1,12 @@
 """Scenes in plain words: weather, places, behaviours, triggers and outcomes."""
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
+from oodscen.data._details import Details
 from oodscen.data._episode import ActionOutcome
+from oodscen.data._map_state import MapState
+from oodscen.data._motion import Motion
 from oodscen.data._scene import (
     CLEAR_AIR_M,
     DUSK_DEG,
@@ -113,10 +117,17 @@ def place(value: Placement) -> str:
     return ", ".join(parts)
 
 
-def behaviour(value: Behaviour) -> str:
-    """Describe an actor's behaviour, with its parameters and its start."""
-    row = BUILT_IN.get(value.name)
+def behaviour(value: Behaviour, motions: Mapping[str, Motion] = MappingProxyType({})) -> str:
+    """Describe an actor's behaviour, with its parameters and its start.
+
+    Args:
+        value: The behaviour.
+        motions: Motions made to order, by id.
+    """
+    row, motion = BUILT_IN.get(value.name), motions.get(value.name)
     text = (row.phrase if row else "") or plain(value.name)
+    if motion is not None:
+        text = f"{motion.description} (made to order)"
     given = [
         f"{plain(name)} {amount(number)} {_UNITS.get(name, '')}".strip()
         for name, number in sorted(value.parameters.items())
@@ -150,8 +161,23 @@ def actor_name(actor: Actor) -> str:
     if actor.state not in ("", "off"):
         told.append(_STATES.get(actor.state, plain(actor.state)))
     if actor.details is not None:
-        told += [plain(one) for one in actor.details.words()]
+        told += details(actor.details)
     return f"{plain(actor.asset)} ({', '.join(told)})" if told else plain(actor.asset)
+
+
+def details(value: Details) -> list[str]:
+    """Return the details of an actor in words, one by one."""
+    told = [plain(value.pose)] if value.pose else []
+    told += [f"holding a {plain(value.holds)}"] if value.holds else []
+    told += [plain(one) for one in value.parts]
+    told += [f"painted {value.colour.replace('_', ' ')}"] if value.colour else []
+    told += [f"carrying a {plain(value.cargo)}"] if value.cargo else []
+    return told + ([f"“{value.text}” on its sides"] if value.text else [])
+
+
+def map_faults(value: MapState) -> list[str]:
+    """Return what is out of order on a map in words."""
+    return [f"{plain(part)}: {plain(state)}" for part, state in value.faults()]
 
 
 def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:

@@ -6,11 +6,14 @@ from typing import Any, Literal, NamedTuple
 from oodscen.errors import OodscenError
 from oodscen.report import _parts as parts
 from oodscen.report._load import Material
+from oodscen.report._made import made_to_order
 from oodscen.report._simulators import simulators
 from oodscen.report._text_metrics import pictures
 from oodscen.study._study import Study
 
-Place = Literal["shortcuts", "drives", "undecided", "metrics", "growth", "pruning", "coverage"]
+Place = Literal[
+    "shortcuts", "drives", "undecided", "metrics", "growth", "pruning", "made", "coverage"
+]
 
 
 class PagePart(NamedTuple):
@@ -40,6 +43,7 @@ PARTS: tuple[PagePart, ...] = (
     PagePart("growth", "How much is left to be found", "saturation", parts.saturated),
     PagePart("pruning", "What would bring paths back", "restoration", parts.restored),
     PagePart("pruning", "What another simulator would show", "simulators", simulators),
+    PagePart("made", "What was made to order", "made", made_to_order),
     PagePart("coverage", "What the texts and scenes cover", "coverage", parts.covered),
 )
 """Every part, in display order."""

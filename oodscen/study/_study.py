@@ -41,7 +41,7 @@ from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._call_log import Call
 from oodscen.metrics._measurements import Measurements
 from oodscen.metrics._rarity.exposure import TreeRarity
-from oodscen.stages._props.files import ASSETS
+from oodscen.stages._props.files import ASSETS, PICTURES
 from oodscen.stages._props.making import MadeProp
 from oodscen.stages._props.motions import MOTIONS, MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
@@ -163,7 +163,7 @@ _OTHERS = (
     "report.html",
     QUIZ,
 )
-_FOLDERS = ("frames", "traces", "videos")
+_FOLDERS = (PICTURES, "frames", "traces", "videos")
 _TEXTS = re.compile(r"texts\.diverse\.\d+\.jsonl")
 
 

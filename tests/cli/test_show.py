@@ -8,6 +8,8 @@ from oodscen import make_simulator, simulate
 from oodscen._cli import main
 from oodscen._display import png
 from oodscen.data import Prop, Scenario, Scene
+from oodscen.data._details import Details
+from oodscen.data._map_state import MapState
 from oodscen.data._motion import Motion
 from oodscen.testing import example_scene
 from tests.made import WALL
@@ -59,12 +61,22 @@ def test_what_was_made_to_order_is_marked(made, tmp_path):
     folder = shutil.copytree(made, tmp_path / "study")
     scene = Scene.parse(json.loads((folder / "scenes.jsonl").read_text().splitlines()[0]))
     whole = scene.model_copy(
-        update={"made": (Prop.parse(WALL),), "motions": (Motion.parse(TOPPLE),)}
+        update={
+            "made": (Prop.parse(WALL),),
+            "motions": (Motion.parse(TOPPLE),),
+            "map_state": MapState(signals="off"),
+            "actors": tuple(
+                one.model_copy(update={"details": Details(parts=("doors_open", "dirty"))})
+                for one in scene.actors
+            ),
+        }
     )
     (folder / "scenes.jsonl").write_text(whole.to_json() + "\n")
     shown = invoke(folder, "example-001").output
     assert "made      low_wall: a low wall of red bricks" in shown
     assert "made      topple: toppling over ahead" in shown
+    assert "parts: dirty, doors_open" in shown
+    assert "map       signals: off" in shown
 
 
 def test_all_scenes_are_listed(made):

@@ -27,6 +27,7 @@ def test_a_design_survives_json_and_has_a_box(table: dict[str, Any]) -> None:
 _FAULTS: list[tuple[str, Any]] = [
     ("id", "No Such Id"),
     ("mass_kg", -1),
+    ("mass_kg", True),
     ("mass_kg", 1e9),
     ("category", "spaceship"),
     ("touch", "sticky"),

@@ -5,10 +5,12 @@ from typing import Any, TypeVar
 
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.models import is_asked
+from oodscen._pipeline.sweep import to_jpeg
 from oodscen.data._base import Data
 from oodscen.data._motion import Motion
 from oodscen.stages._grow import TreeGrower
-from oodscen.stages._props.files import ASSETS
+from oodscen.stages._props.files import ASSETS, picture_of
+from oodscen.stages._props.looking import SeenProp, plate
 from oodscen.stages._props.making import MadeProp, PropMaker, judged_again, wanted_things
 from oodscen.stages._props.motions import MOTIONS, MotionMaker, made_motions, wanted_motions
 from oodscen.stages._prune.decisions import PruneDecision, all_decisions, apply_decisions
@@ -131,7 +133,8 @@ def _with_made(
     `assets.jsonl` and `motions.jsonl` keep what was made.
     """
     catalogue = run.simulator.catalogue()
-    maker, mover = PropMaker(run.llm, run.simulator), MotionMaker(run.llm, run.simulator)
+    maker = PropMaker(run.llm, run.simulator, keep=lambda seen: _keep_picture(run, seen))
+    mover = MotionMaker(run.llm, run.simulator)
     wanted = {one.name: one for one in wanted_things(tree, judgements, catalogue)}
     rows = _made(run, ASSETS, judgements, wanted, maker.make)
     props = {one.id: one.prop for one in map(MadeProp.parse, rows) if one.prop is not None}
@@ -151,6 +154,10 @@ def _with_made(
     )
     again = {one.id: one for one in judged_again(pruner, tree, judgements, {*props, *motions})}
     return [again.get(one.id, one) for one in judgements]
+
+
+def _keep_picture(run: Context, seen: SeenProp) -> None:
+    run.store.write(picture_of(seen.look.id), to_jpeg(plate(seen)))
 
 
 def _made(

@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, ConfigDict, Field
 
 from oodscen.data._base import Data
 from oodscen.data._category import Category
+from oodscen.data._details import Details
 from oodscen.tree._scenario_tree import MAX_LABEL
 
 
@@ -98,6 +99,8 @@ class RecipeActor(Data):
     other: str | None = None
     """The actor to which this one belongs: the one that tows or carries it, or its car."""
     state: str = ""
+    details: Details | None = None
+    """Pose of a person or states of a vehicle's parts, where the simulator has them."""
     hazard: bool = True
     """True if the actor is part of the unusual event."""
     ordinary: Literal["remove"] | Counterpart = "remove"

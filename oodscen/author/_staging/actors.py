@@ -19,6 +19,7 @@ from oodscen.author._knowledge.base import (
 from oodscen.author._staging import decision_timing as approach
 from oodscen.author._staging.anchors import LANDMARKS, marks
 from oodscen.claims._things import Thing
+from oodscen.data._details import Details
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.prompts._digest import AssetLine, CatalogueDigest, MapLine
 
@@ -179,6 +180,7 @@ def cast(part: RecipeActor, scene: StagedActors, shift: float) -> list[tuple[Act
             ),
             behaviour=behaviour,
             state=_state(asset, part.state, scene.digest),
+            details=_details(part.details, scene.digest),
         )
         scene.placed.setdefault(part.id, actor)
         ordinary = part.ordinary
@@ -323,6 +325,14 @@ def _parameters(
 def _state(asset: str, state: str, digest: CatalogueDigest) -> str:
     known = next((line.states for line in digest.assets if line.id == asset), ())
     return state if state in known else ""
+
+
+def _details(wanted: Details | None, digest: CatalogueDigest) -> Details | None:
+    """Return the details of an actor, `None` if the simulator cannot show all of them."""
+    if wanted is None:
+        return None
+    is_posed = not wanted.pose or wanted.pose in digest.poses
+    return wanted if is_posed and set(wanted.parts) <= set(digest.parts) else None
 
 
 def told_traffic(part: TrafficActor, scene: StagedActors, named: tuple[Thing, ...]) -> list[Actor]:

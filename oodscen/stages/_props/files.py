@@ -12,7 +12,14 @@ from oodscen.errors import DataError, Issue
 
 ASSETS = "assets.jsonl"
 """File of a study with one line per thing that was made."""
+PICTURES = "assets"
+"""Folder of a study with one picture per thing that was made."""
 _SCENES = "scenes.jsonl"
+
+
+def picture_of(name: str) -> str:
+    """Return the file of a study that shows a thing."""
+    return f"{PICTURES}/{name}.jpg"
 
 
 def read_props(path: Path) -> list[Prop]:

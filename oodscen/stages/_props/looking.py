@@ -32,7 +32,7 @@ _LANE_SEEN = ("residential_two_lane", "urban_three_lane", "highway")
 """Maps on which things are shown, the first that a catalogue has."""
 _INK, _PAPER = 20, 250
 _TOWARDS_DEG, _ASIDE_DEG, _AWAY_DEG = 158.0, 115.0, 22.0
-"""Headings at which gestures, lasting poses and the rear of a vehicle are recognised best."""
+"""Headings at which gestures, lasting poses and animals, and the rear of a vehicle are recognised best."""
 
 Image = NDArray[np.uint8]
 
@@ -71,7 +71,7 @@ class SeenProp:
 def look_at(
     props: Iterable[Prop], simulator: Simulator, *, camera: Camera | None = None
 ) -> Iterator[SeenProp]:
-    """Show things one by one on an empty road.
+    """Show things one by one on an empty road: animals aside, as they cross, and others from behind.
 
     Args:
         props: The designs.
@@ -91,7 +91,8 @@ def look_at(
             faults = check_prop(prop, catalogue.assets)
             if faults:
                 raise SceneError(prop.id, faults)
-            yield _Exhibit(prop.id, prop.id, made=(prop,))
+            turn = _ASIDE_DEG if prop.category == "animal" else 0.0
+            yield _Exhibit(prop.id, prop.id, heading_deg=turn, made=(prop,))
 
     return _seen(exhibits(), simulator, camera or Camera())
 
@@ -250,6 +251,14 @@ def sheet(seen: Iterable[SeenProp], *, captions: bool = False, seed: int = 0) ->
             name = f"{number} {one.look.id.replace('_', ' ')} - PX {told}"
         lines += [caption(name, strip.shape[1]), strip]
     return np.concatenate(lines)
+
+
+def plate(seen: SeenProp) -> Image:
+    """Return a picture of one thing: by day above and by night below, at the three distances."""
+    cells = [_middle(picture) for picture in seen.pictures]
+    count = len(DISTANCES_M)
+    day, night = (np.concatenate(row, axis=1) for row in (cells[:count], cells[count:]))
+    return np.concatenate((day, night))
 
 
 def order(count: int, seed: int) -> list[int]:

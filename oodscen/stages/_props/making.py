@@ -1,6 +1,6 @@
 """Making what a catalogue lacks, so that dropped branches can be shown after all."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from threading import Lock
 from typing import ClassVar, Literal, NamedTuple
 
@@ -14,7 +14,7 @@ from oodscen.errors import Issue, LLMError, OodscenError
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_prop import DesignedProp, DesignProp, KnownPart
 from oodscen.protocols import LLM, Simulator
-from oodscen.stages._props.looking import PropLook, look_at
+from oodscen.stages._props.looking import PropLook, SeenProp, look_at
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -62,11 +62,18 @@ class PropMaker:
     Args:
         llm: The model that designs.
         simulator: Shows the designs.
+        keep: Receives the pictures of every thing that is made.
     """
 
-    def __init__(self, llm: LLM, simulator: Simulator) -> None:
+    def __init__(
+        self,
+        llm: LLM,
+        simulator: Simulator,
+        keep: Callable[[SeenProp], None] = lambda seen: None,
+    ) -> None:
         self.llm = llm
         self.simulator = simulator
+        self.keep = keep
         self.catalogue: Catalogue = simulator.catalogue()
         self._drawing = Lock()
 
@@ -79,7 +86,7 @@ class PropMaker:
             known=self._parts(wanted.category),
         )
         asked = {"model": speaker(self.llm), "prompt": question.citation()}
-        looks: dict[str, PropLook] = {}
+        looks: dict[str, SeenProp] = {}
         try:
             answer = ask(self.llm, question, check=lambda answer: self._faults(answer, looks))
         except LLMError as error:
@@ -92,8 +99,9 @@ class PropMaker:
             )
         if answer.prop is None:
             return MadeProp(id=wanted.name, reason=one_line(answer.cannot_make), **asked)
-        look = looks[answer.prop.digest()]
-        return MadeProp(id=wanted.name, prop=answer.prop, look=look, **asked)
+        seen = looks[answer.prop.digest()]
+        self.keep(seen)
+        return MadeProp(id=wanted.name, prop=answer.prop, look=seen.look, **asked)
 
     def _parts(self, category: Category) -> tuple[KnownPart, ...]:
         """Return what may be a part: things that stand, and bodies of the same category."""
@@ -103,7 +111,7 @@ class PropMaker:
             if one.category in (*_STANDING, category)
         )
 
-    def _faults(self, answer: DesignedProp, looks: dict[str, PropLook]) -> Sequence[Issue]:
+    def _faults(self, answer: DesignedProp, looks: dict[str, SeenProp]) -> Sequence[Issue]:
         prop = answer.prop
         if prop is None:
             return []
@@ -115,7 +123,7 @@ class PropMaker:
                 (seen,) = look_at([prop], self.simulator)
         except OodscenError as error:
             return [Issue("prop", f"the simulator cannot show it: {one_line(str(error))}")]
-        looks[prop.digest()] = seen.look
+        looks[prop.digest()] = seen
         return [Issue("prop.parts", fault) for fault in seen.look.faults]
 
 

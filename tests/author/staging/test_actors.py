@@ -1,6 +1,9 @@
 import pytest
 
 from oodscen.author._builtin import BuiltinAuthor
+from oodscen.author._knowledge.base import Knowledge
+from oodscen.author._knowledge.designs import load_designs
+from oodscen.data._catalogue import Catalogue
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 
@@ -102,3 +105,31 @@ def test_whoever_follows_stops_behind_a_calm_ego(
             found += 1
             assert draft.decision.value > draft.ego.speed**2 / 7.0 + 4.5
     assert found
+
+
+def test_poses_and_damage_are_only_where_something_is_made_to_order(
+    knowledge: Knowledge, rich_digest: CatalogueDigest
+) -> None:
+    known = {asset.id for asset in rich_digest.assets}
+    posed = [
+        hazard
+        for hazard in knowledge.hazards
+        if hazard.stage and any(actor.details for actor in hazard.stage.actors)
+    ]
+    assert len(posed) >= 4
+    assert all(set(hazard.needs.assets) - known for hazard in posed)
+
+
+def test_a_child_runs_with_its_arms_out_where_the_simulator_can_show_it(
+    author: BuiltinAuthor, ask, rich_catalogue: Catalogue, catalogue: Catalogue
+) -> None:
+    text = "In a residential street a ball rolls across the ego's lane, and a child runs after it."
+    made = [load_designs()["ball"]]
+    for simulator, pose in ((rich_catalogue, "arms_out"), (catalogue, None)):
+        digest = CatalogueDigest.of(simulator.with_made(made))
+        (draft,) = staged(author, ask, digest, text)[:1]
+        (child,) = (actor for actor in draft.actors if actor.id == "child")
+        assert (child.details.pose if child.details else None) == pose
+        twin = draft.hazard.actors["child"]
+        assert twin is not None
+        assert twin.details is None

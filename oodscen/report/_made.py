@@ -1,0 +1,202 @@
+"""What was made to order for a study, and what its scenes show of it."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from oodscen.data._extents import Measured, measured
+from oodscen.data._motion import ABILITIES, Motion
+from oodscen.data._prop import Prop
+from oodscen.data._scene import Scene
+from oodscen.report import _phrasing as words
+from oodscen.report._charts.frames import FramePicture, picture
+from oodscen.report._load import Material
+from oodscen.stages._props.files import picture_of
+from oodscen.stages._props.looking import UNSEEN, PropLook
+from oodscen.study._study import Study
+
+_MOST_LINKS = 6
+_FRAMES = {
+    "start": "straight on from its start",
+    "lane": "along the road",
+    "other": "with another actor",
+    "ego": "with the ego",
+}
+
+Row = tuple[str, ...]
+
+
+@dataclass
+class Uses:
+    """The scenes that use something, with links to the first few."""
+
+    scenes: list[str] = field(default_factory=list)
+
+    @property
+    def linked(self) -> list[str]:
+        """Ids of the scenes to link to."""
+        return self.scenes[:_MOST_LINKS]
+
+    @property
+    def more(self) -> int:
+        """Number of scenes without a link."""
+        return max(len(self.scenes) - _MOST_LINKS, 0)
+
+
+@dataclass(frozen=True)
+class ThingRow:
+    """One thing as the page shows it."""
+
+    prop: Prop
+    picture: FramePicture
+    facts: tuple[str, ...]
+    """Size, mass, touch, support and number of parts."""
+    texts: tuple[str, ...]
+    measures: Mapping[str, Sequence[str]]
+    """Its pixels and its contrasts from near to far; empty if it was not looked at."""
+    recognised: str
+    faults: tuple[str, ...]
+    model: str
+    uses: Uses
+
+
+@dataclass(frozen=True)
+class MotionRow:
+    """One movement as the page shows it."""
+
+    motion: Motion
+    body: str
+    frame: str
+    model: str
+    uses: Uses
+
+
+def made_to_order(study: Study, found: Material) -> Mapping[str, Any] | None:
+    """Return the things and movements made to order, and the details and states that scenes use."""
+    things, motions = list(_things(study, found)), list(_motions(found))
+    printed = _uses_by_row(found.scenes, _texts_of_actors)
+    for row in things:
+        for text in row.texts:
+            printed[(text, words.plain(row.prop.id))] = row.uses
+    rows = {
+        "things": things,
+        "motions": motions,
+        "printed": printed,
+        "details": _uses_by_row(found.scenes, _details),
+        "states": _uses_by_row(found.scenes, _map_faults),
+        "unmade": [
+            (words.plain(one.id), one.error or one.reason)
+            for one in (*found.assets, *found.motions)
+            if one.error or one.reason
+        ],
+    }
+    if not any(rows.values()):
+        return None
+    return {**rows, "unseen": sum(row.recognised == UNSEEN for row in things)}
+
+
+def _things(study: Study, found: Material) -> Iterator[ThingRow]:
+    """Yield what was made, then what scenes carry besides."""
+    made = {one.prop.digest(): one for one in found.assets if one.prop is not None}
+    designs = {digest: one.prop for digest, one in made.items()}
+    uses: dict[str, Uses] = {digest: Uses() for digest in designs}
+    for scene in found.scenes:
+        for prop in scene.made:
+            digest = prop.digest()
+            designs.setdefault(digest, prop)
+            uses.setdefault(digest, Uses()).scenes.append(scene.id)
+    for digest, prop in designs.items():
+        if prop is None:
+            continue
+        one = made.get(digest)
+        look = one.look if one else None
+        walk = measured(prop.parts)
+        yield ThingRow(
+            prop=prop,
+            picture=_picture(study, found, prop, uses[digest], is_made=one is not None),
+            facts=tuple(_facts(prop, walk)),
+            texts=tuple(dict.fromkeys(text for _, text in walk.texts)),
+            measures=_measures(look) if look else {},
+            recognised=look.recognised if look else UNSEEN,
+            faults=look.faults if look else (),
+            model=one.model if one else "",
+            uses=uses[digest],
+        )
+
+
+def _picture(
+    study: Study, found: Material, prop: Prop, uses: Uses, *, is_made: bool
+) -> FramePicture:
+    """Return the picture of a thing by itself, or of the first scene that shows it."""
+    own = picture(study.folder, picture_of(prop.id)) if is_made else FramePicture()
+    frames = (one.frames.get("last") for one in found.episodes if one.scene_id in uses.scenes[:1])
+    return own if own.href else picture(study.folder, next(frames, None))
+
+
+def _facts(prop: Prop, walk: Measured) -> Iterator[str]:
+    # The size of a thing of the catalogue is known to its simulator alone.
+    if not walk.shipped:
+        own = prop.asset()
+        yield f"{own.length:g} × {own.width:g} × {own.height:g} m"
+    yield f"{prop.mass_kg:g} kg"
+    yield prop.touch
+    if prop.anchor != "road":
+        yield prop.anchor
+    yield f"{walk.parts} parts"
+
+
+def _measures(look: PropLook) -> dict[str, list[str]]:
+    by_day = [view for view in look.views if not view.is_night]
+    by_night = [view for view in look.views if view.is_night]
+    return {
+        "pixels": [f"{view.pixels:,}" for view in by_day],
+        "contrast by day": [f"{view.contrast:.0f}" for view in by_day],
+        "by night": [f"{view.contrast:.0f}" for view in by_night],
+    }
+
+
+def _motions(found: Material) -> Iterator[MotionRow]:
+    made = {one.motion.digest(): one for one in found.motions if one.motion is not None}
+    designs = {digest: one.motion for digest, one in made.items()}
+    uses: dict[str, Uses] = {digest: Uses() for digest in designs}
+    for scene in found.scenes:
+        for motion in scene.motions:
+            digest = motion.digest()
+            designs.setdefault(digest, motion)
+            uses.setdefault(digest, Uses()).scenes.append(scene.id)
+    for digest, motion in designs.items():
+        if motion is not None:
+            yield MotionRow(
+                motion=motion,
+                body=ABILITIES[motion.body].words,
+                frame=_FRAMES[motion.frame],
+                model=made[digest].model if digest in made else "",
+                uses=uses[digest],
+            )
+
+
+def _uses_by_row(
+    scenes: Iterable[Scene], rows: Callable[[Scene], Iterable[Row]]
+) -> dict[Row, Uses]:
+    found: dict[Row, Uses] = {}
+    for scene in scenes:
+        for row in dict.fromkeys(rows(scene)):
+            found.setdefault(row, Uses()).scenes.append(scene.id)
+    return found
+
+
+def _details(scene: Scene) -> Iterator[Row]:
+    for actor in scene.actors:
+        if actor.details:
+            yield words.plain(actor.asset), ", ".join(words.details(actor.details))
+
+
+def _texts_of_actors(scene: Scene) -> Iterator[Row]:
+    for actor in scene.actors:
+        if actor.details and actor.details.text:
+            yield actor.details.text, words.plain(actor.asset)
+
+
+def _map_faults(scene: Scene) -> Iterator[Row]:
+    if scene.map_state is not None:
+        yield words.plain(scene.map), ", ".join(words.map_faults(scene.map_state))
