@@ -74,7 +74,7 @@ def company(
         if limits == "ego":
             limits = (_PACE[0] * speed, _PACE[1] * speed)
         own = min(_between(limits, draws[1]), road.speed_limit)
-        ahead, until = _between(kind.gap, draws[2]), _decision_s(decision, actors, speed)
+        ahead, until = _between(kind.gap, draws[2]), expected_decision_s(decision, actors, speed)
         if kind.side == "oncoming":
             ahead += (speed + own) * until
         elif kind.speed == "ego" and math.isfinite(until):
@@ -172,22 +172,28 @@ def _takes(actor: Actor, side: int) -> bool:
     )
 
 
-def _decision_s(
+def expected_decision_s(
     decision: tuple[Trigger, str | None], actors: Sequence[Actor], speed: float
 ) -> float:
-    """Estimate the time of the decision, s."""
+    """Estimate the time of the decision, s; infinite if the actor that it waits for is missing.
+
+    Args:
+        decision: The trigger of the decision, and the actor to which it is measured.
+        actors: Actors of the scene.
+        speed: The ego's speed, m/s.
+    """
     trigger, name = decision
     if trigger.kind == "time":
         return trigger.value
     actor = next((a for a in actors if a.id == name), None)
     if actor is None:
         return math.inf
-    closing = max(speed - _along(actor), 0.1)
+    closing = max(speed - along(actor), 0.1)
     left = trigger.value * closing if trigger.kind == "ttc" else trigger.value
     return max(0.0, (abs(actor.placement.ahead_m) - left) / closing)
 
 
-def _along(actor: Actor) -> float:
+def along(actor: Actor) -> float:
     """Return an actor's speed along the ego's road before it does anything unusual, m/s."""
     own = actor.behaviour.parameters.get("speed", 0.0)
     if actor.behaviour.name == "walk_along":

@@ -1,7 +1,7 @@
 """Staging: drafts a scene by recipe from a text and a catalogue's digest."""
 
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 
@@ -20,14 +20,20 @@ from oodscen.author._staging import decision_timing as approach
 from oodscen.author._staging.actors import StagedActors, cast, told_traffic
 from oodscen.author._staging.anchors import LANDMARKS, has_landmarks, root
 from oodscen.author._staging.aside import moved_aside
-from oodscen.author._staging.background_traffic import company, follower, is_followed
+from oodscen.author._staging.background_traffic import (
+    company,
+    expected_decision_s,
+    follower,
+    is_followed,
+)
+from oodscen.author._staging.counterparts import drawn_near, replaced
 from oodscen.author._staging.lanes import settled, varied
 from oodscen.author._staging.weather import draw_weather
-from oodscen.author._writing.stand_in import StandIn, stand_in
+from oodscen.author._writing.stand_in import stand_in
 from oodscen.claims._roads import is_so
 from oodscen.claims._things import Thing, may_be, mentions
 from oodscen.data._claim import Claim
-from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Trigger
+from oodscen.data._scene import Actor, Ego, Hazard, Trigger
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest, MapLine
 from oodscen.prompts._scenario.describe_path import plain
@@ -56,10 +62,6 @@ _SEEN_PX = 120.0
 """Area in the dash camera's image below which an actor is hardly seen, square pixels."""
 _ASIDE = 0.4
 """Offset of an obstacle that requires a lane change, towards the far side of its lane, m."""
-_PAVEMENT_M = {True: -4.7, False: -2.9}
-"""Offset of the pavement from the rightmost lane's centre, with and without a lane for parking, m."""
-_HEADWAY_S, _STANDSTILL_M, _FARTHEST_M = 0.9, 8.0, 55.0
-"""Gap to a vehicle ahead in an ordinary twin: time, m at standstill, and the most, m."""
 _INSIDE = 1.2
 """Offset from the lane's centre within which an obstacle is in the way, m."""
 
@@ -122,8 +124,13 @@ class Stager:
         decisive = decision.actor or next(iter(unusual), None)
         one = stand_in(hazard, prompt.text, self.recogniser.place(prompt.text, hazard.places))
         is_quiet = traffic is not None and traffic.key == "quiet"
-        if one is not None and attempt < 2 and not is_quiet:
-            unusual |= _replaced(one, scene, actors, decision, decisive, unusual)
+        found = next((actor for actor in actors if actor.id == decisive), None)
+        if found is not None and attempt < 2:
+            until = expected_decision_s((decision, decisive), actors, scene.speed)
+            if one is not None and not is_quiet and found.id in unusual:
+                unusual |= replaced(one, scene, found, until)
+            elif ordinary is None:
+                unusual = drawn_near(unusual, scene, found, until)
         if traffic is None and recipe.company and attempt < 2:
             actors += company(
                 self.knowledge.company,
@@ -176,39 +183,6 @@ class Stager:
             alike = max(len(set(told.traits) & set(p.traits)) for p in fitting)
             fitting = [p for p in fitting if len(set(told.traits) & set(p.traits)) == alike]
         return fitting[int(rng.integers(len(fitting)))]
-
-
-def _replaced(
-    one: StandIn,
-    scene: StagedActors,
-    actors: Sequence[Actor],
-    decision: Trigger,
-    decisive: str | None,
-    unusual: Mapping[str, Actor | None],
-) -> dict[str, Actor | None]:
-    """Return the ordinary road user in the place of the decisive hazard, by that one's id."""
-    found = next((actor for actor in actors if actor.id == decisive), None)
-    known = {asset.id for asset in scene.digest.assets}
-    if found is None or found.id not in unusual or not set(one.assets) <= known:
-        return {}
-    ahead = found.placement.ahead_m
-    if not one.is_ahead:
-        is_wide = "residential" in scene.road.traits
-        place = Placement(
-            ahead_m=ahead, lane=-scene.ego_lane, offset_m=_PAVEMENT_M[is_wide], heading_deg=0.0
-        )
-        behaviour = Behaviour(name="walk_along", parameters={"speed": 1.2})
-    else:
-        gap = {
-            "distance": decision.value,
-            "ttc": decision.value * scene.speed,
-            "time": ahead - decision.value * scene.speed,
-        }[decision.kind]
-        near = _HEADWAY_S * scene.speed + _STANDSTILL_M
-        place = Placement(ahead_m=round(min(max(gap, near), max(_FARTHEST_M, near)), 2))
-        behaviour = Behaviour(name="follow_lane", parameters={"speed": scene.speed})
-    asset = scene.choose(one.assets, ())
-    return {found.id: Actor(id=found.id, asset=asset, placement=place, behaviour=behaviour)}
 
 
 def _shown(

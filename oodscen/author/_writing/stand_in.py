@@ -13,8 +13,6 @@ _HEAVY = frozenset(
 )
 _WALKS = 0.55
 """Share of the twins on streets in which someone walks along the pavement, if the hazard is no vehicle."""
-_DRIVES = 0.75
-"""Share of the other twins in which a vehicle drives ahead."""
 
 
 class StandIn(NamedTuple):
@@ -52,8 +50,6 @@ def stand_in(hazard: HazardKind | None, text: str, place: RoadKind | None) -> St
     is_street = bool(_STREETS & set(place.traits))
     if is_street and kind < _WALKS:
         return _WALKER
-    if not is_street and kind > _DRIVES:
-        return None
     is_heavy = any(_HEAVY & set(actor.asset) for actor in parts)
     nouns = ("lorry", "lorry", "van") if is_heavy else ("car", "car", "van")
     noun = nouns[int(size * len(nouns))]

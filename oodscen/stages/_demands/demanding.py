@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 from pydantic import ValidationError
 
-from oodscen._seeding import stream
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._episode import MOMENTS, REACTIONS_S, Episode
 from oodscen.data._pairing import demand_id
@@ -23,12 +22,10 @@ from oodscen.data._scene import (
 from oodscen.driving import check_scene
 from oodscen.errors import Issue, SceneError
 from oodscen.protocols import Camera, Simulator
-from oodscen.stages._demands.kinds import DemandKind, in_turn
+from oodscen.stages._demands.kinds import Candidate, in_turn
 from oodscen.stages._demands.setting import Draft, Setting
 from oodscen.stages._simulate import VISIBLE_PX, Simulated, simulate
 
-_ATTEMPTS = 3
-"""Attempts per kind; the first keeps the scene's other traffic, the others draw again without it."""
 _SEEN = 4.0
 """Multiple of the least visible pixels that a demand must show at the decision."""
 _MOVING = frozenset({"follow_lane"})
@@ -72,47 +69,43 @@ def draw_demand(
     catalogue = simulator.catalogue()
     at = Setting.of(scene, catalogue, simulated.trace, simulated.episode.sketch)
     resort: Demanding | None = None
-    for kind in in_turn(scene, at, stream(seed, "demand", scene.id)):
-        for attempt in range(_ATTEMPTS):
-            rng = stream(seed, "demand", scene.id, kind.id, attempt)
-            draft = kind.draw(at, rng)
-            if draft is None:
-                break
-            one = _stage(scene, at, kind, draft, with_company=attempt == 0)
-            if one is None or check_scene(one, catalogue):
-                continue
-            assert one.demand is not None
-            if mismatches(check_claims(one.demand.claims, one, catalogue)):
-                continue
-            try:
-                run = simulate(
-                    one,
-                    simulator,
-                    seed=seed,
-                    camera=camera,
-                    traces=traces,
-                    reaction=reaction,
-                    moments=tuple(simulated.frames) or MOMENTS,
-                )
-            except SceneError:
-                continue
-            if not _is_fair(run.episode, draft):
-                continue
-            if run.episode.label("keep_speed") == "unsafe":
-                return Demanding(one, run)
-            resort = resort or Demanding(one, run)
-            break
+    calm: set[str] = set()
+    for candidate in in_turn(scene, at, seed, _company(scene)):
+        if candidate.kind.id in calm:
+            continue
+        one = _stage(scene, at, candidate)
+        if one is None or check_scene(one, catalogue):
+            continue
+        assert one.demand is not None
+        if mismatches(check_claims(one.demand.claims, one, catalogue)):
+            continue
+        try:
+            run = simulate(
+                one,
+                simulator,
+                seed=seed,
+                camera=camera,
+                traces=traces,
+                reaction=reaction,
+                moments=tuple(simulated.frames) or MOMENTS,
+            )
+        except SceneError:
+            continue
+        if not _is_fair(run.episode, candidate.draft):
+            continue
+        if run.episode.label("keep_speed") == "unsafe":
+            return Demanding(one, run)
+        resort = resort or Demanding(one, run)
+        calm.add(candidate.kind.id)
     if resort is None:
         fault = Issue("demand", "no kind of ordinary demand fits the scene")
         raise SceneError(demand_id(scene.id), [fault])
     return resort
 
 
-def _stage(
-    scene: Scene, at: Setting, kind: DemandKind, draft: Draft, *, with_company: bool
-) -> Scene | None:
-    """Return the scene of a draft; `None` if its values are out of range."""
-    company = _company(scene) if with_company else []
+def _stage(scene: Scene, at: Setting, candidate: Candidate) -> Scene | None:
+    """Return the scene of a candidate; `None` if its values are out of range."""
+    kind, draft = candidate.kind, candidate.draft
     weather = scene.hazard.weather or scene.weather
     text = f"{_opening(at, weather)} {draft.event[0].upper()}{draft.event[1:]}."
     try:
@@ -123,7 +116,7 @@ def _stage(
             map=scene.map,
             ego=scene.ego,
             weather=weather,
-            actors=(*draft.actors, *company),
+            actors=candidate.actors,
             hazard=Hazard(),
             decision=Trigger(kind="time", value=round(at.decision_s, 6)),
             horizon_s=scene.horizon_s,
@@ -133,15 +126,15 @@ def _stage(
         return None
 
 
-def _company(scene: Scene) -> list[Actor]:
+def _company(scene: Scene) -> tuple[Actor, ...]:
     """Return the traffic that drives along in a scene and has nothing to do with its hazard."""
-    return [
+    return tuple(
         one
         for one in scene.actors
         if one.id not in scene.hazard.actors
         and one.behaviour.name in _MOVING
         and one.behaviour.other is None
-    ]
+    )
 
 
 def _is_fair(episode: Episode, draft: Draft) -> bool:

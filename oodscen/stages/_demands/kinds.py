@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from oodscen._seeding import stream
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import RED_LIGHT, Actor, Scene
 from oodscen.driving._motion.behaviours import having_effect
@@ -15,8 +16,10 @@ from oodscen.stages._demands.joining import ambulance, merging_car
 from oodscen.stages._demands.kerbside import bus_stop, refuse_lorry, works
 from oodscen.stages._demands.setting import Draft, Setting
 
-_SHARPNESS = 0.6
-"""Preference for kinds of the rare body's size; at 0 size does not count."""
+_ATTEMPTS = 3
+"""Draws per kind; the first keeps the scene's other traffic, the others do without it."""
+_SHARPNESS = 3.0
+"""Preference for draws that look like the rare scene; at 0 the look does not count."""
 _BRAKES, _JOINS = having_effect("brakes"), having_effect("joins")
 _CROSSES = having_effect("crosses")
 
@@ -26,8 +29,6 @@ class DemandKind(NamedTuple):
 
     id: str
     draw: Callable[[Setting, np.random.Generator], Draft | None]
-    size_m2: float
-    """Frontal area of what it puts before the ego."""
     weight: float = 1.0
     assets: tuple[str, ...] = ()
     """Assets by which a rare scene looks like this kind."""
@@ -51,42 +52,70 @@ class DemandKind(NamedTuple):
 
 
 KINDS: tuple[DemandKind, ...] = (
-    DemandKind("queue", queue, 3.0, 0.8, ("temporary_light",), (), ("stand", *_BRAKES)),
-    DemandKind(RED_LIGHT, red_light, 1.5, 2.2, ("traffic_light", "pedestrian_light")),
-    DemandKind("leader", leader, 3.0, 1.3, (), (), _BRAKES),
+    DemandKind("queue", queue, 1.2, ("temporary_light",), (), ("stand", *_BRAKES)),
+    DemandKind(RED_LIGHT, red_light, 3.0, ("traffic_light", "pedestrian_light")),
+    DemandKind("leader", leader, 1.0, (), (), _BRAKES),
     DemandKind(
         "slow_vehicle",
         slow_vehicle,
-        7.0,
         1.2,
         ("tractor", "forklift", "road_roller", "excavator", "cement_mixer"),
         (),
         ("follow_lane", *_BRAKES),
     ),
-    DemandKind("cyclist", cyclist, 1.0, 1.4, (), ("cyclist",)),
-    DemandKind("refuse_lorry", refuse_lorry, 8.0, 0.9, ("garbage_truck", "wheelie_bin")),
-    DemandKind("bus_stop", bus_stop, 8.0, 1.0, ("bus", "school_bus")),
-    DemandKind("works", works, 1.5, 0.8, ("excavator", "road_roller", "worker"), ("work_zone",)),
-    DemandKind("zebra", zebra, 1.0, 2.4, (), ("pedestrian",), _CROSSES),
-    DemandKind(
-        "ambulance", ambulance, 5.0, 0.4, ("ambulance", "police_car", "fire_truck", "tow_truck")
-    ),
-    DemandKind("merging_car", merging_car, 3.0, 1.3, (), (), _JOINS),
+    DemandKind("cyclist", cyclist, 1.2, (), ("cyclist",)),
+    DemandKind("refuse_lorry", refuse_lorry, 1.5, ("garbage_truck", "wheelie_bin")),
+    DemandKind("bus_stop", bus_stop, 1.5, ("bus", "school_bus")),
+    DemandKind("works", works, 2.0, ("excavator", "road_roller", "worker"), ("work_zone",)),
+    DemandKind("zebra", zebra, 4.0, (), ("pedestrian",), _CROSSES),
+    DemandKind("ambulance", ambulance, 0.6, ("ambulance", "police_car", "fire_truck", "tow_truck")),
+    DemandKind("merging_car", merging_car, 1.3, (), (), _JOINS),
 )
 """All kinds."""
 
 
-def in_turn(scene: Scene, at: Setting, rng: np.random.Generator) -> list[DemandKind]:
-    """Return the kinds for a scene in the order in which they are tried.
+class Candidate(NamedTuple):
+    """One draw of a kind."""
 
-    A kind that looks like the scene's own hazard is left out; the nearer a kind is to the rare body in size, the
-    earlier it comes, by chance.
+    kind: DemandKind
+    draft: Draft
+    company: tuple[Actor, ...]
+    """Traffic of the rare scene that drives along."""
+
+    @property
+    def actors(self) -> tuple[Actor, ...]:
+        """All its actors."""
+        return (*self.draft.actors, *self.company)
+
+
+def in_turn(
+    scene: Scene, at: Setting, seed: int, company: tuple[Actor, ...] = ()
+) -> list[Candidate]:
+    """Return draws of the kinds for a scene in the order in which they are tried.
+
+    A kind that looks like the scene's own hazard is left out; the more alike a draw and the rare scene are in the
+    number and the size of what stands before the ego, the earlier it comes, by chance. Otherwise how much there
+    is to see would tell demands from rare scenes.
+
+    Args:
+        scene: The rare scene.
+        at: Its setting.
+        seed: Seed of the random streams.
+        company: The traffic that drives along in the scene; only the first draw of a kind keeps it.
     """
     unusual = [one for one in scene.actors if one.id in scene.hazard.actors]
-    fitting = [kind for kind in KINDS if not kind.is_like(unusual, at.catalogue)]
-    waits = {
-        kind.id: float(rng.exponential())
-        / (kind.weight * math.exp(-_SHARPNESS * abs(math.log(kind.size_m2 / at.area_m2))))
-        for kind in fitting
-    }
-    return sorted(fitting, key=lambda kind: waits[kind.id])
+    found: list[tuple[float, Candidate]] = []
+    for kind in KINDS:
+        if kind.is_like(unusual, at.catalogue):
+            continue
+        for attempt in range(_ATTEMPTS):
+            rng = stream(seed, "demand", scene.id, kind.id, attempt)
+            draft = kind.draw(at, rng)
+            if draft is None:
+                break
+            one = Candidate(kind, draft, () if attempt else company)
+            likely = kind.weight * math.exp(
+                -_SHARPNESS * at.look.difference(at.look_of(one.actors))
+            )
+            found.append((float(rng.exponential()) / likely, one))
+    return [one for _, one in sorted(found, key=lambda pair: pair[0])]

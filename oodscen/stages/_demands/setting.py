@@ -1,9 +1,10 @@
-"""The setting that a demand has to fit: the road, the ego, and the body that the rare scene puts before it."""
+"""The setting that a demand has to fit: the road, the ego, and the bodies that the rare scene puts before it."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -26,6 +27,14 @@ FRONT_M = 2.3
 _FAR_M = 30.0
 """Distance of the body where the rare scene has none ahead, m."""
 _IN_LANE_M = 1.7
+_LANE_M = 3.5
+"""Usual width of a lane, m."""
+_NEAREST_M = 5.0
+"""Distance ahead up to which a body counts as beside the ego, m."""
+_ACROSS = frozenset({"stand", "cross_road"})
+"""Behaviours of the demands' actors that keep them at their place along the road until the decision."""
+_HARDLY = 2e-4
+"""Extent of a body that is hardly seen."""
 
 
 class Draft(NamedTuple):
@@ -35,6 +44,33 @@ class Draft(NamedTuple):
     event: str
     """A clause in lower case that tells the event."""
     claims: Sequence[Claim]
+
+
+class Look(NamedTuple):
+    """The number and the size in view of the bodies around the ego at the decision."""
+
+    bodies: int
+    extent: float
+    """Sum of frontal area over squared distance of the bodies in view."""
+
+    @classmethod
+    def of(cls, bodies: Iterable[tuple[float, float, float]]) -> Self:
+        """Return the look of bodies.
+
+        Args:
+            bodies: Distances of every body ahead and to the left, m, and its frontal area, square metres.
+        """
+        found = list(bodies)
+        seen = [
+            area / (x * x + y * y) for x, y, area in found if x > _NEAREST_M and abs(y) < 0.5 * x
+        ]
+        return cls(len(found), sum(seen) + _HARDLY)
+
+    def difference(self, other: "Look") -> float:
+        """Return the logarithm of the factor by which two looks differ in number and in size."""
+        number = math.log((1 + self.bodies) / (1 + other.bodies))
+        size = math.log(self.extent / other.extent)
+        return abs(number) + 0.5 * abs(size)
 
 
 @dataclass(frozen=True)
@@ -52,6 +88,8 @@ class Setting:
     """Distance of the nearest body that the rare scene puts in the lane at the decision, m."""
     area_m2: float
     """Frontal area of that body."""
+    look: Look
+    """The look of the rare scene at the decision."""
 
     @classmethod
     def of(
@@ -73,7 +111,7 @@ class Setting:
         unusual = [one for one in ahead if one[1] in scene.hazard.actors]
         gap, name = min(inside or unusual, default=(_FAR_M, ""))
         known = {actor.id: catalogue.asset(actor.asset) for actor in scene.actors}
-        area = known[name].width * known[name].height if name in known else 2.8
+        area = _frontal_area(known[name]) if name in known else 2.8
         return cls(
             scene=scene,
             catalogue=catalogue,
@@ -82,7 +120,22 @@ class Setting:
             decision_s=float(trace["time"][-1, 0]),
             gap_m=gap,
             area_m2=max(area, 0.5),
+            look=Look.of(
+                (body.x, body.y, _frontal_area(known[one]))
+                for one, body in bodies.items()
+                if one in known
+            ),
         )
+
+    def look_of(self, actors: Iterable[Actor]) -> Look:
+        """Return the look that actors will have at the decision, as far as their placements tell."""
+        return Look.of(self._foreseen(one) for one in actors)
+
+    def _foreseen(self, one: Actor) -> tuple[float, float, float]:
+        place, does = one.placement, one.behaviour
+        speed = 0.0 if does.name in _ACROSS else does.parameters.get("speed", 0.0)
+        ahead = place.ahead_m + speed * self.decision_s - self.at_m
+        return ahead, _LANE_M * place.lane + place.offset_m, _frontal_area(self.assets[one.asset])
 
     @cached_property
     def corridor(self) -> Corridor:
@@ -160,6 +213,10 @@ class Setting:
     def room(self, deceleration: float, to_speed: float = 0.0) -> float:
         """Return the distance in which the ego loses its speed at a deceleration, m."""
         return max(0.0, self.speed - to_speed) ** 2 / (2.0 * deceleration)
+
+
+def _frontal_area(asset: Asset) -> float:
+    return asset.width * asset.height
 
 
 def actor(

@@ -1,15 +1,19 @@
 """Demands: accepted like scenes, true to their texts, never like the hazard, the same again for the same seed."""
 
-import pytest
+from dataclasses import replace
 
-from oodscen._seeding import stream
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._scene import Scene
 from oodscen.driving import check_scene
 from oodscen.stages._demands.demanding import draw_demand
 from oodscen.stages._demands.kinds import KINDS, in_turn
-from oodscen.stages._demands.setting import Setting
+from oodscen.stages._demands.setting import Look, Setting
 from oodscen.stages._simulate import simulate
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
@@ -65,6 +69,31 @@ def test_no_kind_looks_like_the_hazard(simulator, asset, left_out):
     changed = scene.model_copy(update={"actors": (box.model_copy(update={"asset": asset}),)})
     run = simulate(scene, simulator)
     at = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
-    kinds = [kind.id for kind in in_turn(changed, at, stream(0, "x"))]
+    kinds = {one.kind.id for one in in_turn(changed, at, 0)}
     assert left_out not in kinds
-    assert set(kinds) < {kind.id for kind in KINDS}
+    assert kinds < {kind.id for kind in KINDS}
+
+
+BODIES = st.lists(
+    st.tuples(st.floats(-40.0, 120.0), st.floats(-30.0, 30.0), st.floats(0.1, 12.0)), max_size=8
+)
+
+
+@given(BODIES, BODIES)
+def test_looks_differ_as_much_either_way_and_not_from_themselves(one, other):
+    first, second = Look.of(one), Look.of(other)
+    assert first.difference(second) == pytest.approx(second.difference(first))
+    assert first.difference(first) == 0.0
+    assert first.difference(Look.of([*one, (20.0, 0.0, 3.0)])) > 0.0
+
+
+def test_a_demand_has_about_as_many_bodies_as_its_scene(simulator):
+    scene = placed("urban_avenue")
+    run = simulate(scene, simulator)
+    at = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
+
+    def first_bodies(bodies):
+        like = replace(at, look=at.look._replace(bodies=bodies))
+        return np.mean([len(in_turn(scene, like, seed)[0].actors) for seed in range(30)])
+
+    assert first_bodies(1) < first_bodies(10)

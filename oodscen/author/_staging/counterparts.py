@@ -1,0 +1,98 @@
+"""Ordinary counterparts of a hazard, as near in the twin at the decision as the hazard is in the scene."""
+
+from collections.abc import Mapping
+
+from oodscen.author._staging.actors import StagedActors
+from oodscen.author._staging.background_traffic import along
+from oodscen.author._writing.stand_in import StandIn
+from oodscen.data._scene import Actor, Behaviour, Placement
+
+_HEADWAY_S, _STANDSTILL_M, _FARTHEST_M = 0.9, 8.0, 55.0
+"""Gap to a vehicle ahead in an ordinary twin: time, m at standstill, and the most, m."""
+_PAVEMENT_M = {True: -4.7, False: -2.9}
+"""Offset of the pavement from the rightmost lane's centre, with and without a lane for parking, m."""
+_LANE_M = 3.5
+_WALKING = 1.2
+"""Speed of someone on the pavement, m/s."""
+_NEARER = 0.5
+"""Ratio of the distance of someone on the pavement to the hazard's: people look smaller than most hazards."""
+_IN_VIEW = 2.2
+"""Least ratio of the distance ahead to the distance aside of someone in the camera's view."""
+
+
+def replaced(
+    one: StandIn, scene: StagedActors, hazard: Actor, decision_s: float
+) -> dict[str, Actor]:
+    """Return the ordinary road user in the place of a hazard, by that one's id.
+
+    Args:
+        one: The road user that the twin's text names.
+        scene: The draft so far.
+        hazard: The decisive hazard.
+        decision_s: Time of the decision, s.
+    """
+    if not set(one.assets) <= {asset.id for asset in scene.digest.assets}:
+        return {}
+    gap = _gap(hazard, scene, decision_s)
+    if one.is_ahead:
+        near = _near(scene)
+        place = Placement(ahead_m=round(min(max(gap, near), max(_FARTHEST_M, near)), 2))
+        behaviour = Behaviour(name="follow_lane", parameters={"speed": scene.speed})
+    else:
+        aside = _PAVEMENT_M["residential" in scene.road.traits]
+        least = _IN_VIEW * (_LANE_M * scene.ego_lane - aside)
+        ahead = max(_NEARER * gap, least) + (scene.speed - _WALKING) * decision_s
+        place = Placement(
+            ahead_m=round(ahead, 2), lane=-scene.ego_lane, offset_m=aside, heading_deg=0.0
+        )
+        behaviour = Behaviour(name="walk_along", parameters={"speed": _WALKING})
+    asset = scene.choose(one.assets, ())
+    return {hazard.id: Actor(id=hazard.id, asset=asset, placement=place, behaviour=behaviour)}
+
+
+def drawn_near(
+    unusual: Mapping[str, Actor | None], scene: StagedActors, hazard: Actor, decision_s: float
+) -> dict[str, Actor | None]:
+    """Move counterparts that drive ahead in the ego's lane so that the nearest of them is where the hazard is.
+
+    They would have driven away by the decision. Those that are slower than the ego stay where they are.
+
+    Args:
+        unusual: The counterparts, by the ids of the unusual actors.
+        scene: The draft so far.
+        hazard: The decisive hazard.
+        decision_s: Time of the decision, s.
+    """
+    row = {name: one for name, one in unusual.items() if one and _is_ahead(one, scene)}
+    if not row:
+        return dict(unusual)
+    first = min(row.values(), key=lambda one: one.placement.ahead_m)
+    wanted = max(_gap(hazard, scene, decision_s), _near(scene))
+    back = min(_gap(first, scene, decision_s) - wanted, first.placement.ahead_m - _near(scene))
+    if back <= 0.0:
+        return dict(unusual)
+    return {**unusual, **{name: _moved_back(one, back) for name, one in row.items()}}
+
+
+def _is_ahead(one: Actor, scene: StagedActors) -> bool:
+    """Return whether an actor drives ahead in the ego's lane, no slower than the ego."""
+    place, does = one.placement, one.behaviour
+    is_with_ego = place.lane == 0 and abs(place.heading_deg) < 90.0 and place.ahead_m > 0.0
+    is_driving = does.name == "follow_lane" and does.other is None
+    return is_with_ego and is_driving and along(one) >= scene.speed
+
+
+def _moved_back(one: Actor, metres: float) -> Actor:
+    place = one.placement
+    there = place.model_copy(update={"ahead_m": round(place.ahead_m - metres, 2)})
+    return one.model_copy(update={"placement": there})
+
+
+def _gap(one: Actor, scene: StagedActors, decision_s: float) -> float:
+    """Return about the distance of an actor from the ego at the decision, m."""
+    return one.placement.ahead_m + (along(one) - scene.speed) * decision_s
+
+
+def _near(scene: StagedActors) -> float:
+    """Return the least gap to a vehicle ahead, m."""
+    return _HEADWAY_S * scene.speed + _STANDSTILL_M
