@@ -309,8 +309,10 @@ def _frame(images: dict[str, Any], bodies: Sequence[Placed], camera: Camera) -> 
     rows: NDArray[np.int32] = np.zeros(1 << 16, np.int32)
     for row, body in enumerate(bodies):
         rows[body.id & 0xFFFF] = row + 1
+    ids = rows[number]
     return Frame(
         rgb=np.ascontiguousarray(raw["rgb"][..., 2::-1]),
         depth=depth.astype(np.float32),
-        ids=rows[number],
+        ids=ids,
+        tags=np.where(ids > 0, np.uint8(0), raw["instance_segmentation"][..., 2]),
     )

@@ -10,6 +10,7 @@ from oodscen_carla import _connection as connection
 from oodscen_carla._blueprints import blueprint_of, own_id
 from oodscen_carla.server import CarlaTestServer
 from oodscen_pybullet import PyBulletSimulator
+from oodscen_pybullet._meshes.tags import Tag
 
 from oodscen import simulate
 from oodscen.errors import SceneError, SimulatorError, SpawnError, UsageError
@@ -83,6 +84,8 @@ def test_frames_equal_those_of_pybullet():
         for one, two in zip(frames(mine, SCENE, 3), frames(other, SCENE, 3), strict=True):
             assert np.array_equal(one.rgb, two.rgb)
             assert np.array_equal(one.ids, two.ids)
+            assert np.array_equal(one.tags, two.tags)
+            assert {Tag.ROADS, Tag.ROAD_LINES, Tag.BUILDINGS, Tag.SKY} <= set(one.tags.ravel())
 
 
 def test_it_keeps_the_promises_of_the_protocol(server):
