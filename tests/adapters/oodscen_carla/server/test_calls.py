@@ -86,6 +86,15 @@ def test_a_car_stops_where_it_would_hit_something(served):
     assert served.world.actors[car].place.location[0] < 110.0
 
 
+def test_a_car_drives_through_a_puddle(served):
+    car, _ = served.spawn(CAR, 100.0), served.spawn("static.prop.puddle", 112.0)
+    served.get("apply_control_to_vehicle", car, CONTROL)
+    for _ in range(120):
+        served.get("tick_cue")
+        assert not served.world.collisions
+    assert served.world.actors[car].place.location[0] > 115.0
+
+
 def test_a_spawn_needs_a_blueprint_a_parent_and_room(served):
     place = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
     assert "lidar" in served.error("spawn_actor", [1, "sensor.lidar.ray_cast", []], place)
