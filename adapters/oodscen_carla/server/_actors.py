@@ -8,6 +8,8 @@ from oodscen_carla.server._blueprints import Blueprint
 from oodscen_carla.server._values import Description, Transform, Vector
 
 ZERO: Vector = (0.0, 0.0, 0.0)
+CLEARANCE_M = 0.2
+"""Height below which vehicles roll over things, such as CARLA's patches of dirt, m."""
 
 
 @dataclass
@@ -91,8 +93,10 @@ class Actor:
     @property
     def is_obstacle(self) -> bool:
         """Return whether vehicles collide with it: it has a body that they cannot drive over or through."""
-        asset = self.blueprint.asset
-        return asset is not None and not asset.is_passable(self.attributes.get("state", ""))
+        asset, height = self.blueprint.asset, 2.0 * self.blueprint.extent[2]
+        if asset is None or height < CLEARANCE_M:
+            return False
+        return not asset.is_passable(self.attributes.get("state", ""))
 
     def number(self, name: str, default: float) -> float:
         """Return an attribute as a finite number, or the default."""
