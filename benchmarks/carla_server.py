@@ -1,24 +1,28 @@
 """Measures the server of CARLA's protocol with the official client: speed, leaks, and dying scripts.
 
-Usage: python benchmarks/carla_server.py [--json] [--kills N] [--ticks N]
+Usage: python benchmarks/carla_server.py [--json] [--kills N] [--ticks N] [--worlds N]
 
 Needs the `carla` package. One server with PyBullet's pictures runs in a process of its own. A script
-drives a car at 640 x 480 pixels: without a camera, with one, and with three on one mount. Then 1,000 ticks
-and 60 worlds may not let memory or open files grow, a second client watches while the first ticks, and
-scripts that are killed or stopped at random moments must leave nothing in the server.
+drives a car at 640 x 480 pixels: without a camera, with one, and with three on one mount. A second client
+watches while the first ticks. Then neither ticks with a camera nor worlds, loaded, reloaded and sent, may
+let the server's memory, threads or open files grow, and scripts that are ended by SIGTERM, SIGINT, SIGKILL
+or SIGSTOP at random moments of a start, of ticks, spawns and streams must leave nothing in it. Every figure is
+printed as it comes.
 """
 
 import argparse
 import json
+import multiprocessing
 import os
 import queue
 import random
 import signal
-import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import carla
 from oodscen_carla.server import CarlaTestServer
@@ -27,14 +31,40 @@ from oodscen.driving._roads.building import read_map
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 KINDS = ("rgb", "depth", "instance_segmentation")
-SCRIPT = "--script"
 GROWTH_MB = 24.0
 """Largest growth of the server's memory that is no leak, MB."""
-
+MORE_FILES, MORE_THREADS = 2, 2
+"""Largest growth of the numbers of open files and threads that is none."""
 WARM = 20
-"""Number of scripts that die before the server's memory is measured."""
+"""Number of scripts that die before the server is measured."""
+SETTLING_S = 12.0
+"""Time in which the server notices that a stopped client reads no longer, s."""
+SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGKILL, signal.SIGSTOP)
 
 Row = dict[str, object]
+
+
+class Usage(NamedTuple):
+    """What a process holds."""
+
+    memory_mb: float
+    files: int
+    threads: int
+
+    @classmethod
+    def of(cls, pid: int) -> "Usage":
+        """Measure a process."""
+        folder = Path(f"/proc/{pid}")
+        pages = int((folder / "statm").read_text().split()[1])
+        memory = pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+        return cls(memory, len(os.listdir(folder / "fd")), len(os.listdir(folder / "task")))
+
+    def growth(self, before: "Usage", after: str) -> Iterator[Row]:
+        """Yield the growth since another measurement."""
+        grown = self.memory_mb - before.memory_mb
+        yield row(f"memory more after {after}", grown, "MB", GROWTH_MB)
+        yield row(f"open files more after {after}", self.files - before.files, "", MORE_FILES)
+        yield row(f"threads more after {after}", self.threads - before.threads, "", MORE_THREADS)
 
 
 def opened(port: int) -> tuple[Any, Any]:
@@ -89,63 +119,74 @@ def rate(port: int, kinds: tuple[str, ...], ticks: int) -> float:
     return ticks / seconds
 
 
-def memory_mb(pid: int) -> float:
-    """Return the resident memory of a process, MB."""
-    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+def row(name: str, value: float, unit: str, most: float) -> Row:
+    """Return one figure that may not exceed a limit."""
+    return {
+        "name": name,
+        "value": value,
+        "unit": unit,
+        "target": f"<= {most:g}",
+        "holds": value <= most,
+    }
 
 
-def files_of(pid: int) -> int:
-    """Return the number of open files of a process."""
-    return len(os.listdir(f"/proc/{pid}/fd"))
+def rates(port: int, ticks: int) -> Iterator[Row]:
+    """Yield the ticks per second with no camera, one, and three of one mount."""
+    for kinds, least in (((), 3000.0), (("rgb",), 45.0), (KINDS, 50.0)):
+        value = rate(port, kinds, ticks if kinds else 10 * ticks)
+        yield {
+            "name": f"640 x 480, {len(kinds)} cameras of one mount",
+            "value": value,
+            "unit": "ticks/s",
+            "target": f">= {least:g}",
+            "holds": value >= least,
+        }
 
 
-def growth(server: CarlaTestServer, ticks: int) -> list[Row]:
-    """Return the growth of memory and files over many worlds, and then over many ticks."""
-    client, world = opened(server.port)
-    texts = [read_map(road.file).decode() for road in SHIPPED_MAPS]
+def visits(client: Any) -> Iterator[Callable[[], Any]]:
+    """Yield for ever ways to another world: loaded by its name, loaded again, sent as a map."""
+
+    def named(name: str) -> Callable[[], Any]:
+        return lambda: client.load_world(name, reset_settings=False)
+
+    def sent(text: str) -> Callable[[], Any]:
+        return lambda: client.generate_opendrive_world(text, reset_settings=False)
+
+    while True:
+        for road in SHIPPED_MAPS:
+            yield named(road.id)
+            yield lambda: client.reload_world(False)
+            yield sent(read_map(road.file).decode())
+
+
+def leaks(server: CarlaTestServer, ticks: int, worlds: int) -> Iterator[Row]:
+    """Yield the growth over many worlds, and over many ticks with a camera."""
+    client, _ = opened(server.port)
+    ways = visits(client)
 
     def visit(count: int) -> None:
-        for number in range(count):
-            text = texts[number % len(texts)]
-            made = client.generate_opendrive_world(text, reset_settings=False)
-            car = car_of(made)
-            ((camera, images),) = cameras_of(made, car, ("rgb",))
-            made.tick()
+        for _ in range(count):
+            world = next(ways)()
+            car = car_of(world)
+            ((camera, images),) = cameras_of(world, car, ("rgb",))
+            world.tick()
             images.get(timeout=60)
             camera.stop()
 
-    visit(2 * len(texts))
-    before = memory_mb(server.pid), files_of(server.pid)
-    visit(60)
-    after = memory_mb(server.pid), files_of(server.pid)
-    rows = [
-        row("growth over 60 worlds", after[0] - before[0], "MB", f"<= {GROWTH_MB:g}", GROWTH_MB),
-        row("more open files after 60 worlds", after[1] - before[1], "", "<= 2", 2),
-    ]
-    world = client.get_world()
-    before_ticks = memory_mb(server.pid)
-    for _ in range(ticks):
-        world.tick()
-    grown = memory_mb(server.pid) - before_ticks
-    return [*rows, row(f"growth over {ticks} ticks", grown, "MB", f"<= {GROWTH_MB:g}", GROWTH_MB)]
-
-
-def row(name: str, value: float, unit: str, target: str, most: float) -> Row:
-    """Return one figure that may not exceed a limit."""
-    return {"name": name, "value": value, "unit": unit, "target": target, "holds": value <= most}
-
-
-def script(port: int) -> None:
-    """Drive with a camera until the process ends."""
-    _, world = opened(port)
+    visit(3 * len(SHIPPED_MAPS))
+    before = Usage.of(server.pid)
+    visit(worlds)
+    yield from Usage.of(server.pid).growth(before, f"{worlds} worlds")
+    _, world = opened(server.port)
     car = car_of(world)
-    cameras = cameras_of(world, car, ("rgb",))
-    print("driving", flush=True)
-    while True:
+    ((camera, images),) = cameras_of(world, car, ("rgb",))
+    for tick in range(-50, ticks):
+        if tick == 0:
+            before = Usage.of(server.pid)
         world.tick()
-        for _, images in cameras:
-            images.get(timeout=60)
+        images.get(timeout=60)
+    yield from Usage.of(server.pid).growth(before, f"{ticks} ticks with a camera")
+    camera.stop()
 
 
 def watched(port: int, ticks: int) -> bool:
@@ -165,63 +206,100 @@ def watched(port: int, ticks: int) -> bool:
     return False
 
 
-def kills(server: CarlaTestServer, count: int) -> list[Row]:
-    """Kill or stop scripts at random moments; return what is left of them."""
-    rng = random.Random(0)
-    order = [sys.executable, __file__, SCRIPT, str(server.port)]
-    before, lost = (0.0, 0), 0
+def script(port: int, phase: str, ready: Connection) -> None:
+    """Do one thing over and over until the process ends."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+    if phase == "start":
+        ready.send(phase)
+        while True:
+            opened(port)
+    client, world = opened(port)
+    if phase == "spawns":
+        ready.send(phase)
+        while True:
+            spawn_many(client, world)
+    car = car_of(world)
+    cameras = cameras_of(world, car, () if phase == "ticks" else KINDS)
+    ready.send(phase)
+    while True:
+        world.tick()
+        for _, images in cameras:
+            images.get(timeout=60)
+
+
+def spawn_many(client: Any, world: Any) -> None:
+    """Spawn and destroy cars, and a sensor that listens."""
+    library, points = world.get_blueprint_library(), world.get_map().get_spawn_points()
+    model, command = library.find("vehicle.audi.tt"), carla.command
+    orders = [command.SpawnActor(model, place) for place in points[:20]]
+    cars = [one.actor_id for one in client.apply_batch_sync(orders, True) if not one.has_error()]
+    sensor = world.spawn_actor(
+        library.find("sensor.other.imu"), carla.Transform(), attach_to=world.get_actor(cars[0])
+    )
+    sensor.listen(lambda event: None)
+    world.tick()
+    sensor.stop()
+    client.apply_batch_sync([command.DestroyActor(one) for one in cars], True)
+
+
+def end_one(port: int, rng: random.Random, context: Any) -> None:
+    """Start a script, and end it at a random moment."""
+    ours, theirs = context.Pipe()
+    phase, how = rng.choice(("start", "ticks", "spawns", "streams")), rng.choice(SIGNALS)
+    process = context.Process(target=script, args=(port, phase, theirs))
+    process.start()
+    theirs.close()
+    if ours.poll(60.0):
+        time.sleep(rng.uniform(0.0, 0.5))
+    os.kill(process.pid, how)
+    if how == signal.SIGSTOP:
+        time.sleep(rng.uniform(0.0, 0.4))
+    elif how != signal.SIGKILL:
+        process.join(3.0)
+    process.kill()
+    process.join()
+    ours.close()
+
+
+def kills(server: CarlaTestServer, count: int) -> Iterator[Row]:
+    """End scripts at random moments; yield what is left of them."""
+    # Children of a fresh process that has the client loaded: most of a script's time is its import.
+    context = multiprocessing.get_context("forkserver")
+    rng, lost = random.Random(0), 0
     for number in range(-WARM, count):
         if number == 0:
-            before = memory_mb(server.pid), files_of(server.pid)
-        process = subprocess.Popen(order, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-        assert process.stdout is not None
-        if number % 4:
-            process.stdout.readline()
-        time.sleep(rng.uniform(0.0, 0.4))
-        if number % 5 == 0:
-            process.send_signal(signal.SIGSTOP)
-            time.sleep(rng.uniform(0.0, 0.4))
-        process.kill()
-        process.wait()
-        process.stdout.close()
+            before = settled(server.pid)
+        end_one(server.port, rng, context)
         lost += not server.is_alive
-    time.sleep(7.0)
-    grown, files = memory_mb(server.pid) - before[0], files_of(server.pid) - before[1]
+    yield row(f"servers that ended with one of {count} scripts", lost, "", 0)
+    if lost:
+        return
+    yield from settled(server.pid, before).growth(before, f"{count} scripts")
     client = carla.Client("127.0.0.1", server.port, 1)
     client.set_timeout(60.0)
-    left = len(client.get_world().wait_for_tick(10.0)) - 1
-    return [
-        row(f"servers that ended with one of {count} scripts", lost, "", "0", 0),
-        row("growth of the server's memory", grown, "MB", f"<= {GROWTH_MB:g}", GROWTH_MB),
-        row("open files left", files, "", "<= 4", 4),
-        row("actors left", left, "", "0", 0),
-    ]
+    left = len(client.get_world().wait_for_tick(60.0)) - 1
+    yield row(f"actors left of {count} scripts", left, "", 0)
 
 
-def measure(ticks: int, count: int) -> list[Row]:
-    """Return all figures."""
-    rows: list[Row] = []
+def settled(pid: int, before: Usage | None = None) -> Usage:
+    """Return what a process holds once it has noticed that its clients are gone."""
+    end = time.monotonic() + SETTLING_S
+    while True:
+        now = Usage.of(pid)
+        is_back = before is not None and now.files <= before.files and now.threads <= before.threads
+        if is_back or time.monotonic() > end:
+            return now
+        time.sleep(0.2)
+
+
+def measured(ticks: int, worlds: int, count: int) -> Iterator[Row]:
+    """Yield all figures."""
     with CarlaTestServer(simulator="pybullet") as server:
-        for kinds, least in (((), 3000.0), (("rgb",), 45.0), (KINDS, 50.0)):
-            number = ticks if kinds else 10 * ticks
-            value = rate(server.port, kinds, number)
-            name = f"640 x 480, {len(kinds)} cameras of one mount"
-            holds = value >= least
-            rows.append(
-                {
-                    "name": name,
-                    "value": value,
-                    "unit": "ticks/s",
-                    "target": f">= {least:g}",
-                    "holds": holds,
-                }
-            )
-            print(f"{name}: {value:.0f} ticks/s", flush=True)
-        sees = watched(server.port, 1000)
-        rows.append(row("frames that a second client misses", float(not sees), "", "0", 0))
-        rows += growth(server, 1000)
-        rows += kills(server, count)
-    return rows
+        yield from rates(server.port, ticks)
+        yield row("frames that a second client misses", not watched(server.port, 1000), "", 0)
+        yield from leaks(server, 1000, worlds)
+        yield from kills(server, count)
 
 
 def main() -> int:
@@ -230,15 +308,19 @@ def main() -> int:
     )
     parser.add_argument("--json", action="store_true", help="print one JSON list at the end")
     parser.add_argument("--ticks", type=int, default=300, help="how many ticks to time")
-    parser.add_argument("--kills", type=int, default=200, help="how many scripts to kill")
-    parser.add_argument(SCRIPT, type=int, help=argparse.SUPPRESS)
+    parser.add_argument("--worlds", type=int, default=60, help="how many worlds to visit")
+    parser.add_argument("--kills", type=int, default=200, help="how many scripts to end")
     options = parser.parse_args()
-    if options.script is not None:
-        script(options.script)
-    found = measure(options.ticks, options.kills)
-    for item in found:
+    found, start = [], time.monotonic()
+    for item in measured(options.ticks, options.worlds, options.kills):
+        found.append(item)
         mark = "ok  " if item["holds"] else "MISS"
-        print(f"{mark} {item['name']}: {item['value']:.1f} {item['unit']} ({item['target']})")
+        since = time.monotonic() - start
+        print(
+            f"{mark} {item['name']}: {item['value']:.1f} {item['unit']} ({item['target']})"
+            f"  [{since:.0f} s]",
+            flush=True,
+        )
     if options.json:
         print(json.dumps(found))
     return 0 if all(item["holds"] for item in found) else 1

@@ -239,6 +239,10 @@ class Frame(Brief):
     unhidden: NDArray[np.int32] | None = None
     """[n] pixels that each body would fill if nothing occluded it, rows as in `State.ids`;
     `None` if the simulator cannot tell."""
+    tags: NDArray[np.uint8] | None = None
+    """[height, width] semantic class of scenery and sky, with the numbers of `carla.CityObjectLabel`
+    (1 roads, 2 sidewalks, 3 buildings ...; CARLA 0.9.14 and later), 0 for bodies and the unknown;
+    `None` if the simulator cannot tell."""
 
     def _repr_png_(self) -> bytes | None:
         return png(self.rgb)

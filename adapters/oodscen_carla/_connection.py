@@ -61,6 +61,7 @@ class Connection:
         self._cameras: dict[str, tuple[Any, queue.SimpleQueue[Any]]] = {}
         self._mounted: tuple[int, Camera] | None = None
         self._actors: list[int] = []
+        self._lit: dict[int, int] = {}
         self._map: str | None = None
         self._before: Any = None
         self._frame = 0
@@ -144,7 +145,7 @@ class Connection:
             if doomed:
                 commands = [self._carla.command.DestroyActor(number) for number in doomed]
                 self._client.apply_batch_sync(commands, False)
-        self._cameras, self._mounted, self._actors = {}, None, []
+        self._cameras, self._mounted, self._actors, self._lit = {}, None, [], {}
 
     def _follow_episode(self) -> None:
         """Notice that another client has loaded another world, in which nothing of this one is left."""
@@ -153,7 +154,7 @@ class Connection:
             # A camera that still listens when it is forgotten would end the process.
             self._listen(False)
             self._world, self._map = world, None
-            self._cameras, self._mounted, self._actors = {}, None, []
+            self._cameras, self._mounted, self._actors, self._lit = {}, None, [], {}
 
     def close(self) -> None:
         """Destroy everything and restore the settings; a server that is gone needs neither."""
@@ -186,17 +187,20 @@ class Connection:
         is_walker = blueprint.startswith("walker.")
         return Placed(actor.id, actor, box.extent.z - box.location.z if is_walker else 0.0)
 
-    def set_lights(self, body: Placed, lights: int) -> None:
-        """Switch the lamps of a vehicle."""
-        if hasattr(body.actor, "set_light_state"):
-            body.actor.set_light_state(self._carla.VehicleLightState(lights))
-
     def place(
-        self, bodies: Sequence[Placed], poses: Sequence[Sequence[float]], speeds: Sequence[float]
+        self,
+        bodies: Sequence[Placed],
+        poses: Sequence[Sequence[float]],
+        speeds: Sequence[float],
+        lights: Sequence[int],
     ) -> None:
-        """Move all bodies and take one tick."""
+        """Move all bodies, switch the lamps of vehicles, and take one tick."""
         command, commands = self._carla.command, []
-        for body, pose, speed in zip(bodies, poses, speeds, strict=True):
+        for body, pose, speed, lit in zip(bodies, poses, speeds, lights, strict=True):
+            if self._lit.get(body.id, 0) != lit and hasattr(body.actor, "set_light_state"):
+                state = self._carla.VehicleLightState(lit)
+                commands.append(command.SetVehicleLightState(body.id, state))
+                self._lit[body.id] = lit
             yaw = pose[3]
             velocity = self._carla.Vector3D(speed * math.cos(yaw), -speed * math.sin(yaw), 0.0)
             commands.append(command.ApplyTransform(body.id, self._transform(pose, body.lift)))
@@ -309,8 +313,10 @@ def _frame(images: dict[str, Any], bodies: Sequence[Placed], camera: Camera) -> 
     rows: NDArray[np.int32] = np.zeros(1 << 16, np.int32)
     for row, body in enumerate(bodies):
         rows[body.id & 0xFFFF] = row + 1
+    ids = rows[number]
     return Frame(
         rgb=np.ascontiguousarray(raw["rgb"][..., 2::-1]),
         depth=depth.astype(np.float32),
-        ids=rows[number],
+        ids=ids,
+        tags=np.where(ids > 0, np.uint8(0), raw["instance_segmentation"][..., 2]),
     )

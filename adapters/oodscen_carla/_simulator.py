@@ -13,6 +13,7 @@ from oodscen.data import Asset, Catalogue, Scene
 from oodscen.driving import MirrorSimulator
 from oodscen.driving._roads.building import find_map, read_map
 from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._sight.lamps import has_lamps_on, is_braking, waits_in_traffic
 from oodscen.errors import SimulatorError, SpawnError
 from oodscen.protocols import Camera, Frame
 from oodscen_carla._blueprints import blueprint_of
@@ -27,10 +28,14 @@ _ABOVE = 500.0
 """Height above the road at which bodies are spawned, out of everything's way, m."""
 _APART = 50.0
 """Distance in height between two bodies that are spawned, m."""
+_BRAKE = 8
+"""Brake lamps of `carla.VehicleLightState`."""
 _LIGHTS = {
-    "hazard": 16 | 32, "indicate_left": 32, "indicate_right": 16, "beacon": 128, "brake": 8,
+    "hazard": 16 | 32, "indicate_left": 32, "indicate_right": 16, "beacon": 128, "brake": _BRAKE,
 }  # fmt: skip
 """`carla.VehicleLightState` by state of an asset."""
+_LAMPS = 1 | 2
+"""Position lamps and low beam of `carla.VehicleLightState`."""
 
 
 class CarlaSimulator(MirrorSimulator):
@@ -68,6 +73,9 @@ class CarlaSimulator(MirrorSimulator):
         self._timeout_s = timeout_s
         self._connection: Connection | None = None
         self._bodies: list[Placed] = []
+        self._lights: list[int] = []
+        self._waits: list[bool] = []
+        self._scene: Scene | None = None
 
     @cached_property
     def _catalogue(self) -> Catalogue:
@@ -107,7 +115,7 @@ class CarlaSimulator(MirrorSimulator):
             MissingExtra: If the `carla` package is not installed.
             SimulatorError: If there is no server, or it is of another version.
         """
-        self._bodies = []
+        self._bodies, self._lights, self._waits, self._scene = [], [], [], scene
         connection = self._connected()
         try:
             connection.clear(others=True)
@@ -140,13 +148,21 @@ class CarlaSimulator(MirrorSimulator):
             body = connection.spawn(name, above, role=role, state=state)
         except RuntimeError as error:
             raise SpawnError(actor_id, asset.id, pose, str(error)) from None
-        if lights := _LIGHTS.get(state, 0):
-            connection.set_lights(body, lights)
+        lights = _LIGHTS.get(state, 0)
+        if self._scene is not None and has_lamps_on(self._scene, actor_id):
+            lights |= _LAMPS
         self._bodies.append(body)
+        self._lights.append(lights)
+        self._waits.append(self._scene is not None and waits_in_traffic(self._scene, actor_id))
 
     def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
-        """Send poses and speeds, and let the server take one tick."""
-        self._open().place(self._bodies, poses.tolist(), speeds.tolist())
+        """Send poses, speeds and lights, and let the server take one tick."""
+        moving = zip(speeds.tolist(), self.world.accelerations().tolist(), strict=True)
+        lights = [
+            lit | _BRAKE if is_braking(speed, push, waits=waits) else lit
+            for lit, waits, (speed, push) in zip(self._lights, self._waits, moving, strict=True)
+        ]
+        self._open().place(self._bodies, poses.tolist(), speeds.tolist(), lights)
 
     def draw(self, camera: Camera) -> Frame:
         """Return what the cameras of the same tick show."""

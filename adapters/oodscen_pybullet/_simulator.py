@@ -207,11 +207,14 @@ class PyBulletSimulator(MirrorSimulator):
             balls=balls,
         )
         rgb = postprocessed(picture)
+        if shot.tags is not None and balls:
+            shot.tags[shot.rows >= 0] = 0
         return Frame(
             rgb=rgb,
             depth=shot.depth,
             ids=shot.rows + np.int32(1),
             unhidden=_unhidden(stage, view, balls),
+            tags=shot.tags,
         )
 
     def release(self) -> None:

@@ -43,6 +43,9 @@ _GROUND = {
     "none": (0.36, 0.46, 0.26),
 }
 _PALETTE = np.array(list(_GROUND.values()))
+_TAGS = np.array([10, 24, 2, 1, 1, 1, 2, 10, 10, 27, 10], np.uint8)
+"""Semantic class of each ground colour: `Frame.tags`."""
+_SKY_TAG = 11
 _CODES = {name: code for code, name in enumerate(_GROUND)}
 """Row of each ground colour in the palette."""
 _SHADES = (0.72, 0.86, 1.0)
@@ -142,15 +145,17 @@ def flat_frame(
     ids = np.zeros((camera.height, camera.width), dtype=np.int32)
     colour = np.empty((camera.height, camera.width, 3))
     colour[:] = _sky(weather)
+    tags = np.full((camera.height, camera.width), _SKY_TAG, np.uint8)
     s, _ = road.locate(mount[0], mount[1])
-    _paint_ground(view, road, s, colour, depth)
+    _paint_ground(view, road, s, colour, depth, tags)
     if weather.precipitation == "snow":
         colour[np.isfinite(depth)] *= 0.45
         colour[np.isfinite(depth)] += 0.5
     for row in range(1, len(assets)):
         _paint_box(view, assets[row], rows[row], row + 1, colour, depth, ids)
     rgb = _lit(colour, depth, view, weather)
-    return Frame(rgb=rgb, depth=depth.astype(np.float32), ids=ids)
+    tags[ids > 0] = 0
+    return Frame(rgb=rgb, depth=depth.astype(np.float32), ids=ids, tags=tags)
 
 
 class _FlatView:
@@ -210,7 +215,12 @@ class _FlatView:
 
 
 def _paint_ground(
-    view: _FlatView, road: Corridor, ego_s: float, colour: Floats, depth: Floats
+    view: _FlatView,
+    road: Corridor,
+    ego_s: float,
+    colour: Floats,
+    depth: Floats,
+    tags: NDArray[np.uint8],
 ) -> None:
     """Paint the ground plane: grass, road strips and lane marks."""
     below = view.forward[2] + view.v * view.down[2] < -1e-6
@@ -228,6 +238,7 @@ def _paint_ground(
     s, t, index = _locate(road, ground_x, ground_y, ego_s)
     codes[near] = _surface(road, s, t, index, away)
     np.take(_PALETTE, codes, axis=0, out=colour[rows])
+    np.take(_TAGS, codes, out=tags[rows])
 
 
 def _locate(

@@ -8,6 +8,8 @@ from oodscen_carla.server._blueprints import Blueprint
 from oodscen_carla.server._values import Description, Transform, Vector
 
 ZERO: Vector = (0.0, 0.0, 0.0)
+CLEARANCE_M = 0.2
+"""Height below which vehicles roll over things, such as CARLA's patches of dirt, m."""
 
 
 @dataclass
@@ -63,6 +65,10 @@ class Actor:
     """Id of the body of the staged scene that it is; empty for a client's own."""
     born: float = 0.0
     """Time of the simulation when it was spawned, s."""
+    is_placed: bool = False
+    """True if a client has put it somewhere since the last tick."""
+    placings: int = 0
+    """Number of ticks before which a client has put it somewhere."""
     due: float = 0.0
     """Time of the simulation from which a sensor sends its next picture, s."""
 
@@ -83,6 +89,14 @@ class Actor:
     def is_sensor(self) -> bool:
         """Return whether it sends data of its own."""
         return self.type_id.startswith("sensor.")
+
+    @property
+    def is_obstacle(self) -> bool:
+        """Return whether vehicles collide with it: it has a body that they cannot drive over or through."""
+        asset, height = self.blueprint.asset, 2.0 * self.blueprint.extent[2]
+        if asset is None or height < CLEARANCE_M:
+            return False
+        return not asset.is_passable(self.attributes.get("state", ""))
 
     def number(self, name: str, default: float) -> float:
         """Return an attribute as a finite number, or the default."""

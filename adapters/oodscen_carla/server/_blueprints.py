@@ -42,6 +42,13 @@ _TAGS = {
     "object": 20, "work_zone": 20,
 }  # fmt: skip
 _TAG_OF_WORD = {"truck": 15, "bus": 16, "tram": 17, "motorcycle": 18, "bicycle": 19}
+_BASE_TYPES = {14: "car", 15: "truck", 16: "bus", 18: "motorcycle", 19: "bicycle"}
+"""`base_type` of vehicles by semantic tag; scripts choose their traffic by it."""
+_NO_TRAFFIC = (
+    *("overturned", "wreck", "burn", "trailer"),
+    *("tractor", "excavator", "forklift", "road_roller"),
+)
+"""Words of vehicles without a `base_type`."""
 
 
 @dataclass(frozen=True)
@@ -130,8 +137,8 @@ def _body_attributes(name: str, asset: Asset) -> tuple[Attribute, ...]:
         return role, *moves
     if not name.startswith("vehicle."):
         return role, state
-    wheels = "2" if asset.category == "cyclist" or "motorcycle" in asset.tags else "4"
-    kind = "bicycle" if asset.category == "cyclist" else "motorcycle" if wheels == "2" else "car"
+    kind = "" if _is_no_traffic(asset) else _BASE_TYPES.get(_tag(asset), "")
+    wheels = "2" if kind in ("motorcycle", "bicycle") else "4"
     return (
         role,
         state,
@@ -143,6 +150,12 @@ def _body_attributes(name: str, asset: Asset) -> tuple[Attribute, ...]:
         ("sticky_control", BOOL, "true", True),
         ("color", COLOUR, "128,128,128", True),
     )
+
+
+def _is_no_traffic(asset: Asset) -> bool:
+    """Return whether a vehicle is none of the traffic: a wreck, a trailer, a machine."""
+    words = {asset.id, *asset.tags}
+    return any(one in word for word in words for one in _NO_TRAFFIC)
 
 
 def _sensor_attributes(name: str) -> tuple[Attribute, ...]:

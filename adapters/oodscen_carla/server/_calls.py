@@ -223,11 +223,13 @@ class Calls:
     # ------------------------------------------------------------------ motion
 
     def rpc_set_actor_transform(self, number: Any, place: Any) -> None:
-        self._own(number, "set transform").place = read.transform(place)
+        actor = self._own(number, "set transform")
+        actor.place, actor.is_placed = read.transform(place), True
 
     def rpc_set_actor_location(self, number: Any, location: Any) -> None:
         actor = self._own(number, "set location")
         actor.place = Transform(read.vector(location), actor.place.rotation)
+        actor.is_placed = True
 
     def rpc_set_actor_simulate_physics(self, number: Any, enabled: Any) -> None:
         actor = self.find(number, "set simulate physics")

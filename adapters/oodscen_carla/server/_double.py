@@ -1,5 +1,6 @@
 """A server in a process of its own, for tests of code that speaks to CARLA."""
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -72,8 +73,13 @@ class CarlaTestServer:
         scenes = Path(self._folder.name) / "scenes.jsonl"
         scenes.write_text("".join(f"{one.to_json()}\n" for one in self._scenes), encoding="utf-8")
         order = [sys.executable, "-m", "oodscen_carla.server", "--scenes", str(scenes)]
+        # A process that is killed leaves its files; here they go with the folder.
         self._process = subprocess.Popen(
-            [*order, *self._arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+            [*order, *self._arguments],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "TMPDIR": self._folder.name},
         )
         assert self._process.stdout is not None
         line = self._process.stdout.readline()

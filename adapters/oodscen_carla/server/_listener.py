@@ -18,7 +18,7 @@ from oodscen_carla.server._calls import Calls, failed
 from oodscen_carla.server._cameras import PictureTaker
 from oodscen_carla.server._faults import Faults
 from oodscen_carla.server._messages import MemoryPool, MessageReader, ProtocolError
-from oodscen_carla.server._sensors import SensorSender
+from oodscen_carla.server._sensors import WORLD_STREAM, SensorSender
 from oodscen_carla.server._world import World
 
 MAX_CLIENTS = 64
@@ -192,8 +192,10 @@ class Listener:
                 with self._lock:
                     if not self._streams.add(number, connection):
                         return
-                    if number == 1:
-                        self._sender.observe(0.0)
+                    if number == WORLD_STREAM:
+                        # Until two states have the new step, `apply_settings` ticks: a step of 0 here
+                        # would let chance decide how often.
+                        self._sender.observe(self._world.step)
                 while connection.recv(4096):
                     pass
         except OSError:

@@ -33,7 +33,7 @@ ACTIVE = 1
 FARTHEST = 1000.0
 """Depth of the sky and of all beyond, m."""
 SKY, OTHER = 11, 22
-"""Semantic tags of pixels without an actor."""
+"""Semantic tags of the sky and of what the drawing simulator cannot tell."""
 
 _OPAQUE = np.uint32(255 << 24)
 _AT_REST = Transform((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -117,13 +117,17 @@ def picture(
         code = np.rint(share).astype(np.uint32)
         words = (code & 255) << 16 | (code & 0xFF00) | code >> 16 | _OPAQUE
     else:
-        # The last entry is for pixels of the sky, which have the id 0 as well.
-        numbers = np.append(ids, 0).astype(np.uint32) if kind == "instance" else 0
-        shown = np.append(tags, SKY).astype(np.uint32)
-        shown[0] = OTHER
-        table = shown << 16 | (numbers & 255) << 8 | (numbers >> 8 & 255) | _OPAQUE
-        words = table[np.where(np.isinf(frame.depth) & (frame.ids == 0), len(ids), frame.ids)]
+        numbers = ids.astype(np.uint32) if kind == "instance" else np.uint32(0)
+        table = tags.astype(np.uint32) << 16 | (numbers & 255) << 8 | (numbers >> 8 & 255) | _OPAQUE
+        words = np.where(frame.ids > 0, table[frame.ids], _behind(frame) << 16 | _OPAQUE)
     return words.astype("<u4").view(np.uint8).reshape(*frame.depth.shape, 4)
+
+
+def _behind(frame: Frame) -> NDArray[np.uint32]:
+    """Return the semantic tags of scenery and sky."""
+    if frame.tags is None:
+        return np.where(np.isinf(frame.depth), np.uint32(SKY), np.uint32(OTHER))
+    return np.where(frame.tags == 0, np.uint32(OTHER), frame.tags)
 
 
 def picture_head(width: int, height: int, fov: float) -> bytes:

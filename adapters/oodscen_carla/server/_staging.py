@@ -66,6 +66,10 @@ class StagedScene:
         """Return the accelerations along the headings, m/s^2, [n]."""
         return self._world.accelerations()
 
+    def touched(self) -> frozenset[str]:
+        """Return the bodies that the ego touches, as every simulator judges it."""
+        return frozenset(self._world.state().contacts)
+
     def advance(self, dt: float, control: VehicleControl | None) -> None:
         """Advance by whole steps of the scene, as many as the time given so far allows.
 

@@ -40,12 +40,15 @@ DEFAULT_SETTINGS = [False, False, [False], True, 0.01, 10, 0.0, False, 3000.0, 2
 
 _LAMPS = 1 | 2 | 4
 """Position lamps, low and high beam of `carla.VehicleLightState`."""
+_BRAKE = 8
+"""Brake lamps of `carla.VehicleLightState`."""
+_BRAKING = -9.0
+"""Acceleration at which every simulator shows brake lamps, m/s^2."""
 _STATES = (
     (16 | 32, "hazard"),
     (32, "indicate_left"),
     (16, "indicate_right"),
     (128, "beacon"),
-    (8, "brake"),
 )
 """State of an asset by the lights that are on."""
 
@@ -292,7 +295,8 @@ class World:
                 place = self.place_of(actor)
                 x, y, z = place.location
                 yaw = -math.radians(place.rotation[1])
-                pose, speed, push = (x, -y, z, yaw), actor.speed, actor.push
+                push = min(actor.push, _BRAKING) if actor.lights & _BRAKE else actor.push
+                pose, speed = (x, -y, z, yaw), actor.speed
                 name, state = name_of(actor), _state(actor, asset.states)
             found.append(Body(actor.id, name, asset, state, pose, speed, push))
         return found
@@ -324,9 +328,15 @@ class World:
         return float(fixed[1]) if fixed[0] and fixed[1] > 0.0 else STEP
 
     def picture_time(self, host: Actor | None) -> float:
-        """Return the time since the scene began, or since the camera's vehicle was spawned, s."""
+        """Return the time since the scene began, or since the camera's vehicle was spawned, s.
+
+        A vehicle without physics has the time of the client that places it: ticks without a placement,
+        such as those that only wait for a picture, do not count. Rain and flashing lamps follow this time.
+        """
         if self.staged is not None:
             return self.staged.time
+        if host is not None and not host.has_physics and host.placings:
+            return round((host.placings - 1) * self.step, 6)
         return round(self.time - host.born, 6) if host else 0.0
 
     def advance(self) -> None:
@@ -336,6 +346,8 @@ class World:
         self.time += dt
         before = {}
         for actor in self.actors.values():
+            actor.placings += actor.is_placed
+            actor.is_placed = False
             if not actor.staged and actor.blueprint.is_solid:
                 before[actor.id] = actor.place
                 self._move(actor, dt)
@@ -413,7 +425,7 @@ class World:
     def _collide(self, before: dict[int, Transform]) -> None:
         """Find what vehicles touch; a driven vehicle stops where it would run into something."""
         self.collisions = []
-        solid = [one for one in self.actors.values() if one.blueprint.is_solid and not one.parent]
+        solid = [one for one in self.actors.values() if one.is_obstacle and not one.parent]
         if len(solid) < 2:
             return
         at = np.array([one.place.location for one in solid])
@@ -421,12 +433,14 @@ class World:
         cars = [row for row, one in enumerate(solid) if one.is_vehicle]
         apart = np.hypot(*(at[cars, None, axis] - at[None, :, axis] for axis in (0, 1)))
         near = apart <= reach[cars][:, None] + reach[None, :]
+        touched = self.staged.touched() if self.staged else frozenset()
         for index, row in enumerate(cars):
             car = solid[row]
+            if car.staged == "ego":
+                near[index] |= [one.staged in touched for one in solid]
             now: set[int] = set()
             for other in (solid[k] for k in np.flatnonzero(near[index]) if k != row):
-                extents = car.blueprint.extent, other.blueprint.extent
-                if overlap(car.place, extents[0], other.place, extents[1]):
+                if _touch(car, other, touched):
                     now.add(other.id)
                     self.collisions.append((car, other))
             is_driven = car.control is not None and car.has_physics and car.id in before
@@ -435,6 +449,13 @@ class World:
                 car.stop()
             else:
                 car.touching = now
+
+
+def _touch(car: Actor, other: Actor, touched: frozenset[str]) -> bool:
+    """Return whether two bodies touch; in a scene, the scene says what the ego touches."""
+    if car.staged and other.staged and "ego" in (car.staged, other.staged):
+        return bool({car.staged, other.staged} & touched)
+    return overlap(car.place, car.blueprint.extent, other.place, other.blueprint.extent)
 
 
 def _spectator() -> Actor:

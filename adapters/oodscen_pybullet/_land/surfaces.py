@@ -139,6 +139,7 @@ def joined(meshes: Sequence[Mesh]) -> Mesh:
         normals=np.concatenate([mesh.normals[mesh.triangles.reshape(-1)] for mesh in meshes]),
         uvs=np.concatenate([mesh.uvs[mesh.triangles.reshape(-1)] for mesh in meshes]),
         triangles=np.arange(len(vertices)).reshape(-1, 3),
+        tags=np.concatenate([mesh.classes for mesh in meshes]),
     )
 
 

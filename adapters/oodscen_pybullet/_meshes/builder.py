@@ -67,11 +67,19 @@ class Mesh:
     """Smoke, fire and dust, which the bounds ignore."""
     is_ground: bool = False
     """True for road and land: upward faces get wet and receive the full light of the beams."""
+    tags: NDArray[np.uint8] | None = None
+    """[m] semantic class of each triangle: `oodscen_pybullet._meshes.tags.Tag`; 0 and `None` leave it
+    to the colour."""
 
     @property
     def bounds(self) -> tuple[Array, Array]:
         """Lowest and highest corner, m."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
+
+    @property
+    def classes(self) -> NDArray[np.uint8]:
+        """Semantic class of each triangle, [m]; 0 leaves it to the colour."""
+        return np.zeros(len(self.triangles), np.uint8) if self.tags is None else self.tags
 
 
 class MeshBuilder:

@@ -8,6 +8,7 @@ from oodscen._seeding import stream
 from oodscen.data._catalogue import Asset
 from oodscen.data._details import Details
 from oodscen.data._scene import Scene, Trigger
+from oodscen.driving._sight.lamps import STANDING, has_lamps_on, is_braking, waits_in_traffic
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._lighting.light import Glow
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
@@ -19,12 +20,6 @@ Pose = tuple[float, float, float, float]
 
 RUNNING = 2.4
 """Speed above which legs run, in walking strides per second."""
-BRAKING = -1.0
-"""Acceleration below which brake lamps are on, m/s^2."""
-_STANDING = 0.05
-"""Speed below which a body counts as standing, m/s."""
-_IN_TRAFFIC = frozenset({"follow_lane", "stop_and_go", "halt", "hard_brake", "cut_in", "cut_out"})
-"""Behaviours of drivers who keep a foot on the brake while standing."""
 _SIGNALS = frozenset({"signal", "work_zone"})
 """Categories of assets whose state may begin at a trigger."""
 _FLASHES = 1.5
@@ -81,7 +76,6 @@ class SceneBodies:
         self._shown: list[Details | None] = []
         self._triggers: list[Trigger] = []
         self._given = {actor.id: actor.behaviour.trigger for actor in scene.actors}
-        self._behaviours = {actor.id: actor.behaviour.name for actor in scene.actors}
 
     def __len__(self) -> int:
         """Return the number of bodies."""
@@ -104,8 +98,8 @@ class SceneBodies:
             made: Ids of meshes by the names of the things made to order.
         """
         paint = _paint(self._seed, actor_id, asset.id)
-        holds = self._behaviours.get(actor_id) in _IN_TRAFFIC
-        self._members.append((asset, state, paint, _runs(self._scene, actor_id), holds))
+        waits = waits_in_traffic(self._scene, actor_id)
+        self._members.append((asset, state, paint, has_lamps_on(self._scene, actor_id), waits))
         self._triggers.append(self._given.get(actor_id, Trigger()))
         self._shown.append(_drawn(self._details.get(actor_id), made or {}))
 
@@ -127,14 +121,14 @@ class SceneBodies:
             time: Time since the start, s.
         """
         looks = []
-        for row, ((asset, given, paint, runs, holds), pose, speed, acceleration) in enumerate(
+        for row, ((asset, given, paint, runs, waits), pose, speed, acceleration) in enumerate(
             zip(self._members, poses, speeds, accelerations, strict=True)
         ):
             state = given
             if asset.category in _SIGNALS:
                 state = phase_of(given, self._triggers[row], fired[row], time)
             shown = state
-            brakes = acceleration < BRAKING or (holds and abs(speed) < _STANDING)
+            brakes = is_braking(speed, acceleration, waits=waits)
             if brakes and "brake" in asset.states and state != "unlit":
                 shown = "brake" if state in ("", "off", "brake") else f"{state}+brake"
             frame = frame_of(asset.id, state, pose, speed, time)
@@ -234,7 +228,7 @@ def beat_of(details: Details, pose: Pose, speed: float, time: float) -> int:
         return 0
     if known.period_s is not None:
         return math.floor(time * BEATS / known.period_s + 1e-6) % BEATS
-    if known.stride_m is None or abs(speed) < _STANDING:
+    if known.stride_m is None or abs(speed) < STANDING:
         return 0
     return _share(known.stride_m, pose, BEATS)
 
@@ -262,7 +256,7 @@ def is_lit(time: float) -> bool:
 
 def _step(stride: float, pose: Pose, speed: float) -> int:
     pace = abs(speed)
-    if pace < _STANDING:
+    if pace < STANDING:
         return 0
     runs = pace > RUNNING * stride
     step = _share(stride * (1.7 if runs else 1.0), pose, STEPS)
@@ -273,21 +267,3 @@ def _paint(seed: int, actor_id: str, asset: str) -> str:
     """Choose an actor's paint, the same in a scene and its twin."""
     paints = paints_of(asset)
     return paints[int(stream(seed, "paint", actor_id).integers(len(paints)))]
-
-
-def _runs(scene: Scene, actor_id: str) -> bool:
-    """Return whether an actor has its lamps on: it drives, and visibility is reduced.
-
-    Unlit actors never have lamps on, and neither do standing ones in the state "off", even at night.
-    """
-    weather = scene.weather
-    is_bright = (
-        weather.sun_elevation_deg > 3.0
-        and weather.fog_visual_range_m > 1000.0
-        and weather.precipitation == "none"
-    )
-    if is_bright:
-        return False
-    behaviours = {actor.id: (actor.behaviour.name, actor.state) for actor in scene.actors}
-    name, state = behaviours.get(actor_id, ("stand", ""))
-    return state != "unlit" and (name != "stand" or state not in ("", "off"))

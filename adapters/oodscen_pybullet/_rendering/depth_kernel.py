@@ -28,8 +28,8 @@ BLOCK = 16
 """Samples that are drawn together; sample buffers are padded by this length."""
 TUNNEL_AMBIENT, TUNNEL_DIFFUSE = 0.78, 0.22
 """Fractions of a tunnel's light that are ambient, and from the ceiling."""
-LABELS = 4
-"""Integers stored per drawn triangle: texture, label, surface, kind."""
+LABELS = 5
+"""Integers stored per drawn triangle: texture, label, surface, kind, semantic class."""
 
 
 class Samples(NamedTuple):
@@ -418,6 +418,7 @@ def _note(
     labels[count, 1] = some.spans[index, 2]
     labels[count, 2] = count
     labels[count, 3] = kinds[k]
+    labels[count, 4] = some.tags[k]
     sx, sy, sz = turned[4, 0], turned[4, 1], turned[4, 2]
     lights = (
         corners[k, 0, 3] * sx + corners[k, 0, 4] * sy + corners[k, 0, 5] * sz,

@@ -126,6 +126,7 @@ class Rasteriser:
             sky=np.empty(shape, np.uint8),
             lit=np.empty(shape, np.uint8),
             kinds=np.empty(shape, np.uint8),
+            tags=np.empty(shape, np.uint8),
         )
         rows = (view.height * self._detail, view.width)
         sheets = raster.Samples(

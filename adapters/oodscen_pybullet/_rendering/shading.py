@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from oodscen.numerics._kernels import Kernel, inlined, part
+from oodscen_pybullet._meshes.tags import Tag
 from oodscen_pybullet._rendering.depth_kernel import (
     F32,
     I32,
@@ -20,6 +21,7 @@ from oodscen_pybullet._rendering.depth_kernel import (
 )
 from oodscen_pybullet._rendering.triangles import Textures
 
+_SKY = int(Tag.SKY)
 _RUN = 32
 """Largest number of pixels shaded together."""
 _FINEST = 2.0
@@ -43,6 +45,8 @@ class Planes(NamedTuple):
     """[height, width] incidence of the sun on the surface at the centre, 0 to 255."""
     kinds: U8
     """[height, width] that surface's flags."""
+    tags: U8
+    """[height, width] semantic class: `oodscen_pybullet._meshes.tags.Tag`; 0 for actors."""
 
 
 @inlined
@@ -282,8 +286,8 @@ def _settle(spots: I32, begin: int, end: int, mixed: U8, rgb: U8) -> None:
 
 @part
 def _measure(samples: Samples, labels: I32, planes: Planes, y: int, row: int) -> None:
-    """Write depth, reach and labels of a row of pixels, from its row of samples."""
-    depth, reach, rows = planes.depth, planes.reach, planes.rows
+    """Write depth, reach, labels and classes of a row of pixels, from its row of samples."""
+    depth, reach, rows, tags = planes.depth, planes.reach, planes.rows, planes.tags
     marks, near = samples.shown[row], samples.nearness[row]
     line = np.uint64(y)
     for x in range(np.uint64(depth.shape[1])):
@@ -291,7 +295,9 @@ def _measure(samples: Samples, labels: I32, planes: Planes, y: int, row: int) ->
         far = np.float32(1.0) / near[x]
         depth[line, x] = np.float32(np.inf) if mark < 0 else far
         reach[line, x] = depth[line, x]
-        rows[line, x] = -1 if mark < 0 else labels[np.uint64(mark if mark >= 0 else 0), 1]
+        at = np.uint64(mark if mark >= 0 else 0)
+        rows[line, x] = -1 if mark < 0 else labels[at, 1]
+        tags[line, x] = np.uint8(_SKY if mark < 0 else labels[at, 4])
 
 
 @part

@@ -36,6 +36,8 @@ class Shot:
     """[height, width] incidence of the sun on the surface, 0 (grazing) to 255 (perpendicular)."""
     kinds: NDArray[np.uint8] | None
     """[height, width] surface flags: `triangles.SHINING` and so on; `None` if unknown."""
+    tags: NDArray[np.uint8] | None = None
+    """[height, width] semantic class of scenery and sky, 0 for actors; `None` if unknown."""
     shade: Shade | None = None
     """The shadow map; `None` if it was not requested, or is part of `rgb` already."""
 

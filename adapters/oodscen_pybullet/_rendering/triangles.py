@@ -19,6 +19,7 @@ from oodscen_pybullet._meshes.atlas import (
     swatch_uv,
 )
 from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.tags import SURFACES
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -68,6 +69,8 @@ class Triangles(NamedTuple):
     """[n] textures, -1 for none."""
     kinds: NDArray[np.uint8]
     """[n] sums of surface flags, SHINING and so on; `shelter` changes them."""
+    tags: NDArray[np.uint8]
+    """[n] semantic classes: `oodscen_pybullet._meshes.tags.Tag`; 0 for actors and the unknown."""
     spans: I32
     """[m, 3] first triangle, end (exclusive), and label of each chunk."""
     places: F64
@@ -93,8 +96,10 @@ class Triangles(NamedTuple):
         keep = size > 1e-9
         points, normals, uvs = points[keep], normals[keep], uvs[keep]
         facing = facing[keep] / size[keep, None]
+        tags = mesh.classes[keep]
         if is_chunked:
             rank, starts = _chunks(points)
+            tags = tags[rank]
             points, normals, uvs, facing = points[rank], normals[rank], uvs[rank], facing[rank]
         else:
             starts = np.zeros(1, np.int64)
@@ -127,6 +132,7 @@ class Triangles(NamedTuple):
                 np.uint8
             )
             + np.where(mesh.is_ground & (facing[:, 2] > _LEVEL), GROUND, 0).astype(np.uint8),
+            tags=np.where(tags > 0, tags, _tags(regions, column, row)) if is_chunked else tags,
             spans=np.stack([starts, ends, np.full(len(starts), -1)], axis=1).astype(np.int32),
             places=np.concatenate(
                 [origins, np.tile(np.array([1.0, 0.0]), (len(starts), 1))], axis=1
@@ -169,6 +175,7 @@ class Triangles(NamedTuple):
             colours=np.concatenate([part.colours for part in parts]),
             regions=np.concatenate([part.regions for part in parts]),
             kinds=np.concatenate([part.kinds for part in parts]),
+            tags=np.concatenate([part.tags for part in parts]),
             spans=np.concatenate(spans).astype(np.int32),
             places=np.concatenate([part.places for part in parts]),
             spheres=np.concatenate([part.spheres for part in parts]),
@@ -217,6 +224,25 @@ def _kinds(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> N
         swatches[index] += SOFT if name in DRINKS else PLAIN
     for index, name in enumerate(REGIONS):
         prints[index] = SHINING if name in EMISSIVE else SOFT if name in DRINKS else PLAIN
+    return _looked_up(swatches, prints, regions, column, row)
+
+
+def _tags(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.uint8]:
+    """Return each triangle's semantic class, from its texture or its colour in the atlas."""
+    swatches = np.zeros(SIZE * SIZE // SWATCH**2, np.uint8)
+    swatches[: len(COLOURS)] = [SURFACES.get(name, 0) for name in COLOURS]
+    prints = np.array([SURFACES.get(name, 0) for name in REGIONS], np.uint8)
+    return _looked_up(swatches, prints, regions, column, row)
+
+
+def _looked_up(
+    swatches: NDArray[np.uint8],
+    prints: NDArray[np.uint8],
+    regions: I32,
+    column: NDArray[np.int64],
+    row: NDArray[np.int64],
+) -> NDArray[np.uint8]:
+    """Return each triangle's entry: that of its texture, or that of its colour in the atlas."""
     plain = swatches[(row // SWATCH) * (SIZE // SWATCH) + column // SWATCH]
     return np.where(regions >= 0, prints[np.maximum(regions, 0)], plain)
 

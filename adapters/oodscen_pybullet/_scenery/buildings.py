@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.tags import Tag, tagged
 
 STOREY = 3.2
 """Height of one storey of a city block, m."""
@@ -80,7 +81,7 @@ def city_block(
         caps="",
     )  # fmt: skip
     _roof(mesh, half, depth, top, look)
-    return mesh.build()
+    return tagged(mesh.build(), Tag.BUILDINGS)
 
 
 def _light(
@@ -224,7 +225,7 @@ def house(kind: int, roof: int, look: int, *, is_night: bool) -> Mesh:
     mesh.box((-2.2, 0.9, eaves + 2.6), (0.7, 0.7, 1.9), "wall_brick", caps="t")
     mesh.box((0.9, -depth - 0.5, 2.45), (1.8, 1.0, 0.12), "concrete")
     mesh.box((0.9, -depth - 0.4, 0.08), (1.8, 0.8, 0.16), "concrete", caps="t")
-    return mesh.build()
+    return tagged(mesh.build(), Tag.BUILDINGS)
 
 
 def _cross_gable(
@@ -279,7 +280,7 @@ def tower(style: int, look: int, *, is_night: bool) -> Mesh:
                 x += 3.0
         band = [(-half + 0.8, z0), (half - 0.8, z0), (half - 0.8, z1), (-half + 0.8, z1)]
         mesh.polygon([(u, y, z) for u, z in band], "glass_light")
-    return mesh.build()
+    return tagged(mesh.build(), Tag.BUILDINGS)
 
 
 @lru_cache(maxsize=4)
@@ -290,4 +291,4 @@ def barn(colour: str) -> Mesh:
     _gable(mesh, 9.0, 5.0, 4.2, 3.2, "roof_grey", colour)
     mesh.polygon([(-2, -5.03, 0), (2, -5.03, 0), (2, -5.03, 3.6), (-2, -5.03, 3.6)], "white")
     mesh.polygon([(-1.8, -5.06, 0), (1.8, -5.06, 0), (1.8, -5.06, 3.4), (-1.8, -5.06, 3.4)], "door")
-    return mesh.build()
+    return tagged(mesh.build(), Tag.BUILDINGS)

@@ -5,6 +5,23 @@ from functools import cache, lru_cache
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
 from oodscen_pybullet._meshes.designs import Design, read_designs
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.tags import Tag, on_posts, tagged
+
+TAGS = {
+    "hedge_front": Tag.VEGETATION,
+    "side_hedge": Tag.VEGETATION,
+    "picket_front": Tag.FENCES,
+    "field_fence": Tag.FENCES,
+    "wall_front": Tag.WALLS,
+    "drive": Tag.GROUND,
+    "parked_car": Tag.CAR,
+    "bollard": Tag.POLES,
+    "delineator": Tag.POLES,
+    "power_pole": Tag.POLES,
+    "hay_bale": Tag.DYNAMIC,
+    "rail_post": Tag.GUARD_RAIL,
+}
+"""Semantic classes of furniture; the rest is static."""
 
 
 @cache
@@ -16,7 +33,8 @@ def load_furniture() -> dict[str, Design]:
 @lru_cache(maxsize=64)
 def piece(name: str, *, paint: str = "", is_night: bool = False) -> Mesh:
     """Return a piece of furniture, a design of `furniture.toml`."""
-    return load_furniture()[name].assemble(Appearance("night" if is_night else "", paint)).build()
+    mesh = load_furniture()[name].assemble(Appearance("night" if is_night else "", paint)).build()
+    return tagged(mesh, TAGS.get(name, Tag.STATIC))
 
 
 @lru_cache(maxsize=8)
@@ -28,7 +46,7 @@ def street_lamp(reach: float, height: float, *, is_night: bool) -> Mesh:
     mesh.box((0, -reach, height + 0.08), (0.34, 0.8, 0.12), "dark_grey")
     glass = "lamp_on" if is_night else "lamp_glass"
     mesh.box((0, -reach, height - 0.01), (0.26, 0.62, 0.06), glass)
-    return mesh.build()
+    return tagged(mesh.build(), Tag.POLES)
 
 
 LIMITS = frozenset(range(10, 140, 10))
@@ -61,7 +79,7 @@ def speed_sign(limit: int) -> Mesh:
             wide, high = (half + bold, bold) if is_flat else (bold, 0.5 * tall + bold)
             corners = ((-wide, -high), (wide, -high), (wide, high), (-wide, high))
             mesh.polygon([(-0.028, y - a, z + b) for a, b in corners], "black")
-    return mesh.build()
+    return on_posts(mesh.build(), Tag.TRAFFIC_SIGNS)
 
 
 _RIM = tuple(
@@ -83,4 +101,4 @@ def gantry(span: float) -> Mesh:
         mesh.box((0.0, y, 7.0), (0.1, 4.4, 1.9), "grey")
         board = [(y - 2.1, 6.15), (y + 2.1, 6.15), (y + 2.1, 7.85), (y - 2.1, 7.85)]
         mesh.picture([(0.06, u, z) for u, z in board], "gantry")
-    return mesh.build()
+    return on_posts(mesh.build(), Tag.TRAFFIC_SIGNS)

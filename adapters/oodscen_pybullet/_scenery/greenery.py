@@ -8,6 +8,7 @@ import numpy as np
 from oodscen_pybullet._land.surfaces import joined
 from oodscen_pybullet._meshes.atlas import swatch_uv
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._meshes.tags import Tag, tagged
 
 _GOLD = (1.0 + math.sqrt(5.0)) / 2.0
 _TWELVE = np.array(
@@ -89,7 +90,7 @@ def broad_tree(
     if is_far:
         lumps = [(lumps[0][0], 1.25 * lumps[0][1]), lumps[2]]
     parts = [_clump(at, (r, r, 0.85 * r), (light, dark), rng) for at, r in lumps]
-    return joined([mesh.build(), *parts])
+    return tagged(joined([mesh.build(), *parts]), Tag.VEGETATION)
 
 
 @lru_cache(maxsize=16)
@@ -103,7 +104,7 @@ def conifer(key: int) -> Mesh:
         mesh.cylinder(
             start, end, radius * scale, "needle", sides=7, end_radius=0.03, phase=key + z0
         )
-    return mesh.build()
+    return tagged(mesh.build(), Tag.VEGETATION)
 
 
 @lru_cache(maxsize=16)
@@ -112,7 +113,8 @@ def bush(key: int) -> Mesh:
     rng = np.random.Generator(np.random.PCG64(6000 + key % _TREES))
     size = float(rng.uniform(0.6, 0.95))
     colours = ("leaf_dark", "leaf_dark") if key % 2 else ("leaf", "leaf_dark")
-    return _clump((0.0, 0.0, 0.4 * size), (size, 0.9 * size, 0.75 * size), colours, rng)
+    leaves = _clump((0.0, 0.0, 0.4 * size), (size, 0.9 * size, 0.75 * size), colours, rng)
+    return tagged(leaves, Tag.VEGETATION)
 
 
 @lru_cache(maxsize=16)
@@ -127,4 +129,4 @@ def thicket(key: int) -> Mesh:
             int(rng.integers(0, 3))
         ]
         parts.append(_clump(at, (4.2, 3.4, height), colours, rng))
-    return joined(parts)
+    return tagged(joined(parts), Tag.VEGETATION)

@@ -58,6 +58,7 @@ class Site:
     _vertices: list[Array] = field(default_factory=list)
     _normals: list[Array] = field(default_factory=list)
     _uvs: list[Array] = field(default_factory=list)
+    _tags: list[NDArray[np.uint8]] = field(default_factory=list)
     _taken: dict[tuple[int, int], list[Rectangle]] = field(default_factory=dict)
 
     def add(self, mesh: Mesh, at: Point, heading: Heading) -> None:
@@ -75,6 +76,7 @@ class Site:
             )
             target.append(turned + move)
         self._uvs.append(mesh.uvs[order])
+        self._tags.append(mesh.classes)
 
     def stand(
         self,
@@ -209,6 +211,7 @@ class Site:
             normals=np.concatenate(self._normals),
             uvs=np.concatenate(self._uvs),
             triangles=np.arange(len(vertices)).reshape(-1, 3),
+            tags=np.concatenate(self._tags),
         )
 
 

@@ -10,6 +10,7 @@ from oodscen.driving._roads.corridor import Corridor, RoadSignal
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes import asset_ids, asset_mesh
 from oodscen_pybullet._meshes.builder import Lamp, Mesh, Point
+from oodscen_pybullet._meshes.tags import Tag, on_posts
 from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
 from oodscen_pybullet._scenery.placing import Heading, Site
 
@@ -102,14 +103,22 @@ def _mesh_of(site: Site, signal: RoadSignal, *, is_between: bool) -> Mesh | None
         limit = limit_of(signal)
         if limit is None:
             return None
-        if limit != 30:
-            return speed_sign(limit)
+        return limit_sign(limit)
     if signal.kind != "traffic_light":
-        return asset_mesh(asset)
+        return on_posts(asset_mesh(asset), Tag.TRAFFIC_SIGNS)
     fault = _fault_of(site, signal)
     if fault in ("off", "flashing", "all_on"):
-        return asset_mesh(asset, fault, frame=int(is_between))
-    return asset_mesh(asset, state_of(site, signal))
+        light = asset_mesh(asset, fault, frame=int(is_between))
+    else:
+        light = asset_mesh(asset, state_of(site, signal))
+    return on_posts(light, Tag.TRAFFIC_LIGHT)
+
+
+def limit_sign(limit: int) -> Mesh:
+    """Return a speed limit sign; the limit is in km/h."""
+    if limit != 30:
+        return speed_sign(limit)
+    return on_posts(asset_mesh("speed_limit_sign"), Tag.TRAFFIC_SIGNS)
 
 
 def limit_of(signal: RoadSignal) -> int | None:

@@ -9,6 +9,7 @@ from oodscen_pybullet._land.surfaces import Ribbons, joined
 from oodscen_pybullet._land.terrain import BANK_M, KERB, PORTAL_M, VALLEY_M, WATER_M, WIDE_M
 from oodscen_pybullet._meshes.atlas import swatch_uv
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._meshes.tags import Tag, tagged
 
 Array = NDArray[np.float64]
 
@@ -71,7 +72,7 @@ def _tunnel(
             lamps.append((x, y, z + top - 0.1))
     for s, forward in ((one.start, True), (one.end, False)):
         _portal(mesh, ground, s, forward=forward)
-    return joined([ribbons.mesh(), mesh.build()])
+    return tagged(joined([ribbons.mesh(), mesh.build()]), Tag.WALLS)
 
 
 def _portal(mesh: MeshBuilder, ground: Ground, s: float, *, forward: bool) -> None:
@@ -206,4 +207,5 @@ def _bridge(ground: Ground, line: RoadCourse, right: Array, left: Array) -> list
             quads = np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1)
             surface = "water" if a < 100 else "water_light"
             water.quads(quads, np.broadcast_to(swatch_uv(surface), (len(quads), 4, 2)))
-    return [joined([ribbons.mesh(), mesh.build(), water.mesh()])]
+    span = tagged(joined([ribbons.mesh(), mesh.build()]), Tag.BRIDGE)
+    return [joined([span, tagged(water.mesh(), Tag.WATER)])]

@@ -7,8 +7,8 @@ import numpy as np
 from oodscen_pybullet._land.ground import Array, Way
 from oodscen_pybullet._land.surfaces import Ribbons, strip_edges
 from oodscen_pybullet._land.terrain import Theme
-from oodscen_pybullet._meshes import asset_mesh
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._meshes.tags import Tag, tagged
 from oodscen_pybullet._scenery import furniture, greenery
 from oodscen_pybullet._scenery.buildings import (
     BLOCK_DEPTH,
@@ -20,7 +20,7 @@ from oodscen_pybullet._scenery.buildings import (
     tower,
 )
 from oodscen_pybullet._scenery.placing import RoadsidePlace, Site
-from oodscen_pybullet._scenery.signals import displaced
+from oodscen_pybullet._scenery.signals import displaced, limit_sign
 
 _BUS_STOPS = ((-1, 7.0, 19.0), (1, 9.0, 21.0), (-1, 150.0, 230.0), (1, 150.0, 230.0))
 """Side and range of distances ahead of the ego's start, m, of bus stops: clear of where scenes place people."""
@@ -112,7 +112,7 @@ def _speed_signs(site: Site, way: Way, out: float, first: float) -> None:
     fault = site.state.signs if site.state else None
     if fault == "missing":
         return
-    mesh = asset_mesh("speed_limit_sign") if limit == 30 else furniture.speed_sign(limit)
+    mesh = limit_sign(limit)
     for spot in site.spots(way, -1, 210.0, first=first):
         x, y = spot.beside(0.0, out)
         if site.ground.is_free((x,), (y,), 0.4) and not site.is_spanned(spot):
@@ -361,7 +361,7 @@ def _rail(site: Site, way: Way, t: Array, side: int) -> None:
         else:
             ribbons.band(t - 1e-4, t, colour, heights=(high, low), where=where)
     ribbons.band(t - 0.05, t + 0.05, "rail", heights=(0.74, 0.74), where=where)
-    site.add(ribbons.mesh(), (0.0, 0.0, 0.0), (1.0, 0.0))
+    site.add(tagged(ribbons.mesh(), Tag.GUARD_RAIL), (0.0, 0.0, 0.0), (1.0, 0.0))
     for row in np.flatnonzero(stands[:-1]).tolist():
         c, s = float(line.cos[row]), float(line.sin[row])
         x, y = float(line.x[row] - t[row] * s), float(line.y[row] + t[row] * c)
@@ -452,7 +452,7 @@ def _power_line(site: Site, way: Way) -> None:
                 wires.beam(start, low, 0.03, "dark_grey").beam(low, end, 0.03, "dark_grey")
         last = ends
     if last is not None:
-        site.add(wires.build(), (0.0, 0.0, 0.0), (1.0, 0.0))
+        site.add(tagged(wires.build(), Tag.POLES), (0.0, 0.0, 0.0), (1.0, 0.0))
 
 
 def _farm(site: Site, spot: RoadsidePlace, is_night: bool) -> None:

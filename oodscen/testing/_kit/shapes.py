@@ -63,10 +63,12 @@ def frame_faults(frame: Frame, camera: Camera, bodies: int) -> list[str]:
 def _frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
     size = (camera.height, camera.width)
     is_formed = True
+    tags = np.zeros(size, np.uint8) if frame.tags is None else frame.tags
     for name, array, shape, kind in (
         ("rgb", frame.rgb, (*size, 3), np.uint8),
         ("depth", frame.depth, size, np.float32),
         ("ids", frame.ids, size, np.int32),
+        ("tags", tags, size, np.uint8),
     ):
         if np.shape(array) != shape or np.asarray(array).dtype != kind:
             is_formed = False
@@ -84,6 +86,8 @@ def _frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
         yield "nothing has a finite depth"
     if not np.isfinite(frame.depth[frame.ids > 0]).all():
         yield "a pixel of a body has no finite depth"
+    if tags[frame.ids > 0].any():
+        yield "tags must be 0 at the pixels of bodies"
     if frame.unhidden is not None:
         counts = np.bincount(frame.ids.ravel(), minlength=bodies + 1)[1 : bodies + 1]
         if frame.unhidden.shape != (bodies,) or not (frame.unhidden >= counts).all():

@@ -10,8 +10,10 @@ from oodscen_carla import _connection as connection
 from oodscen_carla._blueprints import blueprint_of, own_id
 from oodscen_carla.server import CarlaTestServer
 from oodscen_pybullet import PyBulletSimulator
+from oodscen_pybullet._meshes.tags import Tag
 
 from oodscen import simulate
+from oodscen.data import Actor, Behaviour, Placement, Weather
 from oodscen.errors import SceneError, SimulatorError, SpawnError, UsageError
 from oodscen.protocols import Camera, Control
 from oodscen.testing import FlatSimulator, check_simulator, example_scene
@@ -74,15 +76,41 @@ def test_frames_equal_those_of_the_simulator_that_draws(simulator):
             assert np.isinf(mine.depth[~near]).all()
 
 
+QUEUE = tuple(
+    Actor(
+        id=name,
+        asset="car",
+        placement=Placement(ahead_m=ahead, lane=max(lane, 0), offset_m=min(3.4 * lane, 0.0)),
+        behaviour=Behaviour(name=behaviour, parameters=given),
+    )
+    for name, ahead, lane, behaviour, given in (
+        ("waits", 40.0, 0, "follow_lane", {"speed": 0.0}),
+        ("comes", 60.0, 1, "follow_lane", {"speed": 8.0}),
+        ("parks", 30.0, -1, "stand", {}),
+    )
+)
+SEEN = (
+    Weather(precipitation="rain", precipitation_mm_h=8.0, cloud_cover=0.9, friction=0.7),
+    Weather(sun_elevation_deg=-20.0),
+    Weather(sun_elevation_deg=-12.0, precipitation="snow", precipitation_mm_h=2.0, friction=0.4),
+    Weather(fog_visual_range_m=80.0, sun_elevation_deg=4.0),
+)
+
+
 def test_frames_equal_those_of_pybullet():
     with (
         CarlaTestServer(simulator="pybullet") as server,
         CarlaSimulator(server.address, catalogue="pybullet") as mine,
         rounded(PyBulletSimulator) as other,
     ):
-        for one, two in zip(frames(mine, SCENE, 3), frames(other, SCENE, 3), strict=True):
-            assert np.array_equal(one.rgb, two.rgb)
-            assert np.array_equal(one.ids, two.ids)
+        queued = SCENE.model_copy(update={"actors": QUEUE})
+        scenes = [SCENE, *(queued.model_copy(update={"weather": one}) for one in SEEN)]
+        for scene in scenes:
+            for one, two in zip(frames(mine, scene, 2), frames(other, scene, 2), strict=True):
+                assert np.array_equal(one.rgb, two.rgb), scene.weather
+                assert np.array_equal(one.ids, two.ids)
+                assert np.array_equal(one.tags, two.tags)
+                assert {Tag.ROADS, Tag.ROAD_LINES, Tag.SKY} <= set(one.tags.ravel())
 
 
 def test_it_keeps_the_promises_of_the_protocol(server):

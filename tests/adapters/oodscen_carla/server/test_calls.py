@@ -86,6 +86,26 @@ def test_a_car_stops_where_it_would_hit_something(served):
     assert served.world.actors[car].place.location[0] < 110.0
 
 
+def test_wrecks_and_machines_are_no_traffic(served):
+    defaults = {
+        name: {attribute[0]: attribute[2] for attribute in attributes}
+        for _, name, _, attributes in served.get("get_actor_definitions")
+    }
+    assert defaults[CAR]["base_type"] == "car"
+    assert defaults["vehicle.carlamotors.firetruck"]["base_type"] == "truck"
+    assert defaults["vehicle.oodscen.trailer"]["base_type"] == ""
+
+
+@pytest.mark.parametrize("prop", ["static.prop.puddle", "static.prop.dirtdebris01"])
+def test_a_car_drives_over_what_is_flat(served, prop):
+    car, _ = served.spawn(CAR, 100.0), served.spawn(prop, 112.0)
+    served.get("apply_control_to_vehicle", car, CONTROL)
+    for _ in range(120):
+        served.get("tick_cue")
+        assert not served.world.collisions
+    assert served.world.actors[car].place.location[0] > 115.0
+
+
 def test_a_spawn_needs_a_blueprint_a_parent_and_room(served):
     place = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
     assert "lidar" in served.error("spawn_actor", [1, "sensor.lidar.ray_cast", []], place)

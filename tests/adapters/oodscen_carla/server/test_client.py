@@ -59,7 +59,11 @@ def test_cameras_show_bodies_where_they_are(world):
     metres = (depth[..., 2] + 256 * depth[..., 1] + 65536 * depth[..., 0]) * 1000 / (2**24 - 1)
     on = instance[..., 1] + 256 * instance[..., 0] == truck.id
     assert on.sum() > 1000
-    assert set(raw["semantic_segmentation"][..., 2][on]) == {int(carla.CityObjectLabel.Truck)}
+    label = carla.CityObjectLabel
+    seen = raw["semantic_segmentation"][..., 2]
+    assert set(seen[on]) == {int(label.Truck)}
+    assert np.array_equal(seen, instance[..., 2])
+    assert {int(label.Roads), int(label.RoadLines), int(label.Sky)} <= set(seen[~on].ravel())
     eye = ego.get_transform().transform(mount.location)
     assert images["rgb"].transform.location.distance(eye) < 0.01
     tail = truck.get_location().distance(eye) - truck.bounding_box.extent.x

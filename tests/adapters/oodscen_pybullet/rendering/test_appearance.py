@@ -10,7 +10,6 @@ from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, asset_mesh
 from oodscen_pybullet._meshes.living.poses import load_poses
 from oodscen_pybullet._meshes.look import Appearance, reacting
 from oodscen_pybullet._rendering.appearance import (
-    BRAKING,
     Look,
     SceneBodies,
     beat_of,
@@ -22,6 +21,7 @@ from oodscen_pybullet._rendering.appearance import (
 
 from oodscen.data._details import Details
 from oodscen.data._scene import Actor, Scene, Trigger
+from oodscen.driving._sight.lamps import BRAKING
 
 CATALOGUE = load_catalogue()
 ASSETS = {asset.id: asset for asset in CATALOGUE.assets}

@@ -4,7 +4,9 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from oodscen_pybullet._land.ground import Ground
-from oodscen_pybullet._meshes.atlas import swatch_uv
+from oodscen_pybullet._meshes.atlas import draw_atlas, swatch_uv
+from oodscen_pybullet._meshes.tags import Tag
+from oodscen_pybullet._rendering.triangles import Triangles
 from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._scenery.signals import limit_of, replaced
@@ -68,6 +70,19 @@ def test_every_face_has_a_unit_normal(road: RoadMap) -> None:
     for mesh in built(road)[1].meshes:
         assert np.allclose((mesh.normals**2).sum(axis=1), 1.0, atol=1e-6)
         assert np.isfinite(mesh.vertices).all()
+
+
+@each_map
+def test_every_face_has_a_semantic_class(road: RoadMap) -> None:
+    meshes = built(road)[1].meshes
+    found = [Triangles.of(mesh, draw_atlas(), is_chunked=True).tags for mesh in meshes]
+    ground = {Tag.ROADS, Tag.ROAD_LINES, Tag.SIDEWALKS, Tag.TERRAIN, Tag.GROUND, Tag.RAIL_TRACK}
+    assert {Tag.ROADS, Tag.ROAD_LINES} <= set(found[0]) <= ground
+    assert Tag.TERRAIN in found[1]
+    assert set(found[1]) <= ground - {Tag.ROADS, Tag.ROAD_LINES}
+    assert {Tag.VEGETATION, Tag.POLES} <= set(found[2])
+    assert not {Tag.NONE, *ground - {Tag.GROUND}} & set(found[2])
+    assert (Tag.BUILDINGS in found[2]) == bool({"residential", "urban", "rural"} & {*road.traits})
 
 
 def test_scenery_depends_on_the_seed_alone() -> None:

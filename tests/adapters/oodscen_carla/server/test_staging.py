@@ -1,0 +1,46 @@
+"""A script that knows only CARLA's client finds in a scene what the library does."""
+
+import math
+import runpy
+from argparse import Namespace
+from pathlib import Path
+
+import pytest
+
+from oodscen import simulate
+from oodscen.testing import FlatSimulator, example_scene
+
+carla = pytest.importorskip("carla")
+
+SCRIPT = Path(__file__).parents[4] / "examples" / "carla" / "actions.py"
+REACTION = 0.5
+
+
+@pytest.fixture(scope="module")
+def library():
+    with FlatSimulator() as simulator:
+        return simulate(
+            example_scene(), simulator, render=False, traces=True, reaction=(REACTION,), horizon=4.0
+        )
+
+
+@pytest.mark.parametrize(
+    "action", ["keep_speed", "emergency_brake", "change_lane_left", "pull_over"]
+)
+def test_a_script_drives_an_action_as_the_library_does(server, library, action):
+    client = carla.Client("127.0.0.1", server.port)
+    client.set_timeout(20.0)
+    times = Namespace(decision=library.episode.decision_s, horizon=4.0, base=2.7)
+    found = runpy.run_path(str(SCRIPT))["drive"](
+        client, example_scene().id, action, REACTION, times
+    )
+    expected = library.episode.actions[action]
+    assert found["available"] is not expected.unavailable
+    if expected.unavailable:
+        return
+    assert tuple(found["hit"]) == expected.contacts
+    assert found["off_road"] == expected.off_road
+    x, y = (library.rollouts[action][name][1:, 0].tolist() for name in "xy")
+    assert len(found["path"]) == len(x)
+    for (a, b, _), *own in zip(found["path"], x, y, strict=True):
+        assert math.dist((a, -b), own) < 1e-3
