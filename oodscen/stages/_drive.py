@@ -16,6 +16,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
+from oodscen.driving._base_simulator import take
 from oodscen.driving._drivers.following import following_acceleration
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
@@ -329,7 +330,8 @@ def drive_states(
             return
         observation = simulator.observe()
         if wants_frames:
-            observation = replace(observation, frame=simulator.render(camera))
+            frame = take(simulator, camera, len(state.ids))
+            observation = replace(observation, frame=frame)
         if looking:
             looking.look(state)
         control = driver.act(observation)
