@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
-from oodscen._members import working
+from oodscen._members import close, working
 from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scene import Scene
@@ -303,7 +303,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
     def close(self) -> None:
         """Close the simulator; may be called twice."""
         self._is_over = True
-        self.simulator.close()
+        close(self.simulator)
 
     # ------------------------------------------------------------------ for drivers
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from oodscen._display import png
 from oodscen._files import replace
+from oodscen._members import is_interruption
 from oodscen._text import one_line, plain
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import scene_of, twin_id
@@ -225,9 +226,10 @@ class Drive:
                     item, make(), self._simulator, self._scenes.seed, plan.steps, camera or Camera()
                 )
             )
-        except Exception as error:
-            failed = failed_drive(item.id, label, error)
-            self.results.append(failed.model_copy(update={"made_from": made_from}))
+        except BaseException as error:
+            if not is_interruption(error):
+                failed = failed_drive(item.id, label, error)
+                self.results.append(failed.model_copy(update={"made_from": made_from}))
             raise
         catalogue = self._simulator.catalogue()
         result = drive_result(item, states, catalogue, label, plan.steps, self._simulator.dt)

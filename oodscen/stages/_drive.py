@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from oodscen._display import Brief
-from oodscen._members import working
+from oodscen._members import is_interruption, working
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen.data._catalogue import Catalogue
@@ -260,7 +260,9 @@ def _drive(
         own = controlling.camera if isinstance(controlling, MountsCamera) else None
         camera = camera_for(simulator.catalogue(), camera or own)
         states = list(drive_states(scene, controlling, simulator, seed, steps, camera))
-    except (Exception, SystemExit) as error:  # A driver may raise anything.
+    except BaseException as error:
+        if is_interruption(error):
+            raise
         return failed_drive(scene.id, name, error)
     return drive_result(scene, states, simulator.catalogue(), name, steps, simulator.dt)
 
