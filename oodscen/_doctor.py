@@ -9,7 +9,7 @@ from typing import NamedTuple
 from zlib import compress, crc32
 
 from oodscen._files import temporary_folder
-from oodscen._members import reason, working
+from oodscen._members import close, is_interruption, reason, working
 from oodscen._progress import Progress
 from oodscen.errors import DataError, OodscenError, UsageError
 from oodscen.llm._call_log import Call, LoggedLLM
@@ -61,7 +61,7 @@ def examine_simulator(
     from oodscen.testing._check import examine_parts
 
     with working("simulator", name):
-        make_simulator(name).close()
+        close(make_simulator(name))
     results = examine_parts(name, quick=is_quick, states_only=states_only, progress=progress)
     what = f"simulator {name}"
     found = [CheckResult(what, False, line) for result in results for line in result.lines()]
@@ -196,7 +196,9 @@ def _tried(what: str, check: Callable[[], str]) -> CheckResult:
         return CheckResult(what, True, check())
     except OodscenError as error:
         return CheckResult(what, False, str(error))
-    except (Exception, SystemExit) as error:  # A broken installation may raise anything.
+    except BaseException as error:  # A broken installation may raise anything.
+        if is_interruption(error):
+            raise
         return CheckResult(what, False, reason(error))
 
 

@@ -3,7 +3,7 @@
 import inspect
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from oodscen._numbers import finite_number
 from oodscen._redaction import redact
@@ -17,7 +17,15 @@ from oodscen.errors import (
     UsageError,
 )
 
+if TYPE_CHECKING:
+    from oodscen.protocols import Simulator
+
+SHORTEST_DT, LONGEST_DT = 0.001, 0.1
+"""Limits of a simulator's step, s. In a longer one, a body could pass through another unseen."""
+
 _MOST_SAID = 500
+_CANCELLING = ("asyncio", "trio", "_pytest")
+"""Packages whose exceptions outside `Exception` cancel work from outside."""
 
 
 class _Promise(NamedTuple):
@@ -82,7 +90,9 @@ def _read(made: Any, name: str, absent: object) -> Any:
     """Return the attribute, or `absent` if it cannot be read."""
     try:
         return getattr(made, name, absent)
-    except Exception:
+    except BaseException as error:
+        if is_interruption(error):
+            raise
         return absent
 
 
@@ -94,16 +104,20 @@ def _fault(kind: str, made: Any, name: str) -> str:
         value = getattr(made, name)
     except OodscenError:
         raise
-    except Exception as error:
+    except BaseException as error:
+        if is_interruption(error):
+            raise
         return f"cannot tell its {name}: {reason(error)}"
     if name == "name":
         if not isinstance(value, str):
             return f"has a name that is {described(value)}, not a text"
         return "" if value.strip() and whole(value) == value else f"has the unusable name {value!r}"
     with suppress(UsageError):
-        if finite_number(name, value) > 0:
-            return ""
-    return f"has a {name} of {value!r:.40}, not of a number above 0"
+        finite_number(name, value, SHORTEST_DT, LONGEST_DT)
+        return ""
+    return (
+        f"has a {name} of {value!r:.40}, not of a number from {SHORTEST_DT:g} to {LONGEST_DT:g} s"
+    )
 
 
 def described(value: object) -> str:
@@ -125,8 +139,40 @@ def working(kind: str, label: str) -> Iterator[None]:
         if kind == "llm" and isinstance(error, DataError):
             raise _broken(kind, label, error) from error
         raise
-    except (Exception, GeneratorExit, SystemExit) as error:
+    except BaseException as error:
+        if is_interruption(error):
+            raise
         raise _broken(kind, label, error) from error
+
+
+def is_interruption(error: BaseException) -> bool:
+    """Return whether an exception ends the program's work rather than a component's.
+
+    A component may raise anything, `SystemExit` and exceptions outside `Exception` included. Cancelled tasks,
+    and the outcomes by which pytest ends a test, must pass.
+    """
+    if isinstance(error, Exception | SystemExit | GeneratorExit):
+        return False
+    module = type(error).__module__.partition(".")[0]
+    return isinstance(error, KeyboardInterrupt) or module in _CANCELLING
+
+
+@contextmanager
+def using(simulator: "Simulator") -> Iterator["Simulator"]:
+    """Close a simulator at the end; what its `close` raises costs none of the work that is done."""
+    try:
+        yield simulator
+    finally:
+        close(simulator)
+
+
+def close(simulator: "Simulator") -> None:
+    """Close a simulator, whatever it raises."""
+    try:
+        simulator.close()
+    except BaseException as error:
+        if is_interruption(error):
+            raise
 
 
 def _broken(kind: str, label: str, error: BaseException) -> OodscenError:

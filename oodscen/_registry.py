@@ -6,14 +6,14 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Mapping
-from contextlib import closing, suppress
+from contextlib import suppress
 from functools import lru_cache
 from importlib import metadata
 from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from oodscen._members import conforming, described, reason, working
+from oodscen._members import conforming, described, is_interruption, reason, using, working
 from oodscen._numbers import seed_number
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError, close_matches
@@ -100,7 +100,9 @@ def find(kind: str, name: str) -> Callable[..., Any]:
         factory = point.load()
     except OodscenError:
         raise
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if is_interruption(error):
+            raise
         raise UsageError(
             f"the {kind} {name!r} ({point.value}) cannot be imported: {reason(error)}"
         ) from error
@@ -143,7 +145,7 @@ def make_catalogue(catalogue: str | Path | Catalogue) -> Catalogue:
         if name not in names("simulator") and not _reads_as_reference(name):
             raise UnknownComponent("catalogue", name, {*names("catalogue"), *names("simulator")})
         simulator = make_simulator(name)
-        with working("simulator", name), closing(simulator):
+        with working("simulator", name), using(simulator):
             return simulator.catalogue()
     return _as_catalogue(_made("catalogue", name), name)
 
@@ -290,7 +292,9 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
         return factory(*given, **settings)
     except OodscenError:
         raise
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if is_interruption(error):
+            raise
         is_refused = given and isinstance(error, TypeError | ValueError)
         fault = f"{head!r} does not take {argument!r}" if is_refused else f"{name!r} cannot be made"
         raise UsageError(f"the {kind} {fault}: {reason(error)}") from error
@@ -336,7 +340,9 @@ def _is_reference(name: str) -> bool:
         return module in sys.modules or importlib.util.find_spec(module) is not None
     except (ImportError, ValueError):
         return False
-    except (Exception, SystemExit):
+    except BaseException as error:
+        if is_interruption(error):
+            raise
         return True  # The module exists, but a package around it fails: importing it will show how.
 
 

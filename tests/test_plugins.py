@@ -1,5 +1,6 @@
 """Plugins that break every promise: by name and as objects, through the library and the commands."""
 
+import asyncio
 import shutil
 import sys
 import types
@@ -12,6 +13,7 @@ from click.testing import CliRunner
 from oodscen import Metrics, StudyConfig
 from oodscen import _registry as registry
 from oodscen._cli import main
+from oodscen._members import working
 from oodscen._pipeline import Outputs, run_study
 from oodscen._pipeline.sweep import Job, run_chunk
 from oodscen._registry import driver_maker, make_catalogue, make_encoder, make_llm, make_simulator
@@ -23,6 +25,7 @@ from oodscen.errors import (
     LLMError,
     OodscenError,
     SimulatorCrash,
+    SimulatorError,
     UsageError,
 )
 from oodscen.llm._ask import ask
@@ -77,7 +80,7 @@ def having(**members):
 
 
 def raising(error):
-    def factory():
+    def factory(*given):
         raise error
 
     return factory
@@ -88,11 +91,16 @@ def unreadable(self):
     raise KeyError("no such model")
 
 
+class OutsideException(BaseException):
+    """What a component may raise although only a few of Python's own are meant to be like this."""
+
+
 FACTORIES = {
     "raises": raising(RuntimeError("no gpu")),
     "raises_key_error": raising(KeyError("weights")),
     "raises_type_error": raising(TypeError("of its own")),
     "exits": raising(SystemExit(0)),
+    "raises_base": raising(OutsideException("no gpu")),
     "many_lines": raising(ValueError("first\nsecond\n" + "x" * 100_000)),
     "none": lambda: None,
     "number": lambda: 3,
@@ -119,6 +127,8 @@ BY_KIND["simulator"] |= {
     "dt_nan": having(dt=float("nan")),
     "dt_zero": having(dt=0.0),
     "dt_negative": having(dt=-0.05),
+    "dt_long": having(dt=0.2),
+    "dt_short": having(dt=1e-9),
     "dt_raises": having(dt=unreadable),
     "catalogue_none": Bare,
 }
@@ -255,6 +265,7 @@ def test_an_encoder_of_no_dimension(dimension):
     "answer",
     [
         *(None, 3, "text", {}, KeyError("x"), SystemExit(0), GeneratorExit(), RecursionError()),
+        OutsideException("a"),
         DataError("completion", [Issue("text", "Input should be a valid string")]),
     ],
 )
@@ -275,16 +286,18 @@ SIMULATOR_METHODS = ("reset", "step", "render", "observe", "catalogue")
 
 
 @pytest.mark.parametrize("method", SIMULATOR_METHODS)
-@pytest.mark.parametrize("fault", ["none", "error", "exit"])
+@pytest.mark.parametrize("fault", ["none", "error", "exit", "base"])
 def test_a_simulator_that_fails_while_it_works(method, fault, tmp_path, module):
     def broken(self, *given):
         if fault == "none":
             return
-        raise {"error": KeyError("engine"), "exit": SystemExit(0)}[fault]
+        raise {"error": KeyError("a"), "exit": SystemExit(0), "base": OutsideException()}[fault]
 
     module.Simulator = type("Simulator", (FlatSimulator,), {method: broken, "name": "sim"})
-    with pytest.raises(SimulatorCrash, match="sim"):
+    kind = SimulatorError if (method, fault) == ("render", "none") else SimulatorCrash
+    with pytest.raises(kind, match="sim") as caught:
         simulate(example_scene(), module.Simulator())
+    assert caught.type is kind
     (failed, *_) = drive([example_scene()], Bare, module.Simulator(), twins=False)
     assert failed.status == "failed"
     if method == "catalogue":
@@ -292,7 +305,28 @@ def test_a_simulator_that_fails_while_it_works(method, fault, tmp_path, module):
             make_simulator("faulty_plugins:Simulator")
         return
     (result,) = run_chunk(Job("faulty_plugins:Simulator", 0, Outputs()), [example_scene()])
-    assert (result.episode.status, result.episode.error_type) == ("failed", "SimulatorCrash")
+    assert (result.episode.status, result.episode.error_type) == ("failed", kind.__name__)
+
+
+@pytest.mark.parametrize("error", [ValueError("close"), SystemExit(0), OutsideException()])
+def test_a_simulator_that_fails_when_it_closes_costs_no_work(error, module):
+    module.Simulator = type("Simulator", (FlatSimulator,), {"close": raising(error)})
+    (result,) = run_chunk(Job("faulty_plugins:Simulator"), [example_scene()])
+    assert result.episode.status == "ok"
+    assert make_catalogue("faulty_plugins:Simulator").simulator == "flat"
+
+
+def test_an_interruption_is_no_fault_of_the_component():
+    for error in (KeyboardInterrupt(), asyncio.CancelledError()):
+        with pytest.raises(type(error)), working("simulator", "sim"):
+            raise error
+
+
+def test_a_driver_may_raise_anything():
+    (failed,) = drive(
+        [example_scene()], having(act=raising(OutsideException("a"))), FlatSimulator(), twins=False
+    )
+    assert (failed.status, failed.error_type) == ("failed", "OutsideException")
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import click
 from oodscen._cli.options import json_option
 from oodscen._cli.output import bars, say
 from oodscen._cli.paths import PathName
+from oodscen._members import using
 
 if TYPE_CHECKING:
     from oodscen.judging._drive_board import DriveRate, DriveRow
@@ -49,7 +50,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     before = study.drives
     found = {row.id: row for row in current_results(before, staged)}
     seed = study.config.seed
-    with make_simulator(study.config.simulator) as simulator:
+    with using(make_simulator(study.config.simulator)) as simulator:
         for name, make in makers:
             with bars() as told:
                 for one in drive_scenes(

@@ -17,6 +17,7 @@ from oodscen._cli.exporting import claim_folder
 from oodscen._cli.options import json_option, seed_option, simulator_option
 from oodscen._cli.output import read_lines, say, tracked, write
 from oodscen._cli.paths import READABLE, PathName
+from oodscen._members import using
 from oodscen._processes import Processes
 from oodscen._text import one_line, plain
 from oodscen.data._catalogue import Catalogue
@@ -188,7 +189,7 @@ def _write(
         from oodscen import make_simulator
         from oodscen.interchange._traces.rerun_files import write_rerun
 
-        with make_simulator(options["simulator"]) as drawing:
+        with using(make_simulator(options["simulator"])) as drawing:
             path = out / f"{scene.id}.rrd"
             write_rerun(scene, drawing, path, action=options["action"], seed=seed)
     else:

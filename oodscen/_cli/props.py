@@ -9,6 +9,7 @@ import click
 from oodscen._cli.options import json_option, simulator_option
 from oodscen._cli.output import say, tracked, write_bytes
 from oodscen._cli.paths import FileCommand, OutputName, PathName
+from oodscen._members import using
 from oodscen.errors import MissingExtra, UsageError
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def props(
     if (where is None) != details:
         raise click.UsageError("give WHERE, or --details without it")
     found = read_props(where) if where is not None else []
-    with make_simulator(simulator) as shown:
+    with using(make_simulator(simulator)) as shown:
         catalogue = shown.catalogue()
         known = catalogue.with_made(found)
         kinds = catalogue.details or DetailKinds()

@@ -26,6 +26,7 @@ from oodscen._cli.options import (
 )
 from oodscen._cli.output import bars, read_lines, rounds_in_words, say, tracked, write, write_lines
 from oodscen._cli.paths import READABLE, FileCommand, OutputName, PathName
+from oodscen._members import close
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._base import canonical_json
 from oodscen.data._episode import REACTIONS_S
@@ -328,7 +329,7 @@ def simulate(
     issues = [Issue("id", f"{one!r} occurs more than once") for one in counts if counts[one] > 1]
     if issues:
         raise DataError("scenes", issues, source=str(scenes))
-    make_simulator(simulator).close()
+    close(make_simulator(simulator))
     study, episodes = Study(out), {}
     camera = Camera(width or Camera.width, height or Camera.height)
     job = Job(

@@ -3,7 +3,6 @@
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, as_completed
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._files import temporary_folder
-from oodscen._members import reason
+from oodscen._members import close, is_interruption, reason
 from oodscen._processes import Processes, is_importable, is_script
 from oodscen._redaction import redact
 from oodscen._registry import find, make_simulator
@@ -182,8 +181,7 @@ def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
                 if any(one.episode.error_type == SimulatorCrash.__name__ for one in found):
                     break
         finally:
-            with suppress(Exception):
-                simulator.close()
+            close(simulator)
     return results
 
 
@@ -254,7 +252,9 @@ def _guard(job: Job, name: str, work: Callable[[], Made]) -> Made | Episode:
         raise
     except OodscenError as error:
         return failed_episode(job, name, error)
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if is_interruption(error):
+            raise
         return failed_episode(job, name, SimulatorCrash(job.simulator, reason(error)))
 
 

@@ -8,6 +8,7 @@ from typing import ClassVar, Self
 from oodscen._display import Brief
 from oodscen.data._catalogue import BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import Scene
+from oodscen.driving._frames import own_frame
 from oodscen.driving._motion.behaviours import BEHAVIOURS
 from oodscen.driving._motion.world import KinematicWorld, Published
 from oodscen.driving._roads.building import load_corridor
@@ -15,7 +16,15 @@ from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import Issue, SceneError, SimulatorError, UsageError
-from oodscen.protocols import Camera, ChecksScenes, Control, Frame, Observation, State
+from oodscen.protocols import (
+    Camera,
+    ChecksScenes,
+    Control,
+    Frame,
+    Observation,
+    Simulator,
+    State,
+)
 
 
 class BaseSimulator(Brief, ABC):
@@ -46,7 +55,10 @@ class BaseSimulator(Brief, ABC):
 
     @abstractmethod
     def draw(self, camera: Camera) -> Frame:
-        """Render the camera's view; `ids` as in `Frame`: row r of the poses has id r + 1."""
+        """Render the camera's view; `ids` as in `Frame`: row r of the poses has id r + 1.
+
+        The arrays may be the same in every call: they are checked and copied.
+        """
 
     def release(self) -> None:
         """Release all resources; a later `reset` may acquire them again. May be called twice."""
@@ -79,9 +91,13 @@ class BaseSimulator(Brief, ABC):
         """
 
     def render(self, camera: Camera) -> Frame:
-        """Render the current state."""
-        _ = self.world
-        return self.draw(camera)
+        """Render the current state.
+
+        Raises:
+            SimulatorError: If `draw` returns something else than a frame of the camera's size.
+        """
+        bodies = len(self.state().ids)
+        return own_frame(self.draw(camera), camera, bodies, f"{self.name}: draw()")
 
     def observe(self) -> Observation:
         """Return the driver's observation of the current state."""
@@ -132,6 +148,23 @@ class BaseSimulator(Brief, ABC):
             array.setflags(write=False)
         self._state = self.world.state(seen)
         return self._state
+
+
+def take(simulator: Simulator, camera: Camera, bodies: int) -> Frame:
+    """Render the current state of any simulator, as a frame of the caller's own.
+
+    Args:
+        simulator: The simulator, after a `reset`.
+        camera: The camera.
+        bodies: Number of bodies in the scene, the ego included.
+
+    Raises:
+        SimulatorError: If `render` returns something else than a frame of the camera's size.
+    """
+    frame = simulator.render(camera)
+    if getattr(type(simulator), "render", None) is BaseSimulator.render:
+        return frame  # It is checked and copied already.
+    return own_frame(frame, camera, bodies, f"{simulator.name}: render()")
 
 
 def checked_control(control: Control) -> Control:

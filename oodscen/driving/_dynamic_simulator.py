@@ -15,6 +15,8 @@ from oodscen.driving._staged_scene import StagedBody, StagedScene, with_heights
 from oodscen.errors import SimulatorError
 from oodscen.protocols import Control, Observation, State
 
+_FASTEST = 1e4
+
 
 class DynamicSimulator(BaseSimulator):
     """Implements the `Simulator` protocol for a simulator with dynamics of its own.
@@ -155,7 +157,7 @@ class DynamicSimulator(BaseSimulator):
         """Return the adapter's poses and speeds, rounded.
 
         Raises:
-            SimulatorError: If they are of another shape or not finite.
+            SimulatorError: If they are of another shape, not finite or beyond all sense.
         """
         count = len(self.staged.ids)
         try:
@@ -163,9 +165,9 @@ class DynamicSimulator(BaseSimulator):
             poses, speeds = with_heights(given, count), np.asarray(along, dtype=np.float64)
         except (TypeError, ValueError) as error:
             raise SimulatorError(f"{self.name}: bodies() returned {error}") from error
-        if speeds.shape != (count,) or not np.isfinite(speeds).all():
+        if speeds.shape != (count,) or not (np.abs(speeds) <= _FASTEST).all():
             raise SimulatorError(
-                f"{self.name}: bodies() returned speeds that are not {count} numbers"
+                f"{self.name}: bodies() returned speeds that are not {count} numbers up to {_FASTEST:g} m/s"
             )
         return _rounded(poses), _rounded(speeds)
 

@@ -24,6 +24,8 @@ Floats = NDArray[np.float64]
 
 _ON_ROAD = -1e9
 """A height for bodies without one, m: no body is ever measured below the road."""
+_FARTHEST = 1e9
+"""Largest coordinate, m, and angle, rad, with which distances can still be measured."""
 
 
 @with_fields
@@ -222,13 +224,15 @@ def with_heights(poses: Floats, count: int) -> Floats:
     """Return poses with z; bodies without one stand on the road.
 
     Raises:
-        ValueError: If the poses have another shape or are not finite.
+        ValueError: If the poses have another shape, are not finite or beyond all sense.
     """
     given = np.asarray(poses, dtype=np.float64)
     if given.shape not in ((count, 3), (count, 4)):
         raise ValueError(f"poses of shape {given.shape}, not ({count}, 4) or ({count}, 3)")
     if not np.isfinite(given).all():
         raise ValueError("poses that are not finite")
+    if np.abs(given).max(initial=0.0) > _FARTHEST:
+        raise ValueError(f"poses beyond {_FARTHEST:.0e} m or rad")
     if given.shape == (count, 4):
         return given
     return np.insert(given, 2, _ON_ROAD, axis=1)

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
-from oodscen._members import working
+from oodscen._members import close, working
 from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scene import Scene
+from oodscen.driving._base_simulator import take
 from oodscen.driving._trace import Course, least_time_to_collision
 from oodscen.errors import SimulatorError, UnknownComponent, UsageError
 from oodscen.gymnasium._acting import ActionDecoder, action_space
@@ -302,7 +303,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
     def close(self) -> None:
         """Close the simulator; may be called twice."""
         self._is_over = True
-        self.simulator.close()
+        close(self.simulator)
 
     # ------------------------------------------------------------------ for drivers
 
@@ -315,7 +316,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         if self.state is None:
             raise UsageError("SceneEnv: call reset() first")
         with working("simulator", self.simulator.name):
-            return self.simulator.render(camera)
+            return take(self.simulator, camera, len(self.state.ids))
 
     # ------------------------------------------------------------------ internals
 

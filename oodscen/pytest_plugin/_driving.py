@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING
 
 from oodscen._display import png
 from oodscen._files import replace
+from oodscen._members import is_interruption
 from oodscen._text import one_line, plain
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
+from oodscen.driving._base_simulator import take
 from oodscen.errors import OodscenError, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State
 from oodscen.stages._drive import (
@@ -224,9 +226,10 @@ class Drive:
                     item, make(), self._simulator, self._scenes.seed, plan.steps, camera or Camera()
                 )
             )
-        except Exception as error:
-            failed = failed_drive(item.id, label, error)
-            self.results.append(failed.model_copy(update={"made_from": made_from}))
+        except BaseException as error:
+            if not is_interruption(error):
+                failed = failed_drive(item.id, label, error)
+                self.results.append(failed.model_copy(update={"made_from": made_from}))
             raise
         catalogue = self._simulator.catalogue()
         result = drive_result(item, states, catalogue, label, plan.steps, self._simulator.dt)
@@ -261,7 +264,8 @@ class Drive:
 
         try:
             above = birds_eye(end, last.scene, self._simulator.catalogue())
-            shown = {"frame": self._simulator.render(camera or Camera()).rgb, "plan": above}
+            frame = take(self._simulator, camera or Camera(), len(end.ids))
+            shown = {"frame": frame.rgb, "plan": above}
         except OodscenError:
             return last
         stem = re.sub(r"[^\w.~-]+", "-", f"{last.scene.id}-{self._test}").strip("-")[:180]

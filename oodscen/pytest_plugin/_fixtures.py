@@ -33,9 +33,10 @@ def scene(oodscen_scene: "Scene") -> "Scene":
 @pytest.fixture(scope="session")
 def simulator(request: pytest.FixtureRequest) -> "Iterator[Simulator]":
     """The simulator of the study, or of `--oodscen-simulator`; closed at the end."""
+    from oodscen._members import using
     from oodscen._registry import make_simulator
 
-    with make_simulator(_session(request).simulator_name) as made:
+    with using(make_simulator(_session(request).simulator_name)) as made:
         yield made
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from oodscen._display import Brief
-from oodscen._members import working
+from oodscen._members import is_interruption, working
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen.data._catalogue import Catalogue
@@ -16,6 +16,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
+from oodscen.driving._base_simulator import take
 from oodscen.driving._drivers.following import following_acceleration
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
@@ -259,7 +260,9 @@ def _drive(
         own = controlling.camera if isinstance(controlling, MountsCamera) else None
         camera = camera_for(simulator.catalogue(), camera or own)
         states = list(drive_states(scene, controlling, simulator, seed, steps, camera))
-    except (Exception, SystemExit) as error:  # A driver may raise anything.
+    except BaseException as error:
+        if is_interruption(error):
+            raise
         return failed_drive(scene.id, name, error)
     return drive_result(scene, states, simulator.catalogue(), name, steps, simulator.dt)
 
@@ -329,7 +332,8 @@ def drive_states(
             return
         observation = simulator.observe()
         if wants_frames:
-            observation = replace(observation, frame=simulator.render(camera))
+            frame = take(simulator, camera, len(state.ids))
+            observation = replace(observation, frame=frame)
         if looking:
             looking.look(state)
         control = driver.act(observation)

@@ -24,6 +24,7 @@ from oodscen.data._episode import (
 )
 from oodscen.data._scene import LONGEST_HORIZON_S, Scene
 from oodscen.driving import load_corridor
+from oodscen.driving._base_simulator import take
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._sight.visibility import is_noticeable
@@ -284,7 +285,7 @@ def _shown_again(
         states.append(simulator.step(control) if control else simulator.reset(scene, seed))
         for moment, step in steps.items():
             if index == step and camera:
-                frames[moment] = simulator.render(camera)
+                frames[moment] = take(simulator, camera, len(states[-1].ids))
     return frames, states
 
 
@@ -320,9 +321,9 @@ class _Steps:
         """Return the frames, and leave the simulator at the last step."""
         frames = {}
         for moment, step in _steps_shown(len(self.kept) - 1, moments).items():
-            self.simulator.restore(self.kept[step])
+            state = self.simulator.restore(self.kept[step])
             if camera:
-                frames[moment] = self.simulator.render(camera)
+                frames[moment] = take(self.simulator, camera, len(state.ids))
         return frames
 
 

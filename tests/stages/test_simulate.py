@@ -8,7 +8,7 @@ from oodscen.data._catalogue import Asset
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode
 from oodscen.data._scene import Actor, Behaviour, Demand, Hazard, Placement, Scene, Trigger
 from oodscen.errors import SceneError, UsageError
-from oodscen.protocols import Camera
+from oodscen.protocols import Camera, Frame
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
@@ -54,6 +54,43 @@ def test_three_frames_show_the_approach(result):
     pixels = [result.episode.visible[moment].get("box", 0) for moment in MOMENTS]
     assert pixels[0] < pixels[2]
     assert all(frame.rgb.shape == (60, 80, 3) for frame in result.frames.values())
+
+
+class Buffers:
+    """Returns the same arrays from every call, as engines do that own their buffers."""
+
+    kept: Frame | None = None
+
+    def same(self, frame):
+        if self.kept is None:
+            self.kept = frame
+        for name in ("rgb", "depth", "ids"):
+            getattr(self.kept, name)[:] = getattr(frame, name)
+        return self.kept
+
+
+class DrawsIntoBuffers(Buffers, FlatSimulator):
+    def draw(self, camera):
+        return self.same(super().draw(camera))
+
+
+class RendersIntoBuffers(Buffers, FlatSimulator):
+    def render(self, camera):
+        return self.same(super().render(camera))
+
+
+@pytest.mark.parametrize("make", [DrawsIntoBuffers, RendersIntoBuffers])
+def test_a_simulator_may_draw_into_the_same_arrays_every_time(make, result):
+    scene = example_scene()
+    assert simulate(scene, make(), camera=SMALL, actions=()).episode.frame_sha256 == (
+        result.episode.frame_sha256
+    )
+    twin = scene.twin(2.0)  # Its frames are taken from snapshots.
+    mine, plain = (
+        simulate(twin, one, camera=SMALL, actions=()) for one in (make(), FlatSimulator())
+    )
+    assert mine.episode.frame_sha256 == plain.episode.frame_sha256
+    assert mine.episode.visible == plain.episode.visible
 
 
 def test_the_same_scene_and_seed_give_the_same_bytes_after_another_scene(flat, result):

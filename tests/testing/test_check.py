@@ -128,6 +128,18 @@ class Reuses(Small):
         return state
 
 
+class ReusesFrames(Small):
+    """Draws into the same arrays every time; `draw` may, since the base class copies."""
+
+    def render(self, camera):
+        frame = super().render(camera)
+        buffers = vars(self).setdefault("buffers", {})
+        kept = buffers.setdefault(frame.rgb.shape, frame)
+        for name in ("rgb", "depth", "ids"):
+            getattr(kept, name)[:] = getattr(frame, name)
+        return kept
+
+
 class ForgetsSpeed(Small):
     def restore(self, snapshot):
         state = super().restore(snapshot)
@@ -301,6 +313,7 @@ class _Fixed(FlatSimulator):
         (ForgetsSpeed, ["snapshot"]),
         (SteersRight, ["left must be positive"]),
         (Reuses, ["a later step changed an earlier state"]),
+        (ReusesFrames, ["a later render changed an earlier frame"]),
         (Swallows, ["asset adult", "pixels"]),
         (Sunny, ["lowest sun", "looks like a clear day"]),
         (Hoards, ["MiB of memory behind"]),

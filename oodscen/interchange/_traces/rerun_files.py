@@ -13,6 +13,7 @@ from oodscen._files import replace
 from oodscen.data._episode import ACTIONS, NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.driving import action_driver, load_corridor
+from oodscen.driving._base_simulator import take
 from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import MissingExtra
@@ -99,7 +100,7 @@ def _film(
     steps = max(1, round(every_s / simulator.dt))
     for number, state in enumerate(_states(scene, simulator, action, seed)):
         if number % steps == 0:
-            log.picture(state.time, simulator, camera)
+            log.picture(state, simulator, camera)
 
 
 def _states(scene: Scene, simulator: Simulator, action: str, seed: int) -> Iterator[State]:
@@ -223,10 +224,10 @@ class _Log:
         )
         self.stream.log(name, lens, static=True)
 
-    def picture(self, time: float, simulator: Simulator, camera: Camera) -> None:
+    def picture(self, state: State, simulator: Simulator, camera: Camera) -> None:
         """Write the camera's picture and depth at the simulator's present state."""
-        frame, name = simulator.render(camera), "world/ego/camera"
-        self.stream.set_time(_TIME, duration=time)
+        frame, name = take(simulator, camera, len(state.ids)), "world/ego/camera"
+        self.stream.set_time(_TIME, duration=state.time)
         self.stream.log(f"{name}/picture", self.rerun.Image(frame.rgb).compress())
         far = np.where(frame.depth < _FARTHEST_M, frame.depth, 0.0)
         depth = np.round(far * _METRE).astype(np.uint16)

@@ -13,6 +13,7 @@ from oodscen.data._details import DetailKinds, Details, PoseKind, check_details
 from oodscen.data._lettering import HEIGHT, strokes, width_of
 from oodscen.data._prop import Prop, check_prop
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.driving._base_simulator import take
 from oodscen.errors import SceneError, UsageError
 from oodscen.protocols import Camera, Frame, Simulator
 
@@ -198,8 +199,8 @@ def _shown(
         decision=Trigger(kind="time", value=1.0),
         made=() if one is None else one.made,
     )
-    simulator.reset(scene, 0)
-    return simulator.render(camera)
+    state = simulator.reset(scene, 0)
+    return take(simulator, camera, len(state.ids))
 
 
 def _view(frame: Frame, without: Frame, distance: float, is_night: bool) -> PropView:

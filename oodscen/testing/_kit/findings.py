@@ -5,6 +5,8 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
+from oodscen._members import is_interruption
+
 _NAMED = 6
 """Maximum number of subjects that a line names."""
 _NOUNS = frozenset({"actor", "asset", "behaviour", "camera", "map", "scene", "trigger"})
@@ -89,6 +91,8 @@ class Findings:
             yield
         except NotApplicable:
             raise
-        except (Exception, SystemExit) as error:
+        except BaseException as error:
+            if is_interruption(error):
+                raise
             said = " ".join(str(error).split())
             self.add(subject, f"{type(error).__name__}: {said}" if said else type(error).__name__)

@@ -37,12 +37,19 @@ def check_frames(probe: Probe) -> None:
     size = max(probe.catalogue.assets, key=lambda asset: asset.width * asset.height)
     scene = probe.scene(probe.still(size, ahead=20.0))
     probe.simulator.reset(scene, 0)
+    kept: list[tuple[NDArray[np.uint8], bytes]] = []
     for camera in (probe.camera(), probe.camera(64, 64)):
         frame = probe.simulator.render(camera)
+        kept.append((frame.rgb, frame.rgb.tobytes()))
         for fault in frame_faults(frame, camera, 2):
             probe.findings.add("", fault)
         is_shown = bool((frame.ids == 2).any())
         probe.findings.that(is_shown, f"asset {size.id}", "20 m ahead has no pixel with id 2")
+    for _ in range(round(1.0 / probe.simulator.dt)):
+        probe.simulator.step(Control())
+    probe.simulator.render(probe.camera())
+    is_kept = all(rgb.tobytes() == before for rgb, before in kept)
+    probe.findings.that(is_kept, "", "a later render changed an earlier frame")
 
 
 def check_pictures(probe: Probe) -> None:
