@@ -23,7 +23,7 @@ _HIDDEN = ("config", "help")
 """Options of `run` that a file cannot hold."""
 
 RUN_SECTIONS: Mapping[str, tuple[str, ...]] = {
-    "Models": ("llm", "red-llm", "fallback", "rarity-llm", "context", "api-base"),
+    "Models": ("llm", "red-llm", "fallback", "rarity-llm", "recogniser", "context", "api-base"),
     "Judging": ("vlm", "protocol", "chain", "rear-view", "without-pictures", "ordinary", "judge"),
     "Limits": (
         *("max-cost", "max-requests", "max-tokens", "max-seconds", "price"),
@@ -48,6 +48,7 @@ _EXAMPLES: Mapping[str, Any] = {
     "red-llm": "gpt-4o",
     "fallback": "gpt-4o-mini",
     "rarity-llm": "gpt-4o",
+    "recogniser": "gpt-4o",
     "api-base": "http://localhost:8000/v1",
     "vlm": ["gpt-4o"],
     "judge": "gpt-4o",
@@ -65,6 +66,7 @@ _EXAMPLES: Mapping[str, Any] = {
     "set": [10, 100],
     "chain": False,
     "twins": True,
+    "made": True,
     "max-paths": 10,
     "workers": 2,
     "horizon": 8.0,

@@ -62,6 +62,11 @@ if TYPE_CHECKING:
 @click.option(
     "--rarity-llm", help="Model that also estimates the rarity of the texts.  [default: none]"
 )
+@click.option(
+    "--recogniser",
+    help="Vision model that names made things without their captions; what it does not name is dropped.  "
+    "[default: none]",
+)
 @click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
 @judging_options
 @limit_options
@@ -132,8 +137,8 @@ if TYPE_CHECKING:
 @click.option(
     "--made/--no-made",
     default=None,
-    help="Let the model design things that the simulator lacks, or keep to its catalogue.  [default: --made for "
-    "models other than the built-in author, if the simulator draws props]",
+    help="Let the model design things that the simulator lacks, or keep to its catalogue.  [default: only "
+    "with a model other than the built-in author, if the simulator draws props]",
 )
 @click.option("--max-paths", type=click.IntRange(min=1), help="Simulate at most this many paths.")
 @click.option(

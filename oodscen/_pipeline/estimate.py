@@ -72,7 +72,11 @@ def estimate(
     prices = options.limits.prices
     with temporary_folder() as folder:
         _copy(study, Path(folder))
-        names = {config.llm, config.red_llm or config.llm, *filter(None, [config.fallback])}
+        names = {
+            config.llm,
+            config.red_llm or config.llm,
+            *filter(None, [config.fallback, config.recogniser]),
+        }
         asked = {name: _PricedAuthor(name, config.seed, prices) for name in names if is_asked(name)}
         pipeline = Pipeline(folder, config, RunOptions(models=asked))
         try:

@@ -17,6 +17,7 @@ from oodscen.prompts._scenario.design_prop import DesignProp
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
 from oodscen.prompts._scenario.mark_hazard import MarkHazard
+from oodscen.prompts._scenario.recognise_prop import RecogniseProp
 from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.prompts._tree.classify_examples import (
     ClassifyExamples,
@@ -39,6 +40,7 @@ QUESTIONS: Mapping[str, type[Prompt[Any]]] = {
         JudgeBranches,
         DesignMotion,
         DesignProp,
+        RecogniseProp,
         DescribePath,
         DescribeOrdinary,
         EstimateRarity,

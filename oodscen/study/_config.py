@@ -53,6 +53,8 @@ class StudyConfig(Data):
     judge: str | None = None
     """Model that decides whether an open aspect is right; the documented matcher if left out."""
     rarity_llm: str | None = None
+    recogniser: str | None = None
+    """Vision model that names made things without their captions; what it does not name is dropped."""
     """Model that is asked for the rarity of the simulatable texts, beside the offline estimate."""
     context: int | None = Field(default=None, ge=2_048)
     """Context window of `llm` in tokens, input and output; longer questions are shortened.
@@ -146,6 +148,8 @@ class StudyConfig(Data):
             raise ValueError(
                 "rarity_llm: the built-in author estimates none; the offline head does"
             )
+        if self.recogniser is not None and self.recogniser in (self.llm, DEFAULT_LLM):
+            raise ValueError("recogniser: must be another model than the one that designs, and see")
         for address in filter(None, (self.api_base, *self.servers.values())):
             if redact(address) != address:
                 raise ValueError(
@@ -188,7 +192,8 @@ class StudyConfig(Data):
     @property
     def models(self) -> tuple[str, ...]:
         """The names of all models that the study may ask."""
-        names = (self.llm, self.red_llm, self.fallback, *self.vlms, self.judge, self.rarity_llm)
+        names = (self.llm, self.red_llm, self.fallback, *self.vlms, self.judge)
+        names = (*names, self.rarity_llm, self.recogniser)
         return tuple(dict.fromkeys(name for name in names if name is not None))
 
     @property

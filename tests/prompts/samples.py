@@ -19,6 +19,7 @@ from oodscen.prompts._scenario.design_prop import DesignProp, KnownPart
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
 from oodscen.prompts._scenario.mark_hazard import ActorLine, MarkHazard
+from oodscen.prompts._scenario.recognise_prop import RecogniseProp
 from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.prompts._tree.classify_examples import ClassifyExamples
 from oodscen.prompts._tree.give_examples import GiveExamples
@@ -115,6 +116,7 @@ SAMPLES = (
             KnownPart(id="crate", length_m=1.0, width_m=1.0, height_m=1.0),
         ),
     ),
+    RecogniseProp(pictures=FRAMES, labels=("a red locomotive", "none of these")),
     DescribePath(
         path=PATH,
         count=3,

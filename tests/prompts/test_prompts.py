@@ -230,4 +230,4 @@ def test_fenced_inputs_change_nothing_outside_their_fence(text):
     staged = [StageScene(text=one, path=(one,), catalogue=DIGEST) for one in (text, "a stag")]
     assert outside(staged[0]) == outside(staged[1])
     asked = DescribePath(path=(*PATH, text), count=3, avoid=(text,), made=(text,))
-    assert outside(asked) == outside(SAMPLES[9])
+    assert outside(asked) == outside(SAMPLES[10])

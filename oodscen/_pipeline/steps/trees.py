@@ -13,6 +13,7 @@ from oodscen.stages._props.files import ASSETS, picture_of
 from oodscen.stages._props.looking import SeenProp, plate
 from oodscen.stages._props.making import MadeProp, PropMaker, judged_again, wanted_things
 from oodscen.stages._props.motions import MOTIONS, MotionMaker, made_motions, wanted_motions
+from oodscen.stages._props.recognition import Recogniser
 from oodscen.stages._prune.decisions import PruneDecision, all_decisions, apply_decisions
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.stages._prune.restoration import restoration
@@ -133,7 +134,12 @@ def _with_made(
     `assets.jsonl` and `motions.jsonl` keep what was made.
     """
     catalogue = run.simulator.catalogue()
-    maker = PropMaker(run.llm, run.simulator, keep=lambda seen: _keep_picture(run, seen))
+    recogniser = None
+    if run.config.recogniser is not None:
+        recogniser = Recogniser(run.models.get(run.config.recogniser), catalogue)
+    maker = PropMaker(
+        run.llm, run.simulator, lambda seen: _keep_picture(run, seen), recogniser=recogniser
+    )
     mover = MotionMaker(run.llm, run.simulator)
     wanted = {one.name: one for one in wanted_things(tree, judgements, catalogue)}
     rows = _made(run, ASSETS, judgements, wanted, maker.make)

@@ -59,6 +59,8 @@ class PropLook(Data):
     views: tuple[PropView, ...]
     faults: tuple[str, ...] = ()
     recognised: str = UNSEEN
+    taken_for: str = ""
+    """The words of a vision model that did not name it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +69,11 @@ class SeenProp:
 
     look: PropLook
     pictures: tuple[Image, ...]
+
+    def judged(self, recognised: str, taken_for: str) -> "SeenProp":
+        """Return it with the verdict of a vision model."""
+        look = self.look.model_copy(update={"recognised": recognised, "taken_for": taken_for})
+        return SeenProp(look, self.pictures)
 
 
 def look_at(

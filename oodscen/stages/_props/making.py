@@ -15,6 +15,7 @@ from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_prop import DesignedProp, DesignProp, KnownPart
 from oodscen.protocols import LLM, Simulator
 from oodscen.stages._props.looking import PropLook, SeenProp, look_at
+from oodscen.stages._props.recognition import Recogniser
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -57,12 +58,13 @@ class PropMaker:
     """Asks for the designs of things that a catalogue lacks, and looks at them.
 
     A design that the simulator refuses, or that is too small or too faint in its pictures, is sent back with its
-    faults.
+    faults. So is one, once, that a vision model does not name; what it does not name then is dropped.
 
     Args:
         llm: The model that designs.
         simulator: Shows the designs.
         keep: Receives the pictures of every thing that is made.
+        recogniser: Names things without knowing what they are to be; without it they are marked as not recognised.
     """
 
     def __init__(
@@ -70,10 +72,12 @@ class PropMaker:
         llm: LLM,
         simulator: Simulator,
         keep: Callable[[SeenProp], None] = lambda seen: None,
+        recogniser: Recogniser | None = None,
     ) -> None:
         self.llm = llm
         self.simulator = simulator
         self.keep = keep
+        self.recogniser = recogniser
         self.catalogue: Catalogue = simulator.catalogue()
         self._drawing = Lock()
 
@@ -100,6 +104,9 @@ class PropMaker:
         if answer.prop is None:
             return MadeProp(id=wanted.name, reason=one_line(answer.cannot_make), **asked)
         seen = looks[answer.prop.digest()]
+        if seen.look.taken_for:
+            reason = f"{seen.look.recognised}, which took it for: {seen.look.taken_for}"
+            return MadeProp(id=wanted.name, reason=reason, **asked)
         self.keep(seen)
         return MadeProp(id=wanted.name, prop=answer.prop, look=seen.look, **asked)
 
@@ -123,8 +130,17 @@ class PropMaker:
                 (seen,) = look_at([prop], self.simulator)
         except OodscenError as error:
             return [Issue("prop", f"the simulator cannot show it: {one_line(str(error))}")]
-        looks[prop.digest()] = seen
-        return [Issue("prop.parts", fault) for fault in seen.look.faults]
+        if seen.look.faults or self.recogniser is None:
+            looks[prop.digest()] = seen
+            return [Issue("prop.parts", fault) for fault in seen.look.faults]
+        taken_for = self.recogniser.mistakes(prop, seen)
+        verdict = f"{'not ' if taken_for else ''}named by {self.recogniser.name}"
+        is_first = not any(one.look.taken_for for one in looks.values())
+        looks[prop.digest()] = seen.judged(verdict, taken_for)
+        if not (taken_for and is_first):
+            return []
+        fault = f"whoever saw it without its name took it for: {taken_for}. Make what tells it apart larger and clearer"
+        return [Issue("prop.parts", fault)]
 
 
 def is_makeable(decision: PruneDecision) -> bool:

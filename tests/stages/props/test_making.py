@@ -9,6 +9,7 @@ from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.stages._augment import scene_of_draft
 from oodscen.stages._props.looking import SeenProp, plate
 from oodscen.stages._props.making import PropMaker, Wanted, is_makeable, judged_again, wanted_things
+from oodscen.stages._props.recognition import NONE, Recogniser
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.testing import FlatSimulator, ScriptedLLM
@@ -42,6 +43,43 @@ def test_its_pictures_are_kept() -> None:
     assert seen.look.id == "low_wall"
     height, width, _ = seen.pictures[0].shape
     assert plate(seen).shape == (height, width * 3 // 2, 3)
+
+
+def recognised(*choices: str) -> Any:
+    """Return what is made if a vision model chooses these words, what the designer was asked, and the labels."""
+    shown: list[tuple[str, ...]] = []
+
+    def see(request: Any) -> dict[str, Any]:
+        labels = request.prompt.labels
+        assert all(image.read() for image in request.prompt.images())
+        shown.append(labels)
+        return {"seen": "a sofa", "choice": labels.index(choices[len(shown) - 1]) + 1}
+
+    seeing = ScriptedLLM(see)
+    seeing.name = "eyes"
+    designer = ScriptedLLM([{"prop": WALL}, {"prop": {**WALL, "mass_kg": 300.0}}])
+    with FlatSimulator() as simulator:
+        recogniser = Recogniser(seeing, simulator.catalogue())
+        made = PropMaker(designer, simulator, recogniser=recogniser).make(WANTED)
+    return made, designer.requests, shown
+
+
+def test_a_thing_is_named_by_a_model_that_did_not_design_it() -> None:
+    made, asked, (labels,) = recognised(WALL["description"])
+    assert made.look.recognised == "named by eyes"
+    assert len(asked) == 1
+    assert WALL["description"] in labels
+    assert labels[-1] == NONE
+    assert len(set(labels)) == len(labels)
+
+
+def test_a_thing_that_is_not_named_goes_back_once_and_is_dropped() -> None:
+    made, asked, _ = recognised(NONE, WALL["description"])
+    assert (made.look.recognised, len(asked)) == ("named by eyes", 2)
+    assert "took it for: a sofa" in asked[1].messages[-1].text
+    made, asked, _ = recognised(NONE, NONE)
+    assert (made.prop, len(asked)) == (None, 2)
+    assert made.reason == "not named by eyes, which took it for: a sofa"
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,89 @@
+"""Showing things made to order to a vision model that does not know their names."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._files import temporary_folder
+from oodscen._text import one_line
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._messages import Image
+from oodscen.data._prop import Prop
+from oodscen.llm._ask import ask, speaker
+from oodscen.prompts._scenario.recognise_prop import RecogniseProp
+from oodscen.protocols import LLM
+from oodscen.stages._props.looking import DISTANCES_M, SeenProp
+
+OPTIONS = 8
+"""Number of things that a model chooses among, and "none of these"."""
+NONE = "none of these"
+
+
+class Recogniser:
+    """Asks a vision model what a thing is, among other things of the catalogue.
+
+    Args:
+        llm: A model that sees pictures, and did not design the thing.
+        catalogue: The other things.
+    """
+
+    def __init__(self, llm: LLM, catalogue: Catalogue) -> None:
+        self.llm = llm
+        self.catalogue = catalogue
+
+    @property
+    def name(self) -> str:
+        """The name of the model."""
+        return speaker(self.llm)
+
+    def mistakes(self, prop: Prop, seen: SeenProp) -> str:
+        """Return what the model takes a thing for; empty if it names it.
+
+        Raises:
+            LLMError: When the model gives no valid answer.
+        """
+        labels = options(prop, self.catalogue)
+        with temporary_folder() as folder:
+            pictures = tuple(
+                _saved(Path(folder), f"{prop.id}-{distance:g}m.jpg", picture)
+                for distance, picture in zip(DISTANCES_M, seen.pictures, strict=False)
+            )
+            answer = ask(self.llm, RecogniseProp(pictures=pictures, labels=labels))
+        chosen = labels[answer.choice - 1]
+        if chosen == prop.description:
+            return ""
+        return one_line(answer.seen or chosen)[:200]
+
+
+def options(prop: Prop, catalogue: Catalogue) -> tuple[str, ...]:
+    """Return a thing's description among those of others, most of its own category, in a random order.
+
+    The order depends on the design alone. Things that share a word with it are left out: they could be right too.
+    """
+    draw = np.random.Generator(np.random.PCG64(int(prop.digest()[:12], 16)))
+    own = _words(f"{prop.id} {prop.description}")
+    others = [
+        one
+        for one in catalogue.assets
+        if one.description and own.isdisjoint(_words(f"{one.id} {one.description}"))
+    ]
+    order = [others[place] for place in draw.permutation(len(others))]
+    order.sort(key=lambda one: one.category != prop.category)
+    near, far = order[: OPTIONS // 2], order[OPTIONS // 2 :]
+    far = [far[place] for place in draw.permutation(len(far))]
+    chosen = [one.description for one in (*near, *far)][: OPTIONS - 1]
+    labels = [prop.description, *dict.fromkeys(chosen)]
+    return (*(labels[place] for place in draw.permutation(len(labels))), NONE)
+
+
+def _words(text: str) -> set[str]:
+    return {word for word in text.casefold().replace("_", " ").split() if len(word) > 3}
+
+
+def _saved(folder: Path, name: str, picture: NDArray[np.uint8]) -> Image:
+    import cv2
+
+    path = folder / name
+    path.write_bytes(cv2.imencode(".jpg", picture[..., ::-1])[1].tobytes())
+    return Image.from_file(path, f"assets/{name}")
