@@ -1,6 +1,6 @@
 """Ordinary counterparts of a hazard, as near in the twin at the decision as the hazard is in the scene."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from oodscen.author._staging.actors import StagedActors
 from oodscen.author._staging.background_traffic import along
@@ -51,19 +51,30 @@ def replaced(
 
 
 def drawn_near(
-    unusual: Mapping[str, Actor | None], scene: StagedActors, hazard: Actor, decision_s: float
+    unusual: Mapping[str, Actor | None],
+    scene: StagedActors,
+    actors: Sequence[Actor],
+    hazard: Actor,
+    decision_s: float,
 ) -> dict[str, Actor | None]:
     """Move counterparts that drive ahead in the ego's lane so that the nearest of them is where the hazard is.
 
-    They would have driven away by the decision. Those that are slower than the ego stay where they are.
+    They would have driven away by the decision. Those that are slower than the ego stay where they are, and so do
+    those that tow or carry another.
 
     Args:
         unusual: The counterparts, by the ids of the unusual actors.
         scene: The draft so far.
+        actors: Its actors.
         hazard: The decisive hazard.
         decision_s: Time of the decision, s.
     """
-    row = {name: one for name, one in unusual.items() if one and _is_ahead(one, scene)}
+    tied = {one.behaviour.other for one in (*actors, *unusual.values()) if one}
+    row = {
+        name: one
+        for name, one in unusual.items()
+        if one and name not in tied and _is_ahead(one, scene)
+    }
     if not row:
         return dict(unusual)
     first = min(row.values(), key=lambda one: one.placement.ahead_m)

@@ -130,7 +130,7 @@ class Stager:
             if one is not None and not is_quiet and found.id in unusual:
                 unusual |= replaced(one, scene, found, until)
             elif ordinary is None:
-                unusual = drawn_near(unusual, scene, found, until)
+                unusual = drawn_near(unusual, scene, actors, found, until)
         if traffic is None and recipe.company and attempt < 2:
             actors += company(
                 self.knowledge.company,

@@ -16,9 +16,9 @@ from oodscen.stages._demands.joining import ambulance, merging_car
 from oodscen.stages._demands.kerbside import bus_stop, refuse_lorry, works
 from oodscen.stages._demands.setting import Draft, Setting
 
-_ATTEMPTS = 3
-"""Draws per kind; the first keeps the scene's other traffic, the others do without it."""
-_SHARPNESS = 3.0
+_ATTEMPTS = 2
+"""Draws per kind that keep the scene's other traffic, and as many without it."""
+_SHARPNESS = 4.0
 """Preference for draws that look like the rare scene; at 0 the look does not count."""
 _BRAKES, _JOINS = having_effect("brakes"), having_effect("joins")
 _CROSSES = having_effect("crosses")
@@ -52,9 +52,9 @@ class DemandKind(NamedTuple):
 
 
 KINDS: tuple[DemandKind, ...] = (
-    DemandKind("queue", queue, 1.2, ("temporary_light",), (), ("stand", *_BRAKES)),
-    DemandKind(RED_LIGHT, red_light, 3.0, ("traffic_light", "pedestrian_light")),
-    DemandKind("leader", leader, 1.0, (), (), _BRAKES),
+    DemandKind("queue", queue, 0.8, ("temporary_light",), (), ("stand", *_BRAKES)),
+    DemandKind(RED_LIGHT, red_light, 2.0, ("traffic_light", "pedestrian_light")),
+    DemandKind("leader", leader, 1.3, (), (), _BRAKES),
     DemandKind(
         "slow_vehicle",
         slow_vehicle,
@@ -63,11 +63,11 @@ KINDS: tuple[DemandKind, ...] = (
         (),
         ("follow_lane", *_BRAKES),
     ),
-    DemandKind("cyclist", cyclist, 1.2, (), ("cyclist",)),
+    DemandKind("cyclist", cyclist, 1.4, (), ("cyclist",)),
     DemandKind("refuse_lorry", refuse_lorry, 1.5, ("garbage_truck", "wheelie_bin")),
     DemandKind("bus_stop", bus_stop, 1.5, ("bus", "school_bus")),
-    DemandKind("works", works, 2.0, ("excavator", "road_roller", "worker"), ("work_zone",)),
-    DemandKind("zebra", zebra, 4.0, (), ("pedestrian",), _CROSSES),
+    DemandKind("works", works, 1.0, ("excavator", "road_roller", "worker"), ("work_zone",)),
+    DemandKind("zebra", zebra, 2.4, (), ("pedestrian",), _CROSSES),
     DemandKind("ambulance", ambulance, 0.6, ("ambulance", "police_car", "fire_truck", "tow_truck")),
     DemandKind("merging_car", merging_car, 1.3, (), (), _JOINS),
 )
@@ -101,21 +101,21 @@ def in_turn(
         scene: The rare scene.
         at: Its setting.
         seed: Seed of the random streams.
-        company: The traffic that drives along in the scene; only the first draw of a kind keeps it.
+        company: The traffic that drives along in the scene; draws without it come last.
     """
     unusual = [one for one in scene.actors if one.id in scene.hazard.actors]
-    found: list[tuple[float, Candidate]] = []
+    found: list[tuple[bool, float, Candidate]] = []
     for kind in KINDS:
         if kind.is_like(unusual, at.catalogue):
             continue
-        for attempt in range(_ATTEMPTS):
+        for attempt in range(2 * _ATTEMPTS):
             rng = stream(seed, "demand", scene.id, kind.id, attempt)
             draft = kind.draw(at, rng)
             if draft is None:
                 break
-            one = Candidate(kind, draft, () if attempt else company)
-            likely = kind.weight * math.exp(
-                -_SHARPNESS * at.look.difference(at.look_of(one.actors))
-            )
-            found.append((float(rng.exponential()) / likely, one))
-    return [one for _, one in sorted(found, key=lambda pair: pair[0])]
+            is_alone = attempt >= _ATTEMPTS
+            one = Candidate(kind, draft, () if is_alone else company)
+            unlike = at.look.difference(at.look_of(one.actors))
+            wait = float(rng.exponential()) / (kind.weight * math.exp(-_SHARPNESS * unlike))
+            found.append((is_alone, wait, one))
+    return [one for *_, one in sorted(found, key=lambda row: row[:2])]

@@ -87,7 +87,7 @@ def test_a_vehicle_that_would_drive_away_is_where_the_hazard_is(
         "a": actor("a", start, "follow_lane", speed=faster * speed),
         "b": actor("b", start + 9.0, "follow_lane", speed=faster * speed),
     }
-    found = drawn_near(rows, staged(speed), hazard, seconds)
+    found = drawn_near(rows, staged(speed), [hazard], hazard, seconds)
     first, second = found["a"], found["b"]
     assert first is not None
     assert second is not None
@@ -109,4 +109,13 @@ def test_a_vehicle_that_would_drive_away_is_where_the_hazard_is(
 )
 def test_slower_vehicles_other_lanes_and_standing_things_stay(other: Actor | None) -> None:
     unusual = {"a": other}
-    assert drawn_near(unusual, staged(10.0), actor("a", 60.0), 3.0) == unusual
+    hazard = actor("a", 60.0)
+    assert drawn_near(unusual, staged(10.0), [hazard], hazard, 3.0) == unusual
+
+
+def test_a_vehicle_stays_with_its_trailer() -> None:
+    car = actor("a", 80.0, "follow_lane", speed=10.0)
+    behaviour = Behaviour(name="towed", other="a")
+    trailer = actor("b", 74.0).model_copy(update={"behaviour": behaviour})
+    hazard = actor("a", 60.0)
+    assert drawn_near({"a": car}, staged(10.0), [hazard, trailer], hazard, 3.0) == {"a": car}
