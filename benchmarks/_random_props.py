@@ -53,6 +53,21 @@ class Drawing:
         """Draw a colour."""
         return self.rng.choice(COLOURS)
 
+    def large(self) -> Design:
+        """Draw a long or wide body near the origin."""
+        rng = self.rng
+        long, thin, high = self.length(1.5, 6), self.length(0.1, 0.4), self.length(0.3, 2)
+        quad = [[-long / 2, 0, 0], [long / 2, 0, 0], [long / 2, 0.3, high], [-long / 2, 0.3, high]]
+        kinds: list[Design] = [
+            {"box": [0, 0, high / 2], "size": [long, thin, high]},
+            {"hull": [-long / 2, long / 2, -1, 1, 0], "top": [0, 0.2, -0.1, 0.1, high]},
+            {"ball": [0, 0, high / 2], "radii": [long / 3, 0.6, high / 2]},
+            {"sheet": quad, "back": "black"},
+            {"panel": quad, "pattern": "planks"},
+            {"column": [[-long / 2, 0, 1, 0.2, 0.2], [long / 2, 0, 1, 0.5, 0.8]], "axis": "x"},
+        ]
+        return {**rng.choice(kinds), "colour": self.colour()}
+
     def group(self, states: list[str]) -> Design:
         """Draw a part, perhaps mirrored, repeated, turned, or shown in a state only."""
         rng = self.rng
@@ -64,6 +79,8 @@ class Drawing:
             lambda: {"turned": inner, "yaw": rng.randint(-180, 180), "roll": rng.choice((0, 0, 8, -20, 75)), "to": [self.length(-1, 1), self.length(-1, 1), self.length(0, 0.3)]},
             lambda: {"turned": [{"both_sides": inner}], "yaw": rng.randint(-180, 180)},
             lambda: {"both_sides": [{"turned": inner, "roll": rng.randint(-60, 60)}]},
+            lambda: {"turned": [self.large()], "yaw": rng.randint(-180, 180), "to": [self.length(-2, 2), self.length(-2, 2), self.length(0, 1)]},
+            lambda: {"at": [[self.length(-2, 2), self.length(-2, 2), self.length(0, 2)]], "parts": [self.large()]},
         ]  # fmt: skip
         if states:
             kinds.append(lambda: {"when": "on", "parts": inner, "otherwise": [self.part()]})

@@ -46,8 +46,9 @@ from oodscen.protocols import Camera
 CAMERA = Camera(width=640, height=480)
 CROWD = 300
 ROUNDS = 7
-FLOATS_M = 0.25
-"""Gap from the road and from everything that is held beyond which a piece floats, m."""
+FLOATS_M = 0.35
+"""Gap from the road and from everything that is held beyond which a piece floats, m: designs are checked by boxes
+of 0.3 m."""
 SAMPLE_M = 0.08
 """Distance between the points at which pieces are compared, m."""
 SOLID = (
@@ -125,13 +126,22 @@ def _leaves(
             case shapes.AssetPart():
                 whole = MeshBuilder()
                 insert(whole, asset_mesh(part.asset, part.state), part, part.scale, place)
-                yield part, whole.build()
+                yield part, _boxed(whole.build())
             case shapes.Veil() | shapes.Swarm() | shapes.LampPart():
                 pass
             case _:
                 whole = MeshBuilder()
                 add(part, whole, shown, place)
                 yield part, whole.build()
+
+
+def _boxed(mesh: Mesh) -> Mesh:
+    """Return the box around a thing of the catalogue, of which a design knows no more."""
+    low, high = mesh.bounds
+    middle, size = (low + high) / 2, high - low
+    box = MeshBuilder()
+    box.box(tuple(middle.tolist()), tuple(size.tolist()), "grey")
+    return box.build()
 
 
 def _volume(mesh: Mesh) -> float:

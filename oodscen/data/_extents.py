@@ -79,6 +79,8 @@ class Measured:
 
     spaces: list[tuple[str, Space]] = field(default_factory=list)
     """The boxes, each with the path of its part."""
+    made_of: list[tuple[Part, Place]] = field(default_factory=list)
+    """The part and the place of each box."""
     parts: int = 0
     solids: int = 0
     """Parts after repetition."""
@@ -96,7 +98,7 @@ class Measured:
     def bounds(self) -> Space:
         """The box around everything."""
         boxes = [space for _, space in self.spaces]
-        return _around([point for box in boxes for point in (box.low, box.high)])
+        return around([point for box in boxes for point in (box.low, box.high)])
 
 
 MOST_SOLIDS = 2_000
@@ -179,8 +181,11 @@ class _Walk:
             if size is not None:
                 inner = place.turned(part.roll, part.yaw, part.to, part.scale)
                 found.spaces.append((path, _upright(inner, (0.0, 0.0, size[2] / 2), size)))
+                found.made_of.append((part, place))
             return
-        found.spaces += [(path, space) for space in spaces(part, place)]
+        boxes = spaces(part, place)
+        found.spaces += [(path, space) for space in boxes]
+        found.made_of += [(part, place)] * len(boxes)
 
 
 def colours(part: Part) -> Iterator[str]:
@@ -205,7 +210,8 @@ def spaces(part: Part, place: Place) -> list[Space]:
     raise TypeError(f"{type(part).__name__} has no box")
 
 
-def _around(points: Sequence[Sequence[float]], is_airy: bool = False) -> Space:
+def around(points: Sequence[Sequence[float]], is_airy: bool = False) -> Space:
+    """Return the box around points."""
     low = tuple(min(p[axis] for p in points) for axis in range(3))
     high = tuple(max(p[axis] for p in points) for axis in range(3))
     return Space((low[0], low[1], low[2]), (high[0], high[1], high[2]), is_airy)
@@ -217,7 +223,7 @@ def _upright(
     a, b, c = (value / 2 for value in size)
     x, y, z = centre
     corners = [(x + i * a, y + j * b, z + k * c) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)]
-    return _around([place.point(corner) for corner in corners], is_airy)
+    return around([place.point(corner) for corner in corners], is_airy)
 
 
 def _bar(start: Point, end: Point, radius: float, last: float) -> Iterator[Space]:
@@ -236,7 +242,7 @@ def _bar(start: Point, end: Point, radius: float, last: float) -> Iterator[Space
                 [m + sign * wide * off for m, off in zip(middle, aside, strict=True)]
                 for sign in (-1, 1)
             ]
-        yield _around(ends)
+        yield around(ends)
 
 
 _SQUARE = math.sqrt(2.0)
@@ -252,7 +258,7 @@ def _(part: shapes.Hull, place: Place) -> list[Space]:
     corners = [
         (x, y, flat[4]) for flat in (part.hull, part.top) for x in flat[:2] for y in flat[2:4]
     ]
-    return [_around([place.point(corner) for corner in corners])]
+    return [around([place.point(corner) for corner in corners])]
 
 
 @spaces.register
@@ -294,17 +300,26 @@ def _(part: shapes.Ball, place: Place) -> list[Space]:
 @spaces.register
 def _(part: shapes.Column, place: Place) -> list[Space]:
     corners = []
-    for x, y, z, one, two in part.column:
+    for x, y, z, one, two in _rings(part):
         for i in (-1, 1):
             for j in (-1, 1):
                 off = (0.0, i * one, j * two) if part.axis == "x" else (i * one, j * two, 0.0)
                 corners.append(place.point((x + off[0], y + off[1], z + off[2])))
-    return [_around(corners[4 * k : 4 * k + 8]) for k in range(len(part.column) - 1)]
+    return [around(corners[4 * k : 4 * k + 8]) for k in range(len(corners) // 4 - 1)]
+
+
+def _rings(part: shapes.Column) -> Iterator[tuple[float, ...]]:
+    """Yield the rings of a column, with further ones on long stretches."""
+    for start, end in itertools.pairwise(part.column):
+        count = max(1, math.ceil(math.dist(start[:3], end[:3]) / STEP))
+        for k in range(count):
+            yield tuple(a + k / count * (b - a) for a, b in zip(start, end, strict=True))
+    yield part.column[-1]
 
 
 @spaces.register
 def _(part: shapes.Sheet, place: Place) -> list[Space]:
-    return [_around([place.point(corner) for corner in part.sheet])]
+    return [around([place.point(corner) for corner in part.sheet])]
 
 
 @spaces.register
@@ -315,12 +330,12 @@ def _(part: shapes.Wheel, place: Place) -> list[Space]:
 
 @spaces.register
 def _(part: shapes.Panel, place: Place) -> list[Space]:
-    return [_around([place.point(corner) for corner in part.panel])]
+    return [around([place.point(corner) for corner in part.panel])]
 
 
 @spaces.register
 def _(part: shapes.Text, place: Place) -> list[Space]:
-    return [_around([place.point(corner) for corner in part.on])]
+    return [around([place.point(corner) for corner in part.on])]
 
 
 @spaces.register
@@ -357,10 +372,12 @@ def _(part: shapes.Strip, place: Place) -> list[Space]:
             for sign in (-1, 1)
             for z in (0.0, part.height)
         ]
-        boxes.append(_around([place.point(corner) for corner in corners]))
+        boxes.append(around([place.point(corner) for corner in corners]))
     return boxes
 
 
+_LEAST = 1e-4
+"""Least length of a straight piece, m."""
 _SAGGING = 8
 """Straight pieces of a stretch that sags."""
 
@@ -374,7 +391,10 @@ def hung(part: shapes.Tube) -> list[Point]:
         for k in range(1, _SAGGING + 1):
             u = k / _SAGGING
             x, y, z = (a + u * (b - a) for a, b in zip(start, end, strict=True))
-            points.append((x, y, z - 4.0 * part.sag * u * (1.0 - u)))
+            point = (x, y, z - 4.0 * part.sag * u * (1.0 - u))
+            # An upright stretch that sags turns back on itself.
+            if math.dist(point, points[-1]) > _LEAST:
+                points.append(point)
     return points
 
 

@@ -1,12 +1,14 @@
 """Things made to order: designs that a scene carries, for what no catalogue has."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
 from oodscen.data import _shapes as shapes
 from oodscen.data._base import Data, IssuesError
+from oodscen.data._blocks import REACH_M, held
 from oodscen.data._category import Category
 from oodscen.data._extents import Measured, Size, Space, measured
 from oodscen.data._lettering import strokes
@@ -32,8 +34,6 @@ LEAST_M = 0.3
 """Greatest extent that a thing must have, m: what is smaller cannot be recognised."""
 SUNK_M = 0.5
 """Depth by which a part may reach below the road, m: what is there is cut off."""
-REACH_M = 0.06
-"""Gap up to which parts hold each other, m."""
 FLAT_M = 0.08
 """Maximum height of what lies flat, m."""
 OFF_ROAD_M = 0.1
@@ -230,36 +230,32 @@ def _size_faults(bounds: Space) -> Iterator[Issue]:
 
 def _floating(prop: Prop, sizes: Mapping[str, Size]) -> Iterator[Issue]:
     """Yield a fault for the first part that nothing holds, in any state."""
+    shipped = {name for _, name in measured(prop.parts).shipped}
+    known = tuple(sorted((name, sizes[name]) for name in shipped & sizes.keys()))
     for state in prop.states or ("",):
-        named = [
-            (path, box)
-            for path, box in measured(prop.parts, state, sizes).spaces
-            if not box.is_airy
-        ]
-        if not named:
-            continue
-        held = _held([box for _, box in named], prop.anchor)
-        loose = [path for (path, _), is_held in zip(named, held, strict=True) if not is_held]
+        loose = _loose(prop.parts, prop.anchor == "road", state, known)
         if loose:
             here = f" in the state {state!r}" if state else ""
             least = "the road or another part" if prop.anchor == "road" else "its other parts"
-            yield Issue(loose[0], f"floats{here}: it is more than {REACH_M:g} m from {least}")
+            yield Issue(loose, f"floats{here}: it is more than {REACH_M:g} m from {least}")
             return
 
 
-def _held(boxes: Sequence[Space], anchor: Anchor) -> list[bool]:
-    """Return for each box whether the road holds it, directly or by others; or the first box, if it hangs."""
-    held = [anchor == "road" and box.low[2] <= REACH_M for box in boxes]
-    if anchor != "road":
-        held[0] = True
-    front = [index for index, is_held in enumerate(held) if is_held]
-    while front:
-        one = boxes[front.pop()]
-        for index, box in enumerate(boxes):
-            if not held[index] and one.touches(box, REACH_M):
-                held[index] = True
-                front.append(index)
-    return held
+@lru_cache(maxsize=512)
+def _loose(parts: Parts, is_standing: bool, state: str, sizes: tuple[tuple[str, Size], ...]) -> str:
+    """Return the path of the first part that nothing holds, empty if there is none.
+
+    A design is read again with every scene that carries it, so the answer is kept.
+    """
+    found = measured(parts, state, dict(sizes))
+    named = [
+        (path, (box, *made))
+        for (path, box), made in zip(found.spaces, found.made_of, strict=True)
+        if not box.is_airy
+    ]
+    are_held = held([solid for _, solid in named], is_standing=is_standing) if named else []
+    loose = (path for (path, _), is_held in zip(named, are_held, strict=True) if not is_held)
+    return next(loose, "")
 
 
 _INNER = ("parts", "both_sides", "turned", "otherwise")

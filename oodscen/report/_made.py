@@ -13,6 +13,8 @@ from oodscen.report._charts.frames import FramePicture, picture
 from oodscen.report._load import Material
 from oodscen.stages._props.files import picture_of
 from oodscen.stages._props.looking import UNSEEN, PropLook
+from oodscen.stages._props.making import MadeProp
+from oodscen.stages._props.motions import MadeMotion
 from oodscen.study._study import Study
 
 _MOST_LINKS = 6
@@ -78,6 +80,7 @@ def made_to_order(study: Study, found: Material) -> Mapping[str, Any] | None:
     for row in things:
         for text in row.texts:
             printed[(text, words.plain(row.prop.id))] = row.uses
+    unmade: list[MadeProp | MadeMotion] = [*found.assets, *found.motions]
     rows = {
         "things": things,
         "motions": motions,
@@ -86,7 +89,7 @@ def made_to_order(study: Study, found: Material) -> Mapping[str, Any] | None:
         "states": _uses_by_row(found.scenes, _map_faults),
         "unmade": [
             (words.plain(one.id), one.error or one.reason)
-            for one in (*found.assets, *found.motions)
+            for one in unmade
             if one.error or one.reason
         ],
     }
@@ -98,7 +101,7 @@ def made_to_order(study: Study, found: Material) -> Mapping[str, Any] | None:
 def _things(study: Study, found: Material) -> Iterator[ThingRow]:
     """Yield what was made, then what scenes carry besides."""
     made = {one.prop.digest(): one for one in found.assets if one.prop is not None}
-    designs = {digest: one.prop for digest, one in made.items()}
+    designs = {one.prop.digest(): one.prop for one in found.assets if one.prop is not None}
     uses: dict[str, Uses] = {digest: Uses() for digest in designs}
     for scene in found.scenes:
         for prop in scene.made:
@@ -106,8 +109,6 @@ def _things(study: Study, found: Material) -> Iterator[ThingRow]:
             designs.setdefault(digest, prop)
             uses.setdefault(digest, Uses()).scenes.append(scene.id)
     for digest, prop in designs.items():
-        if prop is None:
-            continue
         one = made.get(digest)
         look = one.look if one else None
         walk = measured(prop.parts)
@@ -157,7 +158,7 @@ def _measures(look: PropLook) -> dict[str, list[str]]:
 
 def _motions(found: Material) -> Iterator[MotionRow]:
     made = {one.motion.digest(): one for one in found.motions if one.motion is not None}
-    designs = {digest: one.motion for digest, one in made.items()}
+    designs = {one.motion.digest(): one.motion for one in found.motions if one.motion is not None}
     uses: dict[str, Uses] = {digest: Uses() for digest in designs}
     for scene in found.scenes:
         for motion in scene.motions:
@@ -165,14 +166,13 @@ def _motions(found: Material) -> Iterator[MotionRow]:
             designs.setdefault(digest, motion)
             uses.setdefault(digest, Uses()).scenes.append(scene.id)
     for digest, motion in designs.items():
-        if motion is not None:
-            yield MotionRow(
-                motion=motion,
-                body=ABILITIES[motion.body].words,
-                frame=_FRAMES[motion.frame],
-                model=made[digest].model if digest in made else "",
-                uses=uses[digest],
-            )
+        yield MotionRow(
+            motion=motion,
+            body=ABILITIES[motion.body].words,
+            frame=_FRAMES[motion.frame],
+            model=made[digest].model if digest in made else "",
+            uses=uses[digest],
+        )
 
 
 def _uses_by_row(

@@ -1,0 +1,285 @@
+"""Which parts of a design hold each other: by small boxes where the one around a part is too coarse."""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+from oodscen.data import _shapes as shapes
+from oodscen.data._extents import Place, Space, around
+from oodscen.data._lettering import HEIGHT, width_of
+from oodscen.data._shapes import Part, Point
+
+REACH_M = 0.06
+"""Gap up to which parts hold each other, m."""
+_STEP = 0.3
+"""Greatest length of a small box, m."""
+_MOST = 160
+"""Most small boxes of one part."""
+_SECTORS = 12
+"""Wedges around a round body."""
+_SMALL_M = 0.25
+"""Radius up to which the box around a round body is close enough, m."""
+
+Solid = tuple[Space, Part, Place]
+"""The box around a part or a piece of it, the part, and its place."""
+
+
+def held(solids: Sequence[Solid], *, is_standing: bool) -> list[bool]:
+    """Return for each solid whether the road holds it, directly or by others.
+
+    Args:
+        solids: The solids in the order of the design.
+        is_standing: True if the road holds what reaches it; otherwise the first solid is held.
+    """
+    fine: dict[int, list[Space]] = {}
+    found = [is_standing and box.low[2] <= REACH_M for box, _, _ in solids]
+    for index, (_, part, _) in enumerate(solids):
+        if found[index] and isinstance(part, shapes.Text):
+            fine[index] = _blocks(*solids[index])
+            found[index] = min(one.low[2] for one in fine[index]) <= REACH_M
+    if not is_standing:
+        found[0] = True
+    front = [index for index, is_held in enumerate(found) if is_held]
+    while front:
+        one = front.pop()
+        for index, is_held in enumerate(found):
+            if not is_held and _touch(solids, one, index, fine):
+                found[index] = True
+                front.append(index)
+    return found
+
+
+def _touch(solids: Sequence[Solid], one: int, other: int, fine: dict[int, list[Space]]) -> bool:
+    if not solids[one][0].touches(solids[other][0], REACH_M):
+        return False
+    for index in (one, other):
+        if index not in fine:
+            fine[index] = _blocks(*solids[index])
+    near = [a for a in fine[one] if a.touches(solids[other][0], REACH_M)]
+    far = [b for b in fine[other] if b.touches(solids[one][0], REACH_M)]
+    return any(a.touches(b, REACH_M) for a in near for b in far)
+
+
+def _blocks(box: Space, part: Part, place: Place) -> list[Space]:
+    """Return small boxes that fill a solid more closely than the box around it, if they can."""
+    match part:
+        case shapes.Box():
+            return _cut(box, [place.point(corner) for corner in _corners(part.box, part.size)])
+        case shapes.Hull():
+            corners = [
+                place.point((x, y, flat[4]))
+                for flat in (part.hull, part.top)
+                for x in flat[:2]
+                for y in flat[2:4]
+            ]
+            return _cut(box, corners)
+        case shapes.Panel(panel=quad):
+            return _cut(box, _flat([place.point(corner) for corner in quad]))
+        case shapes.Text():
+            corners = [place.point(corner) for corner in _written(part)]
+            return _cut(around(corners), _flat(corners))
+        case shapes.Sheet():
+            first, *others = (place.point(corner) for corner in part.sheet)
+            return [
+                block
+                for a, b in itertools.pairwise(others)
+                for block in _cut(around([first, a, b]), _flat([first, a, b, b]))
+            ]
+        case shapes.Ball() if max(part.radii) > _SMALL_M:
+            return list(_round(part.ball, part.radii, place, lowest=-1.0))
+        case shapes.Heap() if max(part.size) > 2 * _SMALL_M:
+            x, y = part.heap
+            radii = (part.size[0] / 2, part.size[1] / 2, part.size[2])
+            return list(_round((x, y, 0.0), radii, place, lowest=0.0))
+        case shapes.Cylinder() if max(part.radius, part.end_radius or 0.0) > _SMALL_M:
+            last = part.radius if part.end_radius is None else part.end_radius
+            return list(_turned([(*part.cylinder, part.radius), (*part.to, last)], place))
+        case shapes.Lathe() if max(ring[3] for ring in part.lathe) > _SMALL_M:
+            return list(_turned(part.lathe, place))
+        case shapes.Column() if max(max(ring[3:]) for ring in part.column) > _SMALL_M:
+            return list(_column(part, place))
+        case shapes.Blot():
+            (x, y), (length, width) = part.blot, part.size
+            rim = [
+                (x + length / 2 * c, y + width / 2 * s, part.height) for c, s in _circle(_SECTORS)
+            ]
+            return [
+                around([place.point(p) for p in ((x, y, part.height), *two)]) for two in _pairs(rim)
+            ]
+        case _:
+            return [box]
+
+
+def _written(part: shapes.Text) -> list[Point]:
+    """Return the corners of what is seen of a text: its letters alone, if they have no ground."""
+    if part.paper:
+        return list(part.on)
+    one, two, _, four = part.on
+    width, height, columns = math.dist(one, two), math.dist(one, four), width_of(part.text)
+    dot = min(width / (columns + 2), height / (HEIGHT + 2))
+    a, b = 0.5 * columns * dot / width, 0.5 * HEIGHT * dot / height
+    whole = _flat(part.on)
+    shares = ((0.5 - b, 0.5 - a), (0.5 - b, 0.5 + a), (0.5 + b, 0.5 + a), (0.5 + b, 0.5 - a))
+    return [_between(whole, (0.0, up, along)) for up, along in shares]
+
+
+def _corners(centre: Point, size: Sequence[float]) -> list[Point]:
+    """Return the corners of a box; the last axis changes fastest but for z, which changes last."""
+    (x, y, z), (a, b, c) = centre, (value / 2 for value in size)
+    return [(x + i * a, y + j * b, z + k * c) for k in (-1, 1) for i in (-1, 1) for j in (-1, 1)]
+
+
+def _flat(quad: Sequence[Point]) -> list[Point]:
+    """Return a quad as a body without thickness, in the order of `_corners`."""
+    a, b, c, d = quad
+    return [a, b, d, c, a, b, d, c]
+
+
+def _cut(box: Space, corners: Sequence[Point]) -> list[Space]:
+    """Cut a body of eight corners into small boxes; one along the axes stays whole."""
+    lengths = []
+    is_slanted = False
+    for step in (4, 2, 1):
+        longest = 0.0
+        for index, corner in enumerate(corners):
+            if index & step:
+                continue
+            way = [b - a for a, b in zip(corner, corners[index + step], strict=True)]
+            length = math.sqrt(sum(w * w for w in way))
+            longest = max(longest, length)
+            is_slanted = is_slanted or sum(abs(w) > 0.05 * length for w in way) > 1
+        lengths.append(longest)
+    if not is_slanted:
+        return [box]
+    counts = _counts(lengths)
+    return [
+        around(
+            [
+                _between(corners, [(i + p) / counts[0], (j + q) / counts[1], (k + r) / counts[2]])
+                for p in (0, 1)
+                for q in (0, 1)
+                for r in (0, 1)
+            ]
+        )
+        for i, j, k in itertools.product(*map(range, counts))
+    ]
+
+
+def _turned(rings: Sequence[tuple[float, float, float, float]], place: Place) -> Iterator[Space]:
+    """Yield the boxes around the wedges of a body of revolution."""
+    for start, end in itertools.pairwise(rings):
+        way = [b - a for a, b in zip(start[:3], end[:3], strict=True)]
+        length = math.hypot(*way)
+        along = [w / length for w in way]
+        least = min(range(3), key=lambda axis: abs(along[axis]))
+        across = _crossed(along, [float(axis == least) for axis in range(3)])
+        size = math.hypot(*across)
+        one = [value / size for value in across]
+        two = _crossed(along, one)
+        rims = [
+            [
+                (
+                    x + r * (c * one[0] + s * two[0]),
+                    y + r * (c * one[1] + s * two[1]),
+                    z + r * (c * one[2] + s * two[2]),
+                )
+                for c, s in _circle(_SECTORS)
+            ]
+            for x, y, z, r in (start, end)
+        ]
+        yield from _wedges(start[:3], end[:3], rims[0], rims[1], place)
+
+
+def _column(part: shapes.Column, place: Place) -> Iterator[Space]:
+    """Yield the boxes around the wedges of a column."""
+    rims = [
+        [
+            (x, y + one * c, z + two * s) if part.axis == "x" else (x + one * c, y + two * s, z)
+            for c, s in _circle(_SECTORS)
+        ]
+        for x, y, z, one, two in part.column
+    ]
+    middles: list[Point] = [(ring[0], ring[1], ring[2]) for ring in part.column]
+    for (low, high), (below, above) in zip(
+        itertools.pairwise(middles), itertools.pairwise(rims), strict=True
+    ):
+        yield from _wedges(low, high, below, above, place)
+
+
+def _wedges(
+    low: Point, high: Point, low_rim: Sequence[Point], high_rim: Sequence[Point], place: Place
+) -> Iterator[Space]:
+    """Yield the boxes around the wedges of a round body between two rims."""
+    count = min(4, max(1, math.ceil(math.dist(low, high) / _STEP)))
+    below, above = ([place.point(point) for point in rim] for rim in (low_rim, high_rim))
+    ends = place.point(low), place.point(high)
+    for (a, b), (c, d) in zip(_pairs(below), _pairs(above), strict=True):
+        wedge = ((ends[0], ends[1]), (a, c), (b, d))
+        for k in range(count):
+            yield around(
+                [
+                    [p + (k + one) / count * (q - p) for p, q in zip(start, end, strict=True)]
+                    for start, end in wedge
+                    for one in (0, 1)
+                ]
+            )
+
+
+def _crossed(a: Sequence[float], b: Sequence[float]) -> list[float]:
+    return [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+
+
+def _circle(count: int) -> list[tuple[float, float]]:
+    turns = [2.0 * math.pi * k / count for k in range(count)]
+    return [(math.cos(turn), math.sin(turn)) for turn in turns]
+
+
+def _pairs(rim: Sequence[Point]) -> list[tuple[Point, Point]]:
+    """Return neighbours on a rim, around it."""
+    return list(itertools.pairwise([*rim, rim[0]]))
+
+
+def _counts(lengths: Sequence[float]) -> list[int]:
+    """Return the numbers of small boxes along the edges of a body."""
+    step = _STEP
+    while True:
+        counts = [max(1, math.ceil(length / step)) for length in lengths]
+        if math.prod(counts) <= _MOST:
+            return counts
+        step *= 1.2
+
+
+def _between(corners: Sequence[Point], shares: Sequence[float]) -> Point:
+    """Return a point within a body, by its shares of the way along z, x and y."""
+    w, u, v = shares
+    found = [0.0, 0.0, 0.0]
+    for index, corner in enumerate(corners):
+        weight = (w if index & 4 else 1 - w) * (u if index & 2 else 1 - u) * (v if index & 1 else 1 - v)  # fmt: skip
+        for axis in range(3):
+            found[axis] += weight * corner[axis]
+    return found[0], found[1], found[2]
+
+
+def _round(
+    centre: Point, radii: Sequence[float], place: Place, *, lowest: float
+) -> Iterator[Space]:
+    """Yield the small boxes that an ellipsoid fills; `lowest` is -1, or 0 for its upper half."""
+    lows = (-1.0, -1.0, lowest)
+    counts = _counts([(1.0 - low) * radius for low, radius in zip(lows, radii, strict=True)])
+    steps = [(1.0 - low) / count for low, count in zip(lows, counts, strict=True)]
+    for cell in itertools.product(*map(range, counts)):
+        ends = [
+            (low + k * step, low + (k + 1) * step)
+            for low, k, step in zip(lows, cell, steps, strict=True)
+        ]
+        nearest = [0.0 if a <= 0.0 <= b else min(abs(a), abs(b)) for a, b in ends]
+        if sum(value * value for value in nearest) < 1.0:
+            scaled = [
+                [middle + share * radius for share in end]
+                for middle, radius, end in zip(centre, radii, ends, strict=True)
+            ]
+            yield around([place.point(corner) for corner in itertools.product(*scaled)])
