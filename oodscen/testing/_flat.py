@@ -43,9 +43,12 @@ _GROUND = {
     "none": (0.36, 0.46, 0.26),
 }
 _PALETTE = np.array(list(_GROUND.values()))
-_TAGS = np.array([10, 24, 2, 1, 1, 1, 2, 10, 10, 27, 10], np.uint8)
+_CLASSES = {
+    "driving": 1, "shoulder": 1, "parking": 1, "sidewalk": 2, "curb": 2, "mark": 24, "rail": 27,
+}  # fmt: skip
+_TERRAIN, _SKY_CLASS = 10, 11
+_TAGS = np.array([_CLASSES.get(name, _TERRAIN) for name in _GROUND], np.uint8)
 """Semantic class of each ground colour: `Frame.tags`."""
-_SKY_TAG = 11
 _CODES = {name: code for code, name in enumerate(_GROUND)}
 """Row of each ground colour in the palette."""
 _SHADES = (0.72, 0.86, 1.0)
@@ -145,7 +148,7 @@ def flat_frame(
     ids = np.zeros((camera.height, camera.width), dtype=np.int32)
     colour = np.empty((camera.height, camera.width, 3))
     colour[:] = _sky(weather)
-    tags = np.full((camera.height, camera.width), _SKY_TAG, np.uint8)
+    tags = np.full((camera.height, camera.width), _SKY_CLASS, np.uint8)
     s, _ = road.locate(mount[0], mount[1])
     _paint_ground(view, road, s, colour, depth, tags)
     if weather.precipitation == "snow":

@@ -231,8 +231,8 @@ class World:
         blueprint = self.library[what.type_id]
         if blueprint.is_solid:
             for other in self.actors.values():
-                theirs = other.blueprint
-                if theirs.is_solid and overlap(place, blueprint.extent, other.place, theirs.extent):
+                its, theirs = blueprint.extent, other.blueprint.extent
+                if other.is_obstacle and overlap(place, its, other.place, theirs):
                     raise CallError("Spawn failed because of collision at spawn position")
         return self._add(Actor(self._next, what, blueprint, place, parent))
 
