@@ -217,7 +217,8 @@ def make_llm(
         llm: A name, `module:attr`, or an object.
         seed: The run's seed.
         api_base: The address of a server, for models behind litellm; other models ignore it.
-        limits: The run's caps, prices and endpoints, for models behind litellm.
+        limits: The run's caps, prices and endpoints. The built-in author, reference answerers and recordings
+            count for nothing.
         log: Called with every call of the model, failed ones included, never from two threads at a time.
         record: A file that records every answer; recorded questions are answered from it. See `replay:FILE`.
         **settings: Further settings of a named model, e.g. `temperature=0.7` for models behind litellm.
@@ -233,6 +234,8 @@ def make_llm(
         raise UsageError(f"a model that exists takes no settings: {', '.join(settings)}")
     else:
         made = cast(LLM, conforming("llm", llm))
+    if limits is not None and not (isinstance(llm, str) and is_builtin(llm)):
+        made = _capped(made, limits)
     if log is not None:
         made = LoggedLLM(made, log)
     if record is not None:
@@ -240,6 +243,16 @@ def make_llm(
 
         made = RecordingLLM(made, record)
     return made
+
+
+def _capped(llm: LLM, limits: "Limits") -> LLM:
+    """Return a model that keeps to the limits; a client that has them counts its HTTP requests itself."""
+    from oodscen.judging._references import is_reference  # Late, because they load slowly.
+    from oodscen.llm._capped import CappedLLM
+    from oodscen.llm._replay import ReplayLLM
+
+    is_free = is_reference(llm) or isinstance(llm, ReplayLLM)
+    return llm if is_free or hasattr(llm, "limits") else CappedLLM(llm, limits)
 
 
 def _named_llm(

@@ -92,12 +92,17 @@ class _CommandGroup(click.Group):
             raise
         except KeyboardInterrupt as interrupt:
             again = ""
-            if ctx.invoked_subcommand in ("run", "evaluate"):
+            if ctx.invoked_subcommand in ("run", "evaluate") and "--dry-run" not in order:
                 command = redact(shlex.join(["oodscen", *_without(order, "--drop")]))
                 again = f"; finished work is saved, and this command continues: {command}"
             with suppress(OSError):  # the terminal has hung up
                 say(f"oodscen: interrupted{again}", err=True)
             ctx.exit(128 + getattr(interrupt, "signal", signal.SIGINT))
+        except MemoryError:
+            if ctx.params.get("debug"):
+                raise
+            say("oodscen: there is not enough memory; --debug shows where", err=True)
+            ctx.exit(1)
         except OodscenError as error:
             if ctx.params.get("debug"):
                 raise

@@ -18,6 +18,13 @@ if TYPE_CHECKING:
     from oodscen.study._study import Study
 
 
+def _address(given: str) -> str:
+    """Return an address to listen on; an empty one would mean every network of the machine."""
+    if not given.strip():
+        raise click.BadParameter("is empty; 0.0.0.0 listens on all networks.")
+    return given
+
+
 @click.command()
 @click.argument("source", required=False, type=PathName(exists=True, path_type=Path))
 @click.option(
@@ -31,6 +38,7 @@ if TYPE_CHECKING:
     "--host",
     default="127.0.0.1",
     show_default=True,
+    callback=lambda context, option, given: _address(given),
     help="Address to listen on. There is no authentication.",
 )
 @click.option(

@@ -4,7 +4,6 @@ from oodscen._pipeline.options import RunOptions
 from oodscen._registry import is_builtin, make_llm
 from oodscen.judging._references import is_reference
 from oodscen.llm._call_log import Call, LoggedLLM
-from oodscen.llm._capped import CappedLLM
 from oodscen.llm._fallback import FallbackLLM
 from oodscen.llm._recording import Recorder
 from oodscen.llm._replay import RecordingLLM, ReplayLLM
@@ -82,16 +81,12 @@ class Models:
 
     def _make(self, name: str) -> LLM:
         preset = self._options.models.get(name)
-        model = make_llm(
+        return make_llm(
             preset or name,
             seed=self._config.seed,
             api_base=self._config.servers.get(name, self._config.api_base),
             limits=self.limits,
         )
-        # A client of litellm counts its HTTP requests itself.
-        is_free = is_builtin(name) and preset is None
-        is_free = is_free or isinstance(model, ReplayLLM) or hasattr(model, "limits")
-        return model if is_free or is_reference(model) else CappedLLM(model, self.limits)
 
     def _log(self, call: Call) -> None:
         call = call.model_copy(update={"stage": self.stage})

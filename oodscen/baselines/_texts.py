@@ -3,7 +3,7 @@
 import csv
 import io
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from importlib import resources
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias
@@ -51,7 +51,7 @@ def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tupl
     """
     if isinstance(texts, str | bytes):
         raise DataError(noun, [Issue("", "is one string, not a sequence of texts")])
-    if not isinstance(texts, Iterable):
+    if not isinstance(texts, Iterable) or isinstance(texts, Iterator | Mapping | Set):
         fault = f"is {type(texts).__name__}, not a sequence of texts"
         raise DataError(noun, [Issue("", fault)])
     plain = [item.text if isinstance(item, Scenario) else item for item in texts]

@@ -4,10 +4,11 @@ import hashlib
 import json
 import re
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from oodscen._display import Brief
 from oodscen._files import read_utf8
@@ -45,11 +46,20 @@ class Data(Brief, _Model):
 
     noun: ClassVar[str] = "value"
     """The words for an instance in error messages; by default those of the class's name."""
+    _refuses_conversion: ClassVar[bool] = False
+    """True if `parse` takes numbers only as numbers, not as texts or truth values."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
         if cls.noun == Data.noun:
             cls.noun = re.sub(r"(?<!^)(?=[A-Z])", " ", cls.__name__.lstrip("_")).lower()
+
+    @field_validator("schema_version", mode="before", check_fields=False)
+    @classmethod
+    def _is_no_truth_value(cls, version: object) -> object:
+        if isinstance(version, bool):
+            raise ValueError("must be a number")  # Python takes True for 1.
+        return version
 
     @classmethod
     def parse(cls, value: object, *, source: str = "") -> Self:
@@ -63,9 +73,14 @@ class Data(Brief, _Model):
             DataError: With one `Issue` per fault, each with its path.
         """
         try:
+            if cls._refuses_conversion and not isinstance(value, (str, bytes)):
+                with suppress(
+                    TypeError, ValueError, RecursionError
+                ):  # What is no JSON is refused below.
+                    value = json.dumps(value, allow_nan=False)
             if isinstance(value, (str, bytes)):
                 parse_json(value)
-                return cls.model_validate_json(value)
+                return cls.model_validate_json(value, strict=cls._refuses_conversion or None)
             return cls.model_validate(value)
         except ValidationError as error:
             raise DataError(cls.noun, issues_of(error), source=source) from None

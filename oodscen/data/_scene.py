@@ -5,7 +5,7 @@ left, headings counter-clockwise (ISO 8855). Speeds are in m/s. Validation sorts
 JSON: nothing may depend on the order of keys.
 """
 
-from typing import TYPE_CHECKING, Any, Literal, Self, TypeGuard, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeGuard, get_args
 
 from pydantic import (
     Field,
@@ -200,6 +200,8 @@ class Demand(Data):
 
 class Scene(Data):
     """Everything a simulator needs to run one scenario."""
+
+    _refuses_conversion: ClassVar[bool] = True
 
     schema_version: Literal[1] = 1
     id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.~-]*$", max_length=200)

@@ -25,7 +25,7 @@ def encode(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
 
 
 def check_embeddings(vectors: object, n: int, encoder: Encoder) -> NDArray[np.float32]:
-    """Return `vectors` if they are one finite float32 row per text.
+    """Return a copy of `vectors` if they are one finite float32 row per text.
 
     Args:
         vectors: The return value of `encoder.encode` for `n` texts.
@@ -51,4 +51,4 @@ def check_embeddings(vectors: object, n: int, encoder: Encoder) -> NDArray[np.fl
         raise EncoderError(
             f"{encoder.name} returned a value that is not finite for text {int(finite.argmin())}"
         )
-    return np.ascontiguousarray(vectors)
+    return np.array(vectors, order="C")  # The encoder may return the same array every time.

@@ -49,7 +49,7 @@ def read_continuous(action: Any, source: str) -> NDArray[np.float64]:
         UsageError: If it is anything else.
     """
     try:
-        values = np.asarray(action, np.float64)
+        values = np.empty(0) if np.iscomplexobj(action) else np.asarray(action, np.float64)
     except (TypeError, ValueError):
         values = np.empty(0)
     if values.shape != (2,):

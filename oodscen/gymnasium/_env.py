@@ -147,7 +147,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         actions: `continuous` or `discrete`.
         neighbours: Number of neighbours in the state.
         camera: The camera of frames; by default the dash camera with 128 x 96 pixels.
-        step_s: Time for which an action holds, s, rounded to steps of the simulator.
+        step_s: Time for which an action holds, s: a multiple of the simulator's step.
         reward: The weights of the reward.
         render_mode: `rgb_array`, or none.
 
@@ -179,6 +179,8 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self.interface = Interface(observation, actions, neighbours, camera, step_s)
         if reward is not None and not isinstance(reward, Reward):
             raise UsageError(f"reward must be a Reward, not {reward!r:.80}")
+        if not isinstance(twins, bool):
+            raise UsageError(f"twins must be True or False, not {twins!r:.80}")
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise UnknownComponent("render mode", str(render_mode)[:80], ["rgb_array"])
         self.observation_space = self.interface.observation_space
@@ -192,7 +194,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             name for one in found for name in ((one.id, twin_id(one.id)) if twins else (one.id,))
         )
         """The ids that an episode can have."""
-        self._held = max(1, round(self.interface.step_s / self.simulator.dt))
+        self._held = self._steps_of(self.interface.step_s)
         self.metadata = {**self.metadata, "render_fps": round(1.0 / self._step_s)}
         self._prepared: dict[str, _Prepared] = {}
         self._now: _Prepared | None = None
@@ -204,6 +206,16 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         """The true state; `None` before the first reset."""
         self.seen: Observation | None = None
         """The driver's observation of the state; `None` before the first reset."""
+
+    def _steps_of(self, seconds: float) -> int:
+        dt = self.simulator.dt
+        steps = max(1, round(seconds / dt))
+        if abs(steps * dt - seconds) > 1e-9:
+            raise UsageError(
+                f"step_s is {seconds:g} s, not a multiple of the simulator's step of {dt:g} s; "
+                f"try {steps * dt:g}"
+            )
+        return steps
 
     @property
     def _step_s(self) -> float:

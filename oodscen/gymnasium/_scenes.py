@@ -39,6 +39,8 @@ def chosen_scenes(
         raise UsageError(f"an environment drives scenes, not {wrong[0]!r:.80}")
     if not found:
         raise UsageError("an environment needs at least one scene")
+    if len({one.id for one in found}) < len(found):
+        raise UsageError("two scenes of an environment have the same id")
     return found, make_simulator(name if simulator is None else simulator), seed
 
 

@@ -1,14 +1,16 @@
 """Caps for models that are not called through litellm."""
 
+from contextlib import suppress
+
 from oodscen.errors import UsageError
-from oodscen.llm._remote.limits import Limits, Spent
+from oodscen.llm._remote.limits import Limits, Price, Spent, check_price
 from oodscen.llm._remote.usage import estimate_tokens, plausible_usage
 from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request
 
 
 class CappedLLM(Wrapper):
-    """Holds another model to the caps of a run; every call counts as one request.
+    """Holds another model to the caps of a run; a call counts as one request, or as many as it tells.
 
     Args:
         llm: The wrapped model; its other attributes are reachable through this object.
@@ -21,7 +23,7 @@ class CappedLLM(Wrapper):
     def __init__(self, llm: LLM, limits: Limits) -> None:
         super().__init__(llm)
         self.limits = limits
-        self._price = limits.prices.get(llm.name)
+        self._price = limits.prices.get(llm.name) or _own_price(llm)
         if limits.budget.caps.cost_usd is not None and self._price is None:
             raise UsageError(
                 f"the cost of the run is capped and the price of {llm.name!r} is not known; give it in "
@@ -42,8 +44,10 @@ class CappedLLM(Wrapper):
         with self._endpoint.slot():
             budget.reserve(most)
             used, answered = most, 0
+            requests = 1
             try:
                 completion = self._llm.complete(request)
+                requests = max(1, completion.requests)
                 usage = plausible_usage(completion.usage, request)
                 if usage.input_tokens + usage.output_tokens:
                     answered = usage.output_tokens
@@ -51,7 +55,14 @@ class CappedLLM(Wrapper):
                     used = Spent(1, usage.input_tokens + answered, cost)
                 return completion.model_copy(update={"usage": usage})
             finally:
-                budget.settle(most, used, answered)
+                budget.settle(most, used._replace(requests=requests), answered)
 
     def _cost(self, asked: int, answered: int) -> float:
         return self._price.of(asked, answered) if self._price else 0.0
+
+
+def _own_price(llm: LLM) -> Price | None:
+    """Return the price that a model states, which may be anything."""
+    with suppress(UsageError):
+        return check_price(llm.name, getattr(llm, "price", None))
+    return None

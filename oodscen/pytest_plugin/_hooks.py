@@ -53,10 +53,13 @@ def pytest_configure(config: pytest.Config) -> None:
     Raises:
         pytest.UsageError: If the folder holds no study, or an option needs one.
     """
+    for name in ("oodscen", *(f"oodscen_{one}" for one in _OPTIONS)):
+        if (given := config.getoption(name)) is not None and not given.strip():
+            raise pytest.UsageError(f"--{name.replace('_', '-')} is empty")
     folder = path_setting(config, "oodscen")
     _refuse_far_paths(config)
     if folder is None:
-        named = [name for name in _OPTIONS if config.getoption(f"oodscen_{name}")]
+        named = [name for name in _OPTIONS if config.getoption(f"oodscen_{name}") is not None]
         if named:
             raise pytest.UsageError(f"--oodscen-{named[0]} needs a study: --oodscen OUT")
         return

@@ -54,6 +54,7 @@ class DrivingSession:
         self._known: dict[str, KnownTest] = {}
         self._drives: dict[str, DriveResult] = {}
         self._fault = ""
+        self._is_whole = False
         try:
             self._bars = self._requirement(setting(config, "oodscen_require"))
             self._per_path = _count(setting(config, "oodscen_per_path"))
@@ -63,7 +64,7 @@ class DrivingSession:
 
     @staticmethod
     def _requirement(text: str | None) -> "tuple[Bar, ...]":
-        if not text:
+        if text is None:
             return ()
         from oodscen.judging._drive_requirements import DRIVE_FIGURES
         from oodscen.judging._leaderboard.requirements import parse_requirement
@@ -76,9 +77,15 @@ class DrivingSession:
             if self._mode != "compare":
                 raise UsageError(f"--oodscen-baseline-mode {self._mode} needs --oodscen-baseline")
             return Baseline()
-        if self._mode == "write" or (self._mode == "update" and not self._file.exists()):
+        if self._mode != "compare" and not self._file.exists():
             return Baseline()
-        return Baseline.at(self._file)
+        if self._mode != "write":
+            return Baseline.at(self._file)
+        try:
+            Baseline.at(self._file)
+        except OodscenError as error:
+            raise UsageError(f"{error}\nwhat is no baseline is not overwritten") from None
+        return Baseline()
 
     # -------------------------------------------------------------- scenes
 
@@ -95,6 +102,10 @@ class DrivingSession:
         from oodscen.pytest_plugin._driving import Scenes
 
         return Scenes(self.study, self.study.config.seed, self._pictures())
+
+    @property
+    def _collects_only(self) -> bool:
+        return bool(self._config.getoption("collectonly", False))
 
     @cached_property
     def simulator_name(self) -> str:
@@ -199,7 +210,7 @@ class DrivingSession:
                 actions = self.scenes.safe_actions.get(one.scene.id, ())
                 report.sections.append(("oodscen", one.report(actions)))
         self._add_properties(item, report, scene, drive, change)
-        if report.failed and (reason := self._forgiven(change, call)):
+        if report.failed and (reason := self._forgiven(change, call, drive)):
             report.outcome = "skipped"
             vars(report)["wasxfail"] = f"reason: {reason}"
         vars(report)["oodscen"] = {
@@ -249,17 +260,23 @@ class DrivingSession:
         item.user_properties += [(name, _text(value)) for name, value in rows if value is not None]
         report.user_properties = list(item.user_properties)
 
-    def _forgiven(self, change: Change, call: pytest.CallInfo[None]) -> str | None:
+    def _forgiven(
+        self, change: Change, call: pytest.CallInfo[None], drive: "Drive | None"
+    ) -> str | None:
         """Return why a failure does not fail the session; `None` if it does."""
         if self._file is not None:
             if self._mode != "compare":
                 return "goes into the baseline"
             return "failed in the baseline" if change == "known" else None
+        from oodscen.pytest_plugin._counting import is_counted
+
         found = call.excinfo
-        is_assertion = found is not None and found.errisinstance(
-            (AssertionError, pytest.fail.Exception)
-        )
-        return "counted by --oodscen-require" if self._bars and is_assertion else None
+        if drive is None or found is None:
+            return None
+        is_assertion = found.errisinstance((AssertionError, pytest.fail.Exception))
+        if is_assertion and is_counted(drive.results, self._bars):
+            return "counted by --oodscen-require"
+        return None
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Collect what the reports of all processes carry."""
@@ -281,11 +298,11 @@ class DrivingSession:
     @pytest.hookimpl(tryfirst=True)
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
         """Grade the stacks, write the baseline, and fail the session where a stack does not meet the bars."""
-        is_whole = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
-        if hasattr(self._config, "workerinput") or not is_whole or not self._known:
+        self._is_whole = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
+        if hasattr(self._config, "workerinput") or not self._is_whole or self._collects_only:
             return
         try:
-            if self._file is not None and self._mode != "compare":
+            if self._file is not None and self._mode != "compare" and self._known:
                 self._baseline.with_tests(self._known).write(self._file)
             if self._bars and not self._is_met():
                 session.exitstatus = pytest.ExitCode.TESTS_FAILED
@@ -310,8 +327,12 @@ class DrivingSession:
         """Print the stacks' figures, their grades, and what changed since the baseline."""
         lines = [*self._figures(), *map(str, self._grades)]
         lines += [self._fault] if self._fault else self._compared()
-        if self._bars and self._known and not self._grades:
-            lines.append("no stack drove, so none can meet the requirement")
+        if self._bars and not self._grades and not self._collects_only:
+            lines.append(
+                "no stack drove a scene, so none can meet --oodscen-require"
+                if self._is_whole or not self._drives
+                else "not all tests ran, so that no stack is graded by --oodscen-require"
+            )
         if lines:
             terminalreporter.write_sep("-", "oodscen")
             for line in lines:
@@ -339,6 +360,8 @@ class DrivingSession:
         """Return how the outcomes differ from the baseline, or where they were written."""
         if self._file is None or not self._known:
             return []
+        if not self._is_whole:
+            return [f"{self._file}: not all tests ran, so that nothing is written or compared"]
         if self._mode != "compare":
             failed = sum(one.outcome == "failed" for one in self._known.values())
             return [f"{self._file}: {len(self._known)} outcomes written, {failed} of them failures"]

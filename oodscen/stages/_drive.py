@@ -1,7 +1,8 @@
 """Closed-loop runs of driving stacks over scenes and their ordinary twins, with safety metrics."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -11,6 +12,7 @@ from oodscen._display import Brief
 from oodscen._members import is_interruption, working
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
+from oodscen._text import whole
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
@@ -73,9 +75,15 @@ def drive(
 
     Returns:
         The results in the order of the scenes, each followed by its twin's.
+
+    Raises:
+        UsageError: If there are two drives of one id, or what is to be driven is not a scene.
     """
     seed_number(seed)
     label = name or getattr(driver, "__name__", type(driver).__name__)
+    if not isinstance(label, str) or not label.strip() or whole(label) != label:
+        raise UsageError(f"drive() needs a name for the driver, not {label!r:.80}")
+    scenes = _distinct(scenes, twins)
     with reporting(progress) as report_progress:
         results = [
             result
@@ -84,6 +92,22 @@ def drive(
         ]
     digests = {item: one.digest() for one in scenes for item in (one.id, twin_id(one.id))}
     return [one.model_copy(update={"made_from": digests[one.scene_id]}) for one in results]
+
+
+def _distinct(scenes: Sequence[Scene], twins: bool) -> list[Scene]:
+    """Return scenes whose drives have ids of their own."""
+    if not isinstance(scenes, Iterable) or isinstance(scenes, Scene | str):
+        raise UsageError(f"drive() takes a sequence of scenes, not {scenes!r:.80}")
+    found = list(scenes)
+    if wrong := [one for one in found if not isinstance(one, Scene)]:
+        raise UsageError(f"drive() takes scenes, not {wrong[0]!r:.80}")
+    ids = [one.id for one in found]
+    ids += [twin_id(one.id) for one in found if twins and not one.is_twin]
+    if twice := [name for name, count in Counter(ids).items() if count > 1]:
+        raise UsageError(
+            f"two of the drives would be of {twice[0]!r}; every scene needs an id of its own"
+        )
+    return found
 
 
 class RuleBasedDriver(Brief):

@@ -89,6 +89,9 @@ def test_groups_come_from_path_leaf_or_group(tmp_path):
 def test_one_string_is_not_a_set_of_texts():
     with pytest.raises(DataError):
         check_texts("a text")
+    for other in ({"a": "b"}, {"a"}, (text for text in ["a"]), 3):
+        with pytest.raises(DataError, match="not a sequence of texts"):
+            check_texts(other)
     assert check_texts(["a text"]) == ("a text",)
 
 

@@ -81,3 +81,10 @@ def test_wrong_orders_are_one_line(order, line):
     result = CliRunner().invoke(main, order)
     assert result.exit_code == 2
     assert line in result.stderr
+
+
+@pytest.mark.parametrize("host", ["", " "])
+def test_an_empty_address_does_not_mean_every_network(host) -> None:
+    found = CliRunner().invoke(main, ["serve", "--carla", "0", "--host", host])
+    assert found.exit_code == 2
+    assert "--host" in found.output

@@ -172,6 +172,29 @@ def test_an_interruption_exits_with_130_and_names_the_command(study, monkeypatch
     assert (again in found.output) is (command == "evaluate")
 
 
+def test_an_interrupted_estimate_has_nothing_to_continue(tmp_path, monkeypatch) -> None:
+    def interrupt(*args, **more):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("oodscen._pipeline.estimate", interrupt)
+    found = invoke("run", tmp_path / "out", "--quick", "--dry-run")
+    assert (found.exit_code, found.output) == (130, "oodscen: interrupted\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "is_shown"), [((), False), (("--debug",), True)], ids=["plain", "debug"]
+)
+def test_too_little_memory_is_one_line(tmp_path, monkeypatch, words, is_shown) -> None:
+    def full(*args, **more):
+        raise MemoryError("Unable to allocate 9 GiB")
+
+    monkeypatch.setattr("oodscen._pipeline.estimate", full)
+    found = invoke(*words, "run", tmp_path / "out", "--quick", "--dry-run")
+    assert found.exit_code == 1
+    assert isinstance(found.exception, MemoryError if is_shown else SystemExit)
+    assert ("not enough memory" in found.output) is not is_shown
+
+
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_signal_interrupts_and_the_next_one_ends_at_once(tmp_path, monkeypatch, number) -> None:
     handlers = []

@@ -1,5 +1,7 @@
 """Laws of scenes: a valid one has a twin that differs in the declared parts only."""
 
+import json
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -209,3 +211,19 @@ def test_a_scene_without_a_hazard_is_none():
 )
 def test_values_out_of_range_are_named(changes, path):
     assert path in paths(example(**changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "path"),
+    [
+        ({"schema_version": True}, "schema_version"),
+        ({"horizon_s": "8"}, "horizon_s"),
+        ({"horizon_s": True}, "horizon_s"),
+        ({"ego": {"speed": "8"}}, "ego.speed"),
+        ({"ego": {"speed": 8, "lane": "0"}}, "ego.lane"),
+    ],
+)
+def test_a_number_is_no_text_and_no_truth_value(changes, path):
+    plain = {**json.loads(Scene.parse(example()).to_json()), **changes}
+    for draft in (plain, json.dumps(plain)):
+        assert path in paths(draft)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from oodscen.encoders._check import check_embeddings
+from oodscen.encoders._check import check_embeddings, encode
 from oodscen.errors import EncoderError
 from oodscen.testing._encoder import HashEncoder
 
@@ -29,3 +29,17 @@ def test_what_the_protocol_promises_passes():
 def test_anything_else_is_refused(vectors):
     with pytest.raises(EncoderError):
         check_embeddings(vectors, 3, ENCODER)
+
+
+def test_an_encoder_may_return_the_same_array_every_time():
+    kept = np.ones((1, 4), np.float32)
+
+    class Buffer:
+        name, dimension = "buffer", 4
+
+        def encode(self, texts):
+            kept[:] = len(texts[0])
+            return kept
+
+    first, second = (encode(Buffer(), [text]) for text in ("a", "bb"))
+    assert (first[0, 0], second[0, 0]) == (1.0, 2.0)

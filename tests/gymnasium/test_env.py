@@ -145,6 +145,7 @@ def test_discrete_actions_follow_one_another(made):
     [
         *(("continuous", bad) for bad in ([math.nan, 0.0], [0.0, math.inf], [0.0], 0.5, None)),
         *(("continuous", bad) for bad in ("ab", [[0.0, 0.0]], {"a": 1}, [1, "b"])),
+        *(("continuous", bad) for bad in ([1j, 0.0], np.array([1j, 0.0]))),
         *(
             ("discrete", bad)
             for bad in (7, -1, 1.0, math.nan, "stop", None, [1], True, [[1], [2, 3]])
@@ -164,6 +165,7 @@ def test_nonsense_is_refused_by_name_and_the_episode_goes_on(made, actions, acti
     [
         *({"observation": "pixels"}, {"actions": "words"}, {"neighbours": 0}, {"camera": "dash"}),
         *({"step_s": math.nan}, {"reward": 1.0}, {"render_mode": "human"}, {"seed": -1}),
+        *({"twins": "no"}, {"step_s": 0.07}, {"step_s": 0.01}, {"scenes": [example_scene()] * 2}),
         *({"scenes": []}, {"scenes": ["a"]}, {"study": "nowhere"}, {"simulator": "no such"}),
     ],
     ids=lambda one: next(iter(one)),

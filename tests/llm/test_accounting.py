@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen._registry import make_llm
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, UsageError
 from oodscen.llm._accounting import Ledger, account, accounts
 from oodscen.llm._ask import ask
@@ -104,4 +105,33 @@ def test_models_of_ones_own_are_held_to_the_caps():
     with pytest.raises(BudgetExceeded):
         ask(llm, QUESTION, 3)
     assert limits.budget.spent.tokens == 330
+    assert isinstance(make_llm(author, limits=limits), CappedLLM)
     assert limits.budget.spent.cost_usd == pytest.approx(330e-6)
+
+
+class Costly:
+    """States its price, and how many requests a call took."""
+
+    name = "costly"
+    price = (1.0, 1.0)
+
+    def complete(self, request):
+        usage = Usage(input_tokens=100, output_tokens=100, cost_usd=0.5)
+        return Completion(
+            text='{"text": "A sofa lies on the road there."}', usage=usage, requests=7
+        )
+
+
+@pytest.mark.parametrize("cap", [{"requests": 7}, {"tokens": 10_000}, {"cost_usd": 0.5}])
+@pytest.mark.parametrize("name", [Costly(), f"{__name__}:Costly"])
+def test_limits_hold_for_every_model_that_is_made_with_them(cap, name):
+    limits = Limits(**cap)
+    llm = make_llm(name, limits=limits)
+    with pytest.raises(BudgetExceeded):
+        [ask(llm, QUESTION, sample) for sample in range(100)]
+    assert limits.budget.spent.requests % 7 == 0 < limits.budget.spent.requests
+
+
+@pytest.mark.parametrize("name", ["builtin", "constant:stop"])
+def test_what_costs_nothing_is_not_capped(name):
+    assert not isinstance(make_llm(name, limits=Limits(cost_usd=0)), CappedLLM)

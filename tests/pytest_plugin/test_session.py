@@ -216,9 +216,60 @@ def test_a_requirement_counts_failures_instead_of_failing_each(session):
     short.stdout.fnmatch_lines(["Stack: * (safe *)"])
 
 
+UNCOUNTED = """
+import stack
+
+
+def test_drives_nothing(scene):
+    assert len(scene.id) == 3
+
+
+def test_something_else(drive):
+    assert drive(stack.Stack, name="Stack").is_safe
+    assert 1 == 2
+"""
+
+
+def test_a_failure_that_the_requirement_does_not_count_fails(session, pytester):
+    pytester.makepyfile(test_stack=UNCOUNTED)
+    result = session("RuleBasedDriver", "--oodscen-require=safe>=0", "-k", "kerb")
+    assert result.parseoutcomes() == {"failed": 2, "deselected": 4}
+
+
+def test_a_requirement_without_a_drive_fails_and_says_so(session, pytester):
+    pytester.makepyfile(test_stack="def test_plain(): pass")
+    result = session("Blind", "--oodscen-require=safe>=0")
+    assert result.ret == pytest.ExitCode.TESTS_FAILED
+    result.stdout.fnmatch_lines(["no stack drove a scene, *"])
+    assert session("Blind", "--oodscen-require=safe>=0", "--collect-only").ret == 0
+
+
+def test_an_interrupted_session_says_that_nothing_is_written(session, pytester):
+    pytester.makepyfile(
+        test_stack=TESTS + "\n\ndef test_zz(scene):\n    __import__('pytest').exit('stop')\n"
+    )
+    write = ["--oodscen-baseline=known.json", "--oodscen-baseline-mode=write"]
+    result = session("RuleBasedDriver", *write, "--oodscen-require=safe>=0", "-k", "kerb")
+    assert result.ret == pytest.ExitCode.INTERRUPTED
+    result.stdout.fnmatch_lines(["*known.json: not all tests ran*", "not all tests ran, *graded*"])
+    assert not (pytester.path / "known.json").exists()
+
+
+@pytest.mark.parametrize("text", ["import stack", "", '{"name": "app", "version": "1"}'])
+def test_what_is_no_baseline_is_never_overwritten(session, pytester, text):
+    (pytester.path / "mine.txt").write_text(text)
+    write = ["--oodscen-baseline=mine.txt", "--oodscen-baseline-mode=write"]
+    result = session("Blind", *write)
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    assert "is not overwritten" in result.stderr.str()
+    assert (pytester.path / "mine.txt").read_text() == text
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
+        (["--oodscen-require="], "--oodscen-require is empty"),
+        (["--oodscen-baseline", " "], "--oodscen-baseline is empty"),
         (["--oodscen-require=safe"], "is no requirement"),
         (["--oodscen-require=notice>=0.5"], "no figure is called 'notice'"),
         (["--oodscen-baseline=none.json"], "does not exist"),

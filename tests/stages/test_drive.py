@@ -6,7 +6,7 @@ import pytest
 
 from oodscen import make_simulator
 from oodscen.driving._motion.actions import Cruise
-from oodscen.errors import SimulatorError
+from oodscen.errors import SimulatorError, UsageError
 from oodscen.protocols import Camera, Control, MountsCamera
 from oodscen.stages._drive import RuleBasedDriver, drive
 from oodscen.testing._flat import FlatSimulator
@@ -90,3 +90,23 @@ def test_a_driver_may_ask_for_frames(simulator):
     assert isinstance(Mounts(), MountsCamera)
     drive([example_scene()], Mounts, simulator, twins=False)
     assert set(seen) == {(10, 20, 3)}
+
+
+@pytest.mark.parametrize("scenes", [5, "ab", [5], None, example_scene()])
+def test_what_are_no_scenes_is_refused(simulator, scenes):
+    with pytest.raises(UsageError, match="scene"):
+        drive(scenes, RuleBasedDriver, simulator)
+
+
+def test_every_drive_has_an_id_of_its_own(simulator):
+    scene = example_scene()
+    like_its_twin = scene.model_copy(update={"id": f"{scene.id}~twin"})
+    for scenes in ([scene, scene], [scene, like_its_twin]):
+        with pytest.raises(UsageError, match="id of its own"):
+            drive(scenes, RuleBasedDriver, simulator)
+
+
+@pytest.mark.parametrize("name", [" ", "\ud800", 5])
+def test_a_driver_has_a_name(simulator, name):
+    with pytest.raises(UsageError, match="name"):
+        drive([example_scene()], RuleBasedDriver, simulator, name=name)

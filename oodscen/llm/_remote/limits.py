@@ -4,9 +4,9 @@ import math
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from pydantic import Field
 
@@ -60,7 +60,7 @@ class Price(NamedTuple):
         return (self.input_usd * input_tokens + self.output_usd * output_tokens) / 1e6
 
 
-def check_price(model: str, price: Sequence[float]) -> Price:
+def check_price(model: str, price: Any) -> Price:
     """Return a price, or raise `UsageError` if it is no pair of numbers from 0 to `DEAREST_USD`."""
     try:
         asked, answered = (finite_number("a price", value, 0.0, DEAREST_USD) for value in price)

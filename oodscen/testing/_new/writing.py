@@ -6,6 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from oodscen._files import check_name
+from oodscen._registry import names
 from oodscen.errors import UsageError
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
@@ -29,6 +30,8 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
             f"{name[:60]!r} cannot be the name of a simulator: use small letters, digits and underscores, "
             "e.g. my_simulator"
         )
+    if name in names("simulator"):
+        raise UsageError(f"a simulator called {name!r} is installed already; choose another name")
     package = f"oodscen_{name}"
     target = Path(folder) / package
     check_name(target)

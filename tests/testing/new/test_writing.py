@@ -50,7 +50,9 @@ def test_the_adapter_is_short() -> None:
     assert len(lines) < 200
 
 
-@pytest.mark.parametrize("name", ["", "A", "1a", "a-b", "../a", "class", "a" * 99, "a\nb", "ä"])
+@pytest.mark.parametrize(
+    "name", ["", "A", "1a", "a-b", "../a", "class", "a" * 99, "a\nb", "ä", "flat"]
+)
 def test_strange_names_are_refused(name, tmp_path) -> None:
     with pytest.raises(UsageError):
         write_adapter(name, tmp_path)

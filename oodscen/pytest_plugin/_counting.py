@@ -1,0 +1,32 @@
+"""The drives that a requirement counts as misses, whose failed assertions need not fail the session too."""
+
+from collections.abc import Iterable, Sequence
+
+from oodscen.data._drive_result import DriveResult
+from oodscen.judging._drive_board import HARDLY_DRIVES, is_critical
+from oodscen.judging._leaderboard.requirements import Bar
+
+
+def is_counted(drives: Iterable[DriveResult], bars: Sequence[Bar]) -> bool:
+    """Return whether a bar counts one of a test's drives as a miss.
+
+    Args:
+        drives: The drives of one test.
+        bars: The requirement, of `DRIVE_FIGURES`.
+    """
+    return any(_is_miss(one, bar.figure) for one in drives for bar in bars)
+
+
+def _is_miss(one: DriveResult, figure: str) -> bool:
+    match figure:
+        case "safe":
+            return not one.is_twin and not one.passed
+        case "safe-twin":
+            return one.is_twin and not one.passed
+        case "safe-both":
+            return not one.passed or (one.is_twin and one.progress < HARDLY_DRIVES)
+        case "needless":
+            return bool(one.brakes_needlessly)
+        case "critical":
+            return not one.is_twin and is_critical(one)
+    raise AssertionError(figure)
