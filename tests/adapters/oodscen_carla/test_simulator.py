@@ -2,6 +2,7 @@
 
 import math
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -148,12 +149,15 @@ def test_pictures_that_come_late_or_never_are_the_right_ones(server, fault):
 
 def test_a_server_that_is_restarted_is_found_again():
     with CarlaTestServer() as first:
+        folder = Path(first._folder.name)
+        assert list(folder.glob("oodscen-carla-*"))
         simulator = CarlaSimulator(first.address, catalogue="flat", timeout_s=2.0)
         simulator.reset(SCENE, 0)
         first.fault("die")
         with pytest.raises(SimulatorError, match="failed to"):
             simulator.step(Control())
         assert not first.is_alive
+    assert not folder.exists()
     with CarlaTestServer(port=first.port):
         assert simulator.reset(SCENE, 0).ids[0] == "ego"
         simulator.close()

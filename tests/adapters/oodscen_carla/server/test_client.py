@@ -40,6 +40,15 @@ def listened(sensor) -> "queue.SimpleQueue":
     return found
 
 
+@pytest.mark.parametrize(("step", "ticks"), [(0.05, 1), (0.1, 2)])
+def test_applying_synchronous_settings_takes_known_ticks(client, step, ticks):
+    world = client.load_world("urban_avenue")
+    settings = world.get_settings()
+    settings.synchronous_mode, settings.fixed_delta_seconds = True, step
+    before = world.apply_settings(settings)
+    assert world.get_snapshot().frame - before == ticks
+
+
 def test_cameras_show_bodies_where_they_are(world):
     place = start_of(world)
     ego = spawn(world, "vehicle.tesla.model3", place)
