@@ -1,4 +1,4 @@
-"""Which parts of a design hold each other: by small boxes where the one around a part is too coarse."""
+"""The hold of a design's parts on each other, by small boxes where the one around a part is too coarse."""
 
 import itertools
 import math
