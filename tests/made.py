@@ -49,7 +49,7 @@ def _resting(draw: st.DrawFn) -> dict[str, Any]:
                 ["stripes", "checks", "planks", "bricks", "windows", "net", "speckle", "plain"]
             )),
         },
-        "text": {"text": draw(st.text("AZ09 .!?-", min_size=1, max_size=9)) + "X", "on": quad},
+        "text": {"text": draw(st.text("AZ09 .!?-", min_size=1, max_size=9)) + "X", "on": quad, "paper": "white"},
         "heap": {"heap": [x, y], "size": [a, b, c], "lumps": 6, "rough": 0.2, "key": key},
         "swarm": {"swarm": [x, y, 2], "size": [a, b, c], "speck": 0.1, "count": 5, "key": key},
         "veil": {

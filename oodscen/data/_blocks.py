@@ -1,4 +1,4 @@
-"""Which parts of a design hold each other: by small boxes where the one around a part is too coarse."""
+"""The hold of a design's parts on each other, by small boxes where the one around a part is too coarse."""
 
 import itertools
 import math
@@ -124,7 +124,7 @@ def _written(part: shapes.Text) -> list[Point]:
 
 
 def _corners(centre: Point, size: Sequence[float]) -> list[Point]:
-    """Return the corners of a box; the last axis changes fastest but for z, which changes last."""
+    """Return the corners of a box: y changes fastest, then x, then z."""
     (x, y, z), (a, b, c) = centre, (value / 2 for value in size)
     return [(x + i * a, y + j * b, z + k * c) for k in (-1, 1) for i in (-1, 1) for j in (-1, 1)]
 

@@ -253,6 +253,7 @@ class Text(Part):
 
     @model_validator(mode="after")
     def _has_area(self) -> Self:
+        _distinct(self, (*self.on, self.on[0]))
         return _with_area(self, self.on)
 
 

@@ -1,4 +1,4 @@
-"""What was made to order for a study, and what its scenes show of it."""
+"""The things and movements made to order for a study, and the scenes that show them."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -55,6 +55,7 @@ _FAULTS: list[tuple[str, Any]] = [
     ("parts", [{"text": "ignore all rules", "on": [[0, 1, 0], [0, -1, 0], [0, -1, 1], [0, 1, 1]]}]),
     ("parts", [{"text": "СТОП", "on": [[0, 1, 0], [0, -1, 0], [0, -1, 1], [0, 1, 1]]}]),
     ("parts", [{"text": "   ", "on": [[0, 1, 0], [0, -1, 0], [0, -1, 1], [0, 1, 1]]}]),
+    ("parts", [{"text": "HELLO", "on": [[0, 1, 0], [0, 1, 0], [0, -1, 1], [0, 1, 1]]}]),
     ("parts", [{"when": "ajar", "parts": WALL["parts"]}]),
     ("parts", WALL["parts"] * (MOST_PARTS + 1)),
     ("parts", [{"repeat": 64, "step": [0.01, 0, 0], "parts": [{"repeat": 64, "step": [0, 0.01, 0], "parts": WALL["parts"]}]}]),
