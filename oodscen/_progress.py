@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
+from oodscen.errors import UsageError
+
 Progress = Callable[[str, int, int], None]
 """Called after every finished item of a long task with the stage, the items done and their total."""
 
@@ -22,11 +24,16 @@ def reporting(progress: Progress | bool | None, note: object = "") -> Iterator[P
         progress: True for one bar per stage, which is a widget in a notebook; a callable; `None` or false for
             silence.
         note: Shown after a bar as text, as it is at the time.
+
+    Raises:
+        UsageError: If it is anything else.
     """
     if progress is None or progress is False:
         yield silent
         return
     if progress is not True:
+        if not callable(progress):
+            raise UsageError(f"progress must be True or a function, not {progress!r:.80}")
         yield progress
         return
     from tqdm.auto import tqdm

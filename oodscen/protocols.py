@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import field_validator
+from pydantic import Field, field_validator
 
 from oodscen._display import Brief, png
 from oodscen._field_docs import with_fields
@@ -94,7 +94,7 @@ class Completion(Data):
     text: str
     """The raw response text; only lone surrogates are replaced."""
     usage: Usage = Usage()
-    requests: int = 1
+    requests: int = Field(default=1, ge=0)
     """HTTP requests made for this completion, including retries; 0 for a model that makes none."""
 
     @field_validator("text")

@@ -13,7 +13,18 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 import pytest
 
-from oodscen import Describer, RedTeamer, make_catalogue, make_encoder, make_llm, simulate
+from oodscen import (
+    Augmenter,
+    Describer,
+    Pruner,
+    RedTeamer,
+    Study,
+    TreeGrower,
+    make_catalogue,
+    make_encoder,
+    make_llm,
+    simulate,
+)
 from oodscen.data import Behaviour, Ego, Hazard, Placement, Trigger, WeatherRange
 from oodscen.driving import load_corridor
 from oodscen.errors import OodscenError, UsageError
@@ -200,3 +211,20 @@ REFUSED = {
 def test_what_cannot_be_is_refused(what):
     with pytest.raises(UsageError):
         REFUSED[what]()
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: Study.open(5),
+        lambda: load_corridor(5),
+        lambda: Pruner(ScriptedLLM([]), None),
+        lambda: RedTeamer(ScriptedLLM([])).run(None),
+        lambda: Augmenter(ScriptedLLM([]), None),
+        lambda: Augmenter(ScriptedLLM([]), FLAT).run("a text"),
+        lambda: TreeGrower(ScriptedLLM([])).run(progress="yes"),
+    ],
+)
+def test_a_thing_of_another_kind_is_refused(call) -> None:
+    with pytest.raises(UsageError, match="must be"):
+        call()

@@ -313,7 +313,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         )
 
     def close(self) -> None:
-        """Close the simulator; may be called twice."""
+        """Close the simulator; may be called twice, and a later `reset` opens it again."""
         self._is_over = True
         close(self.simulator)
 

@@ -15,6 +15,8 @@ from io import FileIO
 from pathlib import Path
 from typing import BinaryIO, ClassVar, NamedTuple
 
+from pydantic import Field
+
 from oodscen._display import Brief
 from oodscen._files import refuse_special
 from oodscen._lock import locked
@@ -42,18 +44,18 @@ class Exchange(Data):
     """The conversation as it was sent, with pictures by name and SHA-256."""
     answer: str
     """The raw answer."""
-    sample: int = 0
+    sample: int = Field(default=0, ge=0)
     """Index of the draw, for several independent draws of the same question."""
-    attempt: int = 1
+    attempt: int = Field(default=1, ge=1)
     """Above 1 if the last turns ask for a repair."""
     model: str = ""
     """Name of the model that answered."""
     prompt_version: str = ""
     """Hash of template and answer schema."""
     usage: Usage = Usage()
-    seconds: float = 0.0
+    seconds: float = Field(default=0.0, ge=0.0)
     """Time until the answer, including waiting and retries."""
-    requests: int = 1
+    requests: int = Field(default=1, ge=0)
     """HTTP requests, retries included."""
 
     @classmethod

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
+from oodscen._arguments import instance_of
 from oodscen._display import Brief
 from oodscen._numbers import whole_number
 from oodscen._progress import Progress, reporting
@@ -66,6 +67,7 @@ class Augmenter(Brief):
         made: Sequence[Prop] = (),
         motions: Sequence[Motion] = (),
     ) -> None:
+        instance_of("catalogue", catalogue, Catalogue)
         self.llm = llm
         self.catalogue = catalogue.with_made(made, motions)
         self.made = tuple(made)
@@ -112,6 +114,7 @@ class Augmenter(Brief):
                 none; the error lists the faults and every contradicted claim, or the reason.
             LLMError: When the model cannot be reached.
         """
+        instance_of("scenario", scenario, Scenario)
         with reporting(progress) as report_progress:
             report_progress("augment", 0, 2)
             known = self.read(scenario) if claims is None else tuple(claims)

@@ -1,9 +1,15 @@
 """The configuration of a study; equal configurations give the same bytes."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
-from pydantic import Field, ModelWrapValidatorHandler, model_validator
+from pydantic import (
+    Field,
+    ModelWrapValidatorHandler,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from oodscen import _paper as paper
 from oodscen._redaction import redact
@@ -133,6 +139,14 @@ class StudyConfig(Data):
     frames: int = Field(default=3, ge=3, le=8)
     """Number of frames of a drive, at even distances in time."""
     seed: int = Field(default=0, ge=0, le=MAX_SEED)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _counts_no_truth_value(cls, value: object, info: ValidationInfo) -> object:
+        kind = cls.model_fields[info.field_name or ""].annotation
+        if isinstance(value, bool) and bool not in (kind, *get_args(kind)):
+            raise ValueError(f"must not be {value}")  # Python takes True for 1.
+        return value
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

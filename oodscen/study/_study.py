@@ -9,6 +9,7 @@ from urllib.parse import quote
 
 from pydantic import ConfigDict
 
+from oodscen._arguments import instance_of
 from oodscen._display import Brief, escaped, html_table
 from oodscen.data._base import Data
 from oodscen.data._claim import Claim
@@ -203,6 +204,7 @@ class Study(Brief):
             StudyMissing: When the folder holds no study.
             DataError: When a name of a study's file belongs to a folder, a pipe or a device.
         """
+        instance_of("folder", folder, str, Path)
         study = cls(folder)
         if not study.store.has("study.json"):
             raise StudyMissing(str(folder))

@@ -147,7 +147,14 @@ def test_what_is_no_recording_is_refused_and_left_alone(tmp_path_factory, conten
 
 
 @pytest.mark.parametrize(
-    "content", ["my notes\nof today", "{}", "[1]\n", '{"purpose": 1}\n{}\n', "[" * 9_999]
+    "content",
+    [
+        *("my notes\nof today", "{}", "[1]\n", '{"purpose": 1}\n{}\n', "[" * 9_999),
+        *(
+            f'{{"purpose": "p", "messages": [], "answer": "a", {wrong}}}\n'
+            for wrong in ('"attempt": -1', '"seconds": -1', '"requests": -5', '"sample": -1')
+        ),
+    ],
 )
 def test_a_file_that_is_no_recording_is_refused_with_its_line(tmp_path, content):
     file = tmp_path / "a.jsonl"

@@ -69,3 +69,11 @@ def test_no_key_gets_into_a_study_by_an_address(field):
 def test_the_built_in_author_is_no_judge():
     with pytest.raises(DataError, match="judges no answers"):
         StudyConfig.parse({"judge": "builtin"})
+
+
+@pytest.mark.parametrize("field", ["per_path", "seed", "nodes", "horizon"])
+def test_a_truth_value_is_no_number(field):
+    with pytest.raises(DataError) as caught:
+        StudyConfig(**{field: True})
+    assert [issue.path for issue in caught.value.issues] == [field]
+    assert StudyConfig(twins=True, chain=True).twins

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import instance_of
 from oodscen._files import read_regular
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.driving._roads.corridor import Corridor, OtherRoad, PaintedArea, RoadSignal, Structure
@@ -69,6 +70,7 @@ def load_corridor(road_map: RoadMap | str, catalogue: Catalogue | None = None) -
         UnknownComponent: If there is no such map.
         DataError: With every fault of the file, or if start or route are not on the road.
     """
+    instance_of("road_map", road_map, str, RoadMap)
     found = find_map(road_map, catalogue) if isinstance(road_map, str) else road_map
     return _corridor(read_map(found.file), found)
 

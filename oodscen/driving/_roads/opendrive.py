@@ -232,6 +232,8 @@ def _speed(road: XmlNode) -> float | None:
         speed = kind.first("speed")
         if speed is not None and speed.get("max", "no limit") not in ("no limit", "undefined"):
             value = speed.number("max", limit=500.0)
+            if value < 0.0:
+                speed.fault(f"{value:g} is negative", "@max")
             return max(value, 0.0) * factors.get(speed.get("unit", "m/s"), 1.0)
     return None
 

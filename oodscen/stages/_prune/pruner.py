@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from oodscen._arguments import instance_of
 from oodscen._concurrency import as_finished
 from oodscen._display import Brief
 from oodscen._numbers import whole_number
@@ -64,6 +65,7 @@ class Pruner(Brief):
         context: int | None = None,
         together: int = TOGETHER,
     ) -> None:
+        instance_of("catalogue", catalogue, Catalogue)
         self.llm = llm
         self.catalogue = CatalogueDigest.of(catalogue)
         self.name = f"{catalogue.simulator}-{catalogue.version}"

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, ClassVar, NamedTuple
 
+from oodscen._arguments import instance_of
 from oodscen._concurrency import cancelling
 from oodscen._display import Brief
 from oodscen._progress import Progress, reporting
@@ -105,6 +106,7 @@ class RedTeamer(Brief):
             tree: The tree before the first round.
             done: Earlier rounds to continue from.
         """
+        instance_of("tree", tree, ScenarioTree)
         game = _Session(self, tree)
         for item in done:
             game.add(item)

@@ -69,6 +69,7 @@ def test_reads_what_the_file_says() -> None:
             "road[1]/lanes/laneSection[0]/left/lane[2]/width",
         ),
         (r'a="3.4"', 'a="inf"', "road[1]/lanes/laneSection[0]/left/lane[2]/width[0]@a"),
+        (r'speed max="', 'speed max="-', "road[1]/type/speed@max"),
         (r"<road ", "<lane ", ""),
     ],
 )  # fmt: skip
