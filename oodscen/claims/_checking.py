@@ -213,7 +213,7 @@ def _settle(
         if best is None or faults < best[0]:
             best = faults, cast
     for name, chosen in zip(single, best[1] if best else (), strict=True):
-        shown = scenery[name] and _is_scenic(subjects[name])
+        shown = scenery[name] and _is_scenic(subjects[name], roles[name])
         without = _unstaged(subjects[name], shown, len(fitting), roles[name])
         score = None if chosen is None else scores.get((name, chosen.id))
         is_map_better = not is_signal and _faults(without) < _faults(score or {})
@@ -244,7 +244,7 @@ def _judge_group(
     """Judge claims about several things: each must hold for at least one of them."""
     fitting = role.fitting
     if not fitting:
-        return _unstaged(claims, scenery and _is_scenic(claims), 0, role), set()
+        return _unstaged(claims, scenery and _is_scenic(claims, role), 0, role), set()
     findings: dict[Claim, ClaimFinding] = {}
     every = [_judge_one(claims, one) for one in fitting]
     for claim in claims:
@@ -274,10 +274,13 @@ def _unstaged(
     return {claim: _finding(claim, False, found, "actors") for claim in claims}
 
 
-def _is_scenic(claims: Sequence[Claim]) -> bool:
-    """Return whether all claims could be true of something that belongs to the map."""
+def _is_scenic(claims: Sequence[Claim], role: _Role) -> bool:
+    """Return whether all claims could be true of something that belongs to the map.
+
+    The distance of the map's own things stays open; it is taken only of those that the scene puts out of order.
+    """
     return not any(
-        claim.kind == "distance"
+        (claim.kind == "distance" and not role.map_fault)
         or (claim.kind == "motion" and claim.value != "stationary")
         or (claim.kind == "place" and claim.value == "in_lane")
         for claim in claims

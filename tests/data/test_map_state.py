@@ -90,6 +90,15 @@ def test_claims_about_lights_hold_for_their_state_alone(fault, catalogue):
         assert status(scene, other, catalogue) == "fails"
 
 
+def test_the_distance_of_the_maps_own_lights_stays_open(catalogue):
+    scene = with_state(signals="off").model_copy(update={"stands_for": {"traffic light": ("map",)}})
+    told = [("thing", "present"), ("state", "off"), ("count", "2"), ("distance", "35")]
+    claims = [Claim(kind=kind, value=value, subject="traffic light") for kind, value in told]
+    found = [one.status for one in check_claims(claims, scene, catalogue)]
+    assert found == ["holds", "holds", "open", "open"]
+    assert status(with_state(signals="off"), "3", catalogue, kind="distance") != "holds"
+
+
 def test_claims_about_dark_lamps_and_missing_lights(catalogue):
     night = {**JUNCTION, "weather": {"sun_elevation_deg": -20.0}}
     dark = Scene.parse({**night, "map_state": {"street_lamps": "off"}})
