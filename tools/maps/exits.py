@@ -85,11 +85,7 @@ def _exit_ramp() -> MapDesign:
         "town",
         60,
         (("arc", 60.0, -1 / 90, -1 / 90), ("spiral", 40.0, -1 / 90, 0.0), ("line", 60.0, 0.0, 0.0)),
-        (
-            SectionDesign(
-                (LaneDesign("driving", 3.5, "solid"), LaneDesign("shoulder", 3.0)), (), "solid"
-            ),
-        ),
+        _paved_nose((LaneDesign("driving", 3.5, "solid"), LaneDesign("shoulder", 3.0))),
         start=(end.x, end.y, end.heading),
         predecessor=junction,
     )
@@ -132,6 +128,18 @@ def _exit_ramp() -> MapDesign:
     roads = (road, onward, ramp, through, return_way, nose)
     exit_ = JunctionDesign("100", "Exit", connections)
     return MapDesign("exit_ramp", "Motorway with an exit", roads, (exit_,))
+
+
+def _paved_nose(lanes: tuple[LaneDesign, ...]) -> tuple[SectionDesign, ...]:
+    """Return a ramp's sections; the first paves the wedge between the ramp and the motorway."""
+    length, taper = 6.0, 2.5
+    width = smooth(length, taper, 1.6, 0.0)[:2]
+    first = tuple(replace(lane, successor=-index) for index, lane in enumerate(lanes, start=1))
+    rest = tuple(replace(lane, predecessor=-index) for index, lane in enumerate(lanes, start=1))
+    return (
+        SectionDesign(first, (LaneDesign("shoulder", width),), "solid"),
+        SectionDesign(rest, (), "solid", length + taper),
+    )
 
 
 EXITS: tuple[MapDesign, ...] = (_exit_ramp(),)

@@ -152,7 +152,7 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
     ),
     RoadMap(
         id="narrow_passage",
-        description="a two-way street with a gap of one lane",
+        description="a two-way street with a one-lane gap 90 to 130 m ahead",
         file="oodscen.driving:maps/narrow_passage.xodr",
         start_m=START_M,
         lanes=1,
@@ -163,7 +163,7 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
     ),
     RoadMap(
         id="exit_ramp",
-        description="a divided highway with an exit lane and its ramp",
+        description="a divided highway with an exit lane; its ramp leaves 160 m ahead",
         file="oodscen.driving:maps/exit_ramp.xodr",
         road="1",
         start_m=START_M,
@@ -183,12 +183,12 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         lanes=1,
         oncoming_lanes=1,
         speed_limit=8.33,
-        length_m=490.0,
+        length_m=525.0,
         traits=("urban", "two_lane", "oncoming", "winding"),
     ),
     RoadMap(
         id="downhill_bend",
-        description="a two-lane country road downhill into a tight bend",
+        description="a two-lane country road downhill into a bend",
         file="oodscen.driving:maps/downhill_bend.xodr",
         start_m=START_M,
         lanes=1,

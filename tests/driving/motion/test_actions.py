@@ -25,7 +25,7 @@ from oodscen.protocols import Driver, Observation
 from tests.driving.staging import scene, world
 
 HARDEST = 4.0
-"""Lateral acceleration above which nobody takes a bend, m/s^2."""
+"""Lateral acceleration above which drivers do not take a bend, m/s^2."""
 
 
 def drive(
