@@ -21,6 +21,8 @@ def found(name: str) -> tuple[Landmark, ...]:
         ("t_junction", ["junction"]),
         ("roundabout", ["roundabout"]),
         ("tunnel", ["tunnel"]),
+        ("exit_ramp", ["junction"]),
+        ("downhill_bend", []),
     ],
 )
 def test_maps_have_what_their_traits_promise(name: str, kinds: list[str]) -> None:

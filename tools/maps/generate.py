@@ -23,11 +23,12 @@ from tools.maps.design import (
     StretchDesign,
     curves_of,
 )
+from tools.maps.exits import EXITS
 from tools.maps.streets import STREETS
 
 SHIPPED = Path(__file__).parents[2] / "oodscen" / "driving" / "maps"
 
-DESIGNS: tuple[MapDesign, ...] = (*STREETS, *CROSSINGS)
+DESIGNS: tuple[MapDesign, ...] = (*STREETS, *CROSSINGS, *EXITS)
 """All shipped maps; in each, the ego starts 200 m after the beginning of the first road."""
 
 

@@ -59,6 +59,8 @@ _TOWN = (
     LaneDesign("driving", 3.25, "curb"),
     LaneDesign("sidewalk", 2.5),
 )
+_GAP_M = 3.7
+"""Width of the carriageway in the narrow passage, m."""
 
 
 def _street(
@@ -105,6 +107,70 @@ def _with_stretch(
         sections.append(SectionDesign(sides[0], sides[1], mark, s))
     road = replace(road, sections=tuple(sections), stretches=(stretch,))
     return replace(plain, roads=(road,))
+
+
+def _narrow_passage() -> MapDesign:
+    """Return a street whose pavements leave a single lane for both directions, 90 to 130 m ahead.
+
+    Both lanes run on through the gap, side by side in its middle, so that a car of either direction
+    has room for itself but not beside another.
+    """
+    taper, begin, end = 40.0, 290.0, 330.0
+    lane, margin = 1.2, 0.5 * _GAP_M - 1.2
+    wide, kerb, pavement = 3.25, 2.2, 2.5
+    free = wide + kerb + pavement - lane - margin
+    sections = []
+    for s, mark, driving, beside, walk in (
+        (0.0, "broken", wide, kerb, pavement),
+        (
+            begin - taper,
+            "none",
+            smooth(0.0, taper, wide, lane),
+            smooth(0.0, taper, kerb, margin),
+            smooth(0.0, taper, pavement, free),
+        ),
+        (begin, "none", lane, margin, free),
+        (
+            end,
+            "none",
+            smooth(0.0, taper, lane, wide),
+            smooth(0.0, taper, margin, kerb),
+            smooth(0.0, taper, free, pavement),
+        ),
+        (end + taper, "broken", wide, kerb, pavement),
+    ):
+        number = len(sections)
+        edge = "solid" if mark == "broken" else "none"
+        sides = []
+        for sign in (-1, 1):
+            lanes = (
+                LaneDesign("driving", driving, edge),
+                LaneDesign("parking", beside, "curb"),
+                LaneDesign("sidewalk", walk),
+            )
+            sides.append(
+                tuple(
+                    replace(
+                        one,
+                        predecessor=sign * index if number > 0 else None,
+                        successor=sign * index if number < 4 else None,
+                    )
+                    for index, one in enumerate(lanes, start=1)
+                )
+            )
+        sections.append(SectionDesign(sides[0], sides[1], mark, s))
+    road = RoadDesign(
+        "1",
+        "Street with a narrow passage",
+        "townLocal",
+        30,
+        (("line", 800.0, 0.0, 0.0),),
+        tuple(sections),
+        # Oncoming traffic waits at the line; the sign faces it.
+        signals=(SignalDesign("yield1", "Give way", end + 20.0, wide + kerb + 0.6, "205", "-"),),
+        patches=(PatchDesign("l1", "stop_line", end + 18.0, 0.5 * wide, 0.4, wide),),
+    )
+    return MapDesign("narrow_passage", "Street with a narrow passage", (road,))
 
 
 def _level_crossing() -> MapDesign:
@@ -287,5 +353,46 @@ STREETS: tuple[MapDesign, ...] = (
         StretchDesign("bridge", "b1", "Bridge", 260.0, 160.0),
         _DECK,
     ),
+    _street(
+        "town_bend",
+        "Town street in tight bends",
+        "town",
+        30,
+        (
+            ("line", 230.0, 0.0, 0.0),
+            ("spiral", 25.0, 0.0, 1 / 60),
+            ("arc", 20.0, 1 / 60, 1 / 60),
+            ("spiral", 25.0, 1 / 60, 0.0),
+            ("line", 20.0, 0.0, 0.0),
+            ("spiral", 25.0, 0.0, -1 / 70),
+            ("arc", 25.0, -1 / 70, -1 / 70),
+            ("spiral", 25.0, -1 / 70, 0.0),
+            ("line", 330.0, 0.0, 0.0),
+        ),
+        _TOWN,
+    ),
+    _street(
+        "downhill_bend",
+        "Country road downhill into a bend",
+        "rural",
+        60,
+        (
+            ("line", 275.0, 0.0, 0.0),
+            ("spiral", 50.0, 0.0, -1 / 120),
+            ("arc", 70.0, -1 / 120, -1 / 120),
+            ("spiral", 50.0, -1 / 120, 0.0),
+            ("line", 355.0, 0.0, 0.0),
+        ),
+        _RURAL,
+        centre_mark="solid",
+        elevation=(
+            (0.0, 18.0, 0.0, 0.0, 0.0),
+            (180.0, 18.0, 0.0, -0.08 / 80, 0.0),
+            (220.0, 16.4, -0.08, 0.0, 0.0),
+            (400.0, 2.0, -0.08, 0.08 / 80, 0.0),
+            (440.0, 0.4, 0.0, 0.0, 0.0),
+        ),
+    ),
+    _narrow_passage(),
     _level_crossing(),
 )

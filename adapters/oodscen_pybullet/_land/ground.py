@@ -27,6 +27,8 @@ _OVERLAP = 0.6
 """Overlap of a road with its successors, m, which hides the seam."""
 _BULGE = 0.03
 """Lane edges that bend by more than this within a piece make the pieces shorter, m."""
+_JUMP = 0.5
+"""Edges of the carriageway that change by more than this at once begin or end a lane, m."""
 _NEAR = 60.0
 """Distances from asphalt beyond this are approximate, m."""
 _ROUGH = 3.0
@@ -72,6 +74,9 @@ class RoadCourse:
                 split |= np.abs(bulge) > _BULGE
         parts = [s[:-1], *((s[:-1] + k * long / 3)[split] for k in (1, 2)), s[-1:]]
         spans = [end for one in corridor.structures for end in (one.start, one.end)]
+        if piece == FAST_STEP:
+            # Where a lane leaves the road, a long piece would taper it and leave a hole beside it.
+            spans += _jumps(corridor)
         parts.append(np.array([end for end in spans if first < end < last], np.float64))
         s = np.unique(np.concatenate(parts))
         inside = np.clip(s, 0.0, corridor.length)
@@ -176,6 +181,9 @@ class Ground:
                 rest = [c for c, _ in ends if c is not other.corridor]
                 first -= 0.0 if _meets(head, corridor, rest) else ONWARD_M
                 last += 0.0 if _meets(tail, corridor, rest) else ONWARD_M
+            elif corridor.speed_limit > FAST:
+                # A motorway's lane ends within half a metre, where its exit takes it over.
+                first, last = first - _OVERLAP, last + _OVERLAP
             course = RoadCourse.between(other.corridor, first, last)
             ways.append(
                 Way.of(
@@ -303,6 +311,17 @@ def _places(way: Way, x: Array, y: Array) -> tuple[Array, Array, tuple[Array, Ar
             wide = np.where(past > 0.0, np.sqrt(past * past + side * side), wide)
         out.append(wide)
     return here, across, (out[0], out[1])
+
+
+def _jumps(corridor: Corridor) -> list[float]:
+    """Return s on both sides of the places where lanes begin or end at their full width."""
+    found: set[float] = set()
+    for strip in corridor.strips:
+        if strip.kind in DRIVABLE:
+            for edge in (strip.right, strip.left):
+                before = np.flatnonzero(np.abs(np.diff(edge)) > _JUMP)
+                found.update(corridor.s[before].tolist(), corridor.s[before + 1].tolist())
+    return sorted(found)
 
 
 def _bounds(way: Way) -> tuple[float, float, float, float]:

@@ -120,8 +120,8 @@ def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
         _lay(way, ribbons, theme, layer, rng)
         if way.is_track:
             _lay_track(way, ribbons)
-        elif not way.is_connecting:
-            _mark_lanes(way, ribbons, layer, ground.corridor.crosswalks)
+        elif theme == "highway" or not way.is_connecting:
+            _mark_lanes(way, ribbons, layer, ground.corridor.crosswalks, theme)
         if way.is_ego:
             _wear(way, ribbons, rng)
         parts.append(ribbons)
@@ -283,10 +283,16 @@ def _surface(strip: LaneStrip, theme: Theme) -> tuple[str, bool]:
 # ------------------------------------------------------------------ marks
 
 
-def _mark_lanes(way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[PaintedArea]) -> None:
-    """Paint the marks on lane edges, and the bays of parking strips."""
+def _mark_lanes(
+    way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[PaintedArea], theme: Theme
+) -> None:
+    """Paint the marks on lane edges, and the bays of parking strips.
+
+    Junctions have no marks, except those of motorways: nothing crosses the lanes there.
+    """
     course, strips, road = way.course, way.corridor.strips, way.corridor
     outside = np.interp(course.s, road.s, road.in_junction.astype(np.float64)) < 0.5
+    outside |= theme == "highway"
     free, dark = _pieces(outside) & ~_crossed(way, outlines), _spanned(way, ("tunnel",))
     height = layer + PAINT
     for index in range(len(strips) + 1):
@@ -296,7 +302,8 @@ def _mark_lanes(way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[Pai
         owner = strips[max(index - 1, 0)]
         right, left = strip_edges(road, course, owner)
         middle = right if index == 0 else left
-        where = free & _pieces(left - right > 0.3)
+        where = free & _pieces(left - right > 0.3) & ~_bare(course, owner, is_left=index > 0)
+        where &= np.abs(np.diff(middle)) < np.maximum(np.diff(course.s), 1.0)
         if _is_double(strips, index):
             for side in (-0.14, 0.14):
                 _line(ribbons, middle + side, 0.06, height, where, dark)
@@ -307,6 +314,15 @@ def _mark_lanes(way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[Pai
     for strip in strips:
         if strip.kind == "parking":
             _bays(way, ribbons, strip, height, outside)
+
+
+def _bare(course: RoadCourse, strip: LaneStrip, *, is_left: bool) -> Mask:
+    """Return the pieces along which a strip's edge has no mark, unlike at the ego's start."""
+    middle = 0.5 * (course.s[1:] + course.s[:-1])
+    found = np.zeros(len(middle), bool)
+    for s, left, right in strip.marks:
+        found[middle >= s] = (left if is_left else right) == "none"
+    return found
 
 
 def _crossed(way: Way, outlines: Sequence[PaintedArea]) -> Mask:

@@ -1,5 +1,6 @@
-"""The map of the railway is what its description says."""
+"""The maps of railways, gaps, exits and slopes are what their descriptions say."""
 
+import numpy as np
 import pytest
 
 from oodscen import make_catalogue
@@ -15,6 +16,33 @@ def catalogue():
 
 def road(name):
     return load_corridor(name, make_catalogue("flat"))
+
+
+def test_the_passage_leaves_one_lane_for_both_directions():
+    corridor = road("narrow_passage")
+    widths = []
+    for ahead in range(40, 160):
+        right, left = corridor.drivable_range(corridor.start + ahead, 0.0)
+        widths.append(left - right)
+    assert min(widths) == pytest.approx(3.7)
+    assert max(widths) > 10.0
+    assert [widths[ahead - 40] for ahead in (92, 128)] == pytest.approx([3.7, 3.7])
+
+
+def test_the_slope_falls_and_bends():
+    corridor = road("downhill_bend")
+    assert corridor.z[0] - corridor.z[-1] == pytest.approx(17.6)
+    assert (np.diff(corridor.z) <= 1e-9).all()
+    assert np.abs(corridor.curvature).max() == pytest.approx(1 / 120, abs=1e-6)
+
+
+def test_the_exit_opens_beside_the_ego_and_its_ramp_leaves():
+    corridor = road("exit_ramp")
+    before, beside = (corridor.drivable_range(corridor.start + m, -8.0) for m in (0.0, 100.0))
+    assert before[0] - beside[0] == pytest.approx(3.5)
+    ramp = next(other.corridor for other in corridor.others if other.road_id == "4")
+    _, t = corridor.locate(float(ramp.x[-1]), float(ramp.y[-1]))
+    assert t < -40.0
 
 
 def test_the_track_is_told_and_carries_rail_vehicles_only():
