@@ -286,13 +286,10 @@ def _surface(strip: LaneStrip, theme: Theme) -> tuple[str, bool]:
 def _mark_lanes(
     way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[PaintedArea], theme: Theme
 ) -> None:
-    """Paint the marks on lane edges, and the bays of parking strips.
-
-    Junctions have no marks, except those of motorways: nothing crosses the lanes there.
-    """
+    """Paint the marks on lane edges, in junctions only on motorways, and the bays of parking."""
     course, strips, road = way.course, way.corridor.strips, way.corridor
-    outside = np.interp(course.s, road.s, road.in_junction.astype(np.float64)) < 0.5
-    outside |= theme == "highway"
+    inside = np.interp(course.s, road.s, road.in_junction.astype(np.float64)) >= 0.5
+    outside = ~inside | (theme == "highway")
     free, dark = _pieces(outside) & ~_crossed(way, outlines), _spanned(way, ("tunnel",))
     height = layer + PAINT
     for index in range(len(strips) + 1):
@@ -302,15 +299,15 @@ def _mark_lanes(
         owner = strips[max(index - 1, 0)]
         right, left = strip_edges(road, course, owner)
         middle = right if index == 0 else left
-        where = free & _pieces(left - right > 0.3) & ~_bare(course, owner, is_left=index > 0)
-        where &= np.abs(np.diff(middle)) < np.maximum(np.diff(course.s), 1.0)
+        # An edge that jumps aside, where a lane ends at once, has no mark across the road.
+        where = free & _pieces(left - right > 0.3) & (np.abs(np.diff(middle)) < 1.0)
+        where &= ~_bare(course, owner, is_left=index > 0)
         if _is_double(strips, index):
             for side in (-0.14, 0.14):
                 _line(ribbons, middle + side, 0.06, height, where, dark)
-        elif mark == "broken":
-            _line(ribbons, middle, 0.075, height, where & _dashes(course), dark)
         else:
-            _line(ribbons, middle, 0.075, height, where, dark)
+            drawn = where & _dashes(course) if mark == "broken" else where
+            _line(ribbons, middle, 0.075, height, drawn, dark)
     for strip in strips:
         if strip.kind == "parking":
             _bays(way, ribbons, strip, height, outside)

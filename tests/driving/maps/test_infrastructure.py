@@ -31,7 +31,7 @@ def test_the_passage_leaves_one_lane_for_both_directions():
 
 def test_the_slope_falls_and_bends():
     corridor = road("downhill_bend")
-    assert corridor.z[0] - corridor.z[-1] == pytest.approx(17.6)
+    assert corridor.z[0] - corridor.z[-1] == pytest.approx(13.2)
     assert (np.diff(corridor.z) <= 1e-9).all()
     assert np.abs(corridor.curvature).max() == pytest.approx(1 / 120, abs=1e-6)
 

