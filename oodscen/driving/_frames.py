@@ -40,11 +40,16 @@ def own_frame(frame: Frame, camera: Camera, bodies: int, method: str) -> Frame:
     if unhidden is not None:
         _check(f"{method} returned unhidden", unhidden, np.integer, (bodies,), np.int32)
         unhidden = np.array(unhidden, dtype=np.int32)
+    tags = frame.tags
+    if tags is not None:
+        _check(f"{method} returned tags", tags, np.integer, size, np.uint8)
+        tags = np.array(tags, dtype=np.uint8, order="C")
     return Frame(
         rgb=np.array(frame.rgb, order="C"),
         depth=np.array(frame.depth, dtype=np.float32, order="C"),
         ids=np.array(frame.ids, dtype=np.int32, order="C"),
         unhidden=unhidden,
+        tags=tags,
     )
 
 

@@ -176,5 +176,6 @@ def _blocks(queries: Vectors, references: Rows) -> Iterator[tuple[slice, int, Ve
 
 def _product(a: Vectors, b: Vectors, space: NDArray[np.float32]) -> Vectors:
     out = space[: len(a) * len(b)].reshape(len(a), len(b))
-    np.matmul(a, b.T, out=out)
+    with np.errstate(invalid="ignore"):  # Some BLAS kernels raise the flag for finite factors.
+        np.matmul(a, b.T, out=out)
     return out

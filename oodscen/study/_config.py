@@ -59,9 +59,9 @@ class StudyConfig(Data):
     judge: str | None = None
     """Model that decides whether an open aspect is right; the documented matcher if left out."""
     rarity_llm: str | None = None
+    """Model that is asked for the rarity of the simulatable texts, beside the offline estimate."""
     recogniser: str | None = None
     """Vision model that names made things without their captions; what it does not name is dropped."""
-    """Model that is asked for the rarity of the simulatable texts, beside the offline estimate."""
     context: int | None = Field(default=None, ge=2_048)
     """Context window of `llm` in tokens, input and output; longer questions are shortened.
 

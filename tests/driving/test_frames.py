@@ -20,6 +20,7 @@ GOOD = Frame(
     depth=np.full((3, 4), np.inf, dtype=np.float32),
     ids=np.arange(12, dtype=np.int32).reshape(3, 4) % 3,
     unhidden=np.array([4, 5], dtype=np.int32),
+    tags=np.arange(12, dtype=np.uint8).reshape(3, 4),
 )
 
 
@@ -52,6 +53,7 @@ def test_wider_types_of_the_same_kind_are_converted() -> None:
         ("ids", GOOD.ids.astype(np.float32)),
         ("ids", GOOD.ids.astype(np.uint64) + 2**32),
         ("unhidden", np.array([1, 2, 3])),
+        ("tags", np.zeros((3, 4))),
     ],
 )
 def test_another_frame_is_refused_by_the_method_s_name(name: str, value) -> None:

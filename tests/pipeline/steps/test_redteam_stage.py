@@ -12,7 +12,7 @@ CONFIG = StudyConfig.quick(simulator="flat", encoder="hash", llm="model", in_fli
 FILES = ("redteam.jsonl", "tree.diverse.json")
 
 
-class Stopped(BaseException):
+class Stopped(KeyboardInterrupt):
     """Somebody pulled the plug."""
 
 
