@@ -28,6 +28,8 @@ ABOUT = {
     "extract-claims": 0,
     "stage-scene": 0,
     "judge-branch": 0,
+    "design-prop": 0,
+    "design-motion": 0,
 }
 """The place, among the fenced texts of a question, of the one that an answer is about; other questions have none."""
 
@@ -45,9 +47,12 @@ class Recorded:
 
     def __init__(self, path: str | Path = ANSWERS) -> None:
         self.answers: dict[tuple[str, str], str] = {}
+        self.judged: dict[str, list[str]] = {}
         for line in Path(path).read_text(encoding="utf-8").splitlines():
             one = json.loads(line)
             self.answers[one["purpose"], one["about"]] = one["answer"]
+            if one["purpose"] == "judge-branch":
+                self.judged.setdefault(one["about"], []).append(one["answer"])
 
     def complete(self, request: Request) -> Completion:
         """Return the answer to the question about the same thing.
@@ -60,7 +65,7 @@ class Recorded:
             raise LLMError("the recorded answer does not pass today's checks", model=self.name)
         if purpose == "judge-branches":
             numbered = [
-                {"number": number, **json.loads(self._answer("judge-branch", about))}
+                {"number": number, **self._judgement(about, request.messages[0].text)}
                 for number, about in enumerate(fenced(question), start=1)
             ]
             return Completion(text=json.dumps({"judgements": numbered}))
@@ -68,6 +73,16 @@ class Recorded:
         if purpose == "place-scenario":
             answer = with_ids(answer, fenced(question)[0])
         return Completion(text=answer)
+
+    def _judgement(self, about: str, catalogue: str) -> Line:
+        """Return the last judgement of a leaf that names nothing beyond the catalogue: some things were made later."""
+        last: Line = json.loads(self._answer("judge-branch", about))
+        for answer in reversed(self.judged[about]):
+            judged: Line = json.loads(answer)
+            names = [*judged.get("assets", ()), *judged.get("behaviours", ())]
+            if all(name in catalogue for name in names):
+                return judged
+        return last
 
     def _answer(self, purpose: str, about: str) -> str:
         try:
@@ -104,8 +119,9 @@ def with_ids(answer: str, outline: str) -> str:
 
 
 def packed(exchanges: Iterable[Mapping[str, Any]]) -> list[Line]:
-    """Return one line per thing that was asked about, with the last answer."""
+    """Return one line per thing that was asked about, with the last answer, after earlier judgements of leaves."""
     found: dict[tuple[str, str], str] = {}
+    earlier: list[Line] = []
     for one in exchanges:
         purpose, turns = str(one["purpose"]), one["messages"]
         first = len(turns) - 2 * (int(one.get("attempt", 1)) - 1) - 1
@@ -115,12 +131,15 @@ def packed(exchanges: Iterable[Mapping[str, Any]]) -> list[Line]:
             for judged in _object(one["answer"]).get("judgements", ()):
                 if 1 <= judged.get("number", 0) <= len(kinds):
                     alone = {key: value for key, value in judged.items() if key != "number"}
-                    found["judge-branch", kinds[judged["number"] - 1]] = json.dumps(
-                        alone, ensure_ascii=False
-                    )
+                    about = kinds[judged["number"] - 1]
+                    if before := found.get(("judge-branch", about)):
+                        earlier.append(
+                            {"purpose": "judge-branch", "about": about, "answer": before}
+                        )
+                    found["judge-branch", about] = json.dumps(alone, ensure_ascii=False)
             continue
         found[purpose, about_of(purpose, question, sample)] = str(one["answer"])
-    return [
+    return earlier + [
         {"purpose": purpose, "about": about, "answer": answer}
         for (purpose, about), answer in found.items()
     ]

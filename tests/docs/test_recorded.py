@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from oodscen import Augmenter, Pruner, RedTeamer, Scenario, TreeGrower, make_catalogue
+from oodscen.data import Prop
+from oodscen.data._motion import Motion
 from oodscen.errors import LLMError
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
 from oodscen.protocols import Request
@@ -35,7 +37,12 @@ def test_the_study_replays_up_to_the_pruned_tree(recorded, catalogue):
     assert [item.error for item in rounds if item.error] == []
     diverse = tree.apply(*(edit for item in rounds for edit in item.edits))
     assert len(diverse.leaves) >= len(tree.leaves) + 4
-    judged = list(Pruner(model, catalogue).decisions(diverse))
+    designs = {
+        name: [json.loads(text)[name] for (asked, _), text in model.answers.items() if asked == of]
+        for name, of in (("prop", "design-prop"), ("motion", "design-motion"))
+    }
+    props, motions = map(Prop.parse, designs["prop"]), map(Motion.parse, designs["motion"])
+    judged = list(Pruner(model, catalogue.with_made(props, motions)).decisions(diverse))
     answered = [one for one in judged if one.status == "ok"]
     assert len(answered) >= 0.75 * len(judged)
     assert sum(one.keep for one in answered) >= 0.8 * len(answered)
@@ -44,7 +51,13 @@ def test_the_study_replays_up_to_the_pruned_tree(recorded, catalogue):
 
 def test_its_scenes_pass_todays_checks(recorded, catalogue):
     model = recorded.Recorded()
-    texts = [about for purpose, about in model.answers if purpose == "stage-scene"]
+    made = [about for purpose, about in model.answers if purpose.startswith("design-")]
+    texts = [
+        about
+        for (purpose, about), answer in model.answers.items()
+        if purpose == "stage-scene"
+        and not any(f'"{name}"' in answer for name in ("cannot_show", *made))
+    ]
     augmenter = Augmenter(model, catalogue)
     assert len(texts) >= 40
     for text in texts[::EVERY]:

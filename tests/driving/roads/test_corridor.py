@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from oodscen.driving import load_corridor
@@ -39,6 +39,7 @@ def test_point_and_locate_are_inverse(
 @given(corridors, fractions, offsets)
 def test_the_heading_is_the_direction_of_travel(road: Corridor, fraction: float, t: float) -> None:
     s = fraction * road.length
+    assume(abs(road.bend(s) * t) < 0.5)  # Lines beside the road cross at the middle of a bend.
     x0, y0, _, _ = road.point(s - 0.5, t)
     x1, y1, _, _ = road.point(s + 0.5, t)
     _, _, _, heading = road.point(s, t)
