@@ -64,8 +64,7 @@ def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
         name: sum(one.model in models and one.model == called.get(name, name) for one in verdicts)
         for name in names
     }
-    asked = {config.llm, config.red_llm, config.fallback, config.judge}
-    asked |= {config.rarity_llm, config.recogniser}
+    asked = config.model_copy(update={"vlms": ()}).models
     config = config.model_copy(
         update={
             "vlms": tuple(name for name in config.vlms if name not in dropped),

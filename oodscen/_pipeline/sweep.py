@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen._files import temporary_folder
+from oodscen._jpeg import to_jpeg
 from oodscen._members import close, is_interruption, reason
 from oodscen._processes import Processes, is_importable, is_script
 from oodscen._redaction import redact
@@ -34,8 +34,6 @@ from oodscen.study._store import Store
 
 CHUNK = 16
 """Maximum number of scenes per job. A job starts one simulator, and all its scenes share one map."""
-
-JPEG_QUALITY = 90
 
 Chunk = tuple[Scene, ...]
 Made = TypeVar("Made")
@@ -382,16 +380,6 @@ def with_sensor_noise(frame: Frame, item: str, moment: str) -> Frame:
         -NOISE, NOISE, size=frame.rgb.shape, dtype=np.int16, endpoint=True
     )
     return replace(frame, rgb=np.clip(frame.rgb + noise, 0, 255).astype(np.uint8))
-
-
-def to_jpeg(rgb: NDArray[np.uint8], quality: int = JPEG_QUALITY) -> bytes:
-    """Encode a picture as JPEG."""
-    try:
-        import cv2
-    except ImportError:
-        raise MissingExtra("writing frames", "pybullet", "opencv-python-headless") from None
-    _, data = cv2.imencode(".jpg", rgb[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
-    return data.tobytes()
 
 
 def _chunks(scenes: Sequence[Scene]) -> list[Chunk]:

@@ -35,6 +35,13 @@ else:
         noun: ClassVar[str] = "value"
 
 
+def no_truth_value(value: object) -> object:
+    """Return a value unless it is true or false, which Python takes for 1 and 0."""
+    if isinstance(value, bool):
+        raise ValueError("must not be true or false")
+    return value
+
+
 class Data(Brief, _Model):
     """Immutable, JSON-serialisable value without extra fields; validation reports every fault at once.
 
@@ -57,9 +64,7 @@ class Data(Brief, _Model):
     @field_validator("schema_version", mode="before", check_fields=False)
     @classmethod
     def _is_no_truth_value(cls, version: object) -> object:
-        if isinstance(version, bool):
-            raise ValueError("must be a number")  # Python takes True for 1.
-        return version
+        return no_truth_value(version)
 
     @classmethod
     def parse(cls, value: object, *, source: str = "") -> Self:

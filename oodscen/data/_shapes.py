@@ -9,17 +9,10 @@ from typing import Annotated, Literal, Self, TypeVar
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from oodscen.data._base import Data
+from oodscen.data._base import Data, no_truth_value
 from oodscen.data._colours import Colour
 
-
-def _is_number(value: object) -> object:
-    if isinstance(value, bool):
-        raise ValueError("must be a number, not true or false")
-    return value
-
-
-A_NUMBER = BeforeValidator(_is_number)
+A_NUMBER = BeforeValidator(no_truth_value)
 """Refuses true and false, which pydantic takes for 1 and 0."""
 Metres = Annotated[float, Field(ge=-20, le=20), A_NUMBER]
 Length = Annotated[float, Field(gt=0, le=20), A_NUMBER]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from oodscen.data._extents import Measured, measured
 from oodscen.data._motion import ABILITIES, Motion
@@ -26,6 +26,7 @@ _FRAMES = {
 }
 
 Row = tuple[str, ...]
+Design = TypeVar("Design", Prop, Motion)
 
 
 @dataclass
@@ -100,28 +101,21 @@ def made_to_order(study: Study, found: Material) -> Mapping[str, Any] | None:
 
 def _things(study: Study, found: Material) -> Iterator[ThingRow]:
     """Yield what was made, then what scenes carry besides."""
-    made = {one.prop.digest(): one for one in found.assets if one.prop is not None}
-    designs = {one.prop.digest(): one.prop for one in found.assets if one.prop is not None}
-    uses: dict[str, Uses] = {digest: Uses() for digest in designs}
-    for scene in found.scenes:
-        for prop in scene.made:
-            digest = prop.digest()
-            designs.setdefault(digest, prop)
-            uses.setdefault(digest, Uses()).scenes.append(scene.id)
-    for digest, prop in designs.items():
-        one = made.get(digest)
+    made = {one.prop: one for one in found.assets if one.prop is not None}
+    for prop, uses in _used(made, found.scenes, lambda scene: scene.made):
+        one = made.get(prop)
         look = one.look if one else None
         walk = measured(prop.parts)
         yield ThingRow(
             prop=prop,
-            picture=_picture(study, found, prop, uses[digest], is_made=one is not None),
+            picture=_picture(study, found, prop, uses, is_made=one is not None),
             facts=tuple(_facts(prop, walk)),
             texts=tuple(dict.fromkeys(text for _, text in walk.texts)),
             measures=_measures(look) if look else {},
             recognised=look.recognised if look else UNSEEN,
             faults=look.faults if look else (),
             model=one.model if one else "",
-            uses=uses[digest],
+            uses=uses,
         )
 
 
@@ -157,22 +151,28 @@ def _measures(look: PropLook) -> dict[str, list[str]]:
 
 
 def _motions(found: Material) -> Iterator[MotionRow]:
-    made = {one.motion.digest(): one for one in found.motions if one.motion is not None}
-    designs = {one.motion.digest(): one.motion for one in found.motions if one.motion is not None}
-    uses: dict[str, Uses] = {digest: Uses() for digest in designs}
-    for scene in found.scenes:
-        for motion in scene.motions:
-            digest = motion.digest()
-            designs.setdefault(digest, motion)
-            uses.setdefault(digest, Uses()).scenes.append(scene.id)
-    for digest, motion in designs.items():
+    models = {one.motion: one.model for one in found.motions if one.motion is not None}
+    for motion, uses in _used(models, found.scenes, lambda scene: scene.motions):
         yield MotionRow(
             motion=motion,
             body=ABILITIES[motion.body].words,
             frame=_FRAMES[motion.frame],
-            model=made[digest].model if digest in made else "",
-            uses=uses[digest],
+            model=models.get(motion, ""),
+            uses=uses,
         )
+
+
+def _used(
+    made: Iterable[Design],
+    scenes: Iterable[Scene],
+    carried: Callable[[Scene], Iterable[Design]],
+) -> Iterator[tuple[Design, Uses]]:
+    """Yield every design that was made or that scenes carry, once, with the scenes that carry it."""
+    found = {design: Uses() for design in made}
+    for scene in scenes:
+        for design in carried(scene):
+            found.setdefault(design, Uses()).scenes.append(scene.id)
+    yield from found.items()
 
 
 def _uses_by_row(

@@ -22,7 +22,7 @@ from oodscen._registry import (
     names,
 )
 from oodscen._seeding import MAX_SEED
-from oodscen.data._base import Data
+from oodscen.data._base import Data, no_truth_value
 from oodscen.data._episode import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.prompts._scenario.describe_path import Style
 from oodscen.protocols import Camera
@@ -144,9 +144,7 @@ class StudyConfig(Data):
     @classmethod
     def _counts_no_truth_value(cls, value: object, info: ValidationInfo) -> object:
         kind = cls.model_fields[info.field_name or ""].annotation
-        if isinstance(value, bool) and bool not in (kind, *get_args(kind)):
-            raise ValueError(f"must not be {value}")  # Python takes True for 1.
-        return value
+        return value if bool in (kind, *get_args(kind)) else no_truth_value(value)
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -162,7 +160,9 @@ class StudyConfig(Data):
             raise ValueError(
                 "rarity_llm: the built-in author estimates none; the offline head does"
             )
-        if self.recogniser is not None and self.recogniser in (self.llm, DEFAULT_LLM):
+        if self.recogniser is not None and (
+            self.recogniser == self.llm or is_builtin(self.recogniser)
+        ):
             raise ValueError("recogniser: must be another model than the one that designs, and see")
         for address in filter(None, (self.api_base, *self.servers.values())):
             if redact(address) != address:
@@ -206,8 +206,10 @@ class StudyConfig(Data):
     @property
     def models(self) -> tuple[str, ...]:
         """The names of all models that the study may ask."""
-        names = (self.llm, self.red_llm, self.fallback, *self.vlms, self.judge)
-        names = (*names, self.rarity_llm, self.recogniser)
+        names = (
+            *(self.llm, self.red_llm, self.fallback, *self.vlms),
+            *(self.judge, self.rarity_llm, self.recogniser),
+        )
         return tuple(dict.fromkeys(name for name in names if name is not None))
 
     @property

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
+from oodscen._jpeg import to_jpeg
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.models import is_asked
-from oodscen._pipeline.sweep import to_jpeg
 from oodscen.data._base import Data
 from oodscen.data._motion import Motion
 from oodscen.stages._grow import TreeGrower
@@ -13,7 +13,7 @@ from oodscen.stages._props.files import ASSETS, picture_of
 from oodscen.stages._props.looking import SeenProp, plate
 from oodscen.stages._props.making import MadeProp, PropMaker, judged_again, wanted_things
 from oodscen.stages._props.motions import MOTIONS, MotionMaker, made_motions, wanted_motions
-from oodscen.stages._props.recognition import Recogniser
+from oodscen.stages._props.recognition import PropRecogniser
 from oodscen.stages._prune.decisions import PruneDecision, all_decisions, apply_decisions
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.stages._prune.restoration import restoration
@@ -136,7 +136,7 @@ def _with_made(
     catalogue = run.simulator.catalogue()
     recogniser = None
     if run.config.recogniser is not None:
-        recogniser = Recogniser(run.models.get(run.config.recogniser), catalogue)
+        recogniser = PropRecogniser(run.models.get(run.config.recogniser), catalogue)
     maker = PropMaker(
         run.llm, run.simulator, lambda seen: _keep_picture(run, seen), recogniser=recogniser
     )

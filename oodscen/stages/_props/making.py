@@ -15,7 +15,7 @@ from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_prop import DesignedProp, DesignProp, KnownPart
 from oodscen.protocols import LLM, Simulator
 from oodscen.stages._props.looking import PropLook, SeenProp, look_at
-from oodscen.stages._props.recognition import Recogniser
+from oodscen.stages._props.recognition import PropRecogniser
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -72,7 +72,7 @@ class PropMaker:
         llm: LLM,
         simulator: Simulator,
         keep: Callable[[SeenProp], None] = lambda seen: None,
-        recogniser: Recogniser | None = None,
+        recogniser: PropRecogniser | None = None,
     ) -> None:
         self.llm = llm
         self.simulator = simulator

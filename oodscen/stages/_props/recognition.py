@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._files import temporary_folder
+from oodscen._jpeg import to_jpeg
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._messages import Image
@@ -20,7 +21,7 @@ OPTIONS = 8
 NONE = "none of these"
 
 
-class Recogniser:
+class PropRecogniser:
     """Asks a vision model what a thing is, among other things of the catalogue.
 
     Args:
@@ -82,8 +83,6 @@ def _words(text: str) -> set[str]:
 
 
 def _saved(folder: Path, name: str, picture: NDArray[np.uint8]) -> Image:
-    import cv2
-
     path = folder / name
-    path.write_bytes(cv2.imencode(".jpg", picture[..., ::-1])[1].tobytes())
+    path.write_bytes(to_jpeg(picture))
     return Image.from_file(path, f"assets/{name}")

@@ -9,7 +9,7 @@ from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.stages._augment import scene_of_draft
 from oodscen.stages._props.looking import SeenProp, plate
 from oodscen.stages._props.making import PropMaker, Wanted, is_makeable, judged_again, wanted_things
-from oodscen.stages._props.recognition import NONE, Recogniser
+from oodscen.stages._props.recognition import NONE, PropRecogniser
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.testing import FlatSimulator, ScriptedLLM
@@ -59,7 +59,7 @@ def recognised(*choices: str) -> Any:
     seeing.name = "eyes"
     designer = ScriptedLLM([{"prop": WALL}, {"prop": {**WALL, "mass_kg": 300.0}}])
     with FlatSimulator() as simulator:
-        recogniser = Recogniser(seeing, simulator.catalogue())
+        recogniser = PropRecogniser(seeing, simulator.catalogue())
         made = PropMaker(designer, simulator, recogniser=recogniser).make(WANTED)
     return made, designer.requests, shown
 
