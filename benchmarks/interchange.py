@@ -42,8 +42,8 @@ from oodscen.interchange._recording import (
     reactions,
     replayed,
 )
-from oodscen.interchange._verdicts.judging import PlayedVerdict
 from oodscen.interchange._verdicts.poses import PlayedPoses
+from oodscen.interchange._verdicts.verdict import PlayedVerdict
 from oodscen.interchange._writing.entities import entities
 from oodscen.interchange._writing.storyboard import Storyboard, followers, write_course
 from oodscen.interchange._writing.trajectories import phases, reference_poses

@@ -159,8 +159,10 @@ class CarlaSimulator(MirrorSimulator):
         """Send poses, speeds and lights, and let the server take one tick."""
         moving = zip(speeds.tolist(), self.world.accelerations().tolist(), strict=True)
         lights = [
-            lit | _BRAKE if is_braking(speed, push, waits=waits) else lit
-            for lit, waits, (speed, push) in zip(self._lights, self._waits, moving, strict=True)
+            lit | _BRAKE if is_braking(speed, acceleration, waits=waits) else lit
+            for lit, waits, (speed, acceleration) in zip(
+                self._lights, self._waits, moving, strict=True
+            )
         ]
         self._open().place(self._bodies, poses.tolist(), speeds.tolist(), lights)
 

@@ -29,7 +29,7 @@ from oodscen.data._scene import Scene
 from oodscen.errors import MissingExtra, OodscenError, UsageError
 
 if TYPE_CHECKING:
-    from oodscen.interchange._verdicts.judging import PlayedVerdict
+    from oodscen.interchange._verdicts.verdict import PlayedVerdict
     from oodscen.study._study import Study
 
 _PLACE = PathName(exists=True, path_type=Path)

@@ -14,7 +14,7 @@ from oodscen.errors import MissingExtra, UsageError
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Asset
-    from oodscen.stages._props.looking import PropLook
+    from oodscen.stages._making.looking import PropLook
 
 
 @click.command(cls=FileCommand)
@@ -49,8 +49,8 @@ def props(
     from oodscen._display import png
     from oodscen._registry import make_simulator
     from oodscen.data._details import DetailKinds
-    from oodscen.stages._props.files import read_props
-    from oodscen.stages._props.looking import look_at, look_at_details, sheet
+    from oodscen.stages._making.files import read_props
+    from oodscen.stages._making.looking import look_at, look_at_details, sheet
 
     if (where is None) != details:
         raise click.UsageError("give WHERE, or --details without it")
@@ -82,7 +82,7 @@ def props(
 
 def _line(look: "PropLook", asset: "Asset | None", mass: str) -> str:
     """Return the line about one thing: its size and mass if it was made, and its pixels by day."""
-    from oodscen.stages._props.looking import JUDGED_M
+    from oodscen.stages._making.looking import JUDGED_M
 
     size = f"{asset.length:g} x {asset.width:g} x {asset.height:g} m" if asset else ""
     day = next(v for v in look.views if v.distance_m == JUDGED_M and not v.is_night)

@@ -20,7 +20,7 @@ from oodscen.data._base import canonical_json
 from oodscen.data._pairing import kind_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.errors import RunStopped, StudyError, StudyMismatch
+from oodscen.errors import OodscenError, RunStopped, StudyError, StudyMismatch
 from oodscen.llm._accounting import accounts
 from oodscen.report._render import write_report
 from oodscen.study._config import JUDGING, Status, StudyConfig
@@ -90,6 +90,10 @@ class Pipeline:
         except RunStopped as stop:
             self._save("stopped", stopped=redact(str(stop)), usage=self._usage())
             self._report()
+            raise
+        except OodscenError as error:
+            with suppress(StudyError):  # The first error is the cause.
+                self._save("stopped", stopped=redact(str(error)), usage=self._usage())
             raise
         except KeyboardInterrupt:
             limits.close()

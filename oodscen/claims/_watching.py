@@ -45,7 +45,7 @@ def watch(scene: Scene, catalogue: Catalogue, *, seed: int = 0, after_s: float =
             end = world.time + min(after_s, scene.horizon_s)
         world.step(driver.act(world.observe()))
         states.append(world.state())
-    return Trace.measured(states, Course.of(scene, catalogue))
+    return Trace.from_states(states, Course.of(scene, catalogue))
 
 
 def decision_s(scene: Scene, trace: Trace) -> float:

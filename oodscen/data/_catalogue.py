@@ -8,7 +8,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 from oodscen._field_docs import with_fields
 from oodscen.data._base import Data
 from oodscen.data._category import Category
-from oodscen.data._details import DetailKinds, Details, Offers, check_details, shown_as
+from oodscen.data._details import AssetDetails, DetailKinds, Details, check_details, shown_as
 from oodscen.data._map_state import MapPart
 from oodscen.data._motion import KEYED, Motion, motion_faults
 from oodscen.data._prop import Prop, check_prop, sizes_of
@@ -44,7 +44,7 @@ class Asset(Data):
     """States in which the asset blocks no one although its box does, e.g. a gate's `open`."""
     names: tuple[str, ...] = ()
     """Ids of the same thing in other catalogues, e.g. `police_car`; the asset serves wherever one is needed."""
-    offers: Offers | None = None
+    offers: AssetDetails | None = None
     """Poses, open parts and other details that it can show; left out of the JSON text if there are none."""
 
     @model_serializer(mode="wrap")

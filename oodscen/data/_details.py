@@ -143,7 +143,7 @@ class Bed(Data):
     width: Extent
 
 
-class Offers(Data):
+class AssetDetails(Data):
     """The details that one asset can show."""
 
     poses: dict[Word, tuple[Extent, Extent, Extent]] = {}
@@ -208,7 +208,7 @@ def shown_as(
         things: Assets by id, for what is held or loaded.
         kinds: The poses and parts of the simulator.
     """
-    offers = asset.offers or Offers()
+    offers = asset.offers or AssetDetails()
     sizes = [(asset.length, asset.width, asset.height)]
     pose = kinds.pose(posed(details))
     if pose is not None and pose.id in offers.poses:
@@ -288,7 +288,7 @@ def check_details(
         kinds: The poses and parts of the simulator.
         made: The things made to order, by id.
     """
-    offers = asset.offers or Offers()
+    offers = asset.offers or AssetDetails()
     able = {
         "pose": bool(offers.poses),
         "holds": bool(offers.poses),
@@ -319,7 +319,7 @@ def check_details(
 
 
 def _pose_issues(
-    details: Details, offers: Offers, behaviour: str, kinds: DetailKinds
+    details: Details, offers: AssetDetails, behaviour: str, kinds: DetailKinds
 ) -> Iterator[Issue]:
     name = posed(details)
     if name and name not in offers.poses:

@@ -150,7 +150,7 @@ class BaseSimulator(Brief, ABC):
         return self._state
 
 
-def take(simulator: Simulator, camera: Camera, bodies: int) -> Frame:
+def render_checked(simulator: Simulator, camera: Camera, bodies: int) -> Frame:
     """Render the current state of any simulator, as a frame of the caller's own.
 
     Args:

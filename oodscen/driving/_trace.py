@@ -96,10 +96,10 @@ class Trace(Brief):
         Raises:
             UsageError: If there is no state.
         """
-        return cls.measured(states, Course.of(scene, catalogue))
+        return cls.from_states(states, Course.of(scene, catalogue))
 
     @classmethod
-    def measured(cls, states: Sequence[State], course: "Course") -> Self:
+    def from_states(cls, states: Sequence[State], course: "Course") -> Self:
         """Compute the ground truth of consecutive states for a known course."""
         if not states:
             raise UsageError("a trace needs at least one state")

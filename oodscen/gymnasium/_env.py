@@ -13,7 +13,7 @@ from oodscen._members import close, working
 from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scene import Scene
-from oodscen.driving._base_simulator import take
+from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._trace import Course, least_time_to_collision
 from oodscen.errors import SimulatorError, UnknownComponent, UsageError
 from oodscen.gymnasium._acting import ActionDecoder, action_space
@@ -328,7 +328,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         if self.state is None:
             raise UsageError("SceneEnv: call reset() first")
         with working("simulator", self.simulator.name):
-            return take(self.simulator, camera, len(self.state.ids))
+            return render_checked(self.simulator, camera, len(self.state.ids))
 
     # ------------------------------------------------------------------ internals
 

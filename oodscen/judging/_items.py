@@ -118,7 +118,7 @@ class Items:
 
 VALUES = (
     *("called", "p_ood", "stated", "open", "closed"),
-    *("safe", "success", "cautious", "apt", "neutral"),
+    *("safe", "success", "cautious", "fitting", "neutral"),
 )
 """Names of the values of an answer."""
 
@@ -169,7 +169,7 @@ class AnswerColumns:
     success: Floats
     cautious: Floats
     """1 if the action is one of `CAUTIOUS`."""
-    apt: Floats
+    fitting: Floats
     """1 if the action is safe, and none of `DISTURBING` where keeping the speed is safe; such a one is 0 in any case."""
     scorer: Sequence[str | None]
     """[n] the judge that scored the open aspect; empty for the matcher, `None` if there was nothing to score."""
@@ -211,7 +211,7 @@ class AnswerColumns:
             asked[row] = True
             scorer[row] = (scorers or {}).get(item)
             columns[:, row] = [found.get(name, np.nan) for name in VALUES]
-        called, p_ood, stated, named, chosen, safe, success, cautious, apt, neutral = columns
+        called, p_ood, stated, named, chosen, safe, success, cautious, fitting, neutral = columns
         return cls(
             was_asked=asked,
             called=called,
@@ -222,7 +222,7 @@ class AnswerColumns:
             safe=safe,
             success=success,
             cautious=cautious,
-            apt=apt,
+            fitting=fitting,
             scorer=scorer,
             is_neutral=(neutral > 0) & ~np.isfinite(safe),
         )

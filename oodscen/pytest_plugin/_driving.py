@@ -15,7 +15,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.driving._base_simulator import take
+from oodscen.driving._base_simulator import render_checked
 from oodscen.errors import OodscenError, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State
 from oodscen.stages._drive import (
@@ -264,7 +264,7 @@ class Drive:
 
         try:
             above = birds_eye(end, last.scene, self._simulator.catalogue())
-            frame = take(self._simulator, camera or Camera(), len(end.ids))
+            frame = render_checked(self._simulator, camera or Camera(), len(end.ids))
             shown = {"frame": frame.rgb, "plan": above}
         except OodscenError:
             return last

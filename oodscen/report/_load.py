@@ -18,9 +18,9 @@ from oodscen.judging._drive_board import current_results
 from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.metrics._measurements import Measurements
-from oodscen.stages._props.files import ASSETS
-from oodscen.stages._props.making import MadeProp
-from oodscen.stages._props.motions import MOTIONS, MadeMotion
+from oodscen.stages._making.files import ASSETS
+from oodscen.stages._making.making import MadeProp
+from oodscen.stages._making.motions import MOTIONS, MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._store import Store

@@ -11,10 +11,10 @@ from oodscen.data._scene import Scene
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.frames import FramePicture, picture
 from oodscen.report._load import Material
-from oodscen.stages._props.files import picture_of
-from oodscen.stages._props.looking import UNSEEN, PropLook
-from oodscen.stages._props.making import MadeProp
-from oodscen.stages._props.motions import MadeMotion
+from oodscen.stages._making.files import picture_of
+from oodscen.stages._making.looking import UNSEEN, PropLook
+from oodscen.stages._making.making import MadeProp
+from oodscen.stages._making.motions import MadeMotion
 from oodscen.study._study import Study
 
 _MOST_LINKS = 6

@@ -10,7 +10,7 @@ from oodscen.data._episode import MOMENTS, REACTIONS_S
 from oodscen.data._scene import Scene, Trigger
 from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
 from oodscen.driving import load_corridor
-from oodscen.driving._base_simulator import take
+from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import value_in
 from oodscen.driving._sight.decision_view import drawn
@@ -159,7 +159,7 @@ def _moments(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> I
         if step % steps == 0:
             guess = drawn(scene, bodies(scene, catalogue, state.poses), corridor, camera)
             if guess is not None and guess.size_px >= _MARGIN * LEAST_SIZE_PX:
-                frame = take(simulator, camera, len(state.ids))
+                frame = render_checked(simulator, camera, len(state.ids))
                 seen = sighting(scene, state, frame, catalogue, camera)
                 if seen is not None and not seen.faults:
                     yield _Later(state, seen)

@@ -18,7 +18,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
-from oodscen.driving._base_simulator import take
+from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._drivers.following import following_acceleration
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
@@ -309,7 +309,7 @@ def drive_result(
         steps: Steps of a whole drive, to which progress is compared.
         dt: Seconds per step.
     """
-    trace = Trace.measured(states, Course.of(scene, catalogue))
+    trace = Trace.from_states(states, Course.of(scene, catalogue))
     met = trace.summary().values()
     ttc = trace["ttc_s"][:, 1:].min(axis=1, initial=np.inf)
     headway = trace["time_headway_s"][:, 1:].min(axis=1, initial=np.inf)
@@ -356,7 +356,7 @@ def drive_states(
             return
         observation = simulator.observe()
         if wants_frames:
-            frame = take(simulator, camera, len(state.ids))
+            frame = render_checked(simulator, camera, len(state.ids))
             observation = replace(observation, frame=frame)
         if looking:
             looking.look(state)

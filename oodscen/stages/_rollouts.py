@@ -100,7 +100,7 @@ class Rollouts:
         if not is_available(action, observation):
             return ActionOutcome(safe=False, unavailable=True), None, same
         states = self._execute(action, self.trials.middle, observation)
-        trace = Trace.measured([first, *states], self.course)
+        trace = Trace.from_states([first, *states], self.course)
         ran_red = self._ran_red([first, *states])
         outcome = judge_outcome(states, trace, self.trials.collisions_only, ran_red=ran_red)
         passed = {outcome.safe}

@@ -24,7 +24,7 @@ from oodscen.data._episode import (
 )
 from oodscen.data._scene import LONGEST_HORIZON_S, Scene
 from oodscen.driving import load_corridor
-from oodscen.driving._base_simulator import take
+from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._sight.visibility import is_noticeable
@@ -200,7 +200,7 @@ def _simulated(
             for name, outcome in outcomes.items()
         }
     visible = {moment: visible_pixels(frame, states[0].ids) for moment, frame in frames.items()}
-    trace = Trace.measured(states, course)
+    trace = Trace.from_states(states, course)
     behind = followers(trace)
     episode = Episode(
         id=scene.id,
@@ -285,7 +285,7 @@ def _shown_again(
         states.append(simulator.step(control) if control else simulator.reset(scene, seed))
         for moment, step in steps.items():
             if index == step and camera:
-                frames[moment] = take(simulator, camera, len(states[-1].ids))
+                frames[moment] = render_checked(simulator, camera, len(states[-1].ids))
     return frames, states
 
 
@@ -323,7 +323,7 @@ class _Steps:
         for moment, step in _steps_shown(len(self.kept) - 1, moments).items():
             state = self.simulator.restore(self.kept[step])
             if camera:
-                frames[moment] = take(self.simulator, camera, len(state.ids))
+                frames[moment] = render_checked(self.simulator, camera, len(state.ids))
         return frames
 
 

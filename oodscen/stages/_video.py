@@ -16,7 +16,7 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.driving import action_driver, load_corridor
-from oodscen.driving._base_simulator import take
+from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._roads.corridor import Corridor
@@ -280,7 +280,7 @@ def _picture(
 ) -> Image:
     parts = []
     if view != "bird":
-        parts.append(take(simulator, camera, len(state.ids)).rgb)
+        parts.append(render_checked(simulator, camera, len(state.ids)).rgb)
     if view != "ego":
         size = _SIZE if view == "bird" else camera.height
         parts.append(birds_eye(state, scene, catalogue, size=size))

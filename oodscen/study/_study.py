@@ -15,6 +15,7 @@ from oodscen.data._base import Data
 from oodscen.data._claim import Claim
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode
+from oodscen.data._pairing import is_ordinary
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._verdict import Verdict
@@ -42,9 +43,9 @@ from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._call_log import Call
 from oodscen.metrics._measurements import Measurements
 from oodscen.metrics._rarity.exposure import TreeRarity
-from oodscen.stages._props.files import ASSETS, PICTURES
-from oodscen.stages._props.making import MadeProp
-from oodscen.stages._props.motions import MOTIONS, MadeMotion
+from oodscen.stages._making.files import ASSETS, PICTURES
+from oodscen.stages._making.making import MadeProp
+from oodscen.stages._making.motions import MOTIONS, MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison
@@ -275,6 +276,19 @@ class Study(Brief):
             file = f"tree.{name}.json"
             if file in names and self.store.path(file).stat().st_size:
                 self.tree(name)
+        self._check_unique_scenes()
+
+    def _check_unique_scenes(self) -> None:
+        """Check that no two rare scenes of `scenes.jsonl`, which may be edited by hand, share an id."""
+        found: set[str] = set()
+        for number, line in self.store.numbered("scenes.jsonl"):
+            if line.get("status") == "failed" or is_ordinary(line["id"]):
+                continue
+            if line["id"] in found:
+                issue = Issue("", f"there are two scenes {line['id']!r}; remove one")
+                source = f"{self.store.path('scenes.jsonl')}, line {number}"
+                raise DataError(Scene.noun, [issue], source=source)
+            found.add(line["id"])
 
     def _check_kinds(self, names: Iterable[str]) -> None:
         """Check that files are regular files, and folders are folders."""

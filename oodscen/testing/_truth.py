@@ -9,7 +9,7 @@ import numpy as np
 from oodscen.data._episode import ACTIONS, MOMENTS
 from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
 from oodscen.driving import load_corridor
-from oodscen.driving._base_simulator import take
+from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.world import ego_strip, neighbour_strip
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies, floating_issues, overlap_issues
@@ -219,7 +219,7 @@ def _fog(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> list[
             fog_visual_range_m=visual_range, cloud_cover=_OVERCAST, sun_elevation_deg=sun
         )
         state = simulator.reset(scene.model_copy(update={"weather": weather}), seed)
-        frames.append(take(simulator, camera, len(state.ids)))
+        frames.append(render_checked(simulator, camera, len(state.ids)))
     found = measured_visual_range(frames[0], frames[1], camera)
     if found is None or abs(found - wanted) <= RANGE_TOLERANCE * wanted:
         return []

@@ -6,11 +6,11 @@ from hypothesis import strategies as st
 
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, WeatherRange
 from oodscen.data._details import (
+    AssetDetails,
     Bed,
     DetailKinds,
     Details,
     Grip,
-    Offers,
     PartKind,
     PoseKind,
     held_place,
@@ -34,13 +34,13 @@ CATALOGUE = Catalogue(
     version="1",
     ego=asset("ego_car", "vehicle", (4.5, 1.8, 1.5)),
     assets=(
-        asset("adult", "pedestrian", (0.4, 0.7, 1.8), Offers(poses=SIZES)),
+        asset("adult", "pedestrian", (0.4, 0.7, 1.8), AssetDetails(poses=SIZES)),
         asset("deer", "animal", (2, 0.7, 2)),
         asset(
             "car",
             "vehicle",
             (4.5, 1.9, 1.5),
-            Offers(
+            AssetDetails(
                 parts={"doors_open": (4.5, 4.0, 1.5), "bonnet_open": (4.5, 1.9, 1.8)},
                 is_painted=True,
                 bed=Bed(at=(-0.5, 1.5), length=3.3, width=1.7),
@@ -125,7 +125,7 @@ def test_an_actor_without_details_has_the_bytes_that_it_always_had():
 def test_every_detail_is_shown_or_refused(given_details, kind):
     one = actor(kind).model_copy(update={"details": given_details or None})
     issues = [path for path in refused(one) if "details" in path]
-    offers = CATALOGUE.asset(kind).offers or Offers()
+    offers = CATALOGUE.asset(kind).offers or AssetDetails()
     if not issues:
         assert given_details.pose in ("", *offers.poses)
         assert set(given_details.parts) <= set(offers.parts)

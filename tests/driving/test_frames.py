@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays, scalar_dtypes
 
-from oodscen.driving._base_simulator import take
+from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._frames import own_frame
 from oodscen.errors import SimulatorError
 from oodscen.protocols import Camera, Frame
@@ -93,4 +93,4 @@ def test_every_simulator_is_checked(make, method: str) -> None:
     with make() as simulator:
         state = simulator.reset(example_scene(), 0)
         with pytest.raises(SimulatorError, match=rf"flat: {method}\(\) returned rgb"):
-            take(simulator, Camera(width=8, height=6), len(state.ids))
+            render_checked(simulator, Camera(width=8, height=6), len(state.ids))

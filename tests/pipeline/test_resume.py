@@ -278,3 +278,4 @@ def test_a_scene_that_cannot_be_taken_is_named(folder, change, error, words):
     with pytest.raises(error, match=f"(?s){words}"):
         run(folder)
     assert content(folder) == before
+    assert Study(folder).info["status"] != "running"

@@ -11,10 +11,10 @@ from oodscen.report._load import Material
 from oodscen.report._made import made_to_order
 from oodscen.report._render import render_part
 from oodscen.report._sections import RenderedPart
-from oodscen.stages._props.files import picture_of
-from oodscen.stages._props.looking import DISTANCES_M, UNSEEN, PropLook, PropView
-from oodscen.stages._props.making import MadeProp
-from oodscen.stages._props.motions import MadeMotion
+from oodscen.stages._making.files import picture_of
+from oodscen.stages._making.looking import DISTANCES_M, UNSEEN, PropLook, PropView
+from oodscen.stages._making.making import MadeProp
+from oodscen.stages._making.motions import MadeMotion
 from tests.made import WALL
 from tests.motions import TOPPLE
 

@@ -124,7 +124,7 @@ class _Drawing:
         for strip in road.strips:
             exists = ~road.in_junction & (strip.left - strip.right > 0.01)
             shown = np.zeros(len(road.s), dtype=np.bool_)
-            rows = strip.marks or ((0.0, strip.mark, strip.right_mark),)
+            rows = strip.mark_changes or ((0.0, strip.mark, strip.right_mark),)
             ends = [row[0] for row in rows[1:]] + [road.length + 1.0]
             for (begin, mark, _), end in zip(rows, ends, strict=True):
                 here = exists & (road.s >= begin) & (road.s < end)

@@ -63,7 +63,7 @@ _GAP_M = 3.7
 """Width of the carriageway in the narrow passage, m."""
 
 
-def _street(
+def _single_road(
     id: str,
     name: str,
     type: str,
@@ -176,7 +176,7 @@ def _narrow_passage() -> MapDesign:
 def _level_crossing() -> MapDesign:
     """Return a country road that a single track crosses at a right angle, 110 m ahead."""
     crossing, reach, before = 310.0, 160.0, 7.0
-    plain = _street(
+    plain = _single_road(
         "level_crossing",
         "Country road over a level crossing",
         "rural",
@@ -207,7 +207,7 @@ def _level_crossing() -> MapDesign:
 
 
 STREETS: tuple[MapDesign, ...] = (
-    _street(
+    _single_road(
         "residential_two_lane",
         "Residential street",
         "townLocal",
@@ -221,7 +221,7 @@ STREETS: tuple[MapDesign, ...] = (
         ),
         RESIDENTIAL,
     ),
-    _street(
+    _single_road(
         "urban_three_lane",
         "One-way street with three lanes",
         "townArterial",
@@ -236,7 +236,7 @@ STREETS: tuple[MapDesign, ...] = (
         (LaneDesign("sidewalk", 3.0),),
         centre_mark="curb",
     ),
-    _street(
+    _single_road(
         "urban_avenue",
         "Avenue with two lanes each way",
         "townArterial",
@@ -251,7 +251,7 @@ STREETS: tuple[MapDesign, ...] = (
         AVENUE,
         centre_mark="solid solid",
     ),
-    _street(
+    _single_road(
         "highway",
         "Divided highway with two lanes and a shoulder each way",
         "motorway",
@@ -266,7 +266,7 @@ STREETS: tuple[MapDesign, ...] = (
         HIGHWAY,
         centre_mark="none",
     ),
-    _street(
+    _single_road(
         "rural_curve",
         "Country road with a long bend",
         "rural",
@@ -289,7 +289,7 @@ STREETS: tuple[MapDesign, ...] = (
             (650.0, 2.5, 0.0, 0.0, 0.0),
         ),
     ),
-    _street(
+    _single_road(
         "rural_hill",
         "Country road over a crest",
         "rural",
@@ -313,7 +313,7 @@ STREETS: tuple[MapDesign, ...] = (
         ),
     ),
     _with_stretch(
-        _street(
+        _single_road(
             "tunnel",
             "Road through a tunnel",
             "rural",
@@ -332,7 +332,7 @@ STREETS: tuple[MapDesign, ...] = (
         _WALLED,
     ),
     _with_stretch(
-        _street(
+        _single_road(
             "bridge",
             "Road over a bridge",
             "rural",
@@ -353,7 +353,7 @@ STREETS: tuple[MapDesign, ...] = (
         StretchDesign("bridge", "b1", "Bridge", 260.0, 160.0),
         _DECK,
     ),
-    _street(
+    _single_road(
         "town_bend",
         "Town street in tight bends",
         "town",
@@ -371,7 +371,7 @@ STREETS: tuple[MapDesign, ...] = (
         ),
         _TOWN,
     ),
-    _street(
+    _single_road(
         "downhill_bend",
         "Country road downhill into a bend",
         "rural",

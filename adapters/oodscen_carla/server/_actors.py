@@ -51,7 +51,7 @@ class Actor:
     acceleration: Vector = ZERO
     speed: float = 0.0
     """Speed along the heading, m/s; negative in reverse."""
-    push: float = 0.0
+    acceleration_along: float = 0.0
     """Acceleration along the heading, m/s^2."""
     control: VehicleControl | None = None
     walk: WalkerControl | None = None
@@ -109,7 +109,7 @@ class Actor:
     def stop(self) -> None:
         """End its motion."""
         self.velocity, self.angular, self.acceleration = ZERO, ZERO, ZERO
-        self.speed = self.push = 0.0
+        self.speed = self.acceleration_along = 0.0
 
     def row(self, token: bytes) -> list[Any]:
         """Return the actor as a client reads it."""

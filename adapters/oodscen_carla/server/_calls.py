@@ -242,7 +242,7 @@ class Calls:
         actor.velocity = read.vector(velocity)
         ahead = rotated(actor.velocity, -actor.place.rotation[1])[0]
         dt = self._world.step
-        actor.push = (ahead - actor.speed) / dt if not actor.has_physics else 0.0
+        actor.acceleration_along = (ahead - actor.speed) / dt if not actor.has_physics else 0.0
         actor.speed = ahead
 
     def rpc_set_actor_target_angular_velocity(self, number: Any, velocity: Any) -> None:

@@ -61,7 +61,7 @@ class Body(NamedTuple):
     state: str
     pose: Pose
     speed: float
-    push: float
+    acceleration_along: float
     """Acceleration along the heading, m/s^2."""
 
 
@@ -75,7 +75,7 @@ class Shot(NamedTuple):
     """Time since the start, s."""
 
 
-class PictureTaker:
+class CameraRenderer:
     """Keeps the drawing simulator's bodies in step with the served world."""
 
     def __init__(self, draughtsman: BodyRenderer) -> None:
@@ -127,7 +127,7 @@ class PictureTaker:
         frame = drawn.draw_from(
             shot.camera,
             shot.mount,
-            accelerations=[one.push for one in shown],
+            accelerations=[one.acceleration_along for one in shown],
             time=shot.time,
             roll_deg=shot.roll_deg,
         )

@@ -15,7 +15,7 @@ import msgpack
 
 from oodscen.errors import UsageError
 from oodscen_carla.server._calls import Calls, failed
-from oodscen_carla.server._cameras import PictureTaker
+from oodscen_carla.server._cameras import CameraRenderer
 from oodscen_carla.server._faults import Faults
 from oodscen_carla.server._messages import MemoryPool, MessageReader, ProtocolError
 from oodscen_carla.server._sensors import WORLD_STREAM, SensorSender
@@ -37,7 +37,7 @@ class Listener:
     def __init__(
         self,
         world: World,
-        studio: PictureTaker,
+        studio: CameraRenderer,
         *,
         host: str = "127.0.0.1",
         port: int = 0,

@@ -10,7 +10,7 @@ from oodscen.protocols import Camera, Frame
 from oodscen_carla.server import _measurements as wire
 from oodscen_carla.server._actors import Actor
 from oodscen_carla.server._blueprints import CAMERAS
-from oodscen_carla.server._cameras import Body, PictureTaker, Shot
+from oodscen_carla.server._cameras import Body, CameraRenderer, Shot
 from oodscen_carla.server._values import CallError, Description, Transform
 from oodscen_carla.server._world import World
 
@@ -56,7 +56,7 @@ def checked_camera(what: Description) -> None:
 class SensorSender:
     """Takes every picture once per mount, for all kinds of camera that hang there."""
 
-    def __init__(self, world: World, studio: PictureTaker, sink: Sink) -> None:
+    def __init__(self, world: World, studio: CameraRenderer, sink: Sink) -> None:
         self._world, self._studio, self._sink = world, studio, sink
 
     def observe(self, dt: float) -> None:

@@ -8,7 +8,7 @@ from typing import cast
 from oodscen import make_simulator
 from oodscen.data import Scene
 from oodscen.errors import MissingExtra, UsageError
-from oodscen_carla.server._cameras import BodyRenderer, PictureTaker
+from oodscen_carla.server._cameras import BodyRenderer, CameraRenderer
 from oodscen_carla.server._faults import Faults
 from oodscen_carla.server._world import World
 
@@ -62,7 +62,7 @@ def serve(
     if not hasattr(drawn, "draw_from"):
         drawn.close()
         raise UsageError(f"simulator {simulator!r} cannot draw for a server; pybullet and flat can")
-    studio = PictureTaker(cast(BodyRenderer, drawn))
+    studio = CameraRenderer(cast(BodyRenderer, drawn))
     try:
         world = World(drawn.catalogue(), scenes, seed)
         faults = Faults()

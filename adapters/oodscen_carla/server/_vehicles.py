@@ -43,11 +43,11 @@ def drive(actor: Actor, control: VehicleControl, friction: float, dt: float) -> 
     2012, chapters 2 and 13); what the steering demands beyond that is a wider bend.
     """
     grip, before = friction * GRAVITY, actor.speed
-    push = max(-grip, min(grip, demanded(control, before)))
-    after = before + push * dt
+    acceleration = max(-grip, min(grip, demanded(control, before)))
+    after = before + acceleration * dt
     if before * after < 0.0:
         after = 0.0
-    left = math.sqrt(max(0.0, grip * grip - push * push))
+    left = math.sqrt(max(0.0, grip * grip - acceleration * acceleration))
     base = WHEELBASE * 2.0 * actor.blueprint.extent[0]
     slip = math.atan(0.5 * math.tan(wheels(control)))
     curvature = math.sin(slip) / (0.5 * base) if base > 0.1 else 0.0
@@ -73,6 +73,6 @@ def drive(actor: Actor, control: VehicleControl, friction: float, dt: float) -> 
             (velocity[1] - old[1]) / dt,
             0.0,
         )
-        actor.push = (after - before) / dt
+        actor.acceleration_along = (after - before) / dt
     actor.velocity, actor.speed = velocity, after
     actor.angular = (0.0, 0.0, math.degrees(turn / dt) if dt > 0.0 else 0.0)

@@ -289,16 +289,20 @@ class World:
             if asset is None:
                 continue
             if actor.staged:
-                pose, speed, push = exact[actor.staged]
+                pose, speed, acceleration = exact[actor.staged]
                 name, state = actor.staged, actor.attributes["state"]
             else:
                 place = self.place_of(actor)
                 x, y, z = place.location
                 yaw = -math.radians(place.rotation[1])
-                push = min(actor.push, _BRAKING) if actor.lights & _BRAKE else actor.push
+                acceleration = (
+                    min(actor.acceleration_along, _BRAKING)
+                    if actor.lights & _BRAKE
+                    else actor.acceleration_along
+                )
                 pose, speed = (x, -y, z, yaw), actor.speed
                 name, state = name_of(actor), _state(actor, asset.states)
-            found.append(Body(actor.id, name, asset, state, pose, speed, push))
+            found.append(Body(actor.id, name, asset, state, pose, speed, acceleration))
         return found
 
     def _staged_rows(self) -> dict[str, tuple[Any, float, float]]:
@@ -312,7 +316,10 @@ class World:
             staged.accelerations().tolist(),
             strict=True,
         )
-        return {body.name: (tuple(pose), speed, push) for body, pose, speed, push in rows}
+        return {
+            body.name: (tuple(pose), speed, acceleration)
+            for body, pose, speed, acceleration in rows
+        }
 
     # ------------------------------------------------------------------ time
 
@@ -365,11 +372,11 @@ class World:
         for actor in self.actors.values():
             if not actor.staged:
                 continue
-            pose, actor.speed, actor.push = rows[actor.staged]
+            pose, actor.speed, actor.acceleration_along = rows[actor.staged]
             x, y, z, yaw = carla_place(pose)
             actor.place = Transform((x, y, z), (0.0, yaw, 0.0))
             actor.velocity = rotated((actor.speed, 0.0, 0.0), yaw)
-            actor.acceleration = rotated((actor.push, 0.0, 0.0), yaw)
+            actor.acceleration = rotated((actor.acceleration_along, 0.0, 0.0), yaw)
 
     def _move(self, actor: Actor, dt: float) -> None:
         if actor.parent:

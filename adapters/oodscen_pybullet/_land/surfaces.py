@@ -317,7 +317,7 @@ def _bare(course: RoadCourse, strip: LaneStrip, *, is_left: bool) -> Mask:
     """Return the pieces along which a strip's edge has no mark, unlike at the ego's start."""
     middle = 0.5 * (course.s[1:] + course.s[:-1])
     found = np.zeros(len(middle), bool)
-    for s, left, right in strip.marks:
+    for s, left, right in strip.mark_changes:
         found[middle >= s] = (left if is_left else right) == "none"
     return found
 

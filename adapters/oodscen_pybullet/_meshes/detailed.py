@@ -7,14 +7,14 @@ from functools import lru_cache
 import numpy as np
 
 from oodscen.data import _shapes as shapes
-from oodscen.data._details import Offers, held_place, posed
+from oodscen.data._details import AssetDetails, held_place, posed
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
 from oodscen_pybullet._meshes.designs.parts import Placing
 from oodscen_pybullet._meshes.living.poses import pose_of
 from oodscen_pybullet._meshes.look import BEATS, Appearance, beating
 from oodscen_pybullet._meshes.made import insert
-from oodscen_pybullet._meshes.vehicles.states import altered
+from oodscen_pybullet._meshes.vehicles.damage import altered
 
 Make = Callable[[str, Appearance], MeshBuilder]
 Shipped = Callable[[str, str], Mesh]
@@ -34,7 +34,7 @@ def detailed(asset: str, shown: Appearance, make: Make, shipped: Shipped) -> Mes
     low, high = _reach(asset, replace(shown, state="", running=False, frame=0), make)
     mesh = altered(make(asset, shown), shown)
     mesh.shift((-(low[0] + high[0]) / 2, -(low[1] + high[1]) / 2, -low[2]))
-    offers = load_catalogue().asset(asset).offers or Offers()
+    offers = load_catalogue().asset(asset).offers or AssetDetails()
     kinds = load_catalogue().details
     pose = kinds.pose(posed(details)) if kinds else None
     if details.holds and pose is not None and pose.grip is not None:

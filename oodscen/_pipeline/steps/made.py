@@ -3,9 +3,9 @@
 from oodscen._pipeline.context import Context
 from oodscen.data._motion import Motion
 from oodscen.data._prop import Prop
-from oodscen.stages._props.files import ASSETS
-from oodscen.stages._props.making import MadeProp
-from oodscen.stages._props.motions import MOTIONS, made_motions
+from oodscen.stages._making.files import ASSETS
+from oodscen.stages._making.making import MadeProp
+from oodscen.stages._making.motions import MOTIONS, made_motions
 
 Made = tuple[tuple[Prop, ...], tuple[Motion, ...]]
 """Things and motions made to order."""

@@ -131,9 +131,6 @@ def _written_scenes(
         scene = Scene.parse(line, source=source)
         if scene.is_ordinary:
             continue
-        if scene.id in found:
-            issue = Issue("", f"there are two scenes {scene.id!r}; remove one")
-            raise DataError(Scene.noun, [issue], source=source)
         if scene.id not in texts and _is_by_hand(scene, staged.get(scene.id)):
             fault = (
                 f"there is no text {scene.id!r} in this study; remove the line, and run the scene by itself with "

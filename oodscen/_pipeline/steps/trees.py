@@ -9,11 +9,11 @@ from oodscen._pipeline.models import is_asked
 from oodscen.data._base import Data
 from oodscen.data._motion import Motion
 from oodscen.stages._grow import TreeGrower
-from oodscen.stages._props.files import ASSETS, picture_of
-from oodscen.stages._props.looking import SeenProp, plate
-from oodscen.stages._props.making import MadeProp, PropMaker, judged_again, wanted_things
-from oodscen.stages._props.motions import MOTIONS, MotionMaker, made_motions, wanted_motions
-from oodscen.stages._props.recognition import PropRecogniser
+from oodscen.stages._making.files import ASSETS, picture_of
+from oodscen.stages._making.looking import ShownProp, views_of
+from oodscen.stages._making.making import MadeProp, PropMaker, judged_again, wanted_things
+from oodscen.stages._making.motions import MOTIONS, MotionMaker, made_motions, wanted_motions
+from oodscen.stages._making.recognition import PropRecogniser
 from oodscen.stages._prune.decisions import PruneDecision, all_decisions, apply_decisions
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.stages._prune.restoration import restoration
@@ -162,8 +162,8 @@ def _with_made(
     return [again.get(one.id, one) for one in judgements]
 
 
-def _keep_picture(run: Context, seen: SeenProp) -> None:
-    run.store.write(picture_of(seen.look.id), to_jpeg(plate(seen)))
+def _keep_picture(run: Context, seen: ShownProp) -> None:
+    run.store.write(picture_of(seen.look.id), to_jpeg(views_of(seen)))
 
 
 def _made(

@@ -222,7 +222,7 @@ class OrdinaryAuthor:
         if _TURNS.search(told):
             fitting = [phrase for phrase in fitting if "straight" not in phrase]
         said = set(plain(told).split()) - _LITTLE
-        fitting.sort(key=lambda phrase: _misfit(phrase, missing, said))
+        fitting.sort(key=lambda phrase: _length_penalty(phrase, missing, said))
         return fitting[int(rng.integers(min(_NEAREST, len(fitting))))] if fitting else ""
 
 
@@ -241,7 +241,7 @@ def _not_twice(frame: str, clause: str) -> str:
     return re.sub(named, r"\1 is free", clause)
 
 
-def _misfit(phrase: str, missing: int, said: set[str]) -> float:
+def _length_penalty(phrase: str, missing: int, said: set[str]) -> float:
     words = plain(phrase).split()
     return abs(len(words) - missing) + _REPEATED * len(said & set(words))
 

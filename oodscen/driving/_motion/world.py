@@ -53,7 +53,7 @@ class WorldSnapshot(NamedTuple):
         return brief(self, self._asdict().items())
 
 
-class Motion(NamedTuple):
+class BodyMotion(NamedTuple):
     """The motion of one body: position in the world and on the road, speed and acceleration."""
 
     x: float
@@ -222,12 +222,12 @@ class KinematicWorld(Brief):
         """Return pitch and roll, rad, and the height about which it turns, m, of every tilted body by row."""
         return tilts(self._state, self._traits)
 
-    def motion(self, body: str) -> Motion:
+    def motion(self, body: str) -> BodyMotion:
         """Return the motion of one body by its id."""
-        return Motion(*self._state[self._rows[body], : col.TRIGGERED + 1].tolist())
+        return BodyMotion(*self._state[self._rows[body], : col.TRIGGERED + 1].tolist())
 
     @property
-    def ego(self) -> Motion:
+    def ego(self) -> BodyMotion:
         """The motion of the ego."""
         return self.motion("ego")
 

@@ -52,7 +52,7 @@ class LaneStrip(Brief):
     """Mark on the left edge: `solid`, `broken`, `curb` or `none`."""
     right_mark: str = "none"
     """Mark on the right edge."""
-    marks: tuple[tuple[float, str, str], ...] = ()
+    mark_changes: tuple[tuple[float, str, str], ...] = ()
     """Changes of marks along the strip: rows of s and the left and right marks from there on;
     `mark` and `right_mark` are those at the ego's start."""
 

@@ -111,7 +111,7 @@ def build_strips(
                 left=freeze(left),
                 mark=mark,
                 right_mark=right_mark,
-                marks=spans if len(spans) > 1 else (),
+                mark_changes=spans if len(spans) > 1 else (),
             )
             strips.insert(0 if sign < 0 else len(strips), strip)
     return strips

@@ -13,7 +13,7 @@ from oodscen._files import replace
 from oodscen.data._episode import ACTIONS, NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.driving import action_driver, load_corridor
-from oodscen.driving._base_simulator import take
+from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import MissingExtra
@@ -226,7 +226,7 @@ class _Log:
 
     def picture(self, state: State, simulator: Simulator, camera: Camera) -> None:
         """Write the camera's picture and depth at the simulator's present state."""
-        frame, name = take(simulator, camera, len(state.ids)), "world/ego/camera"
+        frame, name = render_checked(simulator, camera, len(state.ids)), "world/ego/camera"
         self.stream.set_time(_TIME, duration=state.time)
         self.stream.log(f"{name}/picture", self.rerun.Image(frame.rgb).compress())
         far = np.where(frame.depth < _FARTHEST_M, frame.depth, 0.0)

@@ -46,7 +46,7 @@ class PairColumns:
         drives = np.array(items.kinds)[rows]
         count = np.bincount(owner, minlength=n).astype(np.float64)
         quiet = _products(owner, 1.0 - sheet.called[rows], n)
-        apt = _products(owner, sheet.apt[rows], n)
+        fitting = _products(owner, sheet.fitting[rows], n)
         safe = _sums(owner, sheet.safe[rows], n)
         share = np.divide(safe, count, out=np.full(n, np.nan), where=count > 0)
         neutral = sheet.is_neutral | (
@@ -55,11 +55,13 @@ class PairColumns:
         # One wrong half makes the pair wrong, whatever a marginal action in the other would have scored.
         silent = np.isnan(sheet.safe) & ~sheet.is_neutral
         answered = ~silent & (_sums(owner, silent[rows].astype(np.float64), n) == 0)
-        wrong = (sheet.safe == 0) | (_sums(owner, (sheet.apt[rows] == 0).astype(np.float64), n) > 0)
+        wrong = (sheet.safe == 0) | (
+            _sums(owner, (sheet.fitting[rows] == 0).astype(np.float64), n) > 0
+        )
         return cls(
             mask=count > 0,
             notice=sheet.called * quiet,
-            act=np.where(wrong & answered, 0.0, sheet.safe * apt),
+            act=np.where(wrong & answered, 0.0, sheet.safe * fitting),
             drop=share - sheet.safe,
             is_neutral=neutral & ~(wrong & answered),
             kinds={

@@ -1,4 +1,4 @@
-"""CallBounds on one call: wall-clock time and bytes.
+"""Bounds on one call: wall-clock time and bytes.
 
 A read timeout restarts with every byte, so it never ends a call whose server sends a byte now and then; and
 an endless body fills the memory. The bounds stop both below the HTTP client.
@@ -109,7 +109,7 @@ class CallBounds:
             self.stop("size", f"{HEAD:,}")
             raise BoundReached(f"more than {HEAD:,} bytes and no response")
 
-    def left(self, timeout: float | None) -> float:
+    def seconds_left(self, timeout: float | None) -> float:
         """Return the seconds that the next read or write may take; 0 or less if time is up."""
         if self._is_closed is not None and self._is_closed():
             self.broken = "closed"
@@ -124,7 +124,7 @@ class CallBounds:
         """Return whether to keep waiting for a server that has sent nothing for `pace_s`."""
         if self._clock() - self._silent_since < self.silence_s:
             return True
-        if self._is_alive(self.url, self.left(None)):
+        if self._is_alive(self.url, self.seconds_left(None)):
             self._silent_since = self._clock()
             return True
         self.broken = "silence"

@@ -211,7 +211,7 @@ class _Stream(httpcore.NetworkStream):
         if bounds is None:
             return self._inner.read(max_bytes, timeout)
         while True:
-            left = bounds.left(timeout)
+            left = bounds.seconds_left(timeout)
             if left <= 0:
                 raise httpcore.ReadTimeout(_TOO_LONG)
             try:
@@ -308,7 +308,7 @@ def _left(timeout: float | None) -> float | None:
     bounds = active()
     if bounds is None:
         return timeout
-    left = bounds.left(timeout)
+    left = bounds.seconds_left(timeout)
     if left <= 0:
         raise httpcore.ReadTimeout(_TOO_LONG)
     return left

@@ -58,7 +58,9 @@ def _waiting(at: Setting, rng: np.random.Generator, line: float) -> list[Actor]:
         if not asset:
             return []
         place = line - 0.5 * at.length(asset) - float(rng.uniform(0.4, 1.0))
-        if not lane and place - at.at_m < 0.5 * at.length(asset) + FRONT_M + 2.0 + at.room(_FIRM):
+        if not lane and place - at.decision_m < 0.5 * at.length(asset) + FRONT_M + 2.0 + at.room(
+            _FIRM
+        ):
             return []
         if not lane or rng.random() < 0.6:
             name = "waiting" if not lane else f"beside{lane + 3}"
@@ -93,7 +95,7 @@ def _walkers(at: Setting, rng: np.random.Generator, ahead: float, count: int) ->
         side = 1 if rng.random() < 0.6 else -1
         there, when = float(rng.uniform(low + 1.0, high - 1.0)), at.decision_s
         if number == 1:
-            there, when = float(rng.uniform(-0.9, 0.9)), when + (ahead - at.at_m) / at.speed
+            there, when = float(rng.uniform(-0.9, 0.9)), when + (ahead - at.decision_m) / at.speed
         start, end = (low, high) if side > 0 else (high, low)
         lag = abs(there - start) / speed + 0.3
         if lag > when:
@@ -120,7 +122,7 @@ def _pelican(at: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     # The slowest driver has to stop before the line, or no action would be safe.
     needed = FRONT_M + 4.5 + at.room(_FIRM) + REACTIONS_S[-1] * at.speed
-    ahead = at.at_m + max(at.gap_m, needed)
+    ahead = at.decision_m + max(at.gap_m, needed)
     row = _stripes(at, ahead)
     walkers = _walkers(at, rng, ahead, int(rng.integers(1, 4)))
     since = _turns_red(walkers)
@@ -170,12 +172,12 @@ def zebra(at: Setting, rng: np.random.Generator) -> Draft | None:
             (s - at.corridor.start for s, t in places if abs(t) < 3.0 and s > at.corridor.start),
             default=0.0,
         )
-        if ahead - at.at_m < FRONT_M + 2.0 + at.room(6.0):
+        if ahead - at.decision_m < FRONT_M + 2.0 + at.room(6.0):
             return None
     elif "zebra_crossing" not in at.assets:
         return None
     else:
-        ahead = at.at_m + max(at.gap_m, FRONT_M + 3.5 + at.room(_FIRM))
+        ahead = at.decision_m + max(at.gap_m, FRONT_M + 3.5 + at.room(_FIRM))
         row = _stripes(at, ahead)
     people = _walkers(at, rng, ahead, int(rng.integers(1, 4)))
     if not people:

@@ -22,7 +22,7 @@ from oodscen.data._scene import (
 from oodscen.driving import check_scene
 from oodscen.errors import Issue, SceneError
 from oodscen.protocols import Camera, Simulator
-from oodscen.stages._demands.kinds import Candidate, in_turn
+from oodscen.stages._demands.kinds import Candidate, ranked_candidates
 from oodscen.stages._demands.setting import Draft, Setting
 from oodscen.stages._simulate import VISIBLE_PX, Simulated, simulate
 
@@ -70,7 +70,7 @@ def draw_demand(
     at = Setting.of(scene, catalogue, simulated.trace, simulated.episode.sketch)
     resort: Demanding | None = None
     calm: set[str] = set()
-    for candidate in in_turn(scene, at, seed, _company(scene)):
+    for candidate in ranked_candidates(scene, at, seed, _company(scene)):
         if candidate.kind.id in calm:
             continue
         one = _stage(scene, at, candidate)

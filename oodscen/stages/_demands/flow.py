@@ -48,7 +48,7 @@ def queue(at: Setting, rng: np.random.Generator) -> Draft | None:
     if not first:
         return None
     gap = max(at.gap_m - 0.5 * at.length(first), FRONT_M + 2.5 + at.room(_CALM))
-    rear = at.at_m + gap
+    rear = at.decision_m + gap
     row = _line(at, rng, rear, first, int(rng.integers(2, 5)))
     quote = "a queue of vehicles stands ahead"
     thing_claims = claims("vehicle", quote, ("motion", "stationary"), ("place", "ahead"))
@@ -80,7 +80,7 @@ def leader(at: Setting, rng: np.random.Generator) -> Draft | None:
     slow = max(0.0, speed - hard * since)
     reach = 0.5 * at.length(asset)
     gap = max(at.gap_m, reach + FRONT_M + 3.0 + at.room(_FIRM) - slow * slow / (2.0 * hard))
-    begin = at.at_m + gap - speed * at.decision_s + 0.5 * hard * since * since
+    begin = at.decision_m + gap - speed * at.decision_s + 0.5 * hard * since * since
     if begin < reach + FRONT_M + 4.0:
         return None
     lead = actor(
@@ -94,7 +94,7 @@ def leader(at: Setting, rng: np.random.Generator) -> Draft | None:
         pause=12.0,
     )
     noun = everyday_name(asset)
-    stop = at.at_m + gap + slow * slow / (2.0 * hard) + reach + 3.0
+    stop = at.decision_m + gap + slow * slow / (2.0 * hard) + reach + 3.0
     row = _line(at, rng, stop, at.choose(rng, *CARS), 2)
     quote = f"{with_article(noun)} ahead slows down"
     thing_claims = claims(noun, quote, ("motion", "braking"), ("place", "ahead"))
@@ -116,7 +116,7 @@ def slow_vehicle(at: Setting, rng: np.random.Generator) -> Draft | None:
     if not asset:
         return None
     gap = max(at.gap_m, 0.5 * at.length(asset) + FRONT_M + 2.0 + at.room(_SOFT, speed))
-    begin = at.at_m + gap - speed * at.decision_s
+    begin = at.decision_m + gap - speed * at.decision_s
     noun = everyday_name(asset)
     quote = f"{with_article(noun)} drives slowly ahead in the lane"
     thing_claims = claims(
@@ -137,7 +137,7 @@ def cyclist(at: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     speed = min(float(rng.uniform(4.0, 5.4)), 0.7 * at.speed)
     gap = max(at.gap_m, 1.0 + FRONT_M + 2.0 + at.room(_SOFT, speed))
-    begin = at.at_m + gap - speed * at.decision_s
+    begin = at.decision_m + gap - speed * at.decision_s
     aside = -float(rng.uniform(0.3, 0.7))
     riders = [actor("rider-1", asset, begin, offset=aside, does="follow_lane", speed=speed)]
     if len(at.scene.actors) > 2 and "cyclist" in at.assets:

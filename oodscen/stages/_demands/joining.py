@@ -34,7 +34,7 @@ def merging_car(at: Setting, rng: np.random.Generator) -> Draft | None:
     speed = 0.7 * at.speed
     reach = 0.5 * at.length(asset)
     gap = max(at.gap_m, reach + FRONT_M + 3.0 + at.room(_SOFT, speed))
-    begin = at.at_m + gap - speed * at.decision_s
+    begin = at.decision_m + gap - speed * at.decision_s
     if begin < reach + FRONT_M + 4.0:
         return None
     state = "indicate_right" if side > 0 else "indicate_left"
@@ -63,7 +63,7 @@ def _leaves_the_kerb(at: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     end = 0.5 * 1.6 * since * since
     gap = max(at.gap_m, 0.5 * at.length(asset) + FRONT_M + 4.0 + at.room(_SOFT, 3.5))
-    begin = at.at_m + gap - end
+    begin = at.decision_m + gap - end
     strip = at.edge(begin) - at.half_width(begin)
     if begin < 8.0 or strip < _PARKED_M - 0.2:
         return None
@@ -105,7 +105,7 @@ def ambulance(at: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     speed = at.speed + 2.5
     gap = max(min(at.gap_m, 22.0), 11.0)
-    begin = at.at_m + gap - speed * at.decision_s
+    begin = at.decision_m + gap - speed * at.decision_s
     one = actor(
         "ambulance",
         "ambulance",
@@ -124,7 +124,7 @@ def ambulance(at: Setting, rng: np.random.Generator) -> Draft | None:
     lead = actor(
         "lead",
         slower,
-        at.at_m + gap + 16.0 - 0.6 * at.speed * at.decision_s,
+        at.decision_m + gap + 16.0 - 0.6 * at.speed * at.decision_s,
         does="follow_lane",
         speed=0.6 * at.speed,
     )

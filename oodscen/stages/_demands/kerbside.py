@@ -12,7 +12,7 @@ _CALM = 3.6
 def _place(at: Setting, asset: str) -> tuple[float, float]:
     """Return the place along the road of a vehicle that stands at the kerb, and its offset, m."""
     reach = 0.5 * at.length(asset)
-    ahead = at.at_m + max(at.gap_m, reach + FRONT_M + 2.0 + at.room(_CALM))
+    ahead = at.decision_m + max(at.gap_m, reach + FRONT_M + 2.0 + at.room(_CALM))
     aside = at.edge(ahead) - 0.5 * at.assets[asset].width - 0.2
     return ahead, -min(aside, 0.35)
 
@@ -67,7 +67,7 @@ def works(at: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     if at.has("tunnel", "roundabout", "junction", "bridge"):
         return None
-    begin = at.at_m + max(at.gap_m, FRONT_M + 1.0 + at.room(_CALM))
+    begin = at.decision_m + max(at.gap_m, FRONT_M + 1.0 + at.room(_CALM))
     half = at.half_width(begin)
     row = _closure_of_one(at, rng, begin, half) if at.lanes == 1 else _closure(at, rng, begin, half)
     if not row:

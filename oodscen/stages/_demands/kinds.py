@@ -88,7 +88,7 @@ class Candidate(NamedTuple):
         return (*self.draft.actors, *self.company)
 
 
-def in_turn(
+def ranked_candidates(
     scene: Scene, at: Setting, seed: int, company: tuple[Actor, ...] = ()
 ) -> list[Candidate]:
     """Return draws of the kinds for a scene in the order in which they are tried.

@@ -79,7 +79,7 @@ class Setting:
 
     scene: Scene
     catalogue: Catalogue
-    at_m: float
+    decision_m: float
     """Distance from the ego's start to its place at the decision, along the road, m."""
     speed: float
     """The ego's speed at the decision, m/s."""
@@ -115,7 +115,7 @@ class Setting:
         return cls(
             scene=scene,
             catalogue=catalogue,
-            at_m=float(trace["s"][-1, 0]) - corridor.start,
+            decision_m=float(trace["s"][-1, 0]) - corridor.start,
             speed=float(trace["speed"][-1, 0]),
             decision_s=float(trace["time"][-1, 0]),
             gap_m=gap,
@@ -134,7 +134,7 @@ class Setting:
     def _foreseen(self, one: Actor) -> tuple[float, float, float]:
         place, does = one.placement, one.behaviour
         speed = 0.0 if does.name in _ACROSS else does.parameters.get("speed", 0.0)
-        ahead = place.ahead_m + speed * self.decision_s - self.at_m
+        ahead = place.ahead_m + speed * self.decision_s - self.decision_m
         return ahead, _LANE_M * place.lane + place.offset_m, _frontal_area(self.assets[one.asset])
 
     @cached_property

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
-from oodscen.data._details import DetailKinds, Offers
+from oodscen.data._details import AssetDetails, DetailKinds
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import load_corridor
@@ -40,7 +40,7 @@ def check_catalogue(probe: Probe) -> None:
     kinds = catalogue.details or DetailKinds()
     known = {one.id for one in kinds.poses} | {one.id for one in kinds.parts}
     for asset in catalogue.assets:
-        offers = asset.offers or Offers()
+        offers = asset.offers or AssetDetails()
         for name in sorted({*offers.poses, *offers.parts} - known):
             found.add(f"asset {asset.id}", f"offers {name!r}, which the catalogue's details lack")
 

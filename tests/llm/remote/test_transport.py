@@ -189,10 +189,10 @@ def test_what_is_kept_is_bounded():
 def test_time_is_counted_from_the_beginning_and_not_from_the_last_byte():
     now = 0.0
     bounds = CallBounds(10.0, 100, clock=lambda: now)
-    assert bounds.left(3.0) == 3.0
+    assert bounds.seconds_left(3.0) == 3.0
     now = 8.0
-    assert bounds.left(3.0) == 2.0
-    assert bounds.left(None) == 2.0
+    assert bounds.seconds_left(3.0) == 2.0
+    assert bounds.seconds_left(None) == 2.0
     now = 10.0
-    assert bounds.left(3.0) == 0.0
+    assert bounds.seconds_left(3.0) == 0.0
     assert bounds.broken == "time"

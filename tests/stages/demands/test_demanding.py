@@ -12,7 +12,7 @@ from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._scene import Scene
 from oodscen.driving import check_scene
 from oodscen.stages._demands.demanding import draw_demand
-from oodscen.stages._demands.kinds import KINDS, in_turn
+from oodscen.stages._demands.kinds import KINDS, ranked_candidates
 from oodscen.stages._demands.setting import Look, Setting
 from oodscen.stages._simulate import simulate
 from oodscen.testing._flat import FlatSimulator
@@ -69,7 +69,7 @@ def test_no_kind_looks_like_the_hazard(simulator, asset, left_out):
     changed = scene.model_copy(update={"actors": (box.model_copy(update={"asset": asset}),)})
     run = simulate(scene, simulator)
     at = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
-    kinds = {one.kind.id for one in in_turn(changed, at, 0)}
+    kinds = {one.kind.id for one in ranked_candidates(changed, at, 0)}
     assert left_out not in kinds
     assert kinds < {kind.id for kind in KINDS}
 
@@ -94,6 +94,6 @@ def test_a_demand_has_about_as_many_bodies_as_its_scene(simulator):
 
     def first_bodies(bodies):
         like = replace(at, look=at.look._replace(bodies=bodies))
-        return np.mean([len(in_turn(scene, like, seed)[0].actors) for seed in range(30)])
+        return np.mean([len(ranked_candidates(scene, like, seed)[0].actors) for seed in range(30)])
 
     assert first_bodies(1) < first_bodies(10)

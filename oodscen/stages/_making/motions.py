@@ -13,7 +13,7 @@ from oodscen.errors import Issue, LLMError, OodscenError
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_motion import DesignedMotion, DesignMotion
 from oodscen.protocols import LLM, Control, Simulator
-from oodscen.stages._props.making import is_id, is_makeable
+from oodscen.stages._making.making import is_id, is_makeable
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.tree._scenario_tree import ScenarioTree
 

@@ -7,9 +7,15 @@ from oodscen.data._prop import Prop
 from oodscen.data._scenario import Scenario
 from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.stages._augment import scene_of_draft
-from oodscen.stages._props.looking import SeenProp, plate
-from oodscen.stages._props.making import PropMaker, Wanted, is_makeable, judged_again, wanted_things
-from oodscen.stages._props.recognition import NONE, PropRecogniser
+from oodscen.stages._making.looking import ShownProp, views_of
+from oodscen.stages._making.making import (
+    PropMaker,
+    Wanted,
+    is_makeable,
+    judged_again,
+    wanted_things,
+)
+from oodscen.stages._making.recognition import NONE, PropRecogniser
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.testing import FlatSimulator, ScriptedLLM
@@ -36,13 +42,13 @@ def test_a_design_is_made_and_looked_at() -> None:
 
 
 def test_its_pictures_are_kept() -> None:
-    kept: list[SeenProp] = []
+    kept: list[ShownProp] = []
     with FlatSimulator() as simulator:
         PropMaker(ScriptedLLM([{"prop": WALL}]), simulator, kept.append).make(WANTED)
     (seen,) = kept
     assert seen.look.id == "low_wall"
     height, width, _ = seen.pictures[0].shape
-    assert plate(seen).shape == (height, width * 3 // 2, 3)
+    assert views_of(seen).shape == (height, width * 3 // 2, 3)
 
 
 def recognised(*choices: str) -> Any:

@@ -14,8 +14,8 @@ from oodscen.errors import Issue, LLMError, OodscenError
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_prop import DesignedProp, DesignProp, KnownPart
 from oodscen.protocols import LLM, Simulator
-from oodscen.stages._props.looking import PropLook, SeenProp, look_at
-from oodscen.stages._props.recognition import PropRecogniser
+from oodscen.stages._making.looking import PropLook, ShownProp, look_at
+from oodscen.stages._making.recognition import PropRecogniser
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -71,7 +71,7 @@ class PropMaker:
         self,
         llm: LLM,
         simulator: Simulator,
-        keep: Callable[[SeenProp], None] = lambda seen: None,
+        keep: Callable[[ShownProp], None] = lambda seen: None,
         recogniser: PropRecogniser | None = None,
     ) -> None:
         self.llm = llm
@@ -90,7 +90,7 @@ class PropMaker:
             known=self._parts(wanted.category),
         )
         asked = {"model": speaker(self.llm), "prompt": question.citation()}
-        looks: dict[str, SeenProp] = {}
+        looks: dict[str, ShownProp] = {}
         try:
             answer = ask(self.llm, question, check=lambda answer: self._faults(answer, looks))
         except LLMError as error:
@@ -118,7 +118,7 @@ class PropMaker:
             if one.category in (*_STANDING, category)
         )
 
-    def _faults(self, answer: DesignedProp, looks: dict[str, SeenProp]) -> Sequence[Issue]:
+    def _faults(self, answer: DesignedProp, looks: dict[str, ShownProp]) -> Sequence[Issue]:
         prop = answer.prop
         if prop is None:
             return []

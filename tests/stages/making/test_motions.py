@@ -10,7 +10,7 @@ from oodscen.driving import DynamicSimulator
 from oodscen.errors import SceneError
 from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.stages._augment import scene_of_draft
-from oodscen.stages._props.motions import (
+from oodscen.stages._making.motions import (
     MotionMaker,
     WantedMotion,
     made_motions,

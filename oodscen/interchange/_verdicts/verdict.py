@@ -106,7 +106,7 @@ def verdict(
         doubt = f"the run ends at {states[first].time:g} s, before its decision"
     if not (doubt or ends):
         doubt = f"the run ends at {last.time:g} s, before the horizon at {end:g} s"
-    trace = Trace.measured([states[first], *after], course)
+    trace = Trace.from_states([states[first], *after], course)
     ran_red = line is not None and runs_red([states[first], *after], line, course)
     drive = drive_result(scene, whole, catalogue, driver, steps, dt)
     if doubt:

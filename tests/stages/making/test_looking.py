@@ -7,8 +7,8 @@ from oodscen.data._details import DetailKinds
 from oodscen.data._prop import Prop
 from oodscen.errors import DataError, SceneError, UsageError
 from oodscen.protocols import Camera
-from oodscen.stages._props.files import read_props
-from oodscen.stages._props.looking import (
+from oodscen.stages._making.files import read_props
+from oodscen.stages._making.looking import (
     DISTANCES_M,
     UNSEEN,
     caption,

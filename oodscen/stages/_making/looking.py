@@ -13,7 +13,7 @@ from oodscen.data._details import DetailKinds, Details, PoseKind, check_details
 from oodscen.data._lettering import HEIGHT, strokes, width_of
 from oodscen.data._prop import Prop, check_prop
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger, Weather
-from oodscen.driving._base_simulator import take
+from oodscen.driving._base_simulator import render_checked
 from oodscen.errors import SceneError, UsageError
 from oodscen.protocols import Camera, Frame, Simulator
 
@@ -64,21 +64,21 @@ class PropLook(Data):
 
 
 @dataclass(frozen=True, eq=False)
-class SeenProp:
+class ShownProp:
     """A thing with its pictures, by day and by night at every distance."""
 
     look: PropLook
     pictures: tuple[Image, ...]
 
-    def judged(self, recognised: str, taken_for: str) -> "SeenProp":
+    def judged(self, recognised: str, taken_for: str) -> "ShownProp":
         """Return it with the verdict of a vision model."""
         look = self.look.model_copy(update={"recognised": recognised, "taken_for": taken_for})
-        return SeenProp(look, self.pictures)
+        return ShownProp(look, self.pictures)
 
 
 def look_at(
     props: Iterable[Prop], simulator: Simulator, *, camera: Camera | None = None
-) -> Iterator[SeenProp]:
+) -> Iterator[ShownProp]:
     """Show things one by one on an empty road: animals aside, as they cross, and others from behind.
 
     Args:
@@ -105,7 +105,7 @@ def look_at(
     return _seen(exhibits(), simulator, camera or Camera())
 
 
-def look_at_details(simulator: Simulator, *, camera: Camera | None = None) -> Iterator[SeenProp]:
+def look_at_details(simulator: Simulator, *, camera: Camera | None = None) -> Iterator[ShownProp]:
     """Show every pose of people and every state of vehicles' parts, each on the first asset that has it.
 
     Args:
@@ -162,7 +162,9 @@ def _fitting(catalogue: Catalogue, asset: Asset, pose: PoseKind) -> str:
     return (min if is_single else max)(found, default=(0.0, ""))[1]
 
 
-def _seen(exhibits: Iterable[_Exhibit], simulator: Simulator, camera: Camera) -> Iterator[SeenProp]:
+def _seen(
+    exhibits: Iterable[_Exhibit], simulator: Simulator, camera: Camera
+) -> Iterator[ShownProp]:
     catalogue = simulator.catalogue()
     without = [_shown(simulator, catalogue, None, 0.0, night, camera) for night in (False, True)]
     for one in exhibits:
@@ -173,7 +175,7 @@ def _seen(exhibits: Iterable[_Exhibit], simulator: Simulator, camera: Camera) ->
                 views.append(_view(frame, without[is_night], distance, is_night))
                 pictures.append(frame.rgb)
         look = PropLook(id=one.name, views=tuple(views), faults=tuple(_faults(views, camera)))
-        yield SeenProp(look, tuple(pictures))
+        yield ShownProp(look, tuple(pictures))
 
 
 def _shown(
@@ -207,7 +209,7 @@ def _shown(
         made=() if one is None else one.made,
     )
     state = simulator.reset(scene, 0)
-    return take(simulator, camera, len(state.ids))
+    return render_checked(simulator, camera, len(state.ids))
 
 
 def _view(frame: Frame, without: Frame, distance: float, is_night: bool) -> PropView:
@@ -233,7 +235,7 @@ def _faults(views: Sequence[PropView], camera: Camera) -> Iterator[str]:
 # ---------------------------------------------------------------------- the sheet
 
 
-def sheet(seen: Iterable[SeenProp], *, captions: bool = False, seed: int = 0) -> Image:
+def sheet(seen: Iterable[ShownProp], *, captions: bool = False, seed: int = 0) -> Image:
     """Return a picture with one row per thing: by day and by night, at three distances.
 
     Args:
@@ -261,7 +263,7 @@ def sheet(seen: Iterable[SeenProp], *, captions: bool = False, seed: int = 0) ->
     return np.concatenate(lines)
 
 
-def plate(seen: SeenProp) -> Image:
+def views_of(seen: ShownProp) -> Image:
     """Return a picture of one thing: by day above and by night below, at the three distances."""
     cells = [_middle(picture) for picture in seen.pictures]
     count = len(DISTANCES_M)

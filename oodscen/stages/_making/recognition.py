@@ -14,7 +14,7 @@ from oodscen.data._prop import Prop
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.recognise_prop import RecogniseProp
 from oodscen.protocols import LLM
-from oodscen.stages._props.looking import DISTANCES_M, SeenProp
+from oodscen.stages._making.looking import DISTANCES_M, ShownProp
 
 OPTIONS = 8
 """Number of things that a model chooses among, and "none of these"."""
@@ -38,7 +38,7 @@ class PropRecogniser:
         """The name of the model."""
         return speaker(self.llm)
 
-    def mistakes(self, prop: Prop, seen: SeenProp) -> str:
+    def mistakes(self, prop: Prop, seen: ShownProp) -> str:
         """Return what the model takes a thing for; empty if it names it.
 
         Raises:
