@@ -8,6 +8,7 @@ import struct
 from collections.abc import Iterable
 from typing import Any
 
+import cv2
 import msgpack
 import numpy as np
 from numpy.typing import NDArray
@@ -108,26 +109,29 @@ def picture(
         tags: Semantic tag by row of the frame's ids; the first is unused.
     """
     if kind == "rgb":
-        pixels = np.empty((*frame.depth.shape, 4), np.uint8)
-        pixels[..., :3] = frame.rgb[..., ::-1]
-        pixels[..., 3] = 255
-        return pixels
+        return np.asarray(cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2BGRA), np.uint8)
     if kind == "depth":
-        share = np.minimum(frame.depth, np.float32(FARTHEST)) * (16_777_215.0 / FARTHEST)
-        code = np.rint(share).astype(np.uint32)
-        words = (code & 255) << 16 | (code & 0xFF00) | code >> 16 | _OPAQUE
-    else:
-        numbers = ids.astype(np.uint32) if kind == "instance" else np.uint32(0)
-        table = tags.astype(np.uint32) << 16 | (numbers & 255) << 8 | (numbers >> 8 & 255) | _OPAQUE
-        words = np.where(frame.ids > 0, table[frame.ids], _behind(frame) << 16 | _OPAQUE)
-    return words.astype("<u4").view(np.uint8).reshape(*frame.depth.shape, 4)
+        share = np.minimum(frame.depth, np.float32(FARTHEST))
+        share *= np.float32(16_777_215.0 / FARTHEST)
+        code = np.rint(share, out=share).astype("<u4")
+        code |= _OPAQUE
+        low_first = code.view(np.uint8).reshape(*frame.depth.shape, 4)
+        return np.asarray(cv2.cvtColor(low_first, cv2.COLOR_RGBA2BGRA), np.uint8)
+    numbers = ids.astype(np.uint32) if kind == "instance" else np.uint32(0)
+    table = tags.astype("<u4") << 16 | (numbers & 255) << 8 | (numbers >> 8 & 255) | _OPAQUE
+    words = _behind(frame).astype("<u4")
+    words <<= 16
+    words |= _OPAQUE
+    is_body = frame.ids > 0
+    words[is_body] = table[frame.ids[is_body]]
+    return words.view(np.uint8).reshape(*frame.depth.shape, 4)
 
 
-def _behind(frame: Frame) -> NDArray[np.uint32]:
+def _behind(frame: Frame) -> NDArray[np.uint8]:
     """Return the semantic tags of scenery and sky."""
     if frame.tags is None:
-        return np.where(np.isinf(frame.depth), np.uint32(SKY), np.uint32(OTHER))
-    return np.where(frame.tags == 0, np.uint32(OTHER), frame.tags)
+        return np.where(np.isinf(frame.depth), np.uint8(SKY), np.uint8(OTHER))
+    return np.where(frame.tags, frame.tags, np.uint8(OTHER))
 
 
 def picture_head(width: int, height: int, fov: float) -> bytes:

@@ -13,6 +13,11 @@ MAX_APPROACH_S = 15.0
 TIME, DISTANCE, TTC = 0, 1, 2
 CODES = {"time": TIME, "distance": DISTANCE, "ttc": TTC}
 """Codes of triggers in kernels, by `Trigger.kind`."""
+TIE = 5e-6
+"""Amount by which a trigger's value may be missed, m or s: a few times the rounding of poses, in a world as in a file.
+
+Values taken from a state would otherwise fire there or a step later, as floating-point arithmetic rounds.
+"""
 
 
 @part
@@ -30,8 +35,8 @@ def fires(
         actor_speed: The actor's speed along the road, m/s; negative if it drives against the ego's direction.
     """
     if code == TIME:
-        return time >= value - 1e-9
-    distance = abs(ahead)
+        return time >= value - TIE
+    distance = abs(ahead) - TIE
     if code == DISTANCE:
         return distance <= value
     closing = ego_speed - actor_speed if ahead > 0.0 else actor_speed - ego_speed

@@ -28,9 +28,6 @@ Floats = NDArray[np.float64]
 
 _ALIGNED = 0.8
 """Cosine to the road's direction from which an actor drives along the road."""
-_ROUNDING = 4e-6
-"""Amount by which a trigger's value may be missed, since poses in files are rounded, m or s."""
-
 _EARLY_S = 0.25
 """Time before the horizon at which a run may end, s."""
 
@@ -205,11 +202,8 @@ def _speeds(time: Floats, poses: Floats, corridor: Corridor, towed: Sequence[int
 
 def _decision(scene: Scene, states: Sequence[State], corridor: Corridor) -> tuple[int, bool]:
     """Return the step of the decision, and true if its trigger fired."""
-    decision = scene.decision
-    slack = -_ROUNDING if decision.kind == "time" else _ROUNDING
-    decision = decision.model_copy(update={"value": max(0.0, decision.value + slack)})
     for index, state in enumerate(states):
-        if is_due(decision, None, state, corridor):
+        if is_due(scene.decision, None, state, corridor):
             return index, True
         if state.contacts or state.off_road or state.time >= MAX_APPROACH_S:
             return index, False

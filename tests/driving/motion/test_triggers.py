@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._scene import Trigger
-from oodscen.driving._motion.triggers import CODES, fires, is_due, value_in
+from oodscen.driving._motion.triggers import CODES, TIE, fires, is_due, value_in
 from oodscen.protocols import Control, State
 from tests.driving.staging import actor, scene, world
 
@@ -20,13 +20,22 @@ def test_time_to_collision_is_when_the_distance_is_zero(
     distance = ahead + (other - ego) * later
     meets = bool((np.sign(distance) != np.sign(ahead)).any()) or ahead == 0.0
     margin = abs(abs(ahead) - limit * abs(ego - other))
-    assert due == meets or margin < 1e-6
+    assert due == meets or min(margin, abs(ahead)) <= 2 * TIE
 
 
 @given(st.floats(0, 50), st.floats(0, 50))
 def test_time_triggers_stay_due(value: float, time: float) -> None:
     due = fires(CODES["time"], value, time, 0.0, 0.0, 0.0)
-    assert due == (time >= value - 1e-9)
+    assert due == (time >= value - TIE)
+
+
+@given(st.integers(1, 200_000), st.floats(0, 500), st.floats(-1e-6, 1e-6))
+def test_a_value_taken_from_a_state_fires_there_wherever_the_road_begins(
+    millimetres: int, start: float, noise: float
+) -> None:
+    value = millimetres / 1000
+    ahead = (start + value + noise) - start
+    assert fires(CODES["distance"], value, 0.0, ahead, 10.0, 0.0)
 
 
 @pytest.mark.parametrize("kind", ["time", "distance", "ttc"])
