@@ -2,12 +2,17 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import find_map
 from oodscen.errors import DataError
 from oodscen.interchange import osi_trace, to_openscenario, verdict
 from oodscen.interchange._recording import UnrenderedSimulator, replayed
 from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
+from oodscen.interchange._verdicts.verdict import _speeds
 from oodscen.stages._simulate import simulate
 from tests.interchange.playing import centres
 from tests.interchange.staging import SCENES, catalogue
@@ -38,6 +43,23 @@ def test_a_played_replay_has_the_verdict_of_the_simulation(scene):
     assert found.outcome.margin_m == pytest.approx(outcome.margin_m, abs=0.01)
     assert found.drive.passed == passed
     assert found.drive.driver == "player"
+
+
+@given(
+    st.lists(st.tuples(st.integers(3, 20), st.floats(-8, 4)), min_size=1, max_size=6),
+    st.floats(0, 40),
+)
+def test_speeds_of_poses_are_exact_where_acceleration_changes(stretches, speed):
+    dt = 0.05
+    accelerations = np.repeat([a for _, a in stretches], [count for count, _ in stretches])
+    speeds = speed + dt * np.r_[0.0, np.cumsum(accelerations)]
+    x = np.r_[0.0, np.cumsum(0.5 * dt * (speeds[1:] + speeds[:-1]))]
+    poses = np.zeros((len(x), 1, 4))
+    poses[:, 0, 0] = x
+    found = _speeds(
+        dt * np.arange(len(x)), poses, load_corridor(find_map("urban_avenue", catalogue())), ()
+    )
+    assert found[4:, 0] == pytest.approx(speeds[4:], abs=1e-6)
 
 
 def rows(poses):
