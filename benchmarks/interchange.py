@@ -277,7 +277,7 @@ def ttc_apart(scene: Scene, catalogue: Catalogue, told: Sequence[tuple[int, int,
 
 
 def replays(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
-    simulator, worst, misses, agreed = UnrenderedSimulator(catalogue), [], [], 0
+    simulator, worst, misses, others = UnrenderedSimulator(catalogue), [], [], []
     one_driver = _OneDriver(catalogue)
     for scene in scenes:
         path = to_openscenario(scene, catalogue, target="esmini", action="stop").save(folder)
@@ -291,7 +291,8 @@ def replays(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
             scene, one_driver, actions=("stop",), render=False, reaction=(NOMINAL_REACTION_S,)
         ).episode
         its = verdict(scene, PlayedPoses(run.names, run.time, run.poses), catalogue)
-        agreed += agree(its, ours)
+        if not agree(its, ours):
+            others.append(f"{scene.id}: {its.decision_s:g} s for {ours.decision_s:g} s")
         far, high, turned = errors(run.poses, run.names, truth)
         worst.append((far.max(), high.max(), turned.max()))
         if far.max() > 1e-3 or high.max() > 1e-3 or turned.max() > 1.0:
@@ -305,7 +306,11 @@ def replays(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
         f"height, {most[2]:.3f} deg",
         misses,
     )
-    tell("verdicts from the poses of esmini equal to ours", f"{agreed} of {len(scenes)}")
+    tell(
+        "verdicts from the poses of esmini equal to ours",
+        f"{len(worst) - len(others)} of {len(scenes)}",
+        others,
+    )
 
 
 def agree(its: PlayedVerdict, ours: Episode) -> bool:

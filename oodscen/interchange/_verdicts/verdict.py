@@ -174,7 +174,8 @@ def _states(
 def _speeds(time: Floats, poses: Floats, corridor: Corridor, towed: Sequence[int]) -> Floats:
     """Return the speeds along the headings at the end of every step, from the steps before.
 
-    Acceleration is taken to be constant over two steps, or over the last one if it changed then.
+    Acceleration is taken to be constant over two steps, or over the last one if it changed then. A body that would
+    end a step against its motion in it has come to rest.
     The speed of an actor that drives along the road is the one that covers its way along the road: its heading
     need not be the direction in which it sways. The speed of a towed body is its mean over the last step, as in the
     simulation.
@@ -200,6 +201,7 @@ def _speeds(time: Floats, poses: Floats, corridor: Corridor, towed: Sequence[int
     turn = np.diff(change, axis=0)
     is_sudden = np.abs(turn[:-1]) < 0.5 * np.abs(turn[1:])
     speeds[4:] += np.where(is_sudden, 0.5 * turn[1:], 0.0)
+    speeds[1:][speeds[1:] * mean <= 0.0] = 0.0
     speeds[2:, towed] = mean[1:, towed]
     speeds[0] = mean[0] if len(mean) < 2 else mean[0] - 0.5 * (mean[1] - mean[0])
     return speeds

@@ -45,21 +45,30 @@ def test_a_played_replay_has_the_verdict_of_the_simulation(scene):
     assert found.drive.driver == "player"
 
 
+def along(x):
+    """Return the speeds found for one body on a straight road."""
+    poses = np.zeros((len(x), 1, 4))
+    poses[:, 0, 0] = x
+    road = load_corridor(find_map("urban_avenue", catalogue()))
+    return _speeds(0.05 * np.arange(len(x)), poses, road, ())[:, 0]
+
+
 @given(
     st.lists(st.tuples(st.integers(3, 20), st.floats(-8, 4)), min_size=1, max_size=6),
     st.floats(0, 40),
 )
 def test_speeds_of_poses_are_exact_where_acceleration_changes(stretches, speed):
-    dt = 0.05
     accelerations = np.repeat([a for _, a in stretches], [count for count, _ in stretches])
-    speeds = speed + dt * np.r_[0.0, np.cumsum(accelerations)]
-    x = np.r_[0.0, np.cumsum(0.5 * dt * (speeds[1:] + speeds[:-1]))]
-    poses = np.zeros((len(x), 1, 4))
-    poses[:, 0, 0] = x
-    found = _speeds(
-        dt * np.arange(len(x)), poses, load_corridor(find_map("urban_avenue", catalogue())), ()
-    )
-    assert found[4:, 0] == pytest.approx(speeds[4:], abs=1e-6)
+    speeds = speed + 0.05 * np.r_[0.0, np.cumsum(accelerations)]
+    speeds -= min(0.0, speeds.min())
+    found = along(np.r_[0.0, np.cumsum(0.025 * (speeds[1:] + speeds[:-1]))])
+    assert found[4:] == pytest.approx(speeds[4:], abs=1e-6)
+
+
+@given(st.floats(0.1, 40), st.floats(0.0, 1.0))
+def test_a_body_that_stops_within_a_step_is_at_rest_at_its_end(speed, share):
+    ways = 0.05 * speed * np.r_[np.ones(8), share * 0.5, np.zeros(4)]
+    assert along(np.r_[0.0, np.cumsum(ways)])[9:] == pytest.approx(0.0, abs=1e-9)
 
 
 def rows(poses):
