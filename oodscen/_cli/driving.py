@@ -52,9 +52,9 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     seed = study.config.seed
     with using(make_simulator(study.config.simulator)) as simulator:
         for name, make in makers:
-            with bars() as told:
+            with bars() as progress:
                 for one in drive_scenes(
-                    scenes, make, simulator, name=name, seed=seed, progress=told
+                    scenes, make, simulator, name=name, seed=seed, progress=progress
                 ):
                     found[one.id] = one
     rows = current_results(found.values(), staged)
