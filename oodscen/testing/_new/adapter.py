@@ -100,7 +100,7 @@ class MySimulator(RestorableSimulator):
 
     def move(self, control: Control) -> None:
         """Move the ego, then the actors, which see where the others were."""
-        before = copy.copy(self.movers)
+        before = self.movers
         self.movers = [copy.copy(mover) for mover in before]
         self._drive(self.movers[0], control)
         for mover in self.movers[1:]:
