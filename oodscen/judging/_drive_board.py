@@ -79,7 +79,7 @@ class DriveRow(Data):
 
     driver: str
     kind: Literal["scenes", "twins"]
-    """What it drove in."""
+    """The drives that the row counts."""
     n: int
     """Number of drives, including failed and inconclusive ones."""
     failed: int

@@ -28,7 +28,6 @@ from oodscen.stages._simulate import VISIBLE_PX, Simulated
 
 _SEEN = 4.0
 """Multiple of the least visible pixels that a demand must show at the decision."""
-_MOVING = frozenset({"follow_lane"})
 
 
 class Demanding(NamedTuple):
@@ -112,7 +111,7 @@ def _company(scene: Scene) -> tuple[Actor, ...]:
         one
         for one in scene.actors
         if one.id not in scene.hazard.actors
-        and one.behaviour.name in _MOVING
+        and one.behaviour.name == "follow_lane"
         and one.behaviour.other is None
     )
 
