@@ -58,10 +58,7 @@ class Connection:
             raise UsageError(f"CARLA's address must be host:port, not {address[:80]!r}")
         self._address, self._timeout_s = address, timeout_s
         self._carla = carla = _load()
-        self._cameras: dict[str, tuple[Any, queue.SimpleQueue[Any]]] = {}
-        self._mounted: tuple[int, Camera] | None = None
-        self._actors: list[int] = []
-        self._lit: dict[int, int] = {}
+        self._forget()
         self._map: str | None = None
         self._before: Any = None
         self._frame = 0
@@ -145,7 +142,7 @@ class Connection:
             if doomed:
                 commands = [self._carla.command.DestroyActor(number) for number in doomed]
                 self._client.apply_batch_sync(commands, False)
-        self._cameras, self._mounted, self._actors, self._lit = {}, None, [], {}
+        self._forget()
 
     def _follow_episode(self) -> None:
         """Notice that another client has loaded another world, in which nothing of this one is left."""
@@ -154,7 +151,14 @@ class Connection:
             # A camera that still listens when it is forgotten would end the process.
             self._listen(False)
             self._world, self._map = world, None
-            self._cameras, self._mounted, self._actors, self._lit = {}, None, [], {}
+            self._forget()
+
+    def _forget(self) -> None:
+        """Forget cameras and actors, of which the server has none."""
+        self._cameras: dict[str, tuple[Any, queue.SimpleQueue[Any]]] = {}
+        self._mounted: tuple[int, Camera] | None = None
+        self._actors: list[int] = []
+        self._lit: dict[int, int] = {}
 
     def close(self) -> None:
         """Destroy everything and restore the settings; a server that is gone needs neither."""

@@ -52,9 +52,9 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     seed = study.config.seed
     with using(make_simulator(study.config.simulator)) as simulator:
         for name, make in makers:
-            with bars() as told:
+            with bars() as progress:
                 for one in drive_scenes(
-                    scenes, make, simulator, name=name, seed=seed, progress=told
+                    scenes, make, simulator, name=name, seed=seed, progress=progress
                 ):
                     found[one.id] = one
     rows = current_results(found.values(), staged)
@@ -77,7 +77,7 @@ def _line(row: "DriveRow") -> str:
     """Summarise one driver's results in the scenes, or in the twins, in a few lines."""
     share, mean = row.shares, row.means
     lines = [
-        f"{row.driver}, {row.items}: {row.passed} of {row.n} passed{_range(share['passed'])}, {row.collisions} "
+        f"{row.driver}, {row.kind}: {row.passed} of {row.n} passed{_range(share['passed'])}, {row.collisions} "
         f"collisions{_range(share['collisions'])}, {row.off_road} off the road, {row.failed} failed"
         + (f", {row.inconclusive} inconclusive" if row.inconclusive else ""),
         f"  least TTC {_mean(mean['min_ttc_s'], ' s')}, below 1.5 s in {share['critical'].hits}; least headway "
@@ -86,15 +86,14 @@ def _line(row: "DriveRow") -> str:
     ]
     if (pair := row.paired) is not None and pair.n:
         sound, test = pair.drives_and_passes, pair.against_rule_based
-        lines.append(
+        pairs = (
             f"  of {pair.n} pairs {pair.both} passed both, {pair.twin_only} only the twin, {pair.scene_only} only the "
             f"scene; drives and passes: {sound.hits}{_range(sound)}"
-            + (
-                f", {100 * test.difference:+.0f} points against rule-based (p {test.p_clustered:.3f})"
-                if test
-                else ""
-            )
         )
+        if test:
+            points = f"{100 * test.difference:+.0f} points"
+            pairs += f", {points} against rule-based (p {test.p_clustered:.3f})"
+        lines.append(pairs)
     return "\n".join(lines)
 
 

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -62,38 +63,24 @@ def power(
     """Print the number of scenes needed to tell the success rates FIRST and SECOND apart, e.g. 0.66 0.51."""
     from oodscen.judging._leaderboard.power import power_of, scenes_needed
 
-    needed = scenes_needed(
-        first,
-        second,
-        paired=not unpaired,
-        agreement=agreement,
-        power=wanted,
-        alpha=alpha,
-        comparisons=comparisons,
-        per_path=per_path,
-        icc=icc,
-    )
+    design: dict[str, Any] = {
+        "paired": not unpaired,
+        "agreement": agreement,
+        "alpha": alpha,
+        "comparisons": comparisons,
+        "per_path": per_path,
+        "icc": icc,
+    }
+    needed = scenes_needed(first, second, power=wanted, **design)
     if scenes is None:
         click.echo(needed.model_dump_json(indent=2) if as_json else str(needed))
         return
-    found = power_of(
-        first,
-        second,
-        scenes,
-        paired=not unpaired,
-        agreement=agreement,
-        alpha=alpha,
-        comparisons=comparisons,
-        per_path=per_path,
-        icc=icc,
-    )
+    found = power_of(first, second, scenes, **design)
     if as_json:
         click.echo(json.dumps({"scenes": scenes, "power": found}))
-    else:
-        effect = (
-            f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
-        )
-        click.echo(f"{scenes} scenes{effect} detect that difference with a power of {found:.0%}")
+        return
+    effect = f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
+    click.echo(f"{scenes} scenes{effect} detect that difference with a power of {found:.0%}")
 
 
 @click.command()

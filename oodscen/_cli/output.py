@@ -322,5 +322,5 @@ def tracked(items: Iterable[Item], stage: str, total: int, note: object = "") ->
         total: Number of items.
         note: Shown after the bar as text.
     """
-    with bars(note) as told:
-        yield from counted(items, stage, total, told)
+    with bars(note) as progress:
+        yield from counted(items, stage, total, progress)

@@ -81,14 +81,13 @@ def prune(
         words = found.model_dump_json(indent=2) if as_json else str(found)
         say(words) if out is None else write(out, words)
         return
-    (catalogue,) = offered.values()
+    ((name, catalogue),) = offered.items()
     answers = _judged(model, catalogue, grown, exact, ledger)
     if decisions is not None:
         write_lines(decisions, all_decisions(grown, answers))
     if restore is not None:
         write(restore, restoration(answers).to_json())
     write(out, apply_decisions(grown, answers).to_json())
-    (name,) = offered
     (tally,) = compare(grown, offered, {name: answers}).tallies
     say(str(tally), err=True)
 

@@ -62,11 +62,11 @@ def serve(source: Path | None, port: int, host: str, simulator: str | None, seed
     except ModuleNotFoundError as error:
         raise MissingExtra("oodscen serve", "carla-server", error.name or "msgpack") from None
 
-    def told(line: str) -> None:
+    def log(line: str) -> None:
         say(line, err=True)
 
     with server.serve(
-        scenes, host=host, port=port, simulator=simulator, seed=seed, told=told
+        scenes, host=host, port=port, simulator=simulator, seed=seed, log=log
     ) as serving:
         say(f"serving CARLA 0.9.16's protocol on {host}:{serving.port}; Ctrl-C ends")
         say(f"maps: {', '.join(serving.maps[:12])}{' ...' if len(serving.maps) > 12 else ''}")

@@ -60,8 +60,8 @@ def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None
     ledger = Ledger()
     model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
     grower = TreeGrower(model, nodes=nodes)
-    with bars(ledger) as told:
-        tree = grower.run(progress=told)
+    with bars(ledger) as progress:
+        tree = grower.run(progress=progress)
     write(out, tree.to_json())
 
 

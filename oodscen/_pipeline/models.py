@@ -39,13 +39,12 @@ class Models:
         self._config = config
         self._store = store
         self._options = options
-        self._made: dict[str, LLM] = {}
+        self._made: dict[tuple[str, str | None], LLM] = {}
         self._recorder: Recorder | None = None
 
     def author(self, name: str) -> LLM:
         """Return the model of this name as a writer, with the configuration's fallback."""
-        fallback = self._config.fallback
-        return self.get(name) if fallback is None else self._get(name, fallback)
+        return self._get(name, self._config.fallback)
 
     def get(self, name: str) -> LLM:
         """Return the model of this name, without a fallback."""
@@ -61,7 +60,7 @@ class Models:
         return 1 if is_builtin(name) else self.limits.concurrency
 
     def _get(self, name: str, fallback: str | None) -> LLM:
-        key = f"{name}\0{fallback or ''}"
+        key = (name, fallback)
         if key not in self._made:
             self._made[key] = self._wrapped(name, fallback)
         return self._made[key]
@@ -73,7 +72,7 @@ class Models:
         logged: LLM = LoggedLLM(model, self._log)
         if fallback is not None:
             logged = FallbackLLM(logged, LoggedLLM(self._make(fallback), self._log))
-        if fallback is None and (is_builtin(name) or isinstance(model, ReplayLLM)):
+        elif is_builtin(name) or isinstance(model, ReplayLLM):
             return logged
         if self._recorder is None:
             self._recorder = Recorder.at(self._store.path(ANSWERS))

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any
 
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
@@ -54,15 +53,15 @@ def run_study(
     config = config or StudyConfig()
     check_workers(config.simulator, workers, executor)
     ledger = ledger or Ledger()
-    optional = {"models": models, "outputs": outputs, "limits": limits}
-    chosen: dict[str, Any] = {name: one for name, one in optional.items() if one is not None}
     with reporting(progress, ledger) as report_progress:
         options = RunOptions(
             workers=workers,
             executor=executor,
             progress=report_progress,
+            models=models or {},
+            outputs=outputs or Outputs(),
+            limits=limits or Limits(),
             ledger=ledger,
             retry=retry,
-            **chosen,
         )
         return Pipeline(out, config, options).run()

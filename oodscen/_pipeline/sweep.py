@@ -24,9 +24,10 @@ from oodscen.data._scene import Scene
 from oodscen.driving._trace_table import to_parquet
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
 from oodscen.protocols import Camera, Frame, Simulator
-from oodscen.stages._annotations import annotate, encode_annotations, semantic_map
+from oodscen.stages._annotations import annotate, semantic_map
 from oodscen.stages._decision_retiming import retime
 from oodscen.stages._demands.demanding import draw_demand
+from oodscen.stages._rerun import Rerunner
 from oodscen.stages._restage import Attempt, Restaging, restage
 from oodscen.stages._simulate import Simulated, simulate
 from oodscen.stages._video import View, record
@@ -202,14 +203,8 @@ def _run_pair(job: Job, simulator: Simulator, scene: Scene) -> list[SweepResult]
 
 def _demand(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> SweepResult:
     """Make and run the demand of a scene that was run."""
-
-    def made() -> tuple[Scene, Simulated]:
-        return draw_demand(
-            scene, simulated, simulator, job.seed, job.outputs.traces, job.camera, job.reaction
-        )
-
     name = demand_id(scene.id)
-    found = _guard(job, name, made)
+    found = _guard(job, name, lambda: draw_demand(scene, simulated, _rerunner(job, simulator)))
     if isinstance(found, Episode):
         return SweepResult(found)
     demand, run = found
@@ -307,31 +302,24 @@ def _result(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) 
 def _improve(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> Restaging:
     """Return the scene, re-staged if its hazard cannot be named or its choice does not matter, and its run."""
     found = Restaging(scene, simulated)
-    for stage in (retime, restage):
-        episode = found.simulated.episode
-        if episode.is_below_floor if stage is retime else not episode.is_decidable:
-            better = stage(
-                found.scene,
-                found.simulated,
-                simulator,
-                job.seed,
-                job.outputs.traces,
-                job.camera,
-                job.claims.get(scene.scenario_id, ()),
-                job.reaction,
-            )
-            if episode.restaged and better.scene is not found.scene:
-                better = _describe(
-                    better, f"{episode.restaged}; {better.simulated.episode.restaged}"
-                )
-            found = better._replace(tried=found.tried + better.tried)
+    rerunner, claims = _rerunner(job, simulator), job.claims.get(scene.scenario_id, ())
+    if found.simulated.episode.is_below_floor:
+        found = _after(found, retime(found.scene, found.simulated, rerunner, claims))
+    if not found.simulated.episode.is_decidable:
+        found = _after(found, restage(found.scene, found.simulated, rerunner, claims))
     return found
 
 
-def _describe(found: Restaging, how: str) -> Restaging:
-    """Return a re-staging with another description of the change."""
-    episode = found.simulated.episode.model_copy(update={"restaged": how})
-    return found._replace(simulated=replace(found.simulated, episode=episode))
+def _after(first: Restaging, second: Restaging) -> Restaging:
+    """Return the second of two re-stagings, with what the first one tried and changed."""
+    change = first.simulated.episode.restaged
+    if change and second.scene is not first.scene:
+        second = second.described(f"{change}; {second.simulated.episode.restaged}")
+    return second._replace(tried=first.tried + second.tried)
+
+
+def _rerunner(job: Job, simulator: Simulator) -> Rerunner:
+    return Rerunner(simulator, job.seed, job.outputs.traces, job.camera, job.reaction)
 
 
 def _extra_files(
@@ -347,7 +335,7 @@ def _extra_files(
             state = simulated.state_of(moment)
             notes = annotate(frame, state, scene, catalogue, job.camera)
             classes = semantic_map(frame, state, scene, catalogue, job.camera)
-            for name, data in encode_annotations(moment, frame, notes, classes).items():
+            for name, data in notes.encoded(moment, frame, classes).items():
                 files[f"frames/{scene.id}/{name}"] = data
     if job.outputs.video:
         action = next(iter(simulated.episode.safe_set), None)

@@ -124,13 +124,8 @@ class BuiltinAuthor(Brief):
     def _give_examples(self, prompt: GiveExamples, request: Request) -> Examples:
         rng = self._stream(request, prompt.count)
         shown = {h.id for h in map(self._hazard, prompt.shown) if h is not None}
-        decks = [
-            [h for h in self._knowledge.of_class(name) if h.id not in shown]
-            or list(self._knowledge.of_class(name))
-            for name in ("environmental", "interactional")
-        ]
-        decks = [[deck[i] for i in rng.permutation(len(deck))] for deck in decks if deck]
-        decks = [sorted(deck, key=lambda hazard: not hazard.first) for deck in decks]
+        both = [self._deck(name, shown, rng) for name in ("environmental", "interactional")]
+        decks = [deck for deck in both if deck]
         taken = {plain(text) for text in prompt.shown}
         texts = []
         for number in range(prompt.count):
@@ -139,12 +134,16 @@ class BuiltinAuthor(Brief):
             texts.append(next(self._composer.texts(hazard, rng, taken)))
         return Examples(examples=texts)
 
+    def _deck(self, class_name: str, shown: set[str], rng: np.random.Generator) -> list[HazardKind]:
+        """Return the hazards of a class that were not shown, or all, at random behind the `first` ones."""
+        hazards = self._knowledge.of_class(class_name)
+        new = [hazard for hazard in hazards if hazard.id not in shown] or list(hazards)
+        shuffled = [new[i] for i in rng.permutation(len(new))]
+        return sorted(shuffled, key=lambda hazard: not hazard.first)
+
     def _classify(self, prompt: ClassifyExamples, request: Request) -> Classification:
-        return Classification(
-            examples=[
-                self._class_of(number, text) for number, text in enumerate(prompt.given, start=1)
-            ]
-        )
+        numbered = enumerate(prompt.given, start=1)
+        return Classification(examples=[self._class_of(number, text) for number, text in numbered])
 
     def _class_of(self, number: int, text: str) -> ClassifiedExample:
         hazard = self._hazard(text)

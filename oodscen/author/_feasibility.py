@@ -72,7 +72,7 @@ class BranchJudge:
     """Answers `JudgeBranch` and `JudgeBranches`."""
 
     def __init__(self, recogniser: Recogniser) -> None:
-        """BranchJudge the hazards that a recogniser finds."""
+        """Judge by the hazards that a recogniser finds."""
         self.recogniser = recogniser
         self.knowledge = recogniser.knowledge
 

@@ -21,15 +21,15 @@ from oodscen.baselines._texts import bundled
 from oodscen.errors import UsageError
 
 _SIZE = 2000
-_STYLES = {"caption": 0.34, "ego": 0.24, "lead": 0.08, "scene": 0.18, "reason": 0.10, "notes": 0.06}
-_NEEDS = {
-    "caption": "captions",
-    "ego": "ego",
-    "lead": "ego",
-    "scene": "scenes",
-    "reason": "reasons",
-    "notes": "notes",
+_STYLES = {
+    "caption": ("captions", 0.34),
+    "ego": ("ego", 0.24),
+    "lead": ("ego", 0.08),
+    "scene": ("scenes", 0.18),
+    "reason": ("reasons", 0.10),
+    "notes": ("notes", 0.06),
 }
+"""For each style: the phrases that a situation needs for it, and its share of the texts."""
 _SLOT = re.compile(r"\{(?:([aA]) )?(\w+)\}")
 _EGO = re.compile(r"\bego\b(?! vehicle| car)", re.IGNORECASE)
 _ARTICLE = re.compile(r"\b([aA])n? (?=(\S+))")
@@ -97,9 +97,11 @@ class _Text:
 
     def write(self) -> str:
         """Return a text in a randomly drawn style."""
-        styles = {name: _STYLES[name] for name in _STYLES if _NEEDS[name] in self._situation}
-        total = sum(styles.values())
-        style = self._draws.choice(list(styles), p=[share / total for share in styles.values()])
+        shares = {
+            style: share for style, (needs, share) in _STYLES.items() if needs in self._situation
+        }
+        total = sum(shares.values())
+        style = self._draws.choice(list(shares), p=[share / total for share in shares.values()])
         text = getattr(self, f"_{style}")()
         if self._draws.random() < 0.5:
             text = _translated(text, self._rules["american"])
@@ -163,9 +165,8 @@ def _rules() -> dict[str, Any]:
 
 
 def _suits(situation: Mapping[str, Any], tags: Sequence[str]) -> bool:
-    return set(situation.get("only", ())) <= set(tags) and not set(tags) & set(
-        situation.get("never", ())
-    )
+    only, never = set(situation.get("only", ())), set(situation.get("never", ()))
+    return only <= set(tags) and never.isdisjoint(tags)
 
 
 def _roads(

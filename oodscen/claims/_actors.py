@@ -108,7 +108,7 @@ class ObservedActor:
         along = trace["vx"] * cos + trace["vy"] * sin
         speed = np.sqrt(trace["vx"] ** 2 + trace["vy"] ** 2)
         decision = int(np.searchsorted(time, decision_s(scene, trace) - 1e-6)) + 1
-        own = sum(1 for lane in corridor.ego_lanes) - scene.ego.lane
+        own = len(corridor.ego_lanes) - scene.ego.lane
         return [
             cls(
                 actor=number,
@@ -152,12 +152,12 @@ class ObservedActor:
         taken: Floats = np.maximum(high - low, 0.0) / np.maximum(least, 1e-6)
         return taken
 
-    def judge(self, claim: Claim, told: Sequence[Claim] = ()) -> Verdict:
+    def judge(self, claim: Claim, claims: Sequence[Claim] = ()) -> Verdict:
         """Judge a claim of kind place, distance, motion, state or speed about this actor.
 
         Args:
             claim: The claim of the text.
-            told: All claims about the same thing. One that also moves has to be stationary only at the start,
+            claims: All claims about the same thing. One that also moves has to be stationary only at the start,
                 and one signal of two colours shows all.
         """
         if claim.kind == "place":
@@ -165,10 +165,10 @@ class ObservedActor:
         if claim.kind == "distance":
             return self._distance(float(claim.value))
         if claim.kind == "motion":
-            moves = any(one.kind == "motion" and one.value != "stationary" for one in told)
+            moves = any(one.kind == "motion" and one.value != "stationary" for one in claims)
             return self._motion(claim.value, moves)
         if claim.kind == "state":
-            return self._state(claim.value, {one.value for one in told if one.kind == "state"})
+            return self._state(claim.value, {one.value for one in claims if one.kind == "state"})
         if claim.kind == "speed":
             return self._speed(float(claim.value))
         return True, "it is there"
@@ -212,10 +212,8 @@ class ObservedActor:
         fastest = float(speed.max())
         found = f"it moves at {speed[0]:.1f} m/s at first and at most at {fastest:.1f} m/s"
         if value == "stationary":
-            still = speed[:1] if moves else speed[self.before]
-            return bool(
-                still.max() < _STILL
-            ), f"{found}; what stands moves at less than {_STILL:g} m/s"
+            is_still = bool((speed[:1] if moves else speed[self.before]).max() < _STILL)
+            return is_still, f"{found}; what stands moves at less than {_STILL:g} m/s"
         if value == "moving":
             return fastest > _MOVES, found
         if value == "slow":
@@ -254,7 +252,7 @@ class ObservedActor:
         found = f"it moves at {speeds.min():.0f} to {speeds.max():.0f} km/h"
         return near <= max(5.0, 0.2 * kmh), found
 
-    def _state(self, value: str, told: set[str]) -> Verdict:
+    def _state(self, value: str, states_told: set[str]) -> Verdict:
         if value in _DETAILS:
             return self._detail(value)
         states = self.asset.states
@@ -264,7 +262,7 @@ class ObservedActor:
         if value == "off" and self.asset.category == "vehicle":
             stands_dark = self.state in ("", "off") and float(self.speed.max()) < _STILL
             return self.state == "unlit" or stands_dark, found
-        if value in _COLOURS and len(told & _COLOURS) > 1 and "all_on" in states:
+        if value in _COLOURS and len(states_told & _COLOURS) > 1 and "all_on" in states:
             return self.state == "all_on", f"{found}; several colours at once are 'all_on'"
         if value not in states:
             return None, f"{self.asset.id} cannot show {value!r}"

@@ -23,6 +23,9 @@ _DENSE = 2
 """Number of other road users, besides the hazard, that makes traffic dense."""
 _USERS = frozenset({"vehicle", "cyclist"})
 
+_UNFITTING = 1000
+"""Number of failed claims that a thing without a fitting actor counts as."""
+_STATUSES: Mapping[bool, Literal["holds", "fails"]] = {True: "holds", False: "fails"}
 _OUT_OF_ORDER = frozenset({"off", "all_on", "flashing"})
 """States that a map's own signals never show."""
 
@@ -81,24 +84,24 @@ def check_claims(
     findings: dict[str, dict[Claim, ClaimFinding]] = {}
     taken: set[str] = set()
     roles = {
-        subject: _role(subject, told, scene, seen, catalogue, likeness)
-        for subject, told in by_subject.items()
+        subject: _role(subject, about, scene, seen, catalogue, likeness)
+        for subject, about in by_subject.items()
     }
     for group in _groups(by_subject):
         part = {subject: by_subject[subject] for subject in group}
         for subject, (judged, names) in _settle(part, roles, road).items():
             findings[subject] = judged
             taken |= names
-    told = []
+    ordered = []
     for claim in claims:
         if claim.kind in OF_THINGS:
-            told.append(findings[claim.subject][claim])
+            ordered.append(findings[claim.subject][claim])
         elif claim.kind == "traffic":
-            told.append(_traffic(claim, seen, taken))
+            ordered.append(_traffic(claim, seen, taken))
         else:
             holds, found, path = judge_surroundings(claim, scene, road, trace)
-            told.append(_finding(claim, holds, found, path))
-    return told
+            ordered.append(_finding(claim, holds, found, path))
+    return ordered
 
 
 def mismatches(findings: Iterable[ClaimFinding]) -> list[Mismatch]:
@@ -172,25 +175,13 @@ def _settle(
     thing = thing_named(next(iter(subjects)))
     fitting = list(dict.fromkeys(one for name in subjects for one in roles[name].fitting))
     fitting.sort(key=lambda one: one.actor)
-    scenery = {
-        name: bool(roles[name].map_fault) or is_of_map(name, road)
-        if roles[name].is_of_map
-        else thing is not None and thing.is_scenery(road)
-        for name in subjects
-    }
-    is_vague = thing is not None and thing.vague
+    scenery = {name: _is_scenery(name, roles[name], thing, road) for name in subjects}
     # A signal that is placed replaces the map's own.
     is_signal = thing is not None and thing.group == "signal"
-    single = [
-        name
-        for name, told in subjects.items()
-        if not (
-            is_vague or _several(told) or (roles[name].is_told and len(roles[name].fitting) > 1)
-        )
-    ]
+    single = [name for name in subjects if _is_single(subjects[name], roles[name], thing)]
     settled = {
-        name: _judge_group(told, roles[name], thing, scenery[name])
-        for name, told in subjects.items()
+        name: _judge_group(claims, roles[name], thing, scenery[name])
+        for name, claims in subjects.items()
         if name not in single
     }
     scores = {
@@ -198,21 +189,14 @@ def _settle(
         for name in single
         for one in roles[name].fitting
     }
-    best: tuple[int, tuple[ObservedActor | None, ...]] | None = None
-    pool: list[ObservedActor | None] = [*fitting, *([None] * max(0, len(single) - len(fitting)))]
-    if single and perm(len(pool), len(single)) > _CASTS:
-        pool = pool[: max(len(single), 12)]
-        options = [tuple(pool[: len(single)])] if perm(len(pool), len(single)) > _CASTS else None
-    else:
-        options = None
-    for cast in options or permutations(pool, len(single)):
-        faults = sum(
-            1000 if one is None or (name, one.id) not in scores else _faults(scores[name, one.id])
-            for name, one in zip(single, cast, strict=True)
-        )
-        if best is None or faults < best[0]:
-            best = faults, cast
-    for name, chosen in zip(single, best[1] if best else (), strict=True):
+
+    def faults(cast: Sequence[ObservedActor | None]) -> int:
+        """Return the number of claims that fail; a thing without a fitting actor counts as many."""
+        pairs = [(name, one.id if one else "") for name, one in zip(single, cast, strict=True)]
+        return sum(_faults(scores[pair]) if pair in scores else _UNFITTING for pair in pairs)
+
+    best = min(_casts(fitting, len(single)), key=faults)
+    for name, chosen in zip(single, best, strict=True):
         shown = scenery[name] and _is_scenic(subjects[name], roles[name])
         without = _unstaged(subjects[name], shown, len(fitting), roles[name])
         score = None if chosen is None else scores.get((name, chosen.id))
@@ -224,8 +208,32 @@ def _settle(
     return settled
 
 
-def _several(claims: Sequence[Claim]) -> bool:
-    return any(claim.kind == "count" and int(claim.value) > 1 for claim in claims)
+def _casts(
+    fitting: Sequence[ObservedActor], count: int
+) -> Iterable[tuple[ObservedActor | None, ...]]:
+    """Return the assignments of actors to things to try: all, or those of the first actors, or just one."""
+    pool = [*fitting, *([None] * max(0, count - len(fitting)))]
+    if perm(len(pool), count) > _CASTS:
+        pool = pool[: max(count, 12)]
+    if perm(len(pool), count) > _CASTS:
+        return [tuple(pool[:count])]
+    return permutations(pool, count)
+
+
+def _is_scenery(name: str, role: _Role, thing: Thing | None, road: RoadMap | None) -> bool:
+    """Return whether the map may show a thing."""
+    if role.is_of_map:
+        return bool(role.map_fault) or is_of_map(name, road)
+    return thing is not None and thing.is_scenery(road)
+
+
+def _is_single(claims: Sequence[Claim], role: _Role, thing: Thing | None) -> bool:
+    """Return whether a thing is one particular actor, which no other thing is."""
+    if thing is not None and thing.vague:
+        return False
+    if any(claim.kind == "count" and int(claim.value) > 1 for claim in claims):
+        return False
+    return not role.is_told or len(role.fitting) <= 1
 
 
 def _judge_one(claims: Sequence[Claim], one: ObservedActor) -> dict[Claim, ClaimFinding]:
@@ -253,8 +261,8 @@ def _judge_group(
             ids = ", ".join(one.id for one in fitting)
             findings[claim] = _finding(claim, enough, f"there are {len(fitting)}: {ids}", "actors")
             continue
-        told = [judged[claim] for judged in every]
-        findings[claim] = next((one for one in told if one.status != "fails"), told[0])
+        by_actor = [judged[claim] for judged in every]
+        findings[claim] = next((one for one in by_actor if one.status != "fails"), by_actor[0])
     return findings, {one.id for one in fitting}
 
 
@@ -314,7 +322,5 @@ def _faults(findings: Mapping[Claim, ClaimFinding]) -> int:
 
 
 def _finding(claim: Claim, holds: bool | None, found: str, path: str) -> ClaimFinding:
-    status: Literal["holds", "fails", "open"] = (
-        "open" if holds is None else "holds" if holds else "fails"
-    )
+    status = "open" if holds is None else _STATUSES[holds]
     return ClaimFinding(claim=claim, status=status, found=found, path=path)

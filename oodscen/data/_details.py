@@ -298,7 +298,7 @@ def check_details(
         "text": offers.has_text,
     }
     issues = [
-        Issue(name, f"{asset.id!r} cannot show it; {_able(asset, able)}")
+        Issue(name, f"{asset.id!r} cannot show it; {_able(able)}")
         for name in details.given()
         if not able[name]
     ]
@@ -358,7 +358,7 @@ def _thing_issues(
 _LOADS = "things that do not move by themselves"
 
 
-def _able(asset: "Asset", able: Mapping[str, bool]) -> str:
+def _able(able: Mapping[str, bool]) -> str:
     offered = [name for name, is_able in able.items() if is_able]
     return f"it can show: {', '.join(offered)}" if offered else "it has one look"
 

@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 
 from oodscen._display import Brief
 from oodscen._field_docs import with_fields
-from oodscen._numbers import finite_number
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene
-from oodscen.driving._motion.bodies import GRAVITY, MAX_DRIVE, MAX_STEERING, WHEELBASE
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.protocols import Control, Observation, State
+from oodscen.protocols import Observation, State
 
 Floats = NDArray[np.float64]
 
@@ -189,35 +187,6 @@ def lane_centrelines(corridor: Corridor, *, spacing_m: float = 2.0) -> tuple[Lan
             LaneCentreline(index, direction, points[::direction], (left - right)[::direction])
         )
     return tuple(lines)
-
-
-def within_grip(control: Control, speed: float, friction: float) -> Control:
-    """Return the part of the ego's control that motor, wheels and tyres can follow.
-
-    The kinematic world drives its ego by this friction circle (Rajamani 2012, chapters 2 and 13).
-
-    Args:
-        control: The driver's control.
-        speed: The ego's speed, m/s.
-        friction: Friction scale of the road; 1 is dry asphalt.
-
-    Raises:
-        UsageError: If speed or friction is no finite number.
-    """
-    speed = finite_number("speed", speed, -1e6, 1e6)
-    friction = finite_number("friction", friction, 0.0, 100.0)
-    grip = friction * GRAVITY
-    angle = min(max(control.steering, -MAX_STEERING), MAX_STEERING)
-    along = min(max(control.acceleration, -2.0 * grip), min(MAX_DRIVE, grip))
-    curvature = math.sin(math.atan(0.5 * math.tan(angle))) / (0.5 * WHEELBASE)
-    total = math.hypot(along, speed * speed * curvature)
-    if total > grip:
-        along *= grip / total
-    left = math.sqrt(max(0.0, grip * grip - along * along))
-    if speed * speed * abs(curvature) > left:
-        curvature = math.copysign(left / (speed * speed), curvature)
-        angle = math.atan(2.0 * math.tan(math.asin(0.5 * WHEELBASE * curvature)))
-    return Control(along, angle)
 
 
 def with_heights(poses: Floats, count: int) -> Floats:

@@ -13,9 +13,8 @@ from oodscen.data._base import Data
 from oodscen.data._catalogue import FLAT_M, Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving import _trace_table as table
-from oodscen.driving._motion.world import ego_strip
 from oodscen.driving._roads.building import load_corridor
-from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._roads.corridor import Corridor, ego_strip
 from oodscen.driving._roads.projection import lanes, places
 from oodscen.driving._surrogate_safety import (
     Footprints,

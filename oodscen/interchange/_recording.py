@@ -197,22 +197,22 @@ def _driven(
 
 def _replaced(recording: Recording, other: Recording, rows: Sequence[int]) -> Recording:
     """Return a recording with the courses of some bodies from another."""
-    poses, speeds, places = (
-        array.copy() for array in (recording.poses, recording.speeds, recording.places)
-    )
-    poses[:, rows], speeds[:, rows] = other.poses[:, rows], other.speeds[:, rows]
-    places[:, rows] = other.places[:, rows]
-    return replace(recording, poses=poses, speeds=speeds, places=places)
+    copies = {name: getattr(recording, name).copy() for name in ("poses", "speeds", "places")}
+    for name, array in copies.items():
+        array[:, rows] = getattr(other, name)[:, rows]
+    return replace(recording, **copies)
 
 
 def _resting(recording: Recording, names: Collection[str]) -> Recording:
     """Return a recording in which some actors never leave their start."""
     rows = [row for row, name in enumerate(recording.ids) if name in names]
-    poses, speeds, places = (
-        array.copy() for array in (recording.poses, recording.speeds, recording.places)
+    still = replace(
+        recording,
+        poses=np.broadcast_to(recording.poses[:1], recording.poses.shape),
+        speeds=np.zeros_like(recording.speeds),
+        places=np.broadcast_to(recording.places[:1], recording.places.shape),
     )
-    poses[:, rows], speeds[:, rows], places[:, rows] = poses[:1, rows], 0.0, places[:1, rows]
-    return replace(recording, poses=poses, speeds=speeds, places=places)
+    return _replaced(recording, still, rows)
 
 
 def _corridor(scene: Scene, simulator: Simulator) -> Corridor:
@@ -222,15 +222,13 @@ def _corridor(scene: Scene, simulator: Simulator) -> Corridor:
 def _calm(scene: Scene) -> Scene:
     """Return the scene with triggers on the ego that never fire."""
     never = Trigger(kind="time", value=_NEVER_S)
-    actors = tuple(
-        one
-        if one.behaviour.trigger.kind == "time"
-        else one.model_copy(
-            update={"behaviour": one.behaviour.model_copy(update={"trigger": never})}
-        )
-        for one in scene.actors
-    )
-    return scene.model_copy(update={"actors": actors})
+    actors = []
+    for actor in scene.actors:
+        if actor.behaviour.trigger.kind != "time":
+            behaviour = actor.behaviour.model_copy(update={"trigger": never})
+            actor = actor.model_copy(update={"behaviour": behaviour})
+        actors.append(actor)
+    return scene.model_copy(update={"actors": tuple(actors)})
 
 
 def ordinary_twin(scene: Scene, catalogue: Catalogue, *, seed: int = 0) -> Scene:

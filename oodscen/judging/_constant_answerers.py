@@ -39,7 +39,7 @@ class ConstantAnswerer(Brief):
         UnknownComponent: If there is no such action.
     """
 
-    _repr_fields = ("action", "seed")
+    _repr_fields = ("action",)
 
     kind: ClassVar[Literal["reference"]] = "reference"
 

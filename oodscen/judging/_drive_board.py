@@ -62,8 +62,7 @@ class Pairing(Data):
     neither: int = 0
     drives_and_passes: DriveRate = DriveRate()
     """Passed in both, with a progress of at least `HARDLY_DRIVES` in the twin. A driver that stands still passes
-    many
-    scenes but does not count here.
+    many scenes but does not count here.
     """
     progress_lost: Estimate = Estimate()
     """Progress in the twin minus progress in the scene."""
@@ -79,7 +78,8 @@ class DriveRow(Data):
     noun: ClassVar[str] = "drive row"
 
     driver: str
-    items: Literal["scenes", "twins"]
+    kind: Literal["scenes", "twins"]
+    """The drives that the row counts."""
     n: int
     """Number of drives, including failed and inconclusive ones."""
     failed: int
@@ -111,9 +111,9 @@ class DriveBoard(Data):
     """The rows of every driver, for scenes and twins, best first by `drives_and_passes`."""
     paths: int = 0
 
-    def of(self, driver: str, items: Literal["scenes", "twins"] = "scenes") -> DriveRow | None:
+    def of(self, driver: str, kind: Literal["scenes", "twins"] = "scenes") -> DriveRow | None:
         """Return the row of one driver, or `None`."""
-        return next((r for r in self.rows if (r.driver, r.items) == (driver, items)), None)
+        return next((r for r in self.rows if (r.driver, r.kind) == (driver, kind)), None)
 
     @property
     def drivers(self) -> tuple[str, ...]:
@@ -225,7 +225,7 @@ class _Sums:
         return path_of(one, self._paths)
 
     def row(
-        self, driver: str, items: Literal["scenes", "twins"], drives: Sequence[DriveResult]
+        self, driver: str, kind: Literal["scenes", "twins"], drives: Sequence[DriveResult]
     ) -> DriveRow:
         ran = [one for one in drives if one.status == "ok"]
         shares = {
@@ -236,7 +236,7 @@ class _Sums:
         }
         return DriveRow(
             driver=driver,
-            items=items,
+            kind=kind,
             n=len(drives),
             failed=sum(one.status == "failed" for one in drives),
             inconclusive=sum(one.status == "inconclusive" for one in drives),

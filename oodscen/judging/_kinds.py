@@ -1,5 +1,6 @@
 """The kinds of situation that the closed question offers: possible on the road shown, and told apart by frames."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -49,10 +50,9 @@ class Kinds:
         leaves = {one.id: one.leaf for one in scenarios}
         here: dict[str, list[AspectOption]] = {}
         for scene, place in sorted(maps.items()):
-            for kind in kinds:
-                own = here.setdefault(place, [])
-                if kind not in own and kind.holds(leaves.get(scene, "")):
-                    own.append(kind)
+            leaf = leaves.get(scene, "")
+            own = here.setdefault(place, [])
+            own += [kind for kind in kinds if kind not in own and kind.holds(leaf)]
         anywhere = [kind for kind in kinds if not _places(kind.label)]
         lists: dict[str, tuple[tuple[AspectOption, ...], ...]] = {}
         homes: dict[str, dict[str, int]] = {}
@@ -95,10 +95,10 @@ def merge_kinds(labels: Mapping[str, str]) -> list[AspectOption]:
 
 
 def _look(label: str) -> object:
-    """Return what frames show of a label: its concepts, and the words outside them."""
+    """Return what frames show of a label: its concepts, or its words if it has none."""
     found = visible_naming(label)
     names = frozenset(one.name for one in found.concepts)
-    return (names, frozenset(found.rest)) if not names else (names, frozenset())
+    return names, frozenset(() if names else found.rest)
 
 
 def _places(label: str) -> set[str]:
@@ -107,7 +107,7 @@ def _places(label: str) -> set[str]:
 
 def _parts(ordered: Sequence[AspectOption]) -> list[Sequence[AspectOption]]:
     """Divide kinds into as few parts of at most `LISTED` as can be, of equal size up to one."""
-    count = -(-len(ordered) // LISTED)
+    count = max(1, math.ceil(len(ordered) / LISTED))
     ends = [len(ordered) * number // count for number in range(count + 1)]
     return [ordered[start:end] for start, end in pairwise(ends)]
 

@@ -126,8 +126,7 @@ class Blind(_Direct):
 
     It calls everything OOD with a confidence of one half, names the most frequent leaf of the other paths, and
     chooses the action that is most often safe in the scenes and twins of other paths. This is the score within
-    reach
-    of a model that has read about the benchmark and never looks.
+    reach of a model that has read about the benchmark and never looks.
 
     Args:
         episodes: Episodes of the study, for the prior.
@@ -162,8 +161,8 @@ class Blind(_Direct):
 class NoveltyReference(_Direct):
     """Measures the novelty of the last frame with classical vision, without any model.
 
-    The features are means, spreads and edge strengths of a grid of cells in Lab colours. NoveltyReference is the
-    distance to the nearest ordinary frames. It is fitted to twins on *other maps* only, so that the
+    The features are means, spreads and edge strengths of a grid of cells in Lab colours. Novelty is the distance
+    to the nearest ordinary frames. It is fitted to twins on *other maps* only, so that the
     scene, its twin and its street are all unseen. A frame is called OOD if its novelty exceeds the median
     novelty of the ordinary frames, each measured the same way; the answer is then to stop, else to keep the
     speed. It cannot name what is unusual.

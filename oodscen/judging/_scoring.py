@@ -127,19 +127,30 @@ def score_answers(
     protocol: Protocol,
     failures: Sequence[OodscenError],
     judge: LLM | None,
-    is_closed_asked: bool = False,
     *,
     kind: Literal["model", "reference"] = "model",
 ) -> Verdict:
-    """Compare the answers with the ground truth."""
-    is_ood, action, choice = fields.get("is_ood"), fields.get("action"), fields.get("choice")
+    """Compare the answers with the ground truth.
+
+    Args:
+        episode: The episode, with the outcome of every action.
+        model: Name of the answerer.
+        truth: The ground truth of the first task.
+        options: Options of the closed question, as shown.
+        fields: The verdict's fields about the answers; a field is missing where no answer could be read.
+        protocol: Protocol of the questions.
+        failures: Errors of the questions without an answer.
+        judge: Decides whether an open aspect is right, instead of the documented matcher.
+        kind: Kind of the answerer.
+    """
+    is_ood, action = fields.get("is_ood"), fields.get("action")
     if is_ood is not None and not episode.is_ordinary:
         named = score_naming(fields["aspect"] if is_ood else "", truth.path, truth.visible)
         fields |= {"thing_is_right": named.thing, "aspect_is_right": named.right}
-    if choice is not None or is_closed_asked:
+    if "choice" in fields:
         right = NOTHING if episode.is_ordinary else truth.leaf
         right = next((one.id for one in options if one.holds(right)), right)
-        fields["choice_is_right"] = choice == right
+        fields["choice_is_right"] = fields["choice"] == right
     outcome = episode.actions.get(action) if action else None
     if outcome is not None:
         touched = bool(outcome.contacts)

@@ -188,8 +188,10 @@ class Metrics(Brief):
         if clusters is not None and len(clusters) != len(plain):
             fault = f"has {len(clusters)} labels for {len(plain)} texts"
             raise DataError("groups", [Issue("", fault)])
-        with reporting(progress) as told:
-            return report(self._space, plain, clusters, definition, checks=checks, told=told)
+        with reporting(progress) as report_progress:
+            return report(
+                self._space, plain, clusters, definition, checks=checks, progress=report_progress
+            )
 
     def off_topic(self, texts: Texts, threshold: float = THRESHOLD) -> OffTopicFlags:
         """Return the texts that are not about driving a car; see `oodscen.metrics._detection.guard`.

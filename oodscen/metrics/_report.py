@@ -141,7 +141,7 @@ class MetricsReport(Data):
             (
                 (
                     name,
-                    "–" if value is None else f"{value:.3f}" if isinstance(value, float) else value,
+                    _cell(value),
                     f"{interval.low:.3f} to {interval.high:.3f}" if interval else "",
                 )
                 for name, value, interval in rows
@@ -190,25 +190,25 @@ def report(
     definition: Measure,
     *,
     checks: bool,
-    told: Progress = silent,
+    progress: Progress = silent,
 ) -> MetricsReport:
     """Return all figures of a set of texts; see `Metrics.report`."""
     total = 5 if checks else 2
-    told("metrics", 0, total)
+    progress("metrics", 0, total)
     found = oodness(space, texts, clusters, definition)
-    told("metrics", 1, total)
+    progress("metrics", 1, total)
     encoder = space.encoder.name
     differing = diversity(space.vectors(texts), encoder, clusters, seed=space.seed)
-    told("metrics", 2, total)
+    progress("metrics", 2, total)
     calibration = control = flags = None
     if checks:
         calibration = _calibration(space, found)
-        told("metrics", 3, total)
+        progress("metrics", 3, total)
         control = _control(space, found, clusters)
-        told("metrics", 4, total)
+        progress("metrics", 4, total)
         if is_calibrated(encoder):
             flags = space.guard.flags(space.vectors(texts))
-        told("metrics", 5, total)
+        progress("metrics", 5, total)
     return MetricsReport(
         oodness=found,
         diversity=differing,
@@ -268,8 +268,10 @@ def _control(space: "Space", found: Oodness, clusters: Sequence[str] | None) -> 
 
 
 def _by_group(clusters: Sequence[str] | None, values: Sequence[float]) -> dict[str, GroupScore]:
+    if not clusters:
+        return {}
     members: dict[str, list[float]] = {}
-    for label, value in zip(clusters or (), values if clusters else (), strict=True):
+    for label, value in zip(clusters, values, strict=True):
         members.setdefault(label, []).append(value)
     return {
         label: GroupScore(n=len(found), oodness=math.fsum(found) / len(found))
@@ -281,6 +283,12 @@ def _figure(value: float | None, interval: Interval | None) -> str:
     if value is None:
         return "none: one text has no other to differ from"
     return f"{value:+.3f}" + (f"  [{interval.low:+.3f}, {interval.high:+.3f}]" if interval else "")
+
+
+def _cell(value: float | None) -> str:
+    if value is None:
+        return "–"
+    return f"{value:.3f}" if isinstance(value, float) else str(value)
 
 
 def _range(found: Interval | None) -> str:

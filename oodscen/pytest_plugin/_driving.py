@@ -260,7 +260,7 @@ class Drive:
         end = last.states[-1]
         if folder is None or last.pictures or self._simulator.observe().time != end.time:
             return last  # A simulator that was used since shows another moment.
-        from oodscen.stages._video import birds_eye
+        from oodscen.stages._birds_eye import birds_eye
 
         try:
             above = birds_eye(end, last.scene, self._simulator.catalogue())

@@ -131,7 +131,24 @@ class FrameAnnotations(Data):
         Raises:
             MissingExtra: When OpenCV is not installed.
         """
-        return save_annotations(folder, name, frame, self, classes)
+        target = Path(folder)
+        target.mkdir(parents=True, exist_ok=True)
+        written = []
+        for file, data in self.encoded(name, frame, classes).items():
+            (target / file).write_bytes(data)
+            written.append(target / file)
+        return written
+
+    def encoded(self, name: str, frame: Frame, classes: NDArray[np.uint8]) -> dict[str, bytes]:
+        """Return the files of `save` as data by name."""
+        levels = np.where(np.isfinite(frame.depth), np.rint(frame.depth / DEPTH_STEP_M), 0.0)
+        depth = np.clip(levels, 0.0, 65535.0).astype(np.uint16)
+        return {
+            f"{name}.json": (self.to_json() + "\n").encode(),
+            f"{name}.ids.png": _png(frame.ids.astype(np.uint16)),
+            f"{name}.classes.png": _png(classes),
+            f"{name}.depth.png": _png(depth),
+        }
 
 
 def annotate(
@@ -234,48 +251,6 @@ def semantic_map(
     is_ground = kinds > 0
     classes[rows[is_ground], columns[is_ground]] = kinds[is_ground]
     return classes
-
-
-def save_annotations(
-    folder: str | Path,
-    name: str,
-    frame: Frame,
-    annotations: FrameAnnotations,
-    classes: NDArray[np.uint8],
-) -> list[Path]:
-    """Write `NAME.json`, `NAME.ids.png`, `NAME.classes.png` and `NAME.depth.png`.
-
-    Args:
-        folder: The folder; created if it does not exist.
-        name: Name of the frame, e.g. `last`.
-        frame: Provides ids and depth.
-        annotations: The frame's annotations.
-        classes: The frame's semantic map.
-
-    Raises:
-        MissingExtra: When OpenCV is not installed.
-    """
-    target = Path(folder)
-    target.mkdir(parents=True, exist_ok=True)
-    written = []
-    for file, data in encode_annotations(name, frame, annotations, classes).items():
-        (target / file).write_bytes(data)
-        written.append(target / file)
-    return written
-
-
-def encode_annotations(
-    name: str, frame: Frame, annotations: FrameAnnotations, classes: NDArray[np.uint8]
-) -> dict[str, bytes]:
-    """Return the files of `save_annotations` as data by name."""
-    levels = np.where(np.isfinite(frame.depth), np.rint(frame.depth / DEPTH_STEP_M), 0.0)
-    depth = np.clip(levels, 0.0, 65535.0).astype(np.uint16)
-    return {
-        f"{name}.json": (annotations.to_json() + "\n").encode(),
-        f"{name}.ids.png": _png(frame.ids.astype(np.uint16)),
-        f"{name}.classes.png": _png(classes),
-        f"{name}.depth.png": _png(depth),
-    }
 
 
 def _ground(

@@ -1,25 +1,31 @@
 """Moves of a scene's decision to the moment from which a viewer can name the hazard."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
 from oodscen.data._claim import Claim
-from oodscen.data._episode import MOMENTS, REACTIONS_S
 from oodscen.data._scene import Scene, Trigger
 from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
 from oodscen.driving import load_corridor
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import value_in
+from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.decision_view import drawn
 from oodscen.driving._sight.scene_checks import bodies
 from oodscen.driving._sight.staging_advice import LATEST_S, LOOK_S
 from oodscen.errors import OodscenError
-from oodscen.protocols import Camera, Simulator, State, camera_for
-from oodscen.stages._restage import Attempt, Restaging, changed_scene, contradiction
-from oodscen.stages._simulate import Simulated, approach, simulate
+from oodscen.protocols import State, camera_for
+from oodscen.stages._rerun import Rerunner
+from oodscen.stages._restage import (
+    Attempt,
+    Restaging,
+    changed_scene,
+    contradiction,
+    fault_of_run,
+)
+from oodscen.stages._simulate import Simulated, approach
 from oodscen.stages._visibility import sighting
 
 MOST_MOMENTS = 6
@@ -38,14 +44,7 @@ class _Later(NamedTuple):
 
 
 def retime(
-    scene: Scene,
-    simulated: Simulated,
-    simulator: Simulator,
-    seed: int,
-    traces: bool = False,
-    camera: Camera | None = None,
-    claims: Sequence[Claim] = (),
-    reaction: Sequence[float] = REACTIONS_S,
+    scene: Scene, simulated: Simulated, rerunner: Rerunner, claims: Sequence[Claim] = ()
 ) -> Restaging:
     """Return the scene with the first later decision at which a viewer can name the hazard, and its run.
 
@@ -58,33 +57,20 @@ def retime(
     Args:
         scene: A scene whose hazard cannot be named at the decision.
         simulated: Its run.
-        simulator: The simulator for the trials.
-        seed: Seed of the simulator's random streams.
-        traces: Keep the ground truth of every action's rollout.
-        camera: The camera; by default the ego's dash camera.
+        rerunner: Runs the trials.
         claims: Claims of the scene's text, which the changed scene must not contradict.
-        reaction: Reaction times of the drivers who try every action, s.
     """
     tried: list[Attempt] = []
-    before = simulated.episode
+    before, catalogue = simulated.episode, rerunner.simulator.catalogue()
     is_too_easy = bool(before.safe_set) and not before.is_decidable
     easy: tuple[Scene, str] | None = None
 
     def rerun(variant: Scene, how: str) -> Restaging | None:
         """Return the variant and its rendered run, or `None` if the hazard still cannot be named."""
-        again = simulate(
-            variant,
-            simulator,
-            seed=seed,
-            camera=camera,
-            traces=traces,
-            moments=tuple(simulated.frames) or MOMENTS,
-            reaction=reaction,
-        )
+        again = rerunner.run(variant, simulated)
         if again.episode.is_below_floor:
             return None
-        episode = again.episode.model_copy(update={"restaged": how})
-        return Restaging(variant, replace(again, episode=episode), tuple(tried))
+        return Restaging(variant, again, tuple(tried)).described(how)
 
     for share in SLOWER if scene.ego.speed > 0.0 else SLOWER[:1]:
         slowed, how = scene, TO_NAME
@@ -93,16 +79,12 @@ def retime(
             how += f"approach speed {scene.ego.speed:g} -> {slowed.ego.speed:g} m/s, "
         whys: list[str] = []
         try:
-            for variant, distance in _later(
-                slowed, simulator, seed, camera_for(simulator.catalogue(), camera)
-            ):
-                probe = simulate(
-                    variant, simulator, seed=seed, render=False, reaction=reaction
-                ).episode
+            for variant, distance in _later(slowed, rerunner):
+                probe = rerunner.probe(variant)
                 what = f"{how}decision {_said(scene.decision)} -> {_said(variant.decision)}"
                 is_usable = probe.is_decidable or (is_too_easy and probe.safe_set)
                 why = "" if probe.safe_set else "no action is safe"
-                why = why or contradiction(claims, scene, variant, simulator.catalogue())
+                why = why or contradiction(claims, scene, variant, catalogue)
                 if not (is_usable or why):
                     easy = easy or (variant, what)
                     why = "every action is safe"
@@ -111,7 +93,7 @@ def retime(
                 elif done := rerun(variant, what):
                     return done
         except OodscenError as error:
-            whys.append(f"it cannot be run: {str(error).strip().splitlines()[-1].strip(' -')}")
+            whys.append(fault_of_run(error))
         why = whys[0] if whys else "the hazard cannot be named before the ego reaches it"
         tried.append(Attempt(f"{how}a later decision", why))
     done = rerun(*easy) if easy else None
@@ -133,25 +115,23 @@ def _slow_ego(scene: Scene, share: float) -> Scene:
     return changed_scene(scene, ego=ego, actors=actors)
 
 
-def _later(
-    scene: Scene, simulator: Simulator, seed: int, camera: Camera
-) -> Iterator[tuple[Scene, float]]:
+def _later(scene: Scene, rerunner: Rerunner) -> Iterator[tuple[Scene, float]]:
     """Yield the scene with decisions at which the hazard can be named, each with the distance from there, m."""
-    catalogue = simulator.catalogue()
-    corridor = load_corridor(scene.map, catalogue)
+    corridor = load_corridor(scene.map, rerunner.simulator.catalogue())
     # The variants are run in the same simulator: all moments are found first.
-    for later in list(islice(_moments(scene, simulator, seed, camera), MOST_MOMENTS)):
+    for later in list(islice(_moments(scene, rerunner, corridor), MOST_MOMENTS)):
         value = value_in(scene.decision, later.state, corridor)
         decision = scene.decision.model_copy(update={"value": value})
         yield changed_scene(scene, decision=decision), later.seen.distance_m
 
 
-def _moments(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> Iterator[_Later]:
+def _moments(scene: Scene, rerunner: Rerunner, corridor: Corridor) -> Iterator[_Later]:
     """Drive blindly on from the decision and yield the moments at which the hazard can be named."""
+    simulator = rerunner.simulator
     catalogue = simulator.catalogue()
-    corridor = load_corridor(scene.map, catalogue)
+    camera = camera_for(catalogue, rerunner.camera)
     driver = Cruise()
-    state = approach(scene, simulator, seed)[0][-1]
+    state = approach(scene, simulator, rerunner.seed)[0][-1]
     steps = max(1, round(LOOK_S / simulator.dt))
     for step in range(round(LATEST_S / simulator.dt)):
         if state.contacts or state.off_road:

@@ -86,37 +86,23 @@ def evaluate(
             `MODEL without pictures`. Neither in the paper's protocol nor for references.
     """
     truth = Truth(tuple(path), leaf, tuple(visible))
-    if protocol == "paper":
-        options = ()
+    is_paper = protocol == "paper"
+    if is_paper:
+        options, rear, withheld = (), None, False
     if takes_cases(vlm):
         return _judged_directly(episode, vlm, truth, options, protocol, judge)
-    is_paper = protocol == "paper"
-    withheld = withheld and not is_paper
-    asked = _Asked(vlm, is_chain=(chain and not withheld) or is_paper)
-    shown = Shown.of(episode, frames, is_present=not is_paper, rear=None if is_paper else rear)
-    shown = shown.without_pictures() if withheld else shown
-    fields: dict[str, Any] = {}
-    try:
-        if protocol == "paper":
-            decided = before or Shown(shown.images[:-1], DriveFacts())
-            fields |= asked.action(decided, asked.described(decided), protocol)
-        descriptions = asked.described(shown)
-        fields["descriptions"] = descriptions
-        fields |= asked.aspect(shown, descriptions, protocol)
-        if options:
-            fields |= asked.choice(shown, descriptions, options)
-        if protocol != "paper":
-            fields |= asked.action(shown, descriptions, protocol)
-    except LLMError as error:
-        asked.failures.append(error)
-    fields["notes"] = tuple(asked.notes)
-    fields["prompts"] = asked.versions
+    asked = _Asked(vlm, protocol, is_chain=is_paper or (chain and not withheld))
+    shown = Shown.of(episode, frames, is_present=not is_paper, rear=rear)
+    if withheld:
+        shown = shown.without_pictures()
+    if is_paper and before is None:
+        before = Shown(shown.images[:-1], DriveFacts())
     return score_answers(
         episode,
         without_pictures(vlm.name) if withheld else vlm.name,
         truth,
         options,
-        fields,
+        asked.answers(shown, before if is_paper else None, options),
         protocol,
         asked.failures,
         judge,
@@ -158,11 +144,43 @@ class _Asked:
     """Asks the questions about one item, and keeps failures and notes on how answers were read."""
 
     llm: LLM
-    is_chain: bool = False
+    protocol: Protocol
+    is_chain: bool
     """True if the model describes the frames before the questions."""
     notes: list[str] = field(default_factory=list)
     failures: list[OodscenError] = field(default_factory=list)
     versions: dict[str, str] = field(default_factory=dict)
+
+    def answers(
+        self, shown: Shown, before: Shown | None, options: Sequence[AspectOption]
+    ) -> dict[str, Any]:
+        """Ask all questions and return the verdict's fields about the answers that came.
+
+        Args:
+            shown: The drive.
+            before: The drive up to the decision, if the action is asked first and about it alone.
+            options: Options of the closed question, which is skipped without them.
+        """
+        fields: dict[str, Any] = {}
+        try:
+            if before is not None:
+                fields |= self.action(before, self.described(before))
+            descriptions = self.described(shown)
+            fields["descriptions"] = descriptions
+            naming = naming_prompt(shown, descriptions, self.protocol)
+            fields |= self.put(naming, naming_reader(self.protocol))
+            if options:
+                choosing = choosing_prompt(shown, options, descriptions)
+                fields |= self.put(choosing, choosing_reader(options))
+            if before is None:
+                fields |= self.action(shown, descriptions)
+        except LLMError as error:
+            self.failures.append(error)
+        return fields | {"notes": tuple(self.notes), "prompts": self.versions}
+
+    def action(self, shown: Shown, descriptions: tuple[str, ...]) -> dict[str, Any]:
+        """Ask the second task and return the verdict's fields about it, empty without an answer."""
+        return self.put(acting_prompt(shown, descriptions, self.protocol), acting_reader())
 
     def put(self, prompt: Prompt[Answer], reader: AnswerReader[Value, Answer]) -> dict[str, Any]:
         """Return the verdict's fields about a question, empty if no answer can be read; the failure is kept."""
@@ -185,35 +203,16 @@ class _Asked:
 
         A frame without a usable description gets `NO_DESCRIPTION`, so that the others keep their places.
         """
-        descriptions_so_far: tuple[str, ...] = ()
+        if not self.is_chain:
+            return ()
+        descriptions: list[str] = []
         total = len(shown.images)
-        for count in range(1, total + 1) if self.is_chain else ():
+        for count in range(1, total + 1):
             question = DescribeFrame(
-                frames=shown.images[:count], descriptions=descriptions_so_far, total=max(3, total)
+                frames=shown.images[:count], descriptions=tuple(descriptions), total=max(3, total)
             )
-            descriptions_so_far = (
-                *descriptions_so_far,
-                self.put(question, _DESCRIBING).get("description", NO_DESCRIPTION),
-            )
-        return descriptions_so_far
-
-    def aspect(
-        self, shown: Shown, descriptions: tuple[str, ...], protocol: Protocol
-    ) -> dict[str, Any]:
-        """Ask the first task and return the verdict's fields about it, empty without an answer."""
-        return self.put(naming_prompt(shown, descriptions, protocol), naming_reader(protocol))
-
-    def choice(
-        self, shown: Shown, descriptions: tuple[str, ...], options: Sequence[AspectOption]
-    ) -> dict[str, Any]:
-        """Ask the closed question and return the id of the chosen option, empty without an answer."""
-        return self.put(choosing_prompt(shown, options, descriptions), choosing_reader(options))
-
-    def action(
-        self, shown: Shown, descriptions: tuple[str, ...], protocol: Protocol
-    ) -> dict[str, Any]:
-        """Ask the second task and return the verdict's fields about it, empty without an answer."""
-        return self.put(acting_prompt(shown, descriptions, protocol), acting_reader())
+            descriptions.append(self.put(question, _DESCRIBING).get("description", NO_DESCRIPTION))
+        return tuple(descriptions)
 
 
 _DESCRIBING = AnswerReader(
@@ -236,16 +235,15 @@ def _judged_directly(
     protocol: Protocol,
     judge: LLM | None,
 ) -> Verdict:
-    descriptions_so_far = reference.judge(
-        Case(episode, truth.path, truth.leaf, options, episode.frames)
-    )
-    fields = {
-        "is_ood": descriptions_so_far.is_ood,
-        "aspect": descriptions_so_far.aspect,
-        "confidence": descriptions_so_far.confidence,
-        "choice": descriptions_so_far.choice if options else None,
-        "action": descriptions_so_far.action,
+    answers = reference.judge(Case(episode, truth.path, truth.leaf, options, episode.frames))
+    fields: dict[str, Any] = {
+        "is_ood": answers.is_ood,
+        "aspect": answers.aspect,
+        "confidence": answers.confidence,
+        "action": answers.action,
     }
+    if options:
+        fields["choice"] = answers.choice
     return score_answers(
         episode,
         reference.name,
@@ -255,6 +253,5 @@ def _judged_directly(
         protocol,
         [],
         judge,
-        bool(options),
         kind=kind_of_answerer(reference),
     )

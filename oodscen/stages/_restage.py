@@ -2,16 +2,16 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
-from oodscen.data._episode import MOMENTS, REACTIONS_S, Episode
+from oodscen.data._episode import Episode
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene
 from oodscen.errors import OodscenError
-from oodscen.protocols import Camera, Simulator
-from oodscen.stages._simulate import Simulated, simulate
+from oodscen.stages._rerun import Rerunner
+from oodscen.stages._simulate import Simulated
 
 COMPANION = "companion"
 """Id of the car that re-staging adds beside or behind the ego."""
@@ -33,16 +33,14 @@ class Restaging(NamedTuple):
     tried: tuple[Attempt, ...] = ()
     """Variants that were rejected."""
 
+    def described(self, how: str) -> Self:
+        """Return the outcome with another description of the change."""
+        episode = self.simulated.episode.model_copy(update={"restaged": how})
+        return self._replace(simulated=replace(self.simulated, episode=episode))
+
 
 def restage(
-    scene: Scene,
-    simulated: Simulated,
-    simulator: Simulator,
-    seed: int,
-    traces: bool = False,
-    camera: Camera | None = None,
-    claims: Sequence[Claim] = (),
-    reaction: Sequence[float] = REACTIONS_S,
+    scene: Scene, simulated: Simulated, rerunner: Rerunner, claims: Sequence[Claim] = ()
 ) -> Restaging:
     """Return the first variant of a scene that tells actions apart, and its run.
 
@@ -52,48 +50,36 @@ def restage(
     Args:
         scene: A scene in which all or none of the actions are safe.
         simulated: Its run.
-        simulator: The simulator for the variants.
-        seed: Seed of the simulator's random streams.
-        traces: Keep the ground truth of every action's rollout.
-        camera: The camera; by default the ego's dash camera.
+        rerunner: Runs the variants.
         claims: Claims of the scene's text, which no variant may contradict.
-        reaction: Reaction times of the drivers who try every action, s.
     """
     if not simulated.episode.is_deterministic:
         why = "replaying the approach gave another trace, so that no action can be called safe"
         return Restaging(scene, simulated, (Attempt("nothing", why),))
     tried: list[Attempt] = []
-    is_too_easy = bool(simulated.episode.safe_set)
-    for variant, how in variants(scene, simulator.catalogue(), is_too_easy):
+    catalogue = rerunner.simulator.catalogue()
+    for variant, how in variants(scene, catalogue, bool(simulated.episode.safe_set)):
         try:
-            probe = simulate(variant, simulator, seed=seed, render=False, reaction=reaction).episode
-            why = _refusal(probe, simulated.episode)
-            if why := why or contradiction(claims, scene, variant, simulator.catalogue()):
+            why = _refusal(rerunner.probe(variant), simulated.episode)
+            if why := why or contradiction(claims, scene, variant, catalogue):
                 tried.append(Attempt(how, why))
                 continue
-            again = simulate(
-                variant,
-                simulator,
-                seed=seed,
-                camera=camera,
-                traces=traces,
-                moments=tuple(simulated.frames) or MOMENTS,
-                reaction=reaction,
-            )
+            again = rerunner.run(variant, simulated)
         except OodscenError as error:
-            fault = str(error).strip().splitlines()[-1].strip(" -")
-            tried.append(Attempt(how, f"it cannot be run: {fault}"))
+            tried.append(Attempt(how, fault_of_run(error)))
             continue
         if simulated.episode.hazard_visible and not again.episode.hazard_visible:
             tried.append(Attempt(how, "the hazard would be in no frame"))
-            continue
-        if again.episode.is_below_floor and not simulated.episode.is_below_floor:
+        elif again.episode.is_below_floor and not simulated.episode.is_below_floor:
             tried.append(Attempt(how, "the hazard could not be named"))
-            continue
-        episode = again.episode.model_copy(update={"restaged": how})
-        run = replace(again, episode=episode)
-        return Restaging(variant, run, tuple(tried))
+        else:
+            return Restaging(variant, again, tuple(tried)).described(how)
     return Restaging(scene, simulated, tuple(tried))
+
+
+def fault_of_run(error: OodscenError) -> str:
+    """Return why a variant cannot be run."""
+    return f"it cannot be run: {str(error).strip().splitlines()[-1].strip(' -')}"
 
 
 def _refusal(probe: Episode, before: Episode) -> str:

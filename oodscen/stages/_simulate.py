@@ -39,8 +39,8 @@ from oodscen.protocols import (
     State,
     camera_for,
 )
+from oodscen.stages._birds_eye import birds_eye
 from oodscen.stages._rollouts import Rollouts, Trials, fingerprint
-from oodscen.stages._video import birds_eye
 from oodscen.stages._visibility import sighting
 
 if TYPE_CHECKING:

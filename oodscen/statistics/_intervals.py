@@ -62,10 +62,10 @@ def wilson(hits: float, n: float, *, level: float = Interval.level) -> tuple[flo
     return low, 1.0 if hits >= n else min(middle + half, 1.0)
 
 
-def percentile_interval(found: Floats, units: int, *, is_clustered: bool) -> Interval:
+def percentile_interval(replicates: Floats, units: int, *, is_clustered: bool) -> Interval:
     """Return the interval that holds the middle 95 % of replicates [r], at least one of them finite."""
     tail = (1 - Interval.level) / 2
-    low, high = np.quantile(found[np.isfinite(found)], [tail, 1 - tail])
+    low, high = np.quantile(replicates[np.isfinite(replicates)], [tail, 1 - tail])
     return Interval(
         low=round(float(low), 6),
         high=round(float(high), 6),
@@ -74,15 +74,17 @@ def percentile_interval(found: Floats, units: int, *, is_clustered: bool) -> Int
     )
 
 
-def percentiles(found: Floats, units: int) -> Interval | None:
+def percentiles(replicates: Floats, units: int) -> Interval | None:
     """Return the interval of clustered replicates [r]; `None` with too few clusters or without spread."""
-    known = found[np.isfinite(found)]
+    known = replicates[np.isfinite(replicates)]
     if units < FEWEST_CLUSTERS or not len(known) or np.ptp(known) < 1e-12:
         return None
     return percentile_interval(known, units, is_clustered=True)
 
 
-def share_bounds(hits: float, n: int, units: int, found: Floats | None = None) -> Interval | None:
+def share_bounds(
+    hits: float, n: int, units: int, replicates: Floats | None = None
+) -> Interval | None:
     """Return the interval of a share.
 
     The clustered bootstrap if possible. With fewer than `FEWEST_CLUSTERS` paths it is Wilson's interval
@@ -93,11 +95,11 @@ def share_bounds(hits: float, n: int, units: int, found: Floats | None = None) -
         hits: Number of right answers.
         n: Number of answers.
         units: Number of clusters that they belong to.
-        found: [r] bootstrap replicates.
+        replicates: [r] bootstrap replicates.
     """
     if not n:
         return None
-    clustered = None if found is None else percentiles(found, units)
+    clustered = None if replicates is None else percentiles(replicates, units)
     if clustered is not None:
         return clustered
     count = units if units >= FEWEST_CLUSTERS and hits in (0, n) else n

@@ -96,7 +96,7 @@ class FlatSimulator(MirrorSimulator):
         self._assets, self._poses = [], []
 
     def draw(self, camera: Camera) -> Frame:
-        """SceneBodies one ray through the centre of every pixel."""
+        """Cast one ray through the centre of every pixel."""
         assert self._road is not None
         return flat_frame(camera, self._road, self._weather, self._assets, self._poses)
 

@@ -161,18 +161,7 @@ def diff(
     encoder: Encoder | None = None,
     threshold: float = THRESHOLD,
 ) -> TreeDiff:
-    """Compare two trees: nodes that were added, removed, relabelled or moved.
-
-    Args:
-        one: The first tree.
-        other: The second tree.
-        encoder: Pairs nodes by meaning if neither id nor label pairs them; see `match`.
-        threshold: Least cosine of two labels with the same meaning.
-
-    Raises:
-        UsageError: If the threshold is not a cosine.
-        EncoderError: If the encoder fails.
-    """
+    """Return the nodes that the second tree adds, removes, relabels or moves; see `ScenarioTree.diff`."""
     matches = match(one, other, encoder=encoder, threshold=threshold)
     partner = {pair.before: pair.after for pair in matches}
     broadened, moved = [], []

@@ -20,7 +20,7 @@ def merge(
     threshold: float = THRESHOLD,
     name: str | None = None,
 ) -> "ScenarioTree":
-    """Return the first tree, with the nodes that only the second one has added in their places.
+    """Return the first tree, with the nodes that only the second one has added; see `ScenarioTree.merge`.
 
     The log of the first tree stays as it is. A node of the second tree that the first also has (see
     `match`) adds a `keep` that records the second tree's label, model, prompt and text. Any other
@@ -33,17 +33,6 @@ def merge(
     Every path of either tree remains a path: if a leaf of one is a family of the other, the family
     gets a leaf with that label. Merging the second tree again changes nothing. The result depends
     on the arguments alone.
-
-    Args:
-        one: Its labels and places take precedence.
-        other: The tree to merge in.
-        encoder: Pairs nodes by meaning if neither id nor label pairs them.
-        threshold: Least centred cosine of two labels with the same meaning.
-        name: Name of the second tree in the log; `merge-1`, `merge-2` ... if left out.
-
-    Raises:
-        UsageError: If the threshold is not a cosine.
-        EncoderError: If the encoder fails.
     """
     paired = {pair.after: pair for pair in match(one, other, encoder=encoder, threshold=threshold)}
     decisions = _decisions(other)

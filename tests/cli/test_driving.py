@@ -28,7 +28,7 @@ def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch) -> N
     assert found.exit_code == 0
     assert [(row["n"], row["failed"]) for row in json.loads(found.output)] == [(1, 0), (1, 0)]
     scenes, twins = json.loads(found.output)
-    assert (scenes["items"], twins["items"], twins["paired"]) == ("scenes", "twins", None)
+    assert (scenes["kind"], twins["kind"], twins["paired"]) == ("scenes", "twins", None)
     assert scenes["paired"]["n"] == 1
     page = (tmp_path / "out" / "report.html").read_text()
     assert "Driving stacks" in page

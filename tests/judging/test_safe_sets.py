@@ -19,6 +19,7 @@ from oodscen.data._episode import (
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving._sight.placement import check_scene
 from oodscen.judging._safe_sets import safety_figures
+from oodscen.stages._rerun import Rerunner
 from oodscen.stages._restage import restage, variants
 from oodscen.testing._scenes import example_scene
 
@@ -208,7 +209,7 @@ def test_a_scene_without_danger_is_restaged_or_left_as_it_was(simulator):
     easy = scene.model_copy(update={"actors": (aside, *scene.actors[1:])})
     run = simulate(easy, simulator)
     assert not run.episode.is_decidable
-    changed, again, tried = restage(easy, run, simulator, 0)
+    changed, again, tried = restage(easy, run, Rerunner(simulator))
     assert again.episode.is_decidable is bool(again.episode.restaged)
     assert (changed is easy) is (not again.episode.restaged)
     all_variants = list(variants(easy, simulator.catalogue(), bool(run.episode.safe_set)))

@@ -10,7 +10,6 @@ from oodscen.stages._annotations import (
     CLASSES,
     FrameAnnotations,
     annotate,
-    save_annotations,
     semantic_map,
 )
 from oodscen.testing._flat import FlatSimulator
@@ -121,7 +120,7 @@ def test_every_pixel_has_a_class(seen):
 def test_files_hold_all_of_it(seen, notes, tmp_path):
     frame, state, catalogue = seen
     classes = semantic_map(frame, state, SCENE, catalogue, CAMERA)
-    files = save_annotations(tmp_path / "deep", "last", frame, notes, classes)
+    files = notes.save(tmp_path / "deep", "last", frame, classes)
     assert FrameAnnotations.load(files[0]) == notes
     ids, semantic, depth = (cv2.imread(str(file), cv2.IMREAD_UNCHANGED) for file in files[1:])
     np.testing.assert_array_equal(ids, frame.ids)

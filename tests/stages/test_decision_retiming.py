@@ -9,6 +9,7 @@ from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.protocols import Camera
 from oodscen.stages._decision_retiming import SLOWER, _slow_ego, retime
+from oodscen.stages._rerun import Rerunner
 from oodscen.stages._restage import changed_scene, contradiction, variants
 from oodscen.testing import FlatSimulator
 from oodscen.testing._scenes import example_scene
@@ -40,7 +41,7 @@ def test_the_first_moment_at_which_it_can_be_named_is_taken(flat, decision):
     scene = far(decision=decision)
     before = simulate(scene, flat, camera=SMALL)
     assert before.episode.sighting.faults == ("small",)
-    found = retime(scene, before, flat, 0, camera=SMALL)
+    found = retime(scene, before, Rerunner(flat, camera=SMALL))
     after = found.simulated.episode
     assert after.sighting.faults == ()
     assert after.is_decidable
@@ -56,7 +57,7 @@ def test_a_slower_approach_is_tried_and_else_nothing_changes(flat):
     passed = example_scene().actors[0].model_copy(update={"placement": behind})
     scene = far(actors=(passed,), decision=Trigger(value=1.0))
     before = simulate(scene, flat, camera=SMALL)
-    found = retime(scene, before, flat, 0, camera=SMALL)
+    found = retime(scene, before, Rerunner(flat, camera=SMALL))
     assert found.scene is scene
     assert found.simulated is before
     assert [attempt.why for attempt in found.tried] == [
@@ -74,7 +75,7 @@ def test_a_hazard_that_can_be_named_too_late_to_matter_is_named_all_the_same(fla
     assert before.episode.is_decidable
     assert before.episode.is_below_floor
     told = (said("ego_speed", "58"),)
-    found = retime(scene, before, flat, 0, camera=SMALL, claims=told)
+    found = retime(scene, before, Rerunner(flat, camera=SMALL), told)
     after = found.simulated.episode
     assert found.scene.ego == fast
     assert not after.is_below_floor
@@ -110,7 +111,7 @@ def test_no_move_contradicts_what_the_text_says(flat):
     scene = far()
     before = simulate(scene, flat, camera=SMALL)
     told = (THERE, AWAY, said("ego_speed", str(round(3.6 * scene.ego.speed))))
-    found = retime(scene, before, flat, 0, camera=SMALL, claims=told)
+    found = retime(scene, before, Rerunner(flat, camera=SMALL), told)
     assert found.scene.decision != scene.decision
     assert mismatches(check_claims(told, found.scene, flat.catalogue())) == []
     box = scene.actors[0]
@@ -128,8 +129,8 @@ def test_no_move_contradicts_what_the_text_says(flat):
     rests = (THERE, said("motion", "stationary", subject="box"))
     assert mismatches(check_claims(rests, early, flat.catalogue())) == []
     run = simulate(early, flat, camera=SMALL)
-    assert retime(early, run, flat, 0, camera=SMALL).scene != early
-    kept = retime(early, run, flat, 0, camera=SMALL, claims=rests)
+    assert retime(early, run, Rerunner(flat, camera=SMALL)).scene != early
+    kept = retime(early, run, Rerunner(flat, camera=SMALL), rests)
     assert kept.scene == early
     assert any("the text says box" in one.why for one in kept.tried)
 

@@ -65,7 +65,7 @@ class Calls:
         world: World,
         streams: Streams,
         tick: Callable[[], int],
-        told: Callable[[str], None],
+        log: Callable[[str], None],
     ) -> None:
         """Answer for a world.
 
@@ -73,9 +73,9 @@ class Calls:
             world: The served world.
             streams: The streams of sensors.
             tick: Advances the world and returns the frame's number.
-            told: Called with a line for every refusal.
+            log: Called with a line for every refusal.
         """
-        self._world, self._streams, self._tick, self._told = world, streams, tick, told
+        self._world, self._streams, self._tick, self._log = world, streams, tick, log
 
     def answer(self, method: str, arguments: list[Any]) -> Any:
         """Return the response to a call, in the form that the client reads.
@@ -94,7 +94,7 @@ class Calls:
             else:
                 raise CallError(f"{method[:80]!r} is not supported by this server (oodscen)")
         except (CallError, OodscenError) as error:
-            self._told(f"refused {method}: {error}")
+            self._log(f"refused {method}: {error}")
             return failed(str(error))
         if method == "apply_batch":
             return value

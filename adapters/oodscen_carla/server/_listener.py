@@ -42,7 +42,7 @@ class Listener:
         host: str = "127.0.0.1",
         port: int = 0,
         faults: Faults | None = None,
-        told: Callable[[str], None] | None = None,
+        log: Callable[[str], None] | None = None,
     ) -> None:
         """Open the ports; see `start`.
 
@@ -52,7 +52,7 @@ class Listener:
             host: The address to listen on; the default is reached from this machine only.
             port: Port for calls; the next one is for streams. 0 chooses free ones.
             faults: Faults to produce.
-            told: Called with a line for every refused connection or call.
+            log: Called with a line for every refused connection or call.
 
         Raises:
             UsageError: If the ports are taken.
@@ -61,10 +61,10 @@ class Listener:
         self._lock = threading.RLock()
         self._heard = threading.Condition(self._lock)
         self._faults = faults or Faults()
-        self._told = told or (lambda line: None)
+        self._log = log or (lambda line: None)
         self._streams = _Streams(self._heard)
         self._sender = SensorSender(world, studio, self._streams)
-        self._calls = Calls(world, self._streams, self._tick, self._told)
+        self._calls = Calls(world, self._streams, self._tick, self._log)
         self._pool = MemoryPool()
         self._clients: set[socket.socket] = set()
         self._is_closed = False
@@ -130,7 +130,7 @@ class Listener:
     def _serve_calls(self, connection: socket.socket) -> None:
         with self._lock:
             if len(self._clients) >= MAX_CLIENTS:
-                self._told(f"refused a connection: {MAX_CLIENTS} are open")
+                self._log(f"refused a connection: {MAX_CLIENTS} are open")
                 return _end(connection)
             self._clients.add(connection)
         _limit_sends(connection)
@@ -140,7 +140,7 @@ class Listener:
                 for message in reader.feed(data):
                     self._handle(connection, message)
         except ProtocolError as error:
-            self._told(f"ended a connection: {error}")
+            self._log(f"ended a connection: {error}")
         except OSError:
             pass
         finally:

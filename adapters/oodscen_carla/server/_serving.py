@@ -33,7 +33,7 @@ def serve(
     port: int = 0,
     simulator: str = "pybullet",
     seed: int = 0,
-    told: Callable[[str], None] | None = None,
+    log: Callable[[str], None] | None = None,
 ) -> Iterator[Serving]:
     """Serve CARLA 0.9.16's protocol while the context is active.
 
@@ -45,7 +45,7 @@ def serve(
         port: Port for calls, the next one is for streams; 0 chooses free ones.
         simulator: Name of the simulator that draws the pictures.
         seed: Seed of motion, scenery and paints.
-        told: Called with a line for every refusal.
+        log: Called with a line for every refusal.
 
     Raises:
         MissingExtra: If msgpack is not installed.
@@ -68,7 +68,7 @@ def serve(
         faults = Faults()
         try:
             studio.warm_up(world.scene())
-            listener = Listener(world, studio, host=host, port=port, faults=faults, told=told)
+            listener = Listener(world, studio, host=host, port=port, faults=faults, log=log)
             try:
                 listener.start()
                 yield Serving(listener.port, tuple(world.map_names), faults)

@@ -7,7 +7,6 @@ import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from oodscen.data import Scene
@@ -84,17 +83,12 @@ class CarlaTestServer:
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         if not line.strip().isdigit():
-            self.__exit__(None, None, None)
+            self.__exit__()
             raise SimulatorError(f"the server ended at once, with exit code {self._code}")
         self.port = int(line)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         process = self._running()
         assert process.stdin is not None
         assert process.stdout is not None

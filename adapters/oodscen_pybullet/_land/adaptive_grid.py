@@ -75,9 +75,7 @@ class Squares:
             if size <= _COARSE:
                 unsure = np.flatnonzero(keep & ~split & (np.abs(near.asphalt) < radius + 0.3))
                 if size > 1:
-                    split[unsure] |= _misses(
-                        ground, cells[unsure], size, middle[unsure], near.asphalt[unsure]
-                    )
+                    split[unsure] |= _misses(ground, cells[unsure], size, near.asphalt[unsure])
             found.append((cells[keep & ~split], size))
             size //= 2
             quarters = np.array([[0, 0], [size, 0], [0, size], [size, size]])
@@ -190,14 +188,21 @@ def _follow(
         ring.append(names[i, j])
 
 
-def _misses(ground: Ground, cells: Ints, size: int, middle: Array, centre: Array) -> Mask:
-    """Return which squares are too large for the road edges inside them."""
+def _misses(ground: Ground, cells: Ints, size: int, asphalt: Array) -> Mask:
+    """Return which squares are too large for the road edges inside them.
+
+    Args:
+        ground: The ground.
+        cells: [n, 2] lower left corners of the squares.
+        size: Side of the squares, in the unit of `cells`.
+        asphalt: [n] distance of their middles from the edge of the asphalt, m.
+    """
     if not len(cells):
         return np.zeros(0, bool)
     around = np.array([[0, 0], [size, 0], [size, size], [0, size]])
     corners = (cells[:, None, :] + around).astype(np.float64) * _UNIT
     value = ground.near(*corners.reshape(-1, 2).T).asphalt.reshape(-1, 4)
-    bend = np.abs(value[:, [0, 1]] + value[:, [2, 3]] - 2.0 * centre[:, None]).max(axis=1)
+    bend = np.abs(value[:, [0, 1]] + value[:, [2, 3]] - 2.0 * asphalt[:, None]).max(axis=1)
     rows = np.flatnonzero(bend > TOLERANCE)
     three = np.concatenate([corners[rows][:, [0, 1, 2]], corners[rows][:, [0, 2, 3]]])
     values = np.concatenate([value[rows][:, [0, 1, 2]], value[rows][:, [0, 2, 3]]])

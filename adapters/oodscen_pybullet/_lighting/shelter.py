@@ -1,11 +1,12 @@
 """Tunnels, which keep out sun, rain and snow."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._roads.corridor import Corridor, Structure
 from oodscen_pybullet._rendering.view import CameraView, Point
 from oodscen_pybullet._scenery.structures import CEILING_M
 
@@ -49,11 +50,14 @@ class Shelter:
 
     corridor: Corridor
 
+    @cached_property
+    def _tunnels(self) -> list[Structure]:
+        return [one for one in self.corridor.structures if one.kind == "tunnel"]
+
     def covers(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return which points, [n, 3] m, lie in a tunnel, including its walls and ceiling."""
         found = np.zeros(len(points), bool)
-        tunnels = [one for one in self.corridor.structures if one.kind == "tunnel"]
-        if not tunnels or not len(points):
+        if not self._tunnels or not len(points):
             return found
         road = self.corridor
         low = np.array([road.x.min(), road.y.min()]) - 60.0
@@ -64,29 +68,28 @@ class Shelter:
         right = np.interp(s, road.s, road.strips[0].right) - _WALL_M
         left = np.interp(s, road.s, road.strips[-1].left) + _WALL_M
         within = (t > right) & (t < left) & (above > -0.5) & (above < CEILING_M + 0.2)
-        for one in tunnels:
+        for one in self._tunnels:
             found[some] |= within & (s > one.start) & (s < one.end)
         return found
 
     def portal(self, view: CameraView) -> Portal | None:
         """Return the end of a tunnel that a camera looks at; `None` if there is none ahead."""
-        tunnels = [one for one in self.corridor.structures if one.kind == "tunnel"]
-        if not tunnels:
+        if not self._tunnels:
             return None
         road = self.corridor
         s, _ = road.locate(view.eye[0], view.eye[1])
         is_inside = bool(self.covers(np.array([view.eye]))[0])
         way = self._direction(s)
         sign = 1.0 if view.forward[0] * way[0] + view.forward[1] * way[1] >= 0.0 else -1.0
-        ends = [(one.start, one.end) for one in tunnels]
+        ends = [(one.start, one.end) for one in self._tunnels]
         deep = 0.0
         if is_inside:
             start, end = next(pair for pair in ends if pair[0] < s < pair[1])
             place = end if sign > 0 else start
             deep = min(1.0, min(s - start, end - s) / _USED_M)
         else:
-            ahead = [(pair[0] if sign > 0 else pair[1]) for pair in ends]
-            ahead = [at for at in ahead if (at - s) * sign > 0.0]
+            entrances = [start if sign > 0 else end for start, end in ends]
+            ahead = [at for at in entrances if (at - s) * sign > 0.0]
             if not ahead:
                 return None
             place = min(ahead, key=lambda at: abs(at - s))

@@ -13,12 +13,12 @@ from oodscen.data._shapes import Part
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
-from oodscen_pybullet._meshes.designs import masses, surfaces
+from oodscen_pybullet._meshes.designs import heaps, surfaces
 from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.shapes import rotated
 
-__all__ = ["insert", "is_made", "learned", "made_mesh", "masses", "rotated", "surfaces"]
+__all__ = ["heaps", "insert", "is_made", "learned", "made_mesh", "rotated", "surfaces"]
 
 _MARK = "@"
 _DESIGNS: dict[str, Prop] = {}

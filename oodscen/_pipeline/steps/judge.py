@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
 
@@ -91,22 +91,10 @@ def evaluate(
     shown: dict[Protocol, Sequence[Episode]] = {"ours": judged_ones}
     if "paper" in run.config.protocols:
         shown["paper"] = simulate_whole(run, scenes)
-    items: dict[str, Item] = {}
-    for protocol, found in shown.items():
-        for name, (model, _) in models.items():
-            is_withheld = name not in run.config.vlms and is_without_pictures(name)
-            called = without_pictures(model.name) if is_withheld else model.name
-            if protocol not in _protocols(run, name, model):
-                continue
-            for episode in found:
-                if isinstance(model, PersonAnswers) and episode.scene_id not in model.items:
-                    continue
-                if not is_reference(model) or (episode.status == "ok" and episode.frames):
-                    key = verdict_id(episode.scene_id, called, protocol)
-                    items[key] = Item(episode, name, protocol, is_withheld)
+    items = _items(run, models, shown)
     is_rear = run.config.rear_view and bool(run.config.vlms)
     rears = simulate_behind(run, judged_ones) if is_rear else {}
-    ask_about = _questions(run, scenarios, scenes, episodes, rears)
+    questioner = _Questioner(run, scenarios, scenes, episodes, rears)
     truths = _truths(shown, scenarios, scenes, run.config)
 
     def made_from(name: str) -> str:
@@ -120,7 +108,7 @@ def evaluate(
 
     def work(todo: Mapping[str, Item]) -> Iterator[Verdict]:
         def judge(item: Item) -> Verdict:
-            return ask_about(item, models[item.model][0])
+            return questioner.verdict(item, models[item.model][0])
 
         for turn in ("new", "unasked", "failed"):
             items = [item for key, item in todo.items() if _turn(earlier.get(key)) == turn]
@@ -147,6 +135,28 @@ def evaluate(
     )
     run.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
     return verdicts
+
+
+def _items(
+    run: Context,
+    models: Mapping[str, tuple[LLM, int]],
+    shown: Mapping[Protocol, Sequence[Episode]],
+) -> dict[str, Item]:
+    """Return what every answerer is asked about, by the id of the verdict."""
+    items: dict[str, Item] = {}
+    for protocol, episodes in shown.items():
+        for name, (model, _) in models.items():
+            if protocol not in _protocols(run, name, model):
+                continue
+            is_withheld = name not in run.config.vlms and is_without_pictures(name)
+            called = without_pictures(model.name) if is_withheld else model.name
+            for episode in episodes:
+                if isinstance(model, PersonAnswers) and episode.scene_id not in model.items:
+                    continue
+                if not is_reference(model) or (episode.status == "ok" and episode.frames):
+                    key = verdict_id(episode.scene_id, called, protocol)
+                    items[key] = Item(episode, name, protocol, is_withheld)
+    return items
 
 
 def _truths(
@@ -239,7 +249,7 @@ def _models(
             with suppress(DataError):
                 pictures[episode.scene_id] = run.store.inside(episode.frames["last"])
     maps = {scene.id: scene.map for scene in scenes}
-    maps |= {item(name): place for name, place in maps.items() for item in (twin_id, demand_id)}
+    maps |= {id_of(name): place for name, place in maps.items() for id_of in (twin_id, demand_id)}
     models: dict[str, tuple[LLM, int]] = {}
     for name in (*(f"constant:{action}" for action in ACTIONS), "random"):
         models[name] = (run.models.get(name), 1)
@@ -271,90 +281,95 @@ def _protocols(run: Context, name: str, model: LLM) -> tuple[Protocol, ...]:
     return ("ours",) if is_without_pictures(name) else ("ours", "paper")
 
 
-def _questions(
-    run: Context,
-    scenarios: Sequence[Scenario],
-    scenes: Sequence[Scene],
-    episodes: Sequence[Episode],
-    rears: Mapping[str, str],
-) -> Callable[[Item, LLM], Verdict]:
-    """Return the function that judges one item; `rears` are the files of views to the rear, by drive."""
-    by_id = {scenario.id: scenario for scenario in scenarios}
-    scene_by_id = {scene.id: scene for scene in scenes}
-    up_to_decision = {episode.scene_id: episode for episode in episodes}
-    maps = {scene.id: scene.map for scene in scenes}
-    kinds = Kinds.of(scenarios, maps, seed=run.config.seed)
+class _Questioner:
+    """Asks answerers about items."""
 
-    def images(episode: Episode, protocol: Protocol = "ours") -> dict[str, Image]:
-        """Return the frames; raises `DataError` if one cannot be shown."""
-        frames = {
-            moment: Image.from_file(run.store.inside(file), file)
-            for moment, file in episode.frames.items()
-        }
-        wanted = moments(run.config.frames) if protocol == "ours" else MOMENTS
-        lacks = [f"there is no {moment} frame" for moment in wanted if moment not in frames]
-        if faults := [*lacks, *filter(None, (image.fault() for image in frames.values()))]:
-            raise DataError("frames", [Issue("", fault) for fault in faults])
-        return frames
+    def __init__(
+        self,
+        run: Context,
+        scenarios: Sequence[Scenario],
+        scenes: Sequence[Scene],
+        episodes: Sequence[Episode],
+        rears: Mapping[str, str],
+    ) -> None:
+        """Collect what the questions need.
 
-    def rear_view(episode: Episode) -> Image:
-        """Return the view to the rear; raises `DataError` if it cannot be shown."""
-        file = rears.get(episode.scene_id, "")
-        image = Image.from_file(run.store.inside(file), file) if file else None
-        fault = image.fault() if image else "there is no view to the rear"
-        if image is None or fault:
-            raise DataError("frames", [Issue("", fault)])
-        return image
+        Args:
+            run: The run, with its configuration and files.
+            scenarios: The texts.
+            scenes: The scenes of the texts.
+            episodes: All drives up to the decision.
+            rears: Files of the views to the rear, by drive.
+        """
+        self._config, self._store = run.config, run.store
+        self._scenarios = {scenario.id: scenario for scenario in scenarios}
+        self._scenes = {scene.id: scene for scene in scenes}
+        self._up_to_decision = {episode.scene_id: episode for episode in episodes}
+        self._rears = rears
+        maps = {scene.id: scene.map for scene in scenes}
+        self._kinds = Kinds.of(scenarios, maps, seed=run.config.seed)
 
-    def ask_about(item: Item, model: LLM) -> Verdict:
-        episode = item.episode
+    def verdict(self, item: Item, model: LLM) -> Verdict:
+        """Return an answerer's verdict on an item; a failed one if there is nothing to show."""
+        episode, protocol = item.episode, item.protocol
         if episode.status == "failed" or not episode.frames:
-            return unjudged_verdict(
-                episode,
-                model,
-                f"it did not run: {episode.error}",
-                episode.error_type or "",
-                item.protocol,
-                withheld=item.is_withheld,
-            )
-        scenario = by_id.get(scene_of(episode.scene_id))
-        scene = scene_by_id.get(scene_of(episode.scene_id))
+            why, kind = f"it did not run: {episode.error}", episode.error_type or ""
+            return unjudged_verdict(episode, model, why, kind, protocol, withheld=item.is_withheld)
         frames: dict[str, Image] = {}
         before = rear = None
         if not takes_cases(model):
             try:
-                frames = images(episode, item.protocol)
-                if run.config.rear_view and item.protocol == "ours":
-                    rear = rear_view(episode)
-                if item.protocol == "paper" and episode.scene_id in up_to_decision:
-                    earlier = up_to_decision[episode.scene_id]
-                    before = Shown.of(earlier, images(earlier))
+                frames = self._images(episode, protocol)
+                if self._config.rear_view and protocol == "ours":
+                    rear = self._rear_view(episode)
+                earlier = self._up_to_decision.get(episode.scene_id)
+                if protocol == "paper" and earlier is not None:
+                    before = Shown.of(earlier, self._images(earlier))
             except (OSError, DataError) as error:
-                kind = type(error).__name__
+                why, kind = str(error), type(error).__name__
                 return unjudged_verdict(
-                    episode, model, str(error), kind, item.protocol, withheld=item.is_withheld
+                    episode, model, why, kind, protocol, withheld=item.is_withheld
                 )
+        scenario = self._scenarios.get(scene_of(episode.scene_id))
+        scene = self._scenes.get(scene_of(episode.scene_id))
         leaf = scenario.leaf if scenario else ""
+        kinds = self._kinds.offered(leaf, scene.map if scene else "")
         return judge_episode(
             episode,
             frames,
             model,
             path=scenario.path if scenario else (),
             leaf=leaf,
-            options=aspect_options(
-                kinds.offered(leaf, scene.map if scene else ""),
-                seed=run.config.seed,
-                item=episode.scene_id,
-            ),
-            protocol=item.protocol,
-            chain=run.config.chain,
+            options=aspect_options(kinds, seed=self._config.seed, item=episode.scene_id),
+            protocol=protocol,
+            chain=self._config.chain,
             before=before,
             visible=scene.visible if scene else (),
             rear=rear,
             withheld=item.is_withheld,
         )
 
-    return ask_about
+    def _images(self, episode: Episode, protocol: Protocol = "ours") -> dict[str, Image]:
+        """Return the frames; raises `DataError` if one cannot be shown."""
+        frames = {
+            moment: Image.from_file(self._store.inside(file), file)
+            for moment, file in episode.frames.items()
+        }
+        wanted = moments(self._config.frames) if protocol == "ours" else MOMENTS
+        faults = [f"there is no {moment} frame" for moment in wanted if moment not in frames]
+        faults += [fault for image in frames.values() if (fault := image.fault())]
+        if faults:
+            raise DataError("frames", [Issue("", fault) for fault in faults])
+        return frames
+
+    def _rear_view(self, episode: Episode) -> Image:
+        """Return the view to the rear; raises `DataError` if it cannot be shown."""
+        file = self._rears.get(episode.scene_id, "")
+        image = Image.from_file(self._store.inside(file), file) if file else None
+        fault = image.fault() if image else "there is no view to the rear"
+        if image is None or fault:
+            raise DataError("frames", [Issue("", fault)])
+        return image
 
 
 def _judge_aspects(

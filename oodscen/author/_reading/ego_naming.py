@@ -21,16 +21,6 @@ _SUBJECT = re.compile(r"\b[Tt]he ego vehicle (is|has|was|drives|travels|moves|pr
 _NOT_SUBJECT = re.compile(
     r"\b(?:of|and|at|to|from|with|for|on|by|into|between|than) $", re.IGNORECASE
 )
-_MY = {
-    "is": "am",
-    "has": "have",
-    "was": "was",
-    "drives": "drive",
-    "travels": "travel",
-    "moves": "move",
-    "proceeds": "proceed",
-    "heads": "head",
-}
 
 
 def named(text: str, name: Name) -> str:
@@ -67,7 +57,7 @@ def _told_by_driver(text: str) -> str:
 def _said(match: re.Match[str], text: str) -> str:
     if _NOT_SUBJECT.search(text[: match.start()]):
         return match[0]
-    return f"I {_MY[match[1]]}"
+    return f"I {_first_person(match[1])}"
 
 
 _AS_SUBJECT = re.compile(r"(?:^|(?<=, and )|(?<=while ))the ego vehicle (\w+)", re.IGNORECASE)
@@ -88,5 +78,5 @@ def told_by(clause: str, name: Name) -> str:
 
 def _first_person(verb: str) -> str:
     """Return the form of a verb that follows `I`."""
-    known = {"has": "have", "is": "am"}
+    known = {"has": "have", "is": "am", "was": "was"}
     return known.get(verb, re.sub(r"(?<=ss|go)es$|s$", "", verb))

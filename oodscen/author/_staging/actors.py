@@ -16,8 +16,8 @@ from oodscen.author._knowledge.base import (
     RecipeTrigger,
     TrafficActor,
 )
-from oodscen.author._staging import decision_timing as approach
 from oodscen.author._staging.anchors import LANDMARKS, marks
+from oodscen.author._staging.decision_timing import decisive
 from oodscen.claims._things import Thing
 from oodscen.data._details import Details
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
@@ -58,11 +58,6 @@ class StagedActors:
     """Things that the text names; an actor with several possible assets becomes one of these."""
     placed: dict[str, Actor] = field(default_factory=dict)
     """The actors placed so far, by id in the recipe; for a row, its first actor."""
-
-    @property
-    def ego(self) -> tuple[float, float]:
-        """Speed of the ego as a range."""
-        return (self.speed, self.speed)
 
     def draw(self, limits: Range) -> float:
         """Draw a value from a range."""
@@ -201,7 +196,7 @@ def _ahead(part: RecipeActor, scene: StagedActors, shift: float) -> float:
     if part.at != "start" or not shift:
         return scene.draw((low, high))
     middle = 0.5 * (low + high)
-    share = 0.0 if approach.decisive(scene.recipe) is part else 0.25
+    share = 0.0 if decisive(scene.recipe) is part else 0.25
     reach = share * (high - low)
     return scene.draw((middle - reach, middle + reach)) + shift
 
@@ -312,7 +307,7 @@ def _parameters(
     }
     drawn = {}
     for key, limit in limits.items():
-        value = scene.draw(scene.ego if limit == "ego" else limit)
+        value = scene.draw((scene.speed, scene.speed) if limit == "ego" else limit)
         if key not in allowed:
             continue
         if key == "speed" and limit != "ego" and category in _SLOWED:

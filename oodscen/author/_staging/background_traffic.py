@@ -105,7 +105,7 @@ def is_followed(
     Args:
         kinds: Kinds of background traffic.
         recipe: The recipe, which may forbid or require a follower.
-        told: BackgroundTraffic that the text mentions; if there is any, no other is added.
+        told: Traffic that the text mentions; if there is any, no other is added.
         rng: Random generator; exactly one number is drawn in every case.
         is_dense: Whether every kind that has room appears.
     """

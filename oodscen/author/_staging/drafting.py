@@ -16,7 +16,7 @@ from oodscen.author._knowledge.base import (
     RoadKind,
 )
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.author._staging import decision_timing as approach
+from oodscen.author._staging import decision_timing as timing
 from oodscen.author._staging.actors import StagedActors, cast, told_traffic
 from oodscen.author._staging.anchors import LANDMARKS, has_landmarks, root
 from oodscen.author._staging.aside import moved_aside
@@ -70,7 +70,7 @@ class Stager:
     """Answers `StageScene`."""
 
     def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
-        """StagedActors with the recipes of a knowledge base."""
+        """Stage with the recipes of a knowledge base."""
         self.knowledge = knowledge
         self.recogniser = recogniser
 
@@ -262,7 +262,7 @@ def _set(
     rng: np.random.Generator,
 ) -> StagedActors:
     """Choose the ego's speed and set up the scene."""
-    limits = place.speed if approach.scales(recipe) else recipe.speed
+    limits = place.speed if timing.scales(recipe) else recipe.speed
     wanted = round(float(rng.uniform(*limits)), 2)
     speed = round(min(wanted, road.speed_limit), 2)
     return StagedActors(
@@ -283,12 +283,12 @@ def _timing(scene: StagedActors, friction: float, distance: float | None) -> tup
     """
     recipe, decision = scene.recipe, scene.recipe.decision
     value = scene.draw(decision.value)
-    actor = approach.decisive(recipe)
+    actor = timing.decisive(recipe)
     shift = 0.0
     if actor is not None and root(recipe, actor).at in LANDMARKS:
-        if approach.scales(recipe):
+        if timing.scales(recipe):
             value = _room(scene, actor, friction)(scene.speed)
-    elif actor is not None and approach.scales(recipe):
+    elif actor is not None and timing.scales(recipe):
         away = _room(scene, actor, friction)
         middle = 0.5 * sum(actor.ahead)
         value = away(scene.speed)
@@ -319,8 +319,8 @@ def _hurried(scene: StagedActors, actor: RecipeActor, friction: float, seconds: 
     if closing < _LEAST_SPEED:
         return seconds
     reach = scene.reach(actor)
-    hard = approach.braking(closing, friction) + reach + 1.0
-    calm = max(approach.calm_braking(closing, friction) + reach, hard)
+    hard = timing.braking(closing, friction) + reach + 1.0
+    calm = max(timing.calm_braking(closing, friction) + reach, hard)
     least = _EVADING_S * closing if along < -1.0 else hard
     away = seconds * closing
     while away > least and scene.pixels(actor, away) < _CLEAR_PX:
@@ -328,7 +328,7 @@ def _hurried(scene: StagedActors, actor: RecipeActor, friction: float, seconds: 
     if away < calm:
         scene.is_followed = False
     if actor.behaviour in _STILL and not scene.is_followed and draw < _HURRIED:
-        late = approach.too_late_to_stop(closing, friction) + reach
+        late = timing.too_late_to_stop(closing, friction) + reach
         if late > hard:
             away = min(away, hard + 0.8 * share * (late - hard))
     return min(seconds, away / closing)
@@ -340,14 +340,14 @@ def _room(scene: StagedActors, actor: RecipeActor, friction: float) -> Callable[
     It allows a comfortable stop or a lane change; or only hard braking; or, at speeds at which
     braking takes longer than that, only a lane change.
     """
-    recipe, spare = scene.recipe, approach.spare(scene.recipe)
+    recipe, spare = scene.recipe, timing.spare(scene.recipe)
     late, urgent, share = (float(draw) for draw in scene.rng.random(3))
     is_inside = max(map(abs, actor.offset)) < _INSIDE
     if scene.is_followed:
         urgent = 1.0
     if recipe.width and is_inside and late < _LATE and scene.road.lanes > 1:
-        low = approach.swerving(scene.speed, recipe.width, _ASIDE)
-        high = approach.braking(scene.speed, friction)
+        low = timing.swerving(scene.speed, recipe.width, _ASIDE)
+        high = timing.braking(scene.speed, friction)
         if low + 0.5 <= high - 1.5:
             scene.escape = 1 if scene.ego_lane + 1 < scene.road.lanes else -1
             aside = -scene.escape * _ASIDE
@@ -358,7 +358,7 @@ def _room(scene: StagedActors, actor: RecipeActor, friction: float) -> Callable[
             return lambda speed: value
 
     def is_unseen() -> bool:
-        away = approach.late_room(scene.speed, friction) + spare
+        away = timing.late_room(scene.speed, friction) + spare
         return scene.pixels(actor, away) < _CLEAR_PX
 
     # Room for a calm stop is left behind a slower ego.
@@ -368,7 +368,7 @@ def _room(scene: StagedActors, actor: RecipeActor, friction: float) -> Callable[
         scene.is_followed = False
 
     def least(speed: float) -> float:
-        return approach.braking(speed, friction) + 0.75 * spare
+        return timing.braking(speed, friction) + 0.75 * spare
 
     def is_seen(speed: float) -> bool:
         return scene.pixels(actor, least(speed)) >= _SEEN_PX
@@ -380,23 +380,22 @@ def _room(scene: StagedActors, actor: RecipeActor, friction: float) -> Callable[
         fast = fast if fast and is_seen(fast) else None
         scene.speed = fast or scene.speed
         room = max(
-            approach.too_late_to_stop(scene.speed, friction)
-            - approach.braking(scene.speed, friction),
+            timing.too_late_to_stop(scene.speed, friction) - timing.braking(scene.speed, friction),
             0.0,
         )
         if fast or is_unseen():
             return lambda speed: (
-                approach.braking(speed, friction) + 0.55 * spare + share * min(room, 4.0)
+                timing.braking(speed, friction) + 0.55 * spare + share * min(room, 4.0)
             )
-    return lambda speed: approach.late_room(speed, friction) + (0.9 + 0.4 * share) * spare
+    return lambda speed: timing.late_room(speed, friction) + (0.9 + 0.4 * share) * spare
 
 
 def _urgent_speed(scene: StagedActors, friction: float) -> float | None:
     """Return the lowest speed, not below the ego's, at which the slowest driver can brake and the quickest cannot stop."""
     speed = scene.speed
     while speed <= scene.road.speed_limit:
-        late = approach.too_late_to_stop(speed, friction)
-        if late - approach.braking(speed, friction) >= _WINDOW_M:
+        late = timing.too_late_to_stop(speed, friction)
+        if late - timing.braking(speed, friction) >= _WINDOW_M:
             return round(speed, 2)
         speed *= 1.04
     return None

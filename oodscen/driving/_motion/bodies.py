@@ -7,10 +7,12 @@ with the road and the visibility for kernels. State is rounded to 1e-6 in every 
 import math
 from typing import NamedTuple
 
+from oodscen._numbers import finite_number
 from oodscen.driving._motion import columns as col
 from oodscen.driving._roads.track import Track
 from oodscen.numerics._exact import asin, atan, quantised, sin, sincos, tan, wrapped
 from oodscen.numerics._kernels import Integers, Numbers, part
+from oodscen.protocols import Control
 
 GRAVITY = 9.81
 WHEELBASE = 2.7
@@ -86,3 +88,32 @@ def drive_ego(w: Situation, acceleration: float, steering: float) -> None:
     state[0, col.Y] = quantised(state[0, col.Y] + mean * dt * sine)
     state[0, col.YAW] = quantised(wrapped(state[0, col.YAW] + turn))
     state[0, col.SPEED] = quantised(after)
+
+
+def within_grip(control: Control, speed: float, friction: float) -> Control:
+    """Return the part of the ego's control that motor, wheels and tyres can follow.
+
+    The kinematic world drives its ego by this friction circle (Rajamani 2012, chapters 2 and 13).
+
+    Args:
+        control: The driver's control.
+        speed: The ego's speed, m/s.
+        friction: Friction scale of the road; 1 is dry asphalt.
+
+    Raises:
+        UsageError: If speed or friction is no finite number.
+    """
+    speed = finite_number("speed", speed, -1e6, 1e6)
+    friction = finite_number("friction", friction, 0.0, 100.0)
+    grip = friction * GRAVITY
+    angle = min(max(control.steering, -MAX_STEERING), MAX_STEERING)
+    along = min(max(control.acceleration, -2.0 * grip), min(MAX_DRIVE, grip))
+    curvature = math.sin(math.atan(0.5 * math.tan(angle))) / (0.5 * WHEELBASE)
+    total = math.hypot(along, speed * speed * curvature)
+    if total > grip:
+        along *= grip / total
+    left = math.sqrt(max(0.0, grip * grip - along * along))
+    if speed * speed * abs(curvature) > left:
+        curvature = math.copysign(left / (speed * speed), curvature)
+        angle = math.atan(2.0 * math.tan(math.asin(0.5 * WHEELBASE * curvature)))
+    return Control(along, angle)

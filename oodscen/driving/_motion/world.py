@@ -1,7 +1,6 @@
 """The kinematic world: positions and motion of all bodies, and the ego driver's observation."""
 
 import math
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -9,16 +8,13 @@ from numpy.typing import NDArray
 
 from oodscen._display import Brief, brief
 from oodscen._numbers import finite_number, seed_number
-from oodscen._seeding import stream
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import DARK_DEG, Actor, Scene, Trigger
+from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._motion import actions
 from oodscen.driving._motion import columns as col
-from oodscen.driving._motion.behaviour_kernels import IN_WORLD, Code, stand_in_world, stand_on_road
-from oodscen.driving._motion.behaviours import ATTACHED, BUILT_IN, QUICKNESS
-from oodscen.driving._motion.bodies import WHEELBASE, Situation
-from oodscen.driving._motion.car_following import curve_speed, free_road, grip
-from oodscen.driving._motion.keyframes import key_codes, key_table, key_traits, pose_first
+from oodscen.driving._motion.bodies import WHEELBASE
+from oodscen.driving._motion.car_following import free_road
+from oodscen.driving._motion.placing import PlacedBodies
 from oodscen.driving._motion.rollouts import Variation, is_passed
 from oodscen.driving._motion.stepping import (
     advance,
@@ -31,16 +27,9 @@ from oodscen.driving._motion.stepping import (
 from oodscen.driving._motion.tilting import tilts
 from oodscen.driving._motion.triggers import CODES
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.driving._roads.track import for_kernels
-from oodscen.driving._sight.visibility import visual_range
-from oodscen.numerics._exact import PI, TAU, cos, quantised, sincos, wrapped
+from oodscen.numerics._exact import quantised, wrapped
 from oodscen.numerics._kernels import seen
 from oodscen.protocols import Control, Observation, State
-
-HEADLAMPS_M = 75.0
-"""Distance at which dipped headlamps reveal bodies without lamps, m."""
-_LIT = frozenset({"vehicle", "cyclist", "work_zone", "signal"})
-"""Categories with lamps or reflectors."""
 
 
 class WorldSnapshot(NamedTuple):
@@ -127,49 +116,18 @@ class KinematicWorld(Brief):
         self.scene = scene
         seed_number(seed)
         self.dt = finite_number("dt", dt, 1e-4, 10.0)
-        self.friction = scene.weather.friction
-        self.visual_range = quantised(visual_range(scene.weather))
         self.step_count = 0
-        self.lane = ego_strip(corridor, scene.ego.lane)
-        self._bodies = catalogue.bodies(scene)
-        self.ids = tuple(name for name, _, _ in self._bodies)
+        placed = PlacedBodies(corridor, scene, catalogue, seed, dt=self.dt)
+        self.lane = placed.lane
+        self.ids = placed.ids
         """`ego`, then the actors in the scene's order."""
-        self._rows = {name: row for row, name in enumerate(self.ids)}
-        kinds = {kind.id: kind for kind in catalogue.for_scene(scene).behaviours}
-        self.sizes = [(asset.length, asset.width) for _, asset, _ in self._bodies]
+        self.sizes = placed.sizes
         """Length and width of every body, rows as in `ids`."""
-        count = len(self.ids)
-        self._state = np.zeros((count, col.STATE_WIDTH))
-        self._motions = {motion.id: motion for motion in scene.motions}
-        keys, self._first_keys = key_table(scene.motions, count)
-        self._traits = np.zeros((count + len(keys), col.TRAITS_WIDTH))
-        if keys:
-            self._traits[count:, : col.KEYS_WIDTH] = keys
-        self._codes = np.zeros((count, col.CODES_WIDTH), dtype=np.int64)
-        order = self._order(scene)
-        is_dark = scene.weather.sun_elevation_deg < DARK_DEG
-        self._situation = Situation(
-            track=for_kernels(corridor.track),
-            state=seen(self._state),
-            traits=seen(self._traits),
-            codes=seen(self._codes),
-            paths=seen(np.zeros((count, col.PATHS_WIDTH))),
-            order=seen(np.array(order, dtype=np.int64)),
-            dt=dt,
-            friction=self.friction,
-            visual_range=self.visual_range,
-            headlamp_range=min(self.visual_range, HEADLAMPS_M) if is_dark else self.visual_range,
-        )
-        self._traits[:count, : col.WIDTH + 1] = self.sizes
-        self._traits[:count, col.HEIGHT] = [asset.height for _, asset, _ in self._bodies]
-        self._place_ego(scene.ego.speed)
-        for row, actor in enumerate(scene.actors, start=1):
-            kind = kinds[actor.behaviour.name]
-            defaults = {name: one.default for name, one in kind.parameters.items()}
-            parameters = {**defaults, **actor.behaviour.parameters}
-            self._place(row, actor, kind.built_in, parameters, seed)
-        for row in order:
-            self._attach(row)
+        self._bodies, self._rows = placed.bodies, placed.rows
+        self._state, self._traits, self._codes = placed.state, placed.traits, placed.codes
+        self._situation = placed.situation
+        self.friction = self._situation.friction
+        self.visual_range = self._situation.visual_range
         see_paths(self._situation)
         pull_triggers(self._situation, 0.0)
 
@@ -274,7 +232,7 @@ class KinematicWorld(Brief):
         """Return the gap to the body that an actor sees ahead, m, and the speed at which it moves away, m/s.
 
         The values are from the beginning of the last step. The gap is infinite if nothing is ahead within the
-        visual range: that of fog, rain and snow, and at night `HEADLAMPS_M` for bodies without lamps.
+        visual range: that of fog, rain and snow, and at night that of headlamps for bodies without lamps.
         """
         gap, away = free_road(self._situation, self._rows[body], -math.inf)
         return float(gap), float(away)
@@ -375,140 +333,3 @@ class KinematicWorld(Brief):
     def _is_near(self, row: int, x: float, y: float) -> bool:
         """Return whether a body is at most a few metres from a point."""
         return bool(np.abs(self._state[row, [col.X, col.Y]] - (x, y)).max() < 5.0)
-
-    def _order(self, scene: Scene) -> list[int]:
-        """Return the actors' rows, each after the body that it belongs to."""
-        owners = {
-            row: self._rows[actor.behaviour.other]
-            for row, actor in enumerate(scene.actors, start=1)
-            if actor.behaviour.other is not None
-        }
-        waiting, order = list(range(1, len(self.ids))), []
-        while waiting:
-            ready = [row for row in waiting if owners.get(row) not in waiting]
-            if not ready:
-                names = ", ".join(self.ids[row] for row in waiting)
-                raise ValueError(f"actors belong to each other in a ring: {names}")
-            order += ready
-            waiting = [row for row in waiting if row not in ready]
-        return order
-
-    def _place_ego(self, speed: float) -> None:
-        state, start = self._state[0], self.corridor.start
-        state[col.S], state[col.T] = start, self.corridor.centre(self.lane, start)
-        state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
-        self._codes[0, col.OTHER], self._codes[0, col.DIRECTION] = -1, 1
-        self._codes[0, col.IS_LIT] = 1
-        stand_on_road(self._situation, 0)
-        stand_in_world(self._situation, 0)
-
-    def _place(
-        self, row: int, actor: Actor, name: str, parameters: Mapping[str, float], seed: int
-    ) -> None:
-        road, place = self.corridor, actor.placement
-        lane = neighbour_strip(road, self.lane, place.lane)
-        target = lane
-        if "lanes" in parameters:
-            target = neighbour_strip(road, lane, round(parameters["lanes"]))
-        heading = place.heading_deg * PI / 180.0
-        if name == "wrong_way":
-            heading = PI
-        if road.strips[lane].direction < 0:
-            heading += PI
-        heading = quantised(wrapped(heading))
-        s = quantised(road.start + place.ahead_m)
-        t = quantised(road.centre(lane, s) + place.offset_m)
-        asset, trigger = self._bodies[row][1], actor.behaviour.trigger
-        motion = self._motions.get(actor.behaviour.name)
-        behaviour = BUILT_IN[name] if motion is None else None
-        code = Code.KEYED if behaviour is None else behaviour.code
-        phase = 0.0
-        if behaviour is not None and behaviour.has_chance:
-            phase = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
-        owner = actor.behaviour.other
-        if owner is None and (code in ATTACHED or (motion is not None and motion.frame == "other")):
-            raise ValueError(f"{actor.id!r} needs another actor to do {name!r}")
-        self._codes[row, : col.KEY] = [
-            code,
-            lane,
-            target,
-            1 if cos(heading) >= 0.0 else -1,
-            -1 if owner is None else self._rows[owner],
-            CODES[trigger.kind],
-            self._rows[trigger.actor or actor.id],
-            asset.is_passable(actor.state),
-            asset.category in _LIT,
-        ]
-        traits, state = self._traits[row], self._state[row]
-        traits[col.OFFSET], traits[col.PHASE] = place.offset_m, phase
-        traits[col.VALUE] = trigger.value
-        traits[col.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
-        traits[col.HOME_S], traits[col.HOME_T] = s, t
-        traits[col.FIRST :] = [parameters.get(name, 0.0) for name in col.PARAMETERS]
-        if motion is not None:
-            self._codes[row, col.KEY :] = key_codes(motion, self._first_keys[motion.id])
-            for column, value in key_traits(motion, actor.id, seed).items():
-                traits[column] = value
-        is_moving = behaviour is not None and behaviour.moves_before_trigger
-        speed = parameters.get("speed", 0.0) if is_moving else 0.0
-        state[col.S], state[col.T], state[col.HEADING] = s, t, heading
-        state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
-        stand_on_road(self._situation, row)
-        if speed > 0.0 and code not in IN_WORLD:
-            fastest = float(curve_speed(self._situation, row, grip(self._situation)))
-            state[col.SPEED] = quantised(min(speed, fastest))
-
-    def _attach(self, row: int) -> None:
-        """Store an actor's pose relative to the body that it belongs to."""
-        code, other = self._codes[row, col.BEHAVIOUR], int(self._codes[row, col.OTHER])
-        is_held = code in ATTACHED
-        if code == Code.KEYED:
-            is_held = pose_first(self._situation, row)
-        if not is_held:
-            return
-        mine, its = self._state[row].tolist(), self._state[other].tolist()
-        sine, cosine = sincos(its[col.YAW])
-        dx, dy = mine[col.X] - its[col.X], mine[col.Y] - its[col.Y]
-        tail = 0.5 * self.sizes[other][0]
-        hitch_x, hitch_y = dx + tail * cosine, dy + tail * sine
-        pole = math.sqrt(hitch_x * hitch_x + hitch_y * hitch_y)
-        askew = wrapped(mine[col.YAW] - its[col.YAW])
-        traits = self._traits[row]
-        traits[col.APART_X] = dx * cosine + dy * sine
-        traits[col.APART_Y] = dy * cosine - dx * sine
-        traits[col.APART_YAW] = askew
-        traits[col.POLE] = max(pole, 0.5 * self.sizes[row][0])
-        state, speed = self._state[row], its[col.SPEED]
-        if code == Code.FALL:
-            state[col.LIFT] = quantised(float(traits[col.DROP]))
-            state[col.MEMORY : col.MEMORY + 2] = speed * cosine, speed * sine
-        if code != Code.OPEN_DOOR:
-            state[col.SPEED] = quantised(speed * cos(askew))
-
-
-def ego_strip(corridor: Corridor, lane: int) -> int:
-    """Return the strip of the ego's lane, which is counted from the right.
-
-    Raises:
-        ValueError: If the road has fewer lanes in the ego's direction.
-    """
-    lanes = corridor.ego_lanes
-    if lane >= len(lanes):
-        raise ValueError(f"the road has {len(lanes)} lanes in the ego's direction (0 is the right)")
-    return lanes[lane]
-
-
-def neighbour_strip(corridor: Corridor, strip: int, lanes: int) -> int:
-    """Return the driving strip a number of lanes to the left of another, including oncoming lanes.
-
-    Raises:
-        ValueError: If there is no such lane.
-    """
-    driving = corridor.driving
-    place = driving.index(strip) + lanes
-    if not 0 <= place < len(driving):
-        here = driving.index(strip)
-        raise ValueError(
-            f"there is no lane {lanes:+d}; from here they are {-here}..{len(driving) - 1 - here}"
-        )
-    return driving[place]

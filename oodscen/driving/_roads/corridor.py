@@ -384,3 +384,31 @@ def _intervals(strips: Sequence[LaneStrip]) -> list[Ranges]:
                 extend(ranges, right, left, touch=0.01)
         ranges_of += [tuple(ranges)] * (last - first)
     return ranges_of
+
+
+def ego_strip(corridor: Corridor, lane: int) -> int:
+    """Return the strip of the ego's lane, which is counted from the right.
+
+    Raises:
+        ValueError: If the road has fewer lanes in the ego's direction.
+    """
+    lanes = corridor.ego_lanes
+    if lane >= len(lanes):
+        raise ValueError(f"the road has {len(lanes)} lanes in the ego's direction (0 is the right)")
+    return lanes[lane]
+
+
+def neighbour_strip(corridor: Corridor, strip: int, lanes: int) -> int:
+    """Return the driving strip a number of lanes to the left of another, including oncoming lanes.
+
+    Raises:
+        ValueError: If there is no such lane.
+    """
+    driving = corridor.driving
+    place = driving.index(strip) + lanes
+    if not 0 <= place < len(driving):
+        here = driving.index(strip)
+        raise ValueError(
+            f"there is no lane {lanes:+d}; from here they are {-here}..{len(driving) - 1 - here}"
+        )
+    return driving[place]

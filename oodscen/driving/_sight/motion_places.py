@@ -4,8 +4,7 @@ from collections.abc import Iterable
 
 from oodscen.data._motion import Motion
 from oodscen.data._scene import Actor, Scene
-from oodscen.driving._motion.world import neighbour_strip
-from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._roads.corridor import Corridor, neighbour_strip
 from oodscen.errors import Issue
 from oodscen.numerics._exact import PI, sincos
 

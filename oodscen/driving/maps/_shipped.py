@@ -1,48 +1,48 @@
 """The shipped maps, for every catalogue that offers them."""
 
+from typing import Any
+
 from oodscen.data._catalogue import RoadMap
 
 START_M = 200.0
 """Position of the ego's start on each map, m."""
 
+
+def _shipped(name: str, description: str, **fields: Any) -> RoadMap:
+    file = f"oodscen.driving:maps/{name}.xodr"
+    return RoadMap(id=name, description=description, file=file, start_m=START_M, **fields)
+
+
 SHIPPED_MAPS: tuple[RoadMap, ...] = (
-    RoadMap(
-        id="residential_two_lane",
-        description="a two-lane residential street with parked cars, pavements and a bend far ahead",
-        file="oodscen.driving:maps/residential_two_lane.xodr",
-        start_m=START_M,
+    _shipped(
+        "residential_two_lane",
+        "a two-lane residential street with parked cars, pavements and a bend far ahead",
         lanes=1,
         oncoming_lanes=1,
         speed_limit=8.33,
         length_m=600.0,
         traits=("residential", "two_lane", "oncoming"),
     ),
-    RoadMap(
-        id="urban_three_lane",
-        description="a straight one-way city street with three lanes and pavements",
-        file="oodscen.driving:maps/urban_three_lane.xodr",
-        start_m=START_M,
+    _shipped(
+        "urban_three_lane",
+        "a straight one-way city street with three lanes and pavements",
         lanes=3,
         speed_limit=13.9,
         length_m=780.0,
         traits=("urban", "three_lane", "one_way"),
     ),
-    RoadMap(
-        id="urban_avenue",
-        description="a city avenue with two lanes each way and pavements",
-        file="oodscen.driving:maps/urban_avenue.xodr",
-        start_m=START_M,
+    _shipped(
+        "urban_avenue",
+        "a city avenue with two lanes each way and pavements",
         lanes=2,
         oncoming_lanes=2,
         speed_limit=13.9,
         length_m=780.0,
         traits=("urban", "four_lane", "oncoming"),
     ),
-    RoadMap(
-        id="highway",
-        description="a divided highway with two lanes and a hard shoulder each way",
-        file="oodscen.driving:maps/highway.xodr",
-        start_m=START_M,
+    _shipped(
+        "highway",
+        "a divided highway with two lanes and a hard shoulder each way",
         lanes=2,
         oncoming_lanes=2,
         has_shoulder=True,
@@ -50,11 +50,9 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         length_m=1380.0,
         traits=("highway", "shoulder", "divided"),
     ),
-    RoadMap(
-        id="rural_curve",
-        description="a two-lane country road with narrow gravel shoulders that bends to the left",
-        file="oodscen.driving:maps/rural_curve.xodr",
-        start_m=START_M,
+    _shipped(
+        "rural_curve",
+        "a two-lane country road with narrow gravel shoulders that bends to the left",
         lanes=1,
         oncoming_lanes=1,
         has_shoulder=True,
@@ -62,11 +60,9 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         length_m=880.0,
         traits=("rural", "two_lane", "oncoming", "curve"),
     ),
-    RoadMap(
-        id="rural_hill",
-        description="a two-lane country road over a crest that hides what lies behind it",
-        file="oodscen.driving:maps/rural_hill.xodr",
-        start_m=START_M,
+    _shipped(
+        "rural_hill",
+        "a two-lane country road over a crest that hides what lies behind it",
         lanes=1,
         oncoming_lanes=1,
         has_shoulder=True,
@@ -74,12 +70,10 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         length_m=780.0,
         traits=("rural", "two_lane", "oncoming", "hill"),
     ),
-    RoadMap(
-        id="urban_junction",
-        description="a four-way crossing of two avenues with traffic lights, two lanes each way",
-        file="oodscen.driving:maps/urban_junction.xodr",
+    _shipped(
+        "urban_junction",
+        "a four-way crossing of two avenues with traffic lights, two lanes each way",
         road="1",
-        start_m=START_M,
         route=("12", "3"),
         lanes=2,
         oncoming_lanes=2,
@@ -87,12 +81,10 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         length_m=540.0,
         traits=("urban", "junction", "signalised", "oncoming", "four_lane"),
     ),
-    RoadMap(
-        id="t_junction",
-        description="a two-lane residential street that a side street joins from the right",
-        file="oodscen.driving:maps/t_junction.xodr",
+    _shipped(
+        "t_junction",
+        "a two-lane residential street that a side street joins from the right",
         road="1",
-        start_m=START_M,
         route=("12", "3"),
         lanes=1,
         oncoming_lanes=1,
@@ -100,12 +92,10 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         length_m=525.0,
         traits=("residential", "junction", "t_junction", "two_lane", "oncoming"),
     ),
-    RoadMap(
-        id="roundabout",
-        description="a single-lane roundabout with four arms; the ego leaves it straight ahead",
-        file="oodscen.driving:maps/roundabout.xodr",
+    _shipped(
+        "roundabout",
+        "a single-lane roundabout with four arms; the ego leaves it straight ahead",
         road="1",
-        start_m=START_M,
         route=("21", "11", "42", "12", "33", "3"),
         lanes=1,
         oncoming_lanes=1,
@@ -113,11 +103,9 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         length_m=560.0,
         traits=("urban", "roundabout", "junction", "two_lane", "oncoming"),
     ),
-    RoadMap(
-        id="tunnel",
-        description="a two-lane road with narrow shoulders that runs through a tunnel",
-        file="oodscen.driving:maps/tunnel.xodr",
-        start_m=START_M,
+    _shipped(
+        "tunnel",
+        "a two-lane road with narrow shoulders that runs through a tunnel",
         lanes=1,
         oncoming_lanes=1,
         has_shoulder=True,
@@ -125,11 +113,9 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         length_m=750.0,
         traits=("rural", "tunnel", "two_lane", "oncoming"),
     ),
-    RoadMap(
-        id="bridge",
-        description="a two-lane road that crosses water on a bridge with pavements",
-        file="oodscen.driving:maps/bridge.xodr",
-        start_m=START_M,
+    _shipped(
+        "bridge",
+        "a two-lane road that crosses water on a bridge with pavements",
         lanes=1,
         oncoming_lanes=1,
         has_shoulder=True,
@@ -137,11 +123,9 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         length_m=730.0,
         traits=("rural", "bridge", "two_lane", "oncoming"),
     ),
-    RoadMap(
-        id="level_crossing",
-        description="a two-lane country road that a railway track crosses",
-        file="oodscen.driving:maps/level_crossing.xodr",
-        start_m=START_M,
+    _shipped(
+        "level_crossing",
+        "a two-lane country road that a railway track crosses",
         lanes=1,
         oncoming_lanes=1,
         has_shoulder=True,
@@ -150,23 +134,19 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         road="1",
         traits=("rural", "two_lane", "oncoming", "rail_crossing"),
     ),
-    RoadMap(
-        id="narrow_passage",
-        description="a two-way street with a one-lane gap 90 to 130 m ahead",
-        file="oodscen.driving:maps/narrow_passage.xodr",
-        start_m=START_M,
+    _shipped(
+        "narrow_passage",
+        "a two-way street with a one-lane gap 90 to 130 m ahead",
         lanes=1,
         oncoming_lanes=1,
         speed_limit=8.33,
         length_m=600.0,
         traits=("residential", "two_lane", "oncoming", "narrow"),
     ),
-    RoadMap(
-        id="exit_ramp",
-        description="a divided highway with an exit lane; its ramp leaves 160 m ahead",
-        file="oodscen.driving:maps/exit_ramp.xodr",
+    _shipped(
+        "exit_ramp",
+        "a divided highway with an exit lane; its ramp leaves 160 m ahead",
         road="1",
-        start_m=START_M,
         route=("13", "3"),
         lanes=2,
         oncoming_lanes=2,
@@ -175,22 +155,18 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         length_m=1100.0,
         traits=("highway", "shoulder", "divided", "exit"),
     ),
-    RoadMap(
-        id="town_bend",
-        description="a two-lane town street in tight bends",
-        file="oodscen.driving:maps/town_bend.xodr",
-        start_m=START_M,
+    _shipped(
+        "town_bend",
+        "a two-lane town street in tight bends",
         lanes=1,
         oncoming_lanes=1,
         speed_limit=8.33,
         length_m=525.0,
         traits=("urban", "two_lane", "oncoming", "winding"),
     ),
-    RoadMap(
-        id="downhill_bend",
-        description="a two-lane country road downhill into a bend",
-        file="oodscen.driving:maps/downhill_bend.xodr",
-        start_m=START_M,
+    _shipped(
+        "downhill_bend",
+        "a two-lane country road downhill into a bend",
         lanes=1,
         oncoming_lanes=1,
         has_shoulder=True,

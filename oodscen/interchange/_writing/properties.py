@@ -37,8 +37,11 @@ def facts(
     else:
         found["twin"] = twin_id(scene.id)
     if scenario is not None:
-        text = scenario.ordinary or "" if scene.is_twin else scenario.text
-        text = scene.demand.text if scene.demand else text
+        text = scenario.text
+        if scene.demand:
+            text = scene.demand.text
+        elif scene.is_twin:
+            text = scenario.ordinary or ""
         found["text"] = one_line(plain(text))
         found["path"] = " > ".join(map(one_line, map(plain, scenario.path)))
     if claims and not scene.is_twin:

@@ -20,12 +20,11 @@ from oodscen.interchange._writing.storyboard import event, followers, write_spee
 
 BLUEPRINTS = "carla-0.9.16"
 """The catalogue whose ids are CARLA's blueprints."""
-_STANDING = frozenset({"stand"})
-_DRIVING = frozenset({"follow_lane"})
+_UNCHANGING = frozenset({"stand", "follow_lane"})
 _BRAKING = frozenset({"hard_brake", "stall"})
 _CHANGING = frozenset({"cut_in", "cut_out"})
 _WALKING = frozenset({"cross_road", "walk_along", "bolt", "dart"})
-PLAYED = _STANDING | _DRIVING | _BRAKING | _CHANGING | _WALKING
+PLAYED = _UNCHANGING | _BRAKING | _CHANGING | _WALKING
 """Behaviours for which ScenarioRunner has actions."""
 _EGO_BLUEPRINT = "vehicle.lincoln.mkz_2017"
 _CLOUDS = ((0.25, "free"), (0.75, "cloudy"), (1.01, "overcast"))
@@ -80,7 +79,7 @@ def write_for_scenario_runner(
         if moves and (speed := float(run.nominal.speeds[0, row])) > 0.0:
             write_speed(child(private, "PrivateAction"), speed)
     for actor in scene.actors:
-        if actor.behaviour.name not in _STANDING | _DRIVING:
+        if actor.behaviour.name not in _UNCHANGING:
             _write_actor(act, actor, run, corridor)
     if not len(act):
         _maneuver(act, "ego")

@@ -76,11 +76,11 @@ class BarResult(Data):
 
 
 class RequirementResult(Data):
-    """A model's grade against a requirement."""
+    """The grade of a model, or of a driving stack, against a requirement."""
 
     noun: ClassVar[str] = "result"
 
-    model: str
+    name: str
     """Name of the judged model, or of the driving stack."""
     grade: Grade
     more_scenes: int | None = None
@@ -93,7 +93,7 @@ class RequirementResult(Data):
             f"{one.bar.figure} {'-' if one.share is None else f'{one.share:.1%}'}"
             for one in self.bars
         )
-        return f"{self.model}: {self.words} ({listing})"
+        return f"{self.name}: {self.words} ({listing})"
 
     @property
     def words(self) -> str:
@@ -174,12 +174,12 @@ def _grade(
 
 
 def grade_of(
-    model: str, tests: Sequence["BarTest"], level: float, per_path: float
+    name: str, tests: Sequence["BarTest"], level: float, per_path: float
 ) -> RequirementResult:
     """Return the grade of one model, or driving stack, by the tests of its bars.
 
     Args:
-        model: Its name.
+        name: Name of the model or the stack.
         tests: One test per bar.
         level: The largest probability of a false word about it.
         per_path: Mean number of scenes of a path.
@@ -197,7 +197,7 @@ def grade_of(
         if times is not None:
             paths = max(one.paths for one in results)
             more = max(math.ceil((times - 1) * paths * per_path), 1)
-    return RequirementResult(model=model, grade=grade, more_scenes=more, bars=results)
+    return RequirementResult(name=name, grade=grade, more_scenes=more, bars=results)
 
 
 def _times(

@@ -278,19 +278,3 @@ def score(row: LeaderboardRow, task: Task) -> float | None:
     if task == "detection":
         return row.detection.balanced_accuracy.value
     return rates(row, task)[0].value
-
-
-def worst_score(row: LeaderboardRow, task: Task) -> float | None:
-    """Return the figure that ranks a task, with every missing answer counted as wrong."""
-    return (
-        row.detection.with_missing_wrong.value
-        if task == "detection"
-        else rates(row, task)[0].with_missing_wrong
-    )
-
-
-def missing_share(row: LeaderboardRow, task: Task) -> float:
-    """Return the share of a task's items that were asked about and not answered."""
-    found = rates(row, task)
-    asked = sum(rate.n + rate.missing for rate in found)
-    return sum(rate.missing for rate in found) / asked if asked else 0.0

@@ -71,7 +71,7 @@ class FailedAttempt:
     """The beginning of an unreadable response."""
 
     @property
-    def is_no_response(self) -> bool:
+    def is_unusable(self) -> bool:
         """True if a response arrived but was unusable: empty, a web page, too large."""
         is_error = self.status is not None and self.status >= 400
         return self.kind == "erring" and self.retryable and not is_error
@@ -94,40 +94,44 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
     text = str(error).partition("Traceback (most recent call last)")[0]
     text = " ".join(redact_start(text, _RAW).split())
     text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
-    reason = f"{type(error).__name__}: {text}" if text else type(error).__name__
-    kind = _kind(status, text, error)
-    if isinstance(error, Filtered) or type(error).__name__ == "ContentPolicyViolationError":
-        kind = "filtered"
-    if bounds.broken in _BROKEN:
-        kind = "erring"
-        reason = _BROKEN[bounds.broken].format(detail=bounds.detail)
-    elif bounds.broken == "silence":
-        kind, reason = "unreachable", "the server accepts connections and says nothing"
-    elif bounds.broken == "time" or (bounds.is_over and kind in ("unreachable", "erring")):
-        kind, reason = "late", "the response did not end in time"
-    elif bounds.broken == "closed":
-        reason = "the run was interrupted"
-    elif isinstance(error, NoAnswer):
-        reason = text
-    elif kind == "filtered":
-        reason = f"the provider's content filter declined it: {text}"
+    kind, reason = _meaning(status, text, error, bounds)
     is_unreadable = kind == "erring" and (status is None or status < 400)
     if is_unreadable and bounds.broken is None and not bounds.head.strip() and bounds.is_sent:
         reason = "the response is empty"
+    is_final = bounds.broken in ("redirect", "proxy", "offline") or status in (403, 404)
+    is_final = is_final or isinstance(error, ImportError)
+    is_about_content = type(error).__name__ in _ABOUT_CONTENT
     return FailedAttempt(
         message=f"{model} gave no answer: {reason}",
         kind=kind,
-        retryable=kind in ("limit", "late", "unreachable", "erring")
-        and bounds.broken not in ("redirect", "proxy", "offline")
-        and not isinstance(error, ImportError)
-        and status not in (403, 404),
-        may_refuse_form=status in (400, 422)
-        and kind == "item"
-        and type(error).__name__ not in _ABOUT_CONTENT,
+        retryable=kind in ("limit", "late", "unreachable", "erring") and not is_final,
+        may_refuse_form=status in (400, 422) and kind == "item" and not is_about_content,
         retry_after=retry_after(error),
         status=status,
         raw=_start(bounds) if is_unreadable else "",
     )
+
+
+def _meaning(
+    status: int | None, text: str, error: Exception, bounds: CallBounds
+) -> tuple[Kind, str]:
+    """Return the kind of a failure, and its reason in words."""
+    kind = _kind(status, text, error)
+    if isinstance(error, Filtered) or type(error).__name__ == "ContentPolicyViolationError":
+        kind = "filtered"
+    if bounds.broken in _BROKEN:
+        return "erring", _BROKEN[bounds.broken].format(detail=bounds.detail)
+    if bounds.broken == "silence":
+        return "unreachable", "the server accepts connections and says nothing"
+    if bounds.broken == "time" or (bounds.is_over and kind in ("unreachable", "erring")):
+        return "late", "the response did not end in time"
+    if bounds.broken == "closed":
+        return kind, "the run was interrupted"
+    if isinstance(error, NoAnswer):
+        return kind, text
+    if kind == "filtered":
+        return kind, f"the provider's content filter declined it: {text}"
+    return kind, f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
 def _start(bounds: CallBounds) -> str:

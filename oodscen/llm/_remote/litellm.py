@@ -244,7 +244,7 @@ class LiteLLM(Brief):
             return ContentFiltered(failure.message, model=self.name, requests=requests)
         if failure.kind == "late":
             return LLMTimeout(failure.message, model=self.name, retryable=True, requests=requests)
-        if failure.is_no_response:
+        if failure.is_unusable:
             return ResponseError(
                 failure.message,
                 model=self.name,

@@ -54,8 +54,9 @@ class EstimateRarity(Prompt[RarityEstimates]):
             issues.append(Issue("estimates", f"there is no text {extra[0]}"))
         for place, one in enumerate(answer.estimates):
             found = [value for value in (one.low, one.best, one.high) if value is not None]
-            is_silent = one.problem not in ("none", "several events")
-            if found != sorted(found) or len(found) not in ((0, 3) if is_silent else (3,)):
+            may_be_silent = one.problem not in ("none", "several events")
+            is_complete = len(found) == 3 or (not found and may_be_silent)
+            if found != sorted(found) or not is_complete:
                 fault = (
                     "low, best and high are three logarithms in order, or all null with a problem"
                 )

@@ -57,13 +57,13 @@ def _waiting(at: Setting, rng: np.random.Generator, line: float) -> list[Actor]:
         asset = at.choose(rng, *CARS)
         if not asset:
             return []
-        place = line - 0.5 * at.length(asset) - float(rng.uniform(0.4, 1.0))
-        if not lane and place - at.decision_m < 0.5 * at.length(asset) + FRONT_M + 2.0 + at.room(
-            _FIRM
-        ):
+        half = 0.5 * at.length(asset)
+        place = line - half - float(rng.uniform(0.4, 1.0))
+        is_ahead = lane == 0
+        if is_ahead and place - at.decision_m < half + FRONT_M + 2.0 + at.room(_FIRM):
             return []
-        if not lane or rng.random() < 0.6:
-            name = "waiting" if not lane else f"beside{lane + 3}"
+        if is_ahead or rng.random() < 0.6:
+            name = "waiting" if is_ahead else f"beside{lane + 3}"
             cars.append(actor(name, asset, place, lane=lane, does="follow_lane", speed=0.0))
     return cars
 

@@ -1,12 +1,12 @@
 """The ordinary demand of a scene: drawn, checked like a scene, and run."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from pydantic import ValidationError
 
 from oodscen.claims._checking import check_claims, mismatches
-from oodscen.data._episode import MOMENTS, REACTIONS_S, Episode
+from oodscen.data._episode import Episode
 from oodscen.data._pairing import demand_id
 from oodscen.data._scene import (
     DARK_DEG,
@@ -21,14 +21,13 @@ from oodscen.data._scene import (
 )
 from oodscen.driving import check_scene
 from oodscen.errors import Issue, SceneError
-from oodscen.protocols import Camera, Simulator
 from oodscen.stages._demands.kinds import Candidate, ranked_candidates
 from oodscen.stages._demands.setting import Draft, Setting
-from oodscen.stages._simulate import VISIBLE_PX, Simulated, simulate
+from oodscen.stages._rerun import Rerunner
+from oodscen.stages._simulate import VISIBLE_PX, Simulated
 
 _SEEN = 4.0
 """Multiple of the least visible pixels that a demand must show at the decision."""
-_MOVING = frozenset({"follow_lane"})
 
 
 class Demanding(NamedTuple):
@@ -38,15 +37,7 @@ class Demanding(NamedTuple):
     simulated: Simulated
 
 
-def draw_demand(
-    scene: Scene,
-    simulated: Simulated,
-    simulator: Simulator,
-    seed: int,
-    traces: bool = False,
-    camera: Camera | None = None,
-    reaction: Sequence[float] = REACTIONS_S,
-) -> Demanding:
+def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> Demanding:
     """Return the ordinary demand of a scene, and its run.
 
     It has the scene's map, ego and ordinary weather, and is decided at the same time. Kinds are tried in an
@@ -57,20 +48,16 @@ def draw_demand(
     Args:
         scene: A scene that was run.
         simulated: Its run.
-        simulator: The simulator for the trials.
-        seed: Seed of the simulator's random streams.
-        traces: Keep the ground truth of every action's rollout.
-        camera: The camera; by default the ego's dash camera.
-        reaction: Reaction times of the drivers who try every action, s.
+        rerunner: Runs the trials.
 
     Raises:
         SceneError: When no kind fits.
     """
-    catalogue = simulator.catalogue()
+    catalogue = rerunner.simulator.catalogue()
     at = Setting.of(scene, catalogue, simulated.trace, simulated.episode.sketch)
     resort: Demanding | None = None
     calm: set[str] = set()
-    for candidate in ranked_candidates(scene, at, seed, _company(scene)):
+    for candidate in ranked_candidates(scene, at, rerunner.seed, _company(scene)):
         if candidate.kind.id in calm:
             continue
         one = _stage(scene, at, candidate)
@@ -80,15 +67,7 @@ def draw_demand(
         if mismatches(check_claims(one.demand.claims, one, catalogue)):
             continue
         try:
-            run = simulate(
-                one,
-                simulator,
-                seed=seed,
-                camera=camera,
-                traces=traces,
-                reaction=reaction,
-                moments=tuple(simulated.frames) or MOMENTS,
-            )
+            run = rerunner.run(one, simulated)
         except SceneError:
             continue
         if not _is_fair(run.episode, candidate.draft):
@@ -132,7 +111,7 @@ def _company(scene: Scene) -> tuple[Actor, ...]:
         one
         for one in scene.actors
         if one.id not in scene.hazard.actors
-        and one.behaviour.name in _MOVING
+        and one.behaviour.name == "follow_lane"
         and one.behaviour.other is None
     )
 

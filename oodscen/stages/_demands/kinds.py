@@ -8,6 +8,7 @@ import numpy as np
 
 from oodscen._seeding import stream
 from oodscen.data._catalogue import Catalogue
+from oodscen.data._category import Category
 from oodscen.data._scene import RED_LIGHT, Actor, Scene
 from oodscen.driving._motion.behaviours import having_effect
 from oodscen.stages._demands.crossings import red_light, zebra
@@ -35,41 +36,50 @@ class DemandKind(NamedTuple):
     categories: tuple[str, ...] = ()
     """Categories of such assets."""
     does: tuple[str, ...] = ()
-    """Behaviours of vehicles by which a rare scene looks like this kind."""
+    """Behaviours by which a rare scene looks like this kind, if a `doer` has them."""
+    doer: Category = "vehicle"
+    """Category of the actors whose behaviours count."""
 
     def is_like(self, actors: Iterable[Actor], catalogue: Catalogue) -> bool:
         """Return whether unusual actors look like this kind."""
         known = {asset.id: asset.category for asset in catalogue.assets}
-        return any(
-            one.asset in self.assets
-            or known.get(one.asset) in self.categories
-            or (one.behaviour.name in self.does and self._is_one(known.get(one.asset, "")))
-            for one in actors
-        )
-
-    def _is_one(self, category: str) -> bool:
-        return category == ("pedestrian" if self.does == _CROSSES else "vehicle")
+        for one in actors:
+            category = known.get(one.asset)
+            if one.asset in self.assets or category in self.categories:
+                return True
+            if one.behaviour.name in self.does and category == self.doer:
+                return True
+        return False
 
 
 KINDS: tuple[DemandKind, ...] = (
-    DemandKind("queue", queue, 0.8, ("temporary_light",), (), ("stand", *_BRAKES)),
-    DemandKind(RED_LIGHT, red_light, 2.0, ("traffic_light", "pedestrian_light")),
-    DemandKind("leader", leader, 1.3, (), (), _BRAKES),
+    DemandKind("queue", queue, 0.8, assets=("temporary_light",), does=("stand", *_BRAKES)),
+    DemandKind(RED_LIGHT, red_light, 2.0, assets=("traffic_light", "pedestrian_light")),
+    DemandKind("leader", leader, 1.3, does=_BRAKES),
     DemandKind(
         "slow_vehicle",
         slow_vehicle,
         1.2,
-        ("tractor", "forklift", "road_roller", "excavator", "cement_mixer"),
-        (),
-        ("follow_lane", *_BRAKES),
+        assets=("tractor", "forklift", "road_roller", "excavator", "cement_mixer"),
+        does=("follow_lane", *_BRAKES),
     ),
-    DemandKind("cyclist", cyclist, 1.4, (), ("cyclist",)),
-    DemandKind("refuse_lorry", refuse_lorry, 1.5, ("garbage_truck", "wheelie_bin")),
-    DemandKind("bus_stop", bus_stop, 1.5, ("bus", "school_bus")),
-    DemandKind("works", works, 1.0, ("excavator", "road_roller", "worker"), ("work_zone",)),
-    DemandKind("zebra", zebra, 2.4, (), ("pedestrian",), _CROSSES),
-    DemandKind("ambulance", ambulance, 0.6, ("ambulance", "police_car", "fire_truck", "tow_truck")),
-    DemandKind("merging_car", merging_car, 1.3, (), (), _JOINS),
+    DemandKind("cyclist", cyclist, 1.4, categories=("cyclist",)),
+    DemandKind("refuse_lorry", refuse_lorry, 1.5, assets=("garbage_truck", "wheelie_bin")),
+    DemandKind("bus_stop", bus_stop, 1.5, assets=("bus", "school_bus")),
+    DemandKind(
+        "works",
+        works,
+        assets=("excavator", "road_roller", "worker"),
+        categories=("work_zone",),
+    ),
+    DemandKind("zebra", zebra, 2.4, categories=("pedestrian",), does=_CROSSES, doer="pedestrian"),
+    DemandKind(
+        "ambulance",
+        ambulance,
+        0.6,
+        assets=("ambulance", "police_car", "fire_truck", "tow_truck"),
+    ),
+    DemandKind("merging_car", merging_car, 1.3, does=_JOINS),
 )
 """All kinds."""
 

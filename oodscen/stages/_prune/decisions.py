@@ -145,7 +145,7 @@ def alike(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDeci
 
 
 def apply_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> ScenarioTree:
-    """Apply decisions on the leaves: one `keep`, `narrow` or `remove` per node, children first.
+    """Return the tree after decisions on its leaves: one `keep`, `narrow` or `remove` per node, children first.
 
     A narrowed leaf stays attested only if its new label still names what the paper simulated.
     """

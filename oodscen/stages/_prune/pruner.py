@@ -1,6 +1,6 @@
 """The pruner, which reduces the diverse tree to what one simulator can show (paper, section III-B)."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from oodscen._arguments import instance_of
@@ -25,8 +25,8 @@ from oodscen.stages._prune.decisions import (
     all_decisions,
     apply_decisions,
 )
-from oodscen.stages._prune.restoration import Restoration, restoration
-from oodscen.stages._prune.side_by_side import CatalogueComparison, compare
+from oodscen.stages._prune.restoration import restoration
+from oodscen.stages._prune.side_by_side import compare
 from oodscen.tree._scenario_tree import Node, ScenarioTree
 
 TOGETHER = 8
@@ -107,45 +107,10 @@ class Pruner(Brief):
         ):
             yield from decisions
 
-    @staticmethod
-    def pruned(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> ScenarioTree:
-        """Return the tree after decisions on its leaves, as `run` does after its own."""
-        return apply_decisions(tree, judged)
-
-    @staticmethod
-    def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
-        """Extend the decisions on leaves to every node, in tree order."""
-        return all_decisions(tree, judged)
-
-    @staticmethod
-    def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
-        """Rank the additions that would restore the branches that pruning dropped.
-
-        A leaf is restored when everything that it lacks is added. This holds for the same judge:
-        `Catalogue.extended` makes the catalogue with which to ask it again.
-
-        Args:
-            decisions: Decisions on leaves, or on every node; inner nodes are ignored.
-        """
-        return restoration(decisions)
-
-    @staticmethod
-    def compare(
-        tree: ScenarioTree,
-        catalogues: Mapping[str, Catalogue],
-        judged: Mapping[str, Sequence[PruneDecision]],
-    ) -> CatalogueComparison:
-        """Compare the decisions of several catalogues about one tree.
-
-        Args:
-            tree: The diverse tree.
-            catalogues: The catalogues by name.
-            judged: The decisions about all leaves, by the same names.
-
-        Raises:
-            ValueError: When catalogues and decisions have different names.
-        """
-        return compare(tree, catalogues, judged)
+    pruned = staticmethod(apply_decisions)
+    all_decisions = staticmethod(all_decisions)
+    restoration = staticmethod(restoration)
+    compare = staticmethod(compare)
 
     def _judge_all(
         self, leaves: Sequence[Node], paths: Sequence[tuple[str, ...]]

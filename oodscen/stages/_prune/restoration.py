@@ -65,8 +65,8 @@ class Restoration(Data):
 def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
     """Rank the additions that would restore the branches that pruning dropped.
 
-    A leaf is restored when everything that it lacks is added. This holds for the same judge: `extended` makes
-    the catalogue with which to ask it again.
+    A leaf is restored when everything that it lacks is added. This holds for the same judge:
+    `Catalogue.extended` makes the catalogue with which to ask it again.
 
     Args:
         decisions: Decisions on leaves, or on every node; inner nodes are ignored.

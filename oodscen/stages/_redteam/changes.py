@@ -40,46 +40,53 @@ def edits_of(
         return (), None
     if placed.decision == "covered":
         return (TreeEdit(op="keep", node=placed.node, **why),), placed.node
-    label = one_line(placed.label or "")
+    label, category = one_line(placed.label or ""), one_line(placed.category or "")
+    if placed.decision == "broaden":
+        others = _others(tree, placed, label) if splits_lists else ()
+        if not others:
+            mark = attestation(label)
+            edit = TreeEdit(op="broaden", node=placed.node, label=label, attested=mark, **why)
+            return (edit,), None if tree.children[placed.node] else placed.node
+        draft = _Draft(tree, why)
+        leaf = draft.add_leaves(str(tree.by_id[placed.node].parent), others)
+        return tuple(draft.edits), leaf
     kinds = _kinds(tree, label, placed.category) if splits_lists else (label,)
-    others = _others(tree, placed, label) if splits_lists else ()
-    if placed.decision == "broaden" and not others:
-        edit = TreeEdit(
-            op="broaden", node=placed.node, label=label, attested=attestation(label), **why
-        )
-        return (edit,), None if tree.children[placed.node] else placed.node
-    source = str(why.get("source") or "")
-    edits: list[TreeEdit] = []
+    draft = _Draft(tree, why)
+    if placed.decision == "split":
+        widened = TreeEdit(op="broaden", node=placed.node, label=category, **why)
+        draft.edits.append(widened)
+        draft.add(placed.node, tree.by_id[placed.node].label)
+        leaf = draft.add_leaves(placed.node, kinds)
+    elif placed.category:
+        family = draft.add(placed.node, category)
+        leaf = draft.add_leaves(family, kinds)
+        draft.edits += _moves(tree, placed, family, why)
+    else:
+        leaf = draft.add_leaves(placed.node, kinds)
+    return tuple(draft.edits), leaf
 
-    def add(parent: str, name: str) -> str:
-        node = tree.apply(*edits).new_id(name)
-        mark = attestation(name)
-        edits.append(TreeEdit(op="add", node=node, parent=parent, label=name, attested=mark, **why))
+
+class _Draft:
+    """Edits under construction, which may add nodes below nodes that they added."""
+
+    def __init__(self, tree: ScenarioTree, why: dict[str, Any]) -> None:
+        self._tree = tree
+        self._why = why
+        self.edits: list[TreeEdit] = []
+
+    def add(self, parent: str, label: str) -> str:
+        """Add a node and return its id."""
+        node = self._tree.apply(*self.edits).new_id(label)
+        mark = attestation(label)
+        edit = TreeEdit(op="add", node=node, parent=parent, label=label, attested=mark, **self._why)
+        self.edits.append(edit)
         return node
 
-    def add_all(parent: str, names: Sequence[str]) -> str:
-        leaves = [add(parent, name) for name in names]
-        near = by_words(source, names)
-        return leaves[near.index(max(near))]
-
-    parent = placed.node
-    if placed.decision == "broaden":
-        leaf = add_all(str(tree.by_id[parent].parent), others)
-        return tuple(edits), leaf
-    if placed.decision == "split":
-        old = tree.by_id[parent].label
-        edits.append(
-            TreeEdit(op="broaden", node=parent, label=one_line(placed.category or ""), **why)
-        )
-        add(parent, old)
-        leaf = add_all(parent, kinds)
-        return tuple(edits), leaf
-    if placed.category:
-        parent = add(parent, one_line(placed.category or ""))
-    leaf = add_all(parent, kinds)
-    if placed.category:
-        edits += _moves(tree, placed, parent, why)
-    return tuple(edits), leaf
+    def add_leaves(self, parent: str, labels: Sequence[str]) -> str:
+        """Add a leaf per label and return the id of the one that shares the most words with the text."""
+        leaves = [self.add(parent, label) for label in labels]
+        shared = by_words(str(self._why.get("source") or ""), labels)
+        return leaves[shared.index(max(shared))]
 
 
 def resolve_decision(placed: PlacedScenario, edits: Sequence[TreeEdit]) -> Decision:

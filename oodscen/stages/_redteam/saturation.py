@@ -147,14 +147,23 @@ class KindTally:
     def __init__(self) -> None:
         """Start without observations."""
         self.observations = 0
-        self.once = 0
-        self.twice = 0
         self._met: Counter[str] = Counter()
+        self._kinds_met: Counter[int] = Counter()
 
     @property
     def kinds(self) -> int:
         """New kinds so far."""
         return len(self._met)
+
+    @property
+    def once(self) -> int:
+        """New kinds met once so far."""
+        return self._kinds_met[1]
+
+    @property
+    def twice(self) -> int:
+        """New kinds met twice so far."""
+        return self._kinds_met[2]
 
     @property
     def coverage(self) -> float:
@@ -172,9 +181,9 @@ class KindTally:
                 self._met[old] = self._met.pop(whole)
         if item.decision in NEW or item.kind in self._met:
             self._met[item.kind] += 1
-            met = self._met[item.kind]
-            self.once += (met == 1) - (met == 2)
-            self.twice += (met == 2) - (met == 3)
+            times = self._met[item.kind]
+            self._kinds_met[times] += 1
+            self._kinds_met[times - 1] -= 1
 
 
 def chao1(n: int, seen: int, once: int, twice: int) -> tuple[float, float, float]:

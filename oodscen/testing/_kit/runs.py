@@ -63,17 +63,15 @@ def check_snapshot(probe: Probe) -> None:
     scenes = [*probe.scenes[:1], *_triggered_scenes(probe)]
     for scene in scenes:
         simulator.reset(scene, 1)
-        kept, states, after = {}, [], {}
+        kept, states = {}, []
         for step in range(60):
             if step in (5, 30):
                 kept[step] = simulator.snapshot()
             states.append(simulator.step(_weaving(step)).fingerprint())
         for step in (5, 30, 5):
             simulator.restore(kept[step])
-            after[step] = [
-                simulator.step(_weaving(later)).fingerprint() for later in range(step, 60)
-            ]
-            is_same = after[step] == states[step:]
+            after = [simulator.step(_weaving(later)).fingerprint() for later in range(step, 60)]
+            is_same = after == states[step:]
             what = "what follows a restored snapshot differs"
             probe.findings.that(is_same, f"scene {scene.id}", what)
             if not is_same:

@@ -100,17 +100,17 @@ class MySimulator(RestorableSimulator):
 
     def move(self, control: Control) -> None:
         """Move the ego, then the actors, which see where the others were."""
-        before = copy.copy(self.movers)
+        before = self.movers
         self.movers = [copy.copy(mover) for mover in before]
         self._drive(self.movers[0], control)
         for mover in self.movers[1:]:
             match mover.body.behaviour:
                 case "follow_lane":
-                    self._follow(mover, before, self._attention(mover, before))
+                    self._follow(mover, self._attention(mover, before))
                 case "hard_brake":
                     braking = -mover.parameter("deceleration")
                     wanted = self._attention(mover, before)
-                    self._follow(mover, before, braking if mover.is_triggered else wanted)
+                    self._follow(mover, braking if mover.is_triggered else wanted)
                 case "walk_along" if mover.is_triggered:
                     mover.speed = mover.parameter("speed")
                     mover.x += mover.speed * self.dt * math.cos(mover.yaw)
@@ -162,7 +162,7 @@ class MySimulator(RestorableSimulator):
                 acceleration -= 1.8 * (wanted / max(room, 0.1)) ** 2
         return acceleration
 
-    def _follow(self, mover: Mover, others: list[Mover], acceleration: float) -> None:
+    def _follow(self, mover: Mover, acceleration: float) -> None:
         """Move along the lane; tyres limit the braking."""
         acceleration = max(acceleration, -9.0 * self.friction)
         after = max(0.0, mover.speed + acceleration * self.dt)

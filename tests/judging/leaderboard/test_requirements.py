@@ -28,7 +28,7 @@ def frightened(index: int, ordinary: bool) -> dict[str, Any]:
 def graded(case: Case, text: str, *verdicts: Any) -> dict[str, Any]:
     rows = [one for found in verdicts for one in found]
     found = requirements(rows, case.episodes, case.scenarios, parse_requirement(text))
-    return {one.model: one for one in found}
+    return {one.name: one for one in found}
 
 
 def test_who_knows_meets_and_a_constant_fails_once_there_are_enough_paths():

@@ -1,4 +1,4 @@
-"""The figure that ranks a task, its worst case, what is missing, and the reference to beat."""
+"""The figure that ranks a task, and the reference to beat."""
 
 from typing import get_args
 
@@ -18,9 +18,7 @@ from oodscen.judging._leaderboard.scores import (
     LeaderboardRow,
     Rate,
     best_floor,
-    missing_share,
     score,
-    worst_score,
 )
 
 SHARES = st.none() | st.integers(0, 8).map(lambda eighths: eighths / 8)
@@ -60,21 +58,9 @@ def counted(row: LeaderboardRow) -> dict[str, list[Rate]]:
 @given(ROWS)
 def test_a_task_is_ranked_by_its_share_and_detection_by_its_balanced_accuracy(row):
     assert score(row, "detection") == row.detection.balanced_accuracy.value
-    assert worst_score(row, "detection") == row.detection.with_missing_wrong.value
     for task in ("open", "closed", "control"):
         (rate,) = counted(row)[task]
-        assert (score(row, task), worst_score(row, task)) == (rate.value, rate.with_missing_wrong)
-
-
-@settings(max_examples=40)
-@given(ROWS, st.sampled_from(TASKS))
-def test_the_missing_share_is_of_what_was_asked(row, task):
-    found = counted(row)[task]
-    missing, answered = sum(one.missing for one in found), sum(one.n for one in found)
-    share = missing_share(row, task)
-    assert share * (missing + answered) == pytest.approx(missing)
-    assert 0 <= share <= 1
-    assert missing or share == 0
+        assert score(row, task) == rate.value
 
 
 @settings(max_examples=40)

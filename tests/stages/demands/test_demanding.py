@@ -14,6 +14,7 @@ from oodscen.driving import check_scene
 from oodscen.stages._demands.demanding import draw_demand
 from oodscen.stages._demands.kinds import KINDS, ranked_candidates
 from oodscen.stages._demands.setting import Look, Setting
+from oodscen.stages._rerun import Rerunner
 from oodscen.stages._simulate import simulate
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
@@ -36,7 +37,7 @@ def placed(road, number=0):
 def test_a_demand_passes_the_checks_of_scenes_and_its_text_is_true(simulator, road):
     scene, catalogue = placed(road), simulator.catalogue()
     run = simulate(scene, simulator)
-    found = draw_demand(scene, run, simulator, 0).scene
+    found = draw_demand(scene, run, Rerunner(simulator)).scene
     assert found.is_ordinary
     assert not found.is_twin
     assert not check_scene(found, catalogue)
@@ -50,7 +51,7 @@ def test_a_demand_passes_the_checks_of_scenes_and_its_text_is_true(simulator, ro
 def test_a_demand_leaves_an_action_safe_and_is_the_same_again(simulator):
     scene = placed("urban_avenue")
     run = simulate(scene, simulator)
-    first, second = (draw_demand(scene, run, simulator, 3) for _ in range(2))
+    first, second = (draw_demand(scene, run, Rerunner(simulator, 3)) for _ in range(2))
     assert first.scene == second.scene
     assert first.simulated.episode == second.simulated.episode
     assert first.simulated.episode.safe_set

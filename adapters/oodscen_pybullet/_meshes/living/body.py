@@ -85,13 +85,12 @@ def leg(
     limb(mesh, ((0.0, y, hip), knee, foot), (0.09, 0.065, 0.045), (clothes.legs, shin))
     x, z = foot[0], foot[2] - ankle
     tip = 0.6 * up
-    mesh.hull(
-        (x - 0.08, x + 0.19, y - 0.048, y + 0.048, z),
-        (x - 0.07, x + 0.11, y - 0.04, y + 0.04, z + 0.1),
-        clothes.shoes,
-    ) if tip < 0.03 else mesh.beam(
-        (x - 0.02, y, z + 0.1), (x + 0.15, y, z + 0.08 - min(tip, 0.06)), 0.095, clothes.shoes
-    )
+    if tip < 0.03:
+        sole = (x - 0.08, x + 0.19, y - 0.048, y + 0.048, z)
+        mesh.hull(sole, (x - 0.07, x + 0.11, y - 0.04, y + 0.04, z + 0.1), clothes.shoes)
+    else:
+        toe = (x + 0.15, y, z + 0.08 - min(tip, 0.06))
+        mesh.beam((x - 0.02, y, z + 0.1), toe, 0.095, clothes.shoes)
 
 
 def arm(
@@ -105,7 +104,7 @@ def arm(
     runs: bool,
 ) -> None:
     """Add an arm that reaches for a point, hangs, or swings with a phase of a walk or a run."""
-    x, _y, z = shoulder
+    x, _, z = shoulder
     if hand is None:
         swing = -math.cos(2 * math.pi * phase) if moves else 0.0
         reach = 0.42 if runs else 0.26

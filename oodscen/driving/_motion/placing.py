@@ -1,0 +1,189 @@
+"""The bodies of a scene, placed at their start in the arrays of the kernels."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from oodscen._seeding import stream
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._scene import DARK_DEG, Actor, Scene
+from oodscen.driving._motion import columns as col
+from oodscen.driving._motion.behaviour_kernels import IN_WORLD, Code, stand_in_world, stand_on_road
+from oodscen.driving._motion.behaviours import ATTACHED, BUILT_IN, QUICKNESS
+from oodscen.driving._motion.bodies import Situation
+from oodscen.driving._motion.car_following import curve_speed, grip
+from oodscen.driving._motion.keyframes import key_codes, key_table, key_traits, pose_first
+from oodscen.driving._motion.triggers import CODES
+from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
+from oodscen.driving._roads.track import for_kernels
+from oodscen.driving._sight.visibility import visual_range
+from oodscen.numerics._exact import PI, TAU, cos, quantised, sincos, wrapped
+from oodscen.numerics._kernels import seen
+
+HEADLAMPS_M = 75.0
+"""Distance at which dipped headlamps reveal bodies without lamps, m."""
+_LIT = frozenset({"vehicle", "cyclist", "work_zone", "signal"})
+"""Categories with lamps or reflectors."""
+
+
+class PlacedBodies:
+    """The arrays that hold the bodies of a scene, and the situation that the kernels read and write.
+
+    Arguments and errors are those of `KinematicWorld`.
+    """
+
+    def __init__(
+        self, corridor: Corridor, scene: Scene, catalogue: Catalogue, seed: int, *, dt: float
+    ) -> None:
+        self.corridor = corridor
+        self.lane = ego_strip(corridor, scene.ego.lane)
+        """The strip of the ego's lane."""
+        self.bodies = catalogue.bodies(scene)
+        """Id, asset and state of every body: the ego, then the actors in the scene's order."""
+        self.ids = tuple(name for name, _, _ in self.bodies)
+        self.rows = {name: row for row, name in enumerate(self.ids)}
+        self.sizes = [(asset.length, asset.width) for _, asset, _ in self.bodies]
+        count = len(self.ids)
+        self._motions = {motion.id: motion for motion in scene.motions}
+        keys, self._first_keys = key_table(scene.motions, count)
+        self.state = np.zeros((count, col.STATE_WIDTH))
+        self.traits = np.zeros((count + len(keys), col.TRAITS_WIDTH))
+        if keys:
+            self.traits[count:, : col.KEYS_WIDTH] = keys
+        self.codes = np.zeros((count, col.CODES_WIDTH), dtype=np.int64)
+        order = self._order(scene)
+        far = quantised(visual_range(scene.weather))
+        is_dark = scene.weather.sun_elevation_deg < DARK_DEG
+        self.situation = Situation(
+            track=for_kernels(corridor.track),
+            state=seen(self.state),
+            traits=seen(self.traits),
+            codes=seen(self.codes),
+            paths=seen(np.zeros((count, col.PATHS_WIDTH))),
+            order=seen(np.array(order, dtype=np.int64)),
+            dt=dt,
+            friction=scene.weather.friction,
+            visual_range=far,
+            headlamp_range=min(far, HEADLAMPS_M) if is_dark else far,
+        )
+        self.traits[:count, : col.WIDTH + 1] = self.sizes
+        self.traits[:count, col.HEIGHT] = [asset.height for _, asset, _ in self.bodies]
+        self._place_ego(scene.ego.speed)
+        kinds = {kind.id: kind for kind in catalogue.for_scene(scene).behaviours}
+        for row, actor in enumerate(scene.actors, start=1):
+            kind = kinds[actor.behaviour.name]
+            defaults = {name: one.default for name, one in kind.parameters.items()}
+            parameters = {**defaults, **actor.behaviour.parameters}
+            self._place(row, actor, kind.built_in, parameters, seed)
+        for row in order:
+            self._attach(row)
+
+    def _order(self, scene: Scene) -> list[int]:
+        """Return the actors' rows, each after the body that it belongs to."""
+        owners = {
+            row: self.rows[actor.behaviour.other]
+            for row, actor in enumerate(scene.actors, start=1)
+            if actor.behaviour.other is not None
+        }
+        waiting, order = list(range(1, len(self.ids))), []
+        while waiting:
+            ready = [row for row in waiting if owners.get(row) not in waiting]
+            if not ready:
+                names = ", ".join(self.ids[row] for row in waiting)
+                raise ValueError(f"actors belong to each other in a ring: {names}")
+            order += ready
+            waiting = [row for row in waiting if row not in ready]
+        return order
+
+    def _place_ego(self, speed: float) -> None:
+        state, start = self.state[0], self.corridor.start
+        state[col.S], state[col.T] = start, self.corridor.centre(self.lane, start)
+        state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
+        self.codes[0, col.OTHER], self.codes[0, col.DIRECTION] = -1, 1
+        self.codes[0, col.IS_LIT] = 1
+        stand_on_road(self.situation, 0)
+        stand_in_world(self.situation, 0)
+
+    def _place(
+        self, row: int, actor: Actor, name: str, parameters: Mapping[str, float], seed: int
+    ) -> None:
+        road, place = self.corridor, actor.placement
+        lane = neighbour_strip(road, self.lane, place.lane)
+        target = lane
+        if "lanes" in parameters:
+            target = neighbour_strip(road, lane, round(parameters["lanes"]))
+        heading = place.heading_deg * PI / 180.0
+        if name == "wrong_way":
+            heading = PI
+        if road.strips[lane].direction < 0:
+            heading += PI
+        heading = quantised(wrapped(heading))
+        s = quantised(road.start + place.ahead_m)
+        t = quantised(road.centre(lane, s) + place.offset_m)
+        asset, trigger = self.bodies[row][1], actor.behaviour.trigger
+        motion = self._motions.get(actor.behaviour.name)
+        behaviour = BUILT_IN[name] if motion is None else None
+        code = Code.KEYED if behaviour is None else behaviour.code
+        phase = 0.0
+        if behaviour is not None and behaviour.has_chance:
+            phase = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
+        owner = actor.behaviour.other
+        if owner is None and (code in ATTACHED or (motion is not None and motion.frame == "other")):
+            raise ValueError(f"{actor.id!r} needs another actor to do {name!r}")
+        self.codes[row, : col.KEY] = [
+            code,
+            lane,
+            target,
+            1 if cos(heading) >= 0.0 else -1,
+            -1 if owner is None else self.rows[owner],
+            CODES[trigger.kind],
+            self.rows[trigger.actor or actor.id],
+            asset.is_passable(actor.state),
+            asset.category in _LIT,
+        ]
+        traits, state = self.traits[row], self.state[row]
+        traits[col.OFFSET], traits[col.PHASE] = place.offset_m, phase
+        traits[col.VALUE] = trigger.value
+        traits[col.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
+        traits[col.HOME_S], traits[col.HOME_T] = s, t
+        traits[col.FIRST :] = [parameters.get(name, 0.0) for name in col.PARAMETERS]
+        if motion is not None:
+            self.codes[row, col.KEY :] = key_codes(motion, self._first_keys[motion.id])
+            for column, value in key_traits(motion, actor.id, seed).items():
+                traits[column] = value
+        is_moving = behaviour is not None and behaviour.moves_before_trigger
+        speed = parameters.get("speed", 0.0) if is_moving else 0.0
+        state[col.S], state[col.T], state[col.HEADING] = s, t, heading
+        state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
+        stand_on_road(self.situation, row)
+        if speed > 0.0 and code not in IN_WORLD:
+            fastest = float(curve_speed(self.situation, row, grip(self.situation)))
+            state[col.SPEED] = quantised(min(speed, fastest))
+
+    def _attach(self, row: int) -> None:
+        """Store an actor's pose relative to the body that it belongs to."""
+        code, other = self.codes[row, col.BEHAVIOUR], int(self.codes[row, col.OTHER])
+        is_held = code in ATTACHED
+        if code == Code.KEYED:
+            is_held = pose_first(self.situation, row)
+        if not is_held:
+            return
+        mine, its = self.state[row].tolist(), self.state[other].tolist()
+        sine, cosine = sincos(its[col.YAW])
+        dx, dy = mine[col.X] - its[col.X], mine[col.Y] - its[col.Y]
+        tail = 0.5 * self.sizes[other][0]
+        hitch_x, hitch_y = dx + tail * cosine, dy + tail * sine
+        pole = math.sqrt(hitch_x * hitch_x + hitch_y * hitch_y)
+        askew = wrapped(mine[col.YAW] - its[col.YAW])
+        traits = self.traits[row]
+        traits[col.APART_X] = dx * cosine + dy * sine
+        traits[col.APART_Y] = dy * cosine - dx * sine
+        traits[col.APART_YAW] = askew
+        traits[col.POLE] = max(pole, 0.5 * self.sizes[row][0])
+        state, speed = self.state[row], its[col.SPEED]
+        if code == Code.FALL:
+            state[col.LIFT] = quantised(float(traits[col.DROP]))
+            state[col.MEMORY : col.MEMORY + 2] = speed * cosine, speed * sine
+        if code != Code.OPEN_DOOR:
+            state[col.SPEED] = quantised(speed * cos(askew))
