@@ -117,9 +117,8 @@ class Kernel(Generic[P, R]):
         from numba.core import event
 
         compiled = _compiled(self.plain, self._name)
-        folder = compiled.stats.cache_path
         with (
-            _alone(folder and Path(folder, f"{self._name}.lock")),
+            _alone(compiled, self._name),
             event.install_listener("numba:compile", _announcer()),
         ):
             result = compiled(*args, **kwargs)
@@ -128,14 +127,18 @@ class Kernel(Generic[P, R]):
 
 
 @contextmanager
-def _alone(file: Path | None) -> Iterator[None]:
-    """Hold a lock file; go on without it where there is none, or its holder does not leave."""
+def _alone(compiled: Any, name: str) -> Iterator[None]:
+    """Hold a lock file beside a kernel's cache; go on without it if its holder does not leave.
+
+    Where numba keeps nothing, or is told to compile nothing, there is no lock.
+    """
     from filelock import FileLock, Timeout
 
-    if file is None:
+    folder = compiled.stats.cache_path if hasattr(compiled, "stats") else None
+    if folder is None:
         yield
         return
-    lock = FileLock(file, timeout=_PATIENCE_S, fallback_to_soft=False)
+    lock = FileLock(Path(folder, f"{name}.lock"), timeout=_PATIENCE_S, fallback_to_soft=False)
     with suppress(OSError, NotImplementedError, Timeout):
         lock.acquire()
     try:
