@@ -121,7 +121,7 @@ class Kernel(Generic[P, R]):
             _alone(compiled, self._name),
             event.install_listener("numba:compile", _announcer()),
         ):
-            result = compiled(*args, **kwargs)
+            result: R = compiled(*args, **kwargs)
         self._run = compiled
         return result
 
