@@ -2,6 +2,7 @@
 
 import gc
 import os
+import sys
 from collections.abc import Generator, Iterator
 from pathlib import Path
 
@@ -14,6 +15,10 @@ os.environ["OODSCEN_OFFLINE"] = "1"
 os.environ.setdefault("HF_HUB_OFFLINE", "1")
 # Test processes share the cores; encoders that each take all of them wait for each other.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+# Processes that tests start would else compile every module of the package anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 settings.register_profile("suite", derandomize=True, deadline=None, database=None)
 settings.register_profile("thorough", max_examples=5_000, deadline=None)
@@ -46,6 +51,14 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder.mkdir(exist_ok=True)
     os.environ["XDG_CACHE_HOME"] = str(folder)
     return folder
+
+
+@pytest.fixture(scope="session")
+def quick(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the finished study of `tests.pipeline.quick.QUICK`, which no test may change."""
+    from tests.pipeline.quick import QUICK, finished
+
+    return finished(QUICK, _shared(tmp_path_factory) / "quick")
 
 
 @pytest.fixture(scope="session")

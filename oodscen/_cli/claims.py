@@ -18,7 +18,6 @@ from oodscen._cli.options import (
 from oodscen._cli.output import say, tracked
 from oodscen._cli.paths import READABLE
 from oodscen._files import read_utf8
-from oodscen.claims._faithfulness import Faithfulness, Unjudged
 from oodscen.data._base import Data, canonical_json
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 
@@ -52,7 +51,7 @@ def check_claims(
     there are any, or if a scene contradicts its text.
     """
     from oodscen import Scenario, Scene, make_llm, make_simulator
-    from oodscen.claims._faithfulness import compare_text
+    from oodscen.claims._faithfulness import Faithfulness, Unjudged, compare_text
     from oodscen.driving import check_scene
     from oodscen.llm._accounting import Ledger
 

@@ -5,13 +5,15 @@ compiled without permission to reorder it, and index arrays by single elements, 
 
 Nothing is compiled, and numba is not imported, before the first call. The result is cached on disk
 (beside the sources, or in numba's own cache if they are read-only), so that only the first call
-after an installation waits; a line on stderr says so.
+after an installation waits; a line on stderr says so. Processes that need the same kernel at once wait
+for the first of them to compile it.
 """
 
 import hashlib
 import importlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from enum import EnumType
 from functools import cache
 from pathlib import Path
@@ -25,6 +27,8 @@ R = TypeVar("R")
 Function = TypeVar("Function", bound=Callable[..., object])
 
 _STRICT = {"fastmath": False, "error_model": "numpy"}
+_PATIENCE_S = 120.0
+"""Longest wait, in seconds, for another process that compiles the same kernel."""
 _OWN = "oodscen"
 """The package whose functions and constants may change between versions."""
 
@@ -113,13 +117,37 @@ class Kernel(Generic[P, R]):
         from numba.core import event
 
         compiled = _compiled(self.plain, self._name)
-        with event.install_listener("numba:compile", _announcer()):
-            result = compiled(*args, **kwargs)
+        with (
+            _alone(compiled, self._name),
+            event.install_listener("numba:compile", _announcer()),
+        ):
+            result: R = compiled(*args, **kwargs)
         self._run = compiled
         return result
 
 
-def _compiled(function: Callable[P, R], name: str) -> Callable[P, R]:
+@contextmanager
+def _alone(compiled: Any, name: str) -> Iterator[None]:
+    """Hold a lock file beside a kernel's cache; go on without it if its holder does not leave.
+
+    Where numba keeps nothing, or is told to compile nothing, there is no lock.
+    """
+    from filelock import FileLock, Timeout
+
+    folder = compiled.stats.cache_path if hasattr(compiled, "stats") else None
+    if folder is None:
+        yield
+        return
+    lock = FileLock(Path(folder, f"{name}.lock"), timeout=_PATIENCE_S, fallback_to_soft=False)
+    with suppress(OSError, NotImplementedError, Timeout):
+        lock.acquire()
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def _compiled(function: Callable[P, R], name: str) -> Any:
     """Return the function compiled by numba."""
     import numba
     from numba.extending import register_jitable
@@ -138,9 +166,9 @@ def _compiled(function: Callable[P, R], name: str) -> Callable[P, R]:
     entry.__name__, entry.__qualname__ = name, f"{name}.{_digest(function)[:16]}"
     entry.__module__ = function.__module__
     try:
-        return numba.njit(cache=True, nogil=True, **_STRICT)(entry)  # type: ignore[no-any-return]
+        return numba.njit(cache=True, nogil=True, **_STRICT)(entry)
     except RuntimeError:
-        return numba.njit(nogil=True, **_STRICT)(entry)  # type: ignore[no-any-return]
+        return numba.njit(nogil=True, **_STRICT)(entry)
 
 
 def _digest(function: Callable[..., object]) -> str:

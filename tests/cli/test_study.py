@@ -212,8 +212,7 @@ def test_a_signal_interrupts_and_the_next_one_ends_at_once(tmp_path, monkeypatch
 
     monkeypatch.setattr("oodscen._cli.study.bars", stopping)
     before = [*map(signal.getsignal, SIGNALS)]
-    order = ("run", tmp_path / "out", "--quick", "--simulator", "flat", "--encoder", "hash")
-    found = invoke(*order, "--workers", "1")
+    found = invoke("run", tmp_path / "out", *ORDER, SMALL.baseline, "--workers", "1")
     assert found.exit_code == 128 + number
     assert f"this command continues: oodscen run {tmp_path / 'out'} --quick" in found.output
     assert Study.open(tmp_path / "out").info["status"] == "stopped"

@@ -1,4 +1,4 @@
-"""The small study that tests make variants of: small flat pictures, hashes for vectors, fifty texts as baseline."""
+"""The small studies that tests make variants of: small flat pictures, hashes for vectors, fifty texts as baseline."""
 
 from pathlib import Path
 
@@ -11,7 +11,14 @@ from oodscen.judging._selection import choose_items
 
 ORDINARY = Path(__file__).with_name("ordinary.txt")
 QUICK = StudyConfig.quick(
-    simulator="flat", encoder="hash", baseline=str(ORDINARY), seed=3, width=160, height=120
+    simulator="flat",
+    encoder="hash",
+    baseline=str(ORDINARY),
+    iterations=4,
+    max_paths=2,
+    seed=3,
+    width=160,
+    height=120,
 )
 SMALL = QUICK.model_copy(update={"max_paths": 1, "iterations": 2})
 """One scene of the quick study, for what needs no second one."""

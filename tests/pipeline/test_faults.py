@@ -21,7 +21,7 @@ from tests.pipeline.quick import QUICK, SMALL
 
 PATIENCE_S = 60.0
 KEY = "sk-test-planted-0123456789abcdef"
-CONFIG = QUICK.model_copy(update={"llm": "served", "max_paths": 2, "iterations": 6})
+CONFIG = QUICK.model_copy(update={"llm": "served"})
 FAULTS = (
     "http429 http500 http503 reset slow truncated wrong_schema malformed html empty huge packed cut"
 ).split()
@@ -156,13 +156,13 @@ def test_an_interruption_of_the_very_end_leaves_the_study_stopped(tmp_path, monk
 
 def test_a_cap_ends_the_run_and_the_same_command_continues_it(tmp_path, author, quiet):
     asked = []
-    for _ in range(20):
+    for _ in range(10):
         with AnsweringServer(author) as server, suppress(BudgetExceeded):
-            run(tmp_path, server, Limits(requests=15, concurrency=4))
+            run(tmp_path, server, Limits(requests=25, concurrency=4))
         asked += [json.dumps([r.messages, r.body["seed"]]) for r in server.received]
         if (status := Study.open(tmp_path).info["status"]) == "success":
             break
-        assert (status, len(server.received)) == ("stopped", 15)
+        assert (status, len(server.received)) == ("stopped", 25)
         assert "This run stopped" in (tmp_path / "report.html").read_text("utf-8")
     assert results(tmp_path) == results(quiet)
     assert len(asked) == len(set(asked)) == len(Study.open(quiet).table("calls"))

@@ -46,10 +46,9 @@ def under(name, files, former):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    out = tmp_path_factory.mktemp("study") / "out"
-    run_study(out, QUICK)
-    return out
+def folder(quick, tmp_path_factory):
+    """Return a finished study that only the tests of this file use."""
+    return shutil.copytree(quick, tmp_path_factory.mktemp("study") / "out")
 
 
 @pytest.fixture
@@ -133,7 +132,7 @@ for stage, number in json.loads(sys.argv[3]):
 
 def test_killed_at_five_moments_and_continued_it_ends_the_same(folder, tmp_path):
     out = tmp_path / "killed"
-    moments = [("redteam", 4), ("prune", 3), ("describe sets", 5), ("augment", 2), ("simulate", 1)]
+    moments = [("redteam", 2), ("prune", 3), ("describe sets", 5), ("augment", 2), ("simulate", 1)]
     order = [sys.executable, "-c", KILLED, str(out), QUICK.model_dump_json(), json.dumps(moments)]
     process = subprocess.run(order, capture_output=True, text=True)
     assert process.returncode == 0, process.stderr

@@ -1,16 +1,18 @@
 """The same scene and seed give the same bytes in any process and order, whatever libraries choose."""
 
+import io
 import json
 import os
 import subprocess
 import sys
+from contextlib import redirect_stdout
 
 import pytest
 
 from oodscen.data._scene import Weather
 from oodscen.testing._scenes import example_scene
 
-CHILD = """
+TRACED = """
 import json, sys
 from oodscen.data._scene import Scene
 from oodscen.stages._simulate import simulate
@@ -49,23 +51,17 @@ def scenes():
     return [box, other.model_copy(update={"actors": (weaving,)})]
 
 
-def run(order, settings):
-    lines = "\n".join(scene.to_json() for scene in order)
-    done = subprocess.run(
-        [sys.executable, "-c", CHILD],
-        input=lines,
-        capture_output=True,
-        text=True,
-        env={**os.environ, **settings},
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+def lines(order):
+    return "\n".join(scene.to_json() for scene in order)
 
 
 @pytest.fixture(scope="module")
-def plain():
-    return run(scenes(), {})
+def here():
+    """Return what the scenes give in this process."""
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(io.StringIO()) as said:
+        patch.setattr(sys, "stdin", io.StringIO(lines(scenes())))
+        exec(TRACED, {})
+    return json.loads(said.getvalue())
 
 
 def numpy_features():
@@ -74,14 +70,24 @@ def numpy_features():
     return " ".join(name for name in __cpu_dispatch__ if __cpu_features__.get(name))
 
 
+LIBRARIES = {
+    "OPENBLAS_CORETYPE": "Prescott",
+    "NPY_DISABLE_CPU_FEATURES": numpy_features(),
+    "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-AVX2_Usable,-FMA,-FMA_Usable",
+}
+
+
 @pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("OPENBLAS_CORETYPE", "Prescott"),
-        ("NPY_DISABLE_CPU_FEATURES", numpy_features()),
-        ("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX2,-AVX2_Usable,-FMA,-FMA_Usable"),
-        ("NUMBA_DISABLE_JIT", "1"),
-    ],
+    "settings", [LIBRARIES, {"NUMBA_DISABLE_JIT": "1"}], ids=["instructions", "interpreter"]
 )
-def test_no_library_decides_a_bit(plain, name, value):
-    assert run(scenes()[::-1], {name: value}) == plain
+def test_no_library_decides_a_bit(here, settings):
+    done = subprocess.run(
+        [sys.executable, "-c", TRACED],
+        input=lines(scenes()[::-1]),
+        capture_output=True,
+        text=True,
+        env={**os.environ, **settings},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == here

@@ -24,14 +24,11 @@ from oodscen.report._quiz import drawn, write_quiz
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.pipeline.quick import QUICK, asked_about
 
-CONFIG = QUICK.model_copy(update={"iterations": 4, "max_paths": 3, "sets": (10,)})
 
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    out = tmp_path_factory.mktemp("judging") / "out"
-    run_study(out, CONFIG)
-    return out
+@pytest.fixture
+def folder(quick):
+    """Return a finished study to copy."""
+    return quick
 
 
 @pytest.fixture
@@ -86,7 +83,7 @@ def test_scenes_below_the_floor_are_left_out_with_their_twins_and_counted(folder
     below = next(row for row in rows if row["sighting"])
     below["sighting"]["size_px"] = 3.0
     file.write_text("".join(f"{json.dumps(row)}\n" for row in rows))
-    study = run_study(out, CONFIG)
+    study = run_study(out, QUICK)
     left = {one.id for one in asked_about(study) if scene_of(one.id) != below["id"]}
     assert {row.scene_id for row in study.verdicts} == left
     assert study.info["counts"]["below_floor"] == 1
@@ -100,7 +97,7 @@ def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
     shutil.copytree(folder, out)
     with AnsweringServer(ConstantAnswerer("stop")) as server:
         model = server.client("gpt-4o")
-        config = CONFIG.model_copy(update={"vlms": ("served",)})
+        config = QUICK.model_copy(update={"vlms": ("served",)})
         capped = server.client("gpt-4o", limits=Limits(requests=10))
         with pytest.raises(BudgetExceeded):
             run_study(out, config, models={"served": capped})
@@ -116,7 +113,7 @@ def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
     assert asked == 3 * len(rows)
     for data in pictures[:6]:
         decoded = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
-        assert decoded.shape == (CONFIG.height, CONFIG.width, 3)
+        assert decoded.shape == (QUICK.height, QUICK.width, 3)
     episodes = {episode.id: episode for episode in study.episodes}
     for name, row in rows.items():
         assert row.action_is_safe is {"safe": True, "marginal": None}.get(
@@ -128,7 +125,7 @@ def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
 def test_the_paper_s_protocol_stands_beside_ours(folder, tmp_path):
     out = tmp_path / "out"
     shutil.copytree(folder, out)
-    config = CONFIG.model_copy(update={"protocols": ("ours", "paper")})
+    config = QUICK.model_copy(update={"protocols": ("ours", "paper")})
     study = run_study(out, config)
     paper = [row for row in study.verdicts if row.protocol == "paper"]
     assert {row.scene_id for row in paper} == {scene.id for scene in study.scenes}
@@ -152,7 +149,7 @@ def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path
     shutil.copytree(folder, out)
     model = ConstantAnswerer("stop")
     model.name, model.kind = "mine", "model"
-    config = CONFIG.model_copy(update={"vlms": ("mine",)})
+    config = QUICK.model_copy(update={"vlms": ("mine",)})
     cut = Study.open(out).scenes[0].id
     episodes = [
         episode.model_copy(update={"file_sha256": {}}) for episode in Study.open(out).episodes
@@ -186,7 +183,7 @@ def asked(folder, tmp_path):
 
     model = ScriptedLLM(answer)
     model.name = "mine"
-    config = CONFIG.model_copy(update={"vlms": ("mine",)})
+    config = QUICK.model_copy(update={"vlms": ("mine",)})
     return out, scenes, shown, lambda: of(run_study(out, config, models={"mine": model}), "mine")
 
 
@@ -230,7 +227,7 @@ def test_frames_that_are_cut_off_cost_their_item_only_and_missing_ones_come_back
     shutil.copytree(folder, out)
     lines = [json.loads(line) for line in (out / "episodes.jsonl").read_text().splitlines()]
     items = [episode.id for episode in asked_about(Study.open(out))]
-    cut, _, _, fewer, empty, none = items
+    cut, fewer, empty, none = items
     for name, kept in ((cut, 0.5), (empty, 0)):
         picture = out / "frames" / name / "middle.jpg"
         data = picture.read_bytes()
@@ -242,7 +239,7 @@ def test_frames_that_are_cut_off_cost_their_item_only_and_missing_ones_come_back
     (out / "episodes.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
     model = ConstantAnswerer("stop")
     model.name, model.kind = "mine", "model"
-    config = CONFIG.model_copy(update={"vlms": ("mine",)})
+    config = QUICK.model_copy(update={"vlms": ("mine",)})
     study = run_study(out, config, models={"mine": model})
     rows = of(study, "mine")
     bad = {name: rows[name].error for name in (cut, fewer)}
@@ -284,7 +281,7 @@ def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folde
 
     model = ScriptedLLM(answer)
     model.name = f"gpt/{HOSTILE[:60]}"
-    config = CONFIG.model_copy(update={"vlms": (model.name,)})
+    config = QUICK.model_copy(update={"vlms": (model.name,)})
     study = run_study(out, config, models={model.name: model})
     rows = of(study, model.name)
     assert len(rows) == len(asked_about(study))
@@ -325,7 +322,7 @@ def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(fo
         return {"is_same_thing": is_odd, "is_same_fault": is_odd}
 
     judge = ScriptedLLM(says, name="judge")
-    config = CONFIG.model_copy(update={"judge": "judge", "vlms": ("seen",)})
+    config = QUICK.model_copy(update={"judge": "judge", "vlms": ("seen",)})
     models = {"seen": seen, "judge": judge}
     first = run_study(out, config, models=models)
     asked = len(seen.requests)
@@ -354,7 +351,7 @@ def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(fo
 
 
 def judging(*names):
-    return CONFIG.model_copy(update={"vlms": names})
+    return QUICK.model_copy(update={"vlms": names})
 
 
 def by_picture(wrong, fault):
@@ -548,7 +545,7 @@ def test_a_model_is_asked_the_same_questions_without_the_pictures(folder, tmp_pa
         return ConstantAnswerer("stop" if request.prompt.frames else "keep_speed").complete(request)
 
     model = ScriptedLLM(answer, name="m")
-    config = CONFIG.model_copy(update={"vlms": ("m",), "withheld": ("m",)})
+    config = QUICK.model_copy(update={"vlms": ("m",), "withheld": ("m",)})
     study = run_study(out, config, models={"m": model})
     items = {one.id for one in asked_about(study)}
     seeing, blind = of(study, "m"), of(study, "m without pictures")
@@ -586,7 +583,7 @@ def test_a_model_is_asked_the_same_questions_without_the_pictures(folder, tmp_pa
 def test_calls_that_failed_by_a_fault_of_the_class_are_made_again_on_request(folder, tmp_path):
     out = tmp_path / "out"
     shutil.copytree(folder, out)
-    config = CONFIG.model_copy(update={"vlms": ("m",)})
+    config = QUICK.model_copy(update={"vlms": ("m",)})
     faulty = ScriptedLLM(lambda request: 1 / 0, name="m")
     mended = ScriptedLLM(lambda request: ConstantAnswerer("stop").complete(request), name="m")
     assert {

@@ -240,7 +240,7 @@ def test_a_label_that_is_none_or_taken_fails_its_round_and_the_loop_goes_on(plac
     def answer(request):
         return {"reasoning": "", **filled} if request.sample == 1 else ADDED
 
-    rounds, tree = play(answer, iterations=2)
+    rounds = list(RedTeamer(model(answer), iterations=2).rounds(TREE))
     assert [(item.status, item.decision) for item in rounds] == [
         ("failed", "malformed"),
         ("ok", "add"),
@@ -249,7 +249,7 @@ def test_a_label_that_is_none_or_taken_fails_its_round_and_the_loop_goes_on(plac
     key = next(key for key, text in placing.items() if text == "{}")
     assert f"{key}: the " in rounds[0].error
     assert rounds[0].nodes == len(TREE)
-    assert tree.nodes == TREE.apply(*rounds[1].edits).nodes
+    tree = TREE.apply(*rounds[1].edits)
     assert ScenarioTree.parse(tree.to_json()) == tree
 
 

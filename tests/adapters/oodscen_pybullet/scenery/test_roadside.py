@@ -50,8 +50,8 @@ def test_the_ground_has_no_holes(road: RoadMap) -> None:
     )
     normal = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
     faces = faces[normal[:, 2] > 1e-9][:, :, :2]
+    low, high = faces.min(axis=1), faces.max(axis=1)
     for x, y in points:
-        low, high = faces.min(axis=1), faces.max(axis=1)
         some = faces[(low <= (x, y)).all(axis=1) & (high >= (x, y)).all(axis=1)]
         a = some - np.array([x, y])
         b = np.roll(a, -1, axis=1)
