@@ -23,7 +23,6 @@ from oodscen import (
     make_catalogue,
     make_encoder,
     make_llm,
-    simulate,
 )
 from oodscen.data import Behaviour, Ego, Hazard, Placement, Trigger, WeatherRange
 from oodscen.driving import load_corridor
@@ -35,6 +34,7 @@ from oodscen.llm._replay import RecordingLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Control, Image
 from oodscen.testing import FlatSimulator, ScriptedLLM, example_scene
+from tests.judging.cases import episode
 
 PAGE = Path(__file__).parents[1].joinpath("docs", "api.md").read_text(encoding="utf-8")
 NUMBERS = (math.nan, math.inf, -1, -math.inf, 1e300, 10**400, 0, True)
@@ -75,7 +75,7 @@ GIVEN: dict[str, Any] = {
     "path": ("environmental",),
     "placement": Placement(ahead_m=1.0),
     "prompt": ImagineScenario(shown=("A deer crosses.",)),
-    "episode": simulate(SCENE, FlatSimulator(), actions=()).episode,
+    "episode": episode("x-1", ("stop",)),
     "frames": {name: Image(name=name, sha256="0" * 64) for name in ("first", "middle", "last")},
     "vlm": ScriptedLLM([]),
     "state": FlatSimulator().reset(SCENE, 0),
