@@ -41,7 +41,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     from oodscen.stages._drive import drive as drive_scenes
     from oodscen.study._study import Study
 
-    study = Study.open(out)
+    study = Study.open(out.absolute())  # A stack may change the working folder.
     click.get_current_context().with_resource(study.store.writing())
     staged, scenarios = study.scenes, study.scenarios
     scenes = staged[:limit]

@@ -34,7 +34,8 @@ class Context:
     def __init__(
         self, out: str | Path, config: StudyConfig, options: RunOptions | None = None
     ) -> None:
-        self.study = Study(out)
+        # A component may change the working folder.
+        self.study = Study(Path(out).absolute())
         self.store = self.study.store
         self.config = config
         self.options = options or RunOptions()

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from oodscen._display import Brief
-from oodscen._members import is_interruption, working
+from oodscen._members import is_interruption, message, working
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen._text import whole
@@ -389,7 +389,7 @@ def failed_drive(scene_id: str, name: str, error: BaseException) -> DriveResult:
         scene_id=scene_id,
         driver=name,
         status="failed",
-        error=str(error)[:2_000],
+        error=message(error)[:2_000],
         error_type=type(error).__name__,
         is_twin=is_twin(scene_id),
     )
