@@ -2,6 +2,7 @@
 
 import json
 import sys
+from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -46,11 +47,14 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     staged, scenarios = study.scenes, study.scenarios
     scenes = staged[:limit]
     names = drivers or ("rule-based",)
-    makers = [(name, driver_maker(name)) for name in names]
+    # What a stack prints is no part of the JSON.
+    spoken = redirect_stdout(sys.stderr) if as_json else nullcontext()
+    with spoken:
+        makers = [(name, driver_maker(name)) for name in names]
     before = study.drives
     found = {row.id: row for row in current_results(before, staged)}
     seed = study.config.seed
-    with using(make_simulator(study.config.simulator)) as simulator:
+    with spoken, using(make_simulator(study.config.simulator)) as simulator:
         for name, make in makers:
             with bars() as told:
                 for one in drive_scenes(

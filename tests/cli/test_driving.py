@@ -11,6 +11,7 @@ STACK = """
 from oodscen.driving._motion.actions import Cruise
 
 def make():
+    print("a stack talks")
     return Cruise()
 
 class Broken:
@@ -27,8 +28,9 @@ def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch) -> N
     run = CliRunner().invoke
     found = run(main, ["drive", "out", "--driver", "stack_beside:make", "--json"])
     assert found.exit_code == 0
-    assert [(row["n"], row["failed"]) for row in json.loads(found.output)] == [(1, 0), (1, 0)]
-    scenes, twins = json.loads(found.output)
+    assert [(row["n"], row["failed"]) for row in json.loads(found.stdout)] == [(1, 0), (1, 0)]
+    scenes, twins = json.loads(found.stdout)
+    assert "a stack talks" in found.stderr
     assert (scenes["items"], twins["items"], twins["paired"]) == ("scenes", "twins", None)
     assert scenes["paired"]["n"] == 1
     page = (tmp_path / "out" / "report.html").read_text()
