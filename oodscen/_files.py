@@ -158,6 +158,33 @@ def replace(target: Path, data: bytes) -> None:
         raise
 
 
+def is_written_through(out: Path) -> bool:
+    """Return whether a path is a device, a pipe, or a file that is already open, such as `/dev/stdout`."""
+    if str(out).startswith(("/dev/std", "/dev/fd/", "/proc/")):
+        return True
+    return out.exists() and not stat.S_ISREG(out.stat().st_mode)
+
+
+def write_named(out: Path, data: bytes) -> None:
+    """Write a file that a user named; its folder is made.
+
+    A regular file, or the target of a symbolic link, is replaced as by `replace`; a device or a pipe is
+    written through.
+
+    Raises:
+        OSError: If the file cannot be written.
+    """
+    if is_written_through(out):
+        with out.open("wb") as stream:
+            stream.write(data)
+        return
+    target = Path(os.path.realpath(out))
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if target.exists() and not os.access(target, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(out))
+    replace(target, data)
+
+
 def _part_name(target: Path) -> str:
     """Return a new name for a partly written file."""
     return f".{os.getpid()}-{_tag(gethostname())}-{_tag(target.name)}-{secrets.token_hex(4)}.oodscen-part"

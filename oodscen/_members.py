@@ -187,11 +187,16 @@ def _broken(kind: str, label: str, error: BaseException) -> OodscenError:
     return UsageError(f"the {kind} {label!r} failed: {reason(error)}")
 
 
+def message(error: BaseException) -> str:
+    """Return the redacted message of a foreign exception as text that a file can hold; it may have none."""
+    try:
+        return whole(redact(str(error)))
+    except Exception:
+        return ""
+
+
 def reason(error: BaseException) -> str:
     """Return the type and message of a foreign exception on one line."""
-    try:
-        # Redact before truncating: a truncated key would no longer be recognised.
-        said = one_line(plain(redact(str(error))))[:_MOST_SAID]
-    except Exception:
-        said = ""
+    # Redact before truncating: a truncated key would no longer be recognised.
+    said = one_line(plain(message(error)))[:_MOST_SAID]
     return f"{type(error).__name__}: {said}" if said else type(error).__name__

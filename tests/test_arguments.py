@@ -201,6 +201,7 @@ REFUSED = {
     "a price that is a word": lambda: Limits(prices={"m": "ab"}),
     "fewer than no texts": lambda: Describer(ScriptedLLM([]), per_path=-1),
     "a negative seed": lambda: make_llm("constant:stop", seed=-1),
+    "an answer that is no text": lambda: read_action(None),
     "an action without a name": lambda: read_action("stop", [""]),
     "a logged model without a name": lambda: LoggedLLM(NAMELESS, lambda call: None),
     "a recorded model without a name": lambda: RecordingLLM(NAMELESS, "recording.jsonl"),

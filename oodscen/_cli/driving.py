@@ -2,6 +2,7 @@
 
 import json
 import sys
+from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -41,16 +42,19 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     from oodscen.stages._drive import drive as drive_scenes
     from oodscen.study._study import Study
 
-    study = Study.open(out)
+    study = Study.open(out.absolute())  # A stack may change the working folder.
     click.get_current_context().with_resource(study.store.writing())
     staged, scenarios = study.scenes, study.scenarios
     scenes = staged[:limit]
     names = drivers or ("rule-based",)
-    makers = [(name, driver_maker(name)) for name in names]
+    # What a stack prints is no part of the JSON.
+    spoken = redirect_stdout(sys.stderr) if as_json else nullcontext()
+    with spoken:
+        makers = [(name, driver_maker(name)) for name in names]
     before = study.drives
     found = {row.id: row for row in current_results(before, staged)}
     seed = study.config.seed
-    with using(make_simulator(study.config.simulator)) as simulator:
+    with spoken, using(make_simulator(study.config.simulator)) as simulator:
         for name, make in makers:
             with bars() as progress:
                 for one in drive_scenes(

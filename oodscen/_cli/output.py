@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from oodscen._cli.paths import is_written_through
-from oodscen._files import read_utf8, replace
+from oodscen._files import is_written_through, read_utf8, write_named
 from oodscen._progress import Progress, counted, reporting
 from oodscen._text import plain
 from oodscen.data._base import Data
@@ -263,16 +262,9 @@ def write_bytes(out: Path, data: bytes) -> None:
     from oodscen.study._study import refuse_own
 
     try:
-        if is_written_through(out):
-            with out.open("wb") as stream:
-                stream.write(data)
-            return
-        target = Path(os.path.realpath(out))
-        refuse_own(target)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if target.exists() and not os.access(target, os.W_OK):
-            raise PermissionError(13, "Permission denied")
-        replace(target, data)
+        if not is_written_through(out):
+            refuse_own(out)
+        write_named(out, data)
     except OSError as error:
         raise OodscenError(f"cannot write {out}: {error.strerror or error}") from None
 

@@ -1,7 +1,6 @@
 """Option and argument types for paths, and the check that a command's files are distinct."""
 
 import os
-import stat
 from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 
 import click
 
+from oodscen._files import is_written_through
 from oodscen.errors import UsageError
 
 
@@ -74,13 +74,6 @@ class FileCommand(click.Command):
                 for name in (whole, below, below.rpartition("#")[0]):
                     if os.path.isfile(name):
                         yield param.opts[-1], Path(name)
-
-
-def is_written_through(out: Path) -> bool:
-    """Return whether a path is a device, a pipe, or a file that is already open, such as `/dev/stdout`."""
-    if str(out).startswith(("/dev/std", "/dev/fd/", "/proc/")):
-        return True
-    return out.exists() and not stat.S_ISREG(out.stat().st_mode)
 
 
 def _is_same(one: Path, other: Path) -> bool:

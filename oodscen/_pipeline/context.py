@@ -34,7 +34,8 @@ class Context:
     def __init__(
         self, out: str | Path, config: StudyConfig, options: RunOptions | None = None
     ) -> None:
-        self.study = Study(out)
+        # A component may change the working folder.
+        self.study = Study(Path(out).absolute())
         self.store = self.study.store
         self.config = config
         self.options = options or RunOptions()
@@ -65,6 +66,7 @@ class Context:
         self.threads = self.models.threads(self.config.llm)
         for name in self.config.models:
             self.models.get(name)
+        self.models.check_judged()
         rarity_llm = self.config.rarity_llm
         self.rarity_llm = None if rarity_llm is None else self.models.get(rarity_llm)
         if not self.has("metrics.json"):

@@ -2,7 +2,17 @@
 
 from oodscen._pipeline.options import RunOptions
 from oodscen._registry import is_builtin, make_llm
-from oodscen.judging._references import is_reference
+from oodscen.data._episode import ACTIONS
+from oodscen.data._verdict import without_pictures
+from oodscen.errors import UsageError
+from oodscen.judging._people import person
+from oodscen.judging._references import (
+    Blind,
+    NoveltyReference,
+    Oracle,
+    is_reference,
+    takes_cases,
+)
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.llm._fallback import FallbackLLM
 from oodscen.llm._recording import Recorder
@@ -58,6 +68,34 @@ class Models:
     def threads(self, name: str) -> int:
         """Return how many questions a model may be asked at once."""
         return 1 if is_builtin(name) else self.limits.concurrency
+
+    def check_judged(self) -> None:
+        """Check that every answerer to be judged has a name of its own, under which its verdicts are kept.
+
+        Raises:
+            UsageError: If two have one name, or a model has that of a reference.
+        """
+        shipped = (*(f"constant:{action}" for action in ACTIONS), "random")
+        taken = dict.fromkeys((*shipped, Blind.name, NoveltyReference.name, Oracle.name), "")
+        called = [
+            (name, self.get(name).name)
+            for name in self._config.vlms
+            if is_asked(name) or not is_reference(self.get(name))
+        ]
+        called += [
+            (f"{name} without pictures", without_pictures(self.get(name).name))
+            for name in self._config.withheld
+            if name in self._config.vlms and not takes_cases(self.get(name))
+        ]
+        called += [(name, person(name)) for name in self._config.people]
+        for name, its in called:
+            if its in taken:
+                other = f"of {taken[its]!r}" if taken[its] else "of a reference"
+                raise UsageError(
+                    f"the answers of {name!r} would be kept under the name {its!r}, which is that {other}: give it "
+                    "another name, or take one of them out (oodscen evaluate --drop)"
+                )
+            taken[its] = name
 
     def _get(self, name: str, fallback: str | None) -> LLM:
         key = (name, fallback)

@@ -1,6 +1,7 @@
 """Policies as drivers, and drivers as policies."""
 
 import inspect
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, ClassVar
@@ -15,6 +16,9 @@ from oodscen.gymnasium._acting import ActionDecoder, as_action
 from oodscen.gymnasium._env import ActionKind, Interface, ObservationKind, SceneEnv
 from oodscen.gymnasium._extra import gymnasium
 from oodscen.protocols import Camera, Control, Driver, MountsCamera, Observation, State
+
+_ROUNDING_S = 1e-4
+"""Difference of two times of a simulator that comes of rounding, s; less than the shortest step."""
 
 
 class PolicyDriver(Brief):
@@ -50,7 +54,7 @@ class PolicyDriver(Brief):
         self._ask, self._source = _asked(policy)
         self._steerer = ActionDecoder(actions)
         self._state: State | None = None
-        self._due = 0.0
+        self._due: float | None = None
 
     @property
     def wants_frames(self) -> bool:
@@ -70,11 +74,17 @@ class PolicyDriver(Brief):
         """Return the control of the policy's action, which holds for `step_s`.
 
         Raises:
-            UsageError: If the policy fails, or returns something that is not an action.
+            UsageError: If the policy fails, or returns something that is not an action; or if `step_s` is not
+                a multiple of the simulator's step.
         """
         if self._state is None:
             raise UsageError("PolicyDriver.act(): call look(state) first")
-        if observation.time >= self._due - 1e-6:
+        late = math.inf if self._due is None else observation.time - self._due
+        if _ROUNDING_S < late < math.inf:
+            raise UsageError(
+                f"step_s is {self.interface.step_s:g} s, not a multiple of the simulator's step"
+            )
+        if late >= -_ROUNDING_S:
             seen = self.interface.observed(
                 self._state, observation, observation.frame, "Observation.frame"
             )

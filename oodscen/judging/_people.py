@@ -3,11 +3,12 @@
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from pydantic import Field, StrictBool, StringConstraints
+from pydantic import AfterValidator, Field, StrictBool, StringConstraints
 
 from oodscen._display import Brief
 from oodscen.data._base import Data, digest
 from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._verdict import is_without_pictures
 from oodscen.errors import DataError, Issue, LLMError
 from oodscen.judging._references import Answers, Case
 from oodscen.protocols import Completion, Request
@@ -18,7 +19,18 @@ if TYPE_CHECKING:
 PEOPLE = "people.jsonl"
 """File with one line of answers per person."""
 
-Name = Annotated[str, StringConstraints(pattern=r"^[\w.-]([\w .-]{0,38}[\w.-])?$")]
+
+def _own_name(name: str) -> str:
+    if is_without_pictures(name):
+        raise ValueError("is the name of a row of a model without pictures; choose another")
+    return name
+
+
+Name = Annotated[
+    str,
+    StringConstraints(pattern=r"^[\w.-]([\w .-]{0,38}[\w.-])?$"),
+    AfterValidator(_own_name),
+]
 
 
 class QuizAnswer(Data):

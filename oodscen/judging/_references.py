@@ -108,8 +108,7 @@ class _Direct(Brief):
 class Oracle(_Direct):
     """Knows the truth: right about every aspect, and safe if any action is."""
 
-    def __init__(self) -> None:
-        self.name = "oracle"
+    name = "oracle"
 
     def judge(self, case: Case) -> Answers:
         """Answer from the ground truth."""
@@ -133,8 +132,9 @@ class Blind(_Direct):
         leaves: Leaf and its label of every scene, by scene id.
     """
 
+    name = "blind"
+
     def __init__(self, episodes: Sequence[Episode], leaves: Mapping[str, tuple[str, str]]) -> None:
-        self.name = "blind"
         self._safe: Counter[str] = Counter()
         self._safe_of: dict[str, Counter[str]] = {}
         self._count: Counter[str] = Counter()
@@ -175,8 +175,9 @@ class NoveltyReference(_Direct):
         MissingExtra: If OpenCV is not installed.
     """
 
+    name = "novelty"
+
     def __init__(self, pictures: Mapping[str, Path], maps: Mapping[str, str]) -> None:
-        self.name = "novelty"
         self._share: dict[str, float] = {}
         names = [name for name, file in pictures.items() if name in maps and file.is_file()]
         if not names:

@@ -1,11 +1,14 @@
 """The card of a data set: what is in it, how it was made, and how it may be used."""
 
+import html
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import jinja2
 
+from oodscen._text import one_line, plain
 from oodscen._version import __version__
 from oodscen.data._base import canonical_json
 from oodscen.judging._kinds import merge_kinds
@@ -41,7 +44,7 @@ def card(
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["cell"] = lambda value: " ".join(str(value).split()).replace("|", "\\|")
+    environment.filters["cell"] = _cell
     return environment.get_template("card.md.j2").render(
         licence=licence,
         version=__version__,
@@ -56,6 +59,12 @@ def card(
         size=_size(len(drives) * len(TASKS)),
         hashes=[(name, found) for name, found in hashes.items() if "/images/" not in name],
     )
+
+
+def _cell(value: object) -> str:
+    """Return a text on one line without markup: no HTML, links, code or columns."""
+    said = html.escape(one_line(plain(str(value))), quote=False)
+    return re.sub(r"[\\`\[\]|]", r"\\\g<0>", said)
 
 
 def _split(name: str, drives: Sequence[PublishedDrive]) -> dict[str, Any]:

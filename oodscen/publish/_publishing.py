@@ -1,22 +1,21 @@
 """Writing a study as a data set, whole and with its card."""
 
-import os
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable
-from contextlib import suppress
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from oodscen._files import check_name, file_sha256, inside, read_regular
+from oodscen._files import check_name, file_sha256
 from oodscen._numbers import finite_number
-from oodscen.errors import DataError, FolderTaken, Issue, StudyError, UsageError
+from oodscen.errors import DataError, Issue, StudyError, UsageError
 from oodscen.publish._card import card
 from oodscen.publish._drivelm import write_drivelm
 from oodscen.publish._lmms_eval.tasks import write_tasks
 from oodscen.publish._parquet import write_drives, write_questions
 from oodscen.publish._question_rows import PublishedDrive, published_drives
+from oodscen.publish._replacing import SUMS, names, replacing
 from oodscen.publish._splits import SPLITS, VALIDATION, splits
 from oodscen.publish._vlmevalkit import write_tsv
 from oodscen.study._asked import asked_drives
@@ -28,8 +27,6 @@ FORMS: tuple[Form, ...] = ("vlmevalkit", "lmms-eval", "drivelm")
 
 LICENCE = "cc-by-4.0"
 _LICENCE = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+-]{0,60}")
-SUMS = "SHA256SUMS"
-"""File with the SHA-256 of every other file."""
 
 
 @dataclass(frozen=True)
@@ -91,20 +88,16 @@ def publish(
     if not drives:
         raise DataError("study", [Issue("", "no scene has frames")], source=str(study.folder))
     try:
-        _clear(folder)
-        questions = _write(folder, study, drives, forms)
-        text = card(
-            study,
-            drives,
-            licence,
-            {name: file_sha256(folder / name).hex() for name in _names(folder)},
-        )
-        (folder / "README.md").write_text(text, encoding="utf-8")
-        sums = "".join(f"{file_sha256(folder / name).hex()}  {name}\n" for name in _names(folder))
-        (folder / SUMS).write_text(sums, encoding="utf-8")
+        with replacing(folder) as part:
+            questions = _write(part, study, drives, forms)
+            hashes = {name: file_sha256(part / name).hex() for name in names(part)}
+            text = card(study, drives, licence, hashes)
+            (part / "README.md").write_text(text, encoding="utf-8")
+            sums = "".join(f"{file_sha256(part / name).hex()}  {name}\n" for name in names(part))
+            (part / SUMS).write_text(sums, encoding="utf-8")
     except OSError as error:
         raise StudyError(f"cannot write {folder}: {error.strerror or error}") from error
-    files = {name: (folder / name).stat().st_size for name in _names(folder)}
+    files = {name: (folder / name).stat().st_size for name in names(folder)}
     return Publication(folder, files, dict(Counter(one.split for one in drives)), questions)
 
 
@@ -127,31 +120,3 @@ def _write(
     if "drivelm" in forms:
         write_drivelm(folder / "drivelm", drives)
     return questions
-
-
-def _clear(folder: Path) -> None:
-    """Make the folder, and remove the files of a data set in it.
-
-    Raises:
-        FolderTaken: If it holds other files.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    there = set(_names(folder))
-    known: set[str] = set()
-    if SUMS in there:
-        lines = read_regular(folder / SUMS, "data set").decode("utf-8", "replace").splitlines()
-        known = {SUMS, *(line.partition("  ")[2] for line in lines)}
-    if others := sorted(there - known):
-        raise FolderTaken(str(folder), others[:5])
-    for name in sorted(there & known):
-        with suppress(ValueError):
-            inside(folder, name).unlink()
-
-
-def _names(folder: Path) -> Iterable[str]:
-    """Return the sorted names of all files below a folder."""
-    return sorted(
-        Path(place, name).relative_to(folder).as_posix()
-        for place, _, names in os.walk(folder)
-        for name in names
-    )

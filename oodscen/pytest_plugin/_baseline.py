@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import ClassVar, Literal
 
-from oodscen._files import replace
+from oodscen._files import write_named
 from oodscen.data._base import Data
 from oodscen.errors import DataError, Issue, StudyError
 
@@ -63,7 +63,6 @@ class Baseline(Data):
         rows = [f"{json.dumps(name)}: {one.to_json()}" for name, one in sorted(self.tests.items())]
         listed = ",\n".join(rows)
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            replace(path, f'{{"schema_version": 1, "tests": {{\n{listed}\n}}}}\n'.encode())
+            write_named(path, f'{{"schema_version": 1, "tests": {{\n{listed}\n}}}}\n'.encode())
         except OSError as error:
             raise StudyError(f"cannot write {path}: {error.strerror or error}") from None

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from oodscen._files import read_bytes, replace
+from oodscen._files import is_written_through, read_bytes, replace, write_named
 from oodscen._seeding import stream
 from oodscen.data._base import canonical_json
 from oodscen.data._episode import in_order
@@ -50,14 +50,16 @@ def write_quiz(
         FolderTaken: If the file is one of a study's, other than its quiz.
     """
     target = out or study.folder / QUIZ
-    if target.name != QUIZ:
+    if target.name != QUIZ and not is_written_through(target):
         refuse_own(target)
     page = (
         environment()
         .get_template("quiz.html.j2")
         .render(payload=_payload(study, scenes, rears or {}))
     )
-    replace(target, page.encode("utf-8"))
+    # A link in the study's folder may lead out of it; one that the caller named is followed.
+    write = write_named if out else replace
+    write(target, page.encode("utf-8"))
     return target
 
 

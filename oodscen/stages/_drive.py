@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from oodscen._display import Brief
-from oodscen._members import is_interruption, working
+from oodscen._members import is_interruption, message, working
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen._text import whole
@@ -18,7 +18,6 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
-from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._drivers.following import following_acceleration
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
@@ -28,15 +27,14 @@ from oodscen.protocols import (
     Camera,
     Control,
     Driver,
-    Looks,
     MountsCamera,
     Observation,
     Simulator,
     State,
-    WantsFrames,
     camera_for,
 )
 from oodscen.stages._rollouts import peak_deceleration, peak_jerk
+from oodscen.stages._steering import Steering
 
 MakeDriver = Callable[[], Driver]
 
@@ -347,23 +345,13 @@ def drive_states(
         UsageError: If the driver returns no control of finite numbers.
         Exception: Anything that the driver raises.
     """
-    wants_frames = isinstance(driver, WantsFrames) and bool(driver.wants_frames)
-    looking = driver if isinstance(driver, Looks) else None
+    steering = Steering(driver, simulator, camera)
     state = simulator.reset(scene, seed)
     yield state
     for _ in range(steps):
         if state.contacts or state.off_road:
             return
-        observation = simulator.observe()
-        if wants_frames:
-            frame = render_checked(simulator, camera, len(state.ids))
-            observation = replace(observation, frame=frame)
-        if looking:
-            looking.look(state)
-        control = driver.act(observation)
-        if not isinstance(control, Control) or not control.is_finite:
-            raise UsageError(f"act() returned {control!r:.200}, not a Control of finite numbers")
-        state = simulator.step(control)
+        state = simulator.step(steering.control(state))
         yield state
 
 
@@ -389,7 +377,7 @@ def failed_drive(scene_id: str, name: str, error: BaseException) -> DriveResult:
         scene_id=scene_id,
         driver=name,
         status="failed",
-        error=str(error)[:2_000],
+        error=message(error)[:2_000],
         error_type=type(error).__name__,
         is_twin=is_twin(scene_id),
     )

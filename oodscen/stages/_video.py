@@ -1,10 +1,13 @@
 """Videos of scenes."""
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Literal, Self
 
 import numpy as np
 
+from oodscen._files import read_bytes, temporary_folder, write_named
+from oodscen._members import conforming
 from oodscen._numbers import finite_number, seed_number
 from oodscen._progress import Progress, reporting
 from oodscen.data._catalogue import Catalogue
@@ -15,8 +18,9 @@ from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
-from oodscen.protocols import Camera, Driver, Simulator, State, camera_for
+from oodscen.protocols import Camera, Driver, MountsCamera, Simulator, State, camera_for
 from oodscen.stages._birds_eye import SIZE, Image, birds_eye, opencv
+from oodscen.stages._steering import Steering
 
 View = Literal["ego", "bird", "both"]
 VIEWS: tuple[View, ...] = ("ego", "bird", "both")
@@ -27,10 +31,10 @@ AFTERMATH_S = 1.0
 
 
 class Video:
-    """An MP4 file that grows frame by frame; a context manager.
+    """An MP4 file that grows frame by frame; a context manager, which leaves an earlier file if it fails.
 
     Args:
-        path: The file; its folder is created.
+        path: The file; its folder is created. A link is followed, and a device or a pipe is written through.
         fps: Frames per second.
 
     Raises:
@@ -43,7 +47,7 @@ class Video:
         self.count = 0
         self._cv2 = opencv()
         self._writer: Any = None
-        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self._place: TemporaryDirectory[str] | None = None
 
     def add(self, picture: Image) -> None:
         """Append one frame; all must have the size of the first.
@@ -53,18 +57,41 @@ class Video:
         """
         height, width = picture.shape[:2]
         if self._writer is None:
+            self._place = temporary_folder()
             code = self._cv2.VideoWriter_fourcc(*"mp4v")
-            self._writer = self._cv2.VideoWriter(str(self.path), code, self.fps, (width, height))
+            part = str(self._part(self._place))
+            self._writer = self._cv2.VideoWriter(part, code, self.fps, (width, height))
             if not self._writer.isOpened():
                 raise OodscenError(f"{self.path}: OpenCV cannot write this video")
         self._writer.write(np.ascontiguousarray(picture[..., ::-1]))
         self.count += 1
 
     def close(self) -> None:
-        """Finish the file; may be called twice."""
+        """Finish the file, which takes the place of an earlier one; may be called twice.
+
+        Raises:
+            OodscenError: When the file cannot be written.
+        """
+        place = self._released()
+        if place is None:
+            return
+        with place:
+            if self.count:
+                try:
+                    write_named(self.path, read_bytes(self._part(place)))
+                except OSError as error:
+                    told = error.strerror or error
+                    raise OodscenError(f"cannot write {self.path}: {told}") from None
+
+    def _part(self, place: TemporaryDirectory[str]) -> Path:
+        return Path(place.name, f"video{self.path.suffix}")
+
+    def _released(self) -> TemporaryDirectory[str] | None:
+        """Return the folder of the unfinished file, which OpenCV then no longer writes."""
         if self._writer is not None:
             self._writer.release()
-            self._writer = None
+        place, self._writer, self._place = self._place, None, None
+        return place
 
     def __enter__(self) -> Self:
         return self
@@ -94,8 +121,9 @@ def record(
         scene: The scene to run.
         simulator: The simulator to run it in.
         path: Path of the MP4 file.
-        driver: Drives from the start; or the id of an action, executed from the decision on after a driver
-            that is blind to the hazard, which also drives if this is left out.
+        driver: Drives from the start, and is shown what it asks for, as in `drive`; or the id of an action,
+            executed from the decision on after a driver that is blind to the hazard, which also drives if this
+            is left out.
         view: The ego's camera, a bird's-eye view, or both side by side.
         seed: Seed of the simulator's random streams.
         camera: By default the ego's dash camera.
@@ -106,14 +134,19 @@ def record(
         UnknownComponent: When the view or the action is unknown.
         MissingExtra: When OpenCV is not installed.
         SceneError: When the simulator refuses the scene.
+        UsageError: When the driver is none, or returns no control; the frame rate or the file's name is none.
+        OodscenError: When the file cannot be written. An earlier file of that name stays then.
     """
     if view not in VIEWS:
         raise UnknownComponent("view", view, VIEWS)
     later = action_driver(driver, NOMINAL_REACTION_S) if isinstance(driver, str) else None
-    now: Driver = Cruise() if driver is None or isinstance(driver, str) else driver
+    own = None if isinstance(driver, str) else driver
+    now: Driver = Cruise() if own is None else conforming("driver", own)
+    mounted = now.camera if isinstance(now, MountsCamera) else None
     catalogue = simulator.catalogue()
     corridor = load_corridor(scene.map, catalogue)
     camera = camera_for(catalogue, camera)
+    steering = Steering(now, simulator, camera_for(catalogue, mounted))
     state = simulator.reset(scene, seed_number(seed))
     finite_number("fps", fps, 0.1, 1.0 / simulator.dt + 1e-9)
     if Path(path).suffix.lower() != ".mp4":
@@ -129,7 +162,8 @@ def record(
                 state.time >= MAX_APPROACH_S or is_due(scene.decision, None, state, corridor)
             ):
                 is_decided, end = True, min(end, state.time + scene.horizon_s)
-                now = later or now
+                if later is not None:
+                    steering = Steering(later, simulator, camera)
             if state.contacts or state.off_road:
                 end = min(end, state.time + AFTERMATH_S)
             if state.step % stride == 0:
@@ -138,7 +172,7 @@ def record(
                 report_progress("record", state.step, state.step)
                 break
             report_progress("record", state.step, max(state.step + 1, round(end / simulator.dt)))
-            state = simulator.step(now.act(simulator.observe()))
+            state = simulator.step(steering.control(state))
         return video.path
 
 

@@ -1,4 +1,5 @@
 import json
+import os
 import shutil
 import sys
 
@@ -10,6 +11,7 @@ STACK = """
 from oodscen.driving._motion.actions import Cruise
 
 def make():
+    print("a stack talks")
     return Cruise()
 
 class Broken:
@@ -26,8 +28,9 @@ def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch) -> N
     run = CliRunner().invoke
     found = run(main, ["drive", "out", "--driver", "stack_beside:make", "--json"])
     assert found.exit_code == 0
-    assert [(row["n"], row["failed"]) for row in json.loads(found.output)] == [(1, 0), (1, 0)]
-    scenes, twins = json.loads(found.output)
+    assert [(row["n"], row["failed"]) for row in json.loads(found.stdout)] == [(1, 0), (1, 0)]
+    scenes, twins = json.loads(found.stdout)
+    assert "a stack talks" in found.stderr
     assert (scenes["kind"], twins["kind"], twins["paired"]) == ("scenes", "twins", None)
     assert scenes["paired"]["n"] == 1
     page = (tmp_path / "out" / "report.html").read_text()
@@ -54,3 +57,22 @@ def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch) -> N
     assert (tmp_path / "out" / "drives.jsonl").read_text().splitlines() == drives
     assert sys.path == paths
     sys.modules.pop("stack_beside")
+
+
+def test_a_stack_may_change_the_working_folder(small, tmp_path, monkeypatch) -> None:
+    shutil.copytree(small, tmp_path / "out")
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "stack_moving.py").write_text(
+        "import os\n"
+        "from oodscen.driving._motion.actions import Cruise\n"
+        "def make():\n"
+        "    os.chdir(os.path.join(os.path.dirname(__file__), 'elsewhere'))\n"
+        "    return Cruise()\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    found = CliRunner().invoke(main, ["drive", "out", "--driver", "stack_moving:make"])
+    sys.modules.pop("stack_moving")
+    assert os.path.samefile(os.curdir, tmp_path / "elsewhere")
+    assert found.exit_code == 0
+    assert (tmp_path / "out" / "drives.jsonl").is_file()
+    assert list((tmp_path / "elsewhere").iterdir()) == []

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from oodscen.errors import UsageError
 from oodscen.protocols import Camera, Control
@@ -61,6 +63,29 @@ def test_a_policy_drives_as_in_its_environment(simulator):
         assert (info["time"], info["collisions"]) == (result.seconds, result.collisions)
     assert policies[0].states[:3] == [(None, True), (1, False), (2, False)]
     env.close()
+
+
+@given(st.integers(1, 60), st.sampled_from([0.0, 0.01, 0.02, 0.025, 0.04]))
+@settings(max_examples=20, deadline=None)
+def test_an_action_holds_as_long_as_in_the_environment_or_is_refused(simulator, steps, more):
+    step_s = steps * simulator.dt + more
+    times = []
+
+    def policy(seen):
+        times.append(simulator.state().time)
+        return 0
+
+    (result,) = drive(
+        [example_scene()],
+        lambda: PolicyDriver(policy, actions="discrete", step_s=step_s),
+        simulator,
+        twins=False,
+    )
+    if more:
+        assert "not a multiple of the simulator's step" in result.error
+    else:
+        assert result.status == "ok", result.error
+        assert np.diff(times) == pytest.approx(step_s)
 
 
 def test_a_policy_of_pictures_gets_those_of_its_camera(simulator):

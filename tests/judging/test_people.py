@@ -58,6 +58,7 @@ def test_answers_about_no_drive_of_the_study_or_twice_about_one_are_refused(item
     "fault",
     [
         {"name": "../x"},
+        {"name": "Ada without pictures"},
         {"name": ""},
         {"action": "fly"},
         {"confidence": 0.1},

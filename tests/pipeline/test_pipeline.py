@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from oodscen import Study, write_report
 from oodscen._cli import main
 from oodscen._pipeline import estimate, run_study
+from oodscen._pipeline.context import Context
 from oodscen._pipeline.dropping import drop_models
 from oodscen.errors import (
     DataError,
@@ -252,6 +253,17 @@ def test_unknown_components_are_refused_before_anything_is_written(tmp_path):
             run_study(tmp_path / "out", QUICK.model_copy(update=change))
         assert caught.value.matches
     assert not (tmp_path / "out").exists()
+
+
+def test_a_run_keeps_its_folder_when_a_component_changes_the_working_one(tmp_path, monkeypatch):
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    context = Context("out", QUICK)
+    monkeypatch.chdir("elsewhere")
+    with context.store.writing():
+        context.store.write("study.json", "{}")
+    assert (tmp_path / "out" / "study.json").is_file()
+    assert list((tmp_path / "elsewhere").iterdir()) == []
 
 
 def test_an_unwritable_folder_is_a_study_error(tmp_path):

@@ -5,10 +5,15 @@ import base64
 import csv
 import hashlib
 import json
+import re
 import subprocess
 import sys
 from collections import defaultdict
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from pathlib import Path
+from shutil import rmtree
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -16,12 +21,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import Study, evaluate
-from oodscen.errors import FolderTaken, UsageError
+from oodscen.errors import FolderTaken, StudyError, UsageError
 from oodscen.judging import leaderboard
 from oodscen.publish import answer_values, figures_of, publish
+from oodscen.publish._card import _cell
 from oodscen.publish._parquet import DRIVES, QUESTIONS
-from oodscen.publish._publishing import SUMS
 from oodscen.publish._question_rows import published_drives, question_rows
+from oodscen.publish._replacing import SUMS, replacing
 from oodscen.publish._splits import splits
 from oodscen.publish._vlmevalkit import COLUMNS, LETTERS
 from oodscen.study._asked import asked_drives
@@ -125,6 +131,98 @@ def test_it_is_the_same_again_and_other_files_are_left_alone(study, data, tmp_pa
         publish(study, again)
     with pytest.raises(FolderTaken):
         publish(study, study.folder)
+
+
+def fill(folder: Path, names: Iterable[str], content: str) -> None:
+    """Write files and their sums."""
+    folder.mkdir(exist_ok=True)
+    for name in names:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(content)
+    (folder / SUMS).write_text("".join(f"{'0' * 64}  {name}\n" for name in names))
+
+
+def content(folder: Path) -> dict[str, str]:
+    return {
+        path.relative_to(folder).as_posix(): path.read_text() if path.is_file() else ""
+        for path in folder.rglob("*")
+    }
+
+
+def stopping(count: int) -> Callable[[Path, Path], Path]:
+    """Return `Path.replace`, which is interrupted before it moves one more than so many files."""
+    moves, move = iter(range(count)), Path.replace
+
+    def replace(path: Path, target: Path) -> Path:
+        if next(moves, None) is None:
+            raise KeyboardInterrupt
+        return move(path, target)
+
+    return replace
+
+
+NAMES = st.sets(st.sampled_from(["README.md", "data/a/x", "data/a/y", "data/b", "tsv/c"]))
+
+
+@given(NAMES, NAMES, st.integers(0, 5))
+@settings(deadline=None)
+def test_a_folder_holds_the_earlier_or_the_new_data_set(earlier, new, moved):
+    with TemporaryDirectory() as name:
+        folder = Path(name) / "set"
+        with replacing(folder) as part:
+            fill(part, earlier, "earlier")
+        before = content(folder)
+        with suppress(ZeroDivisionError), replacing(folder) as part:
+            fill(part, new, "new")
+            _ = 1 // 0
+        assert content(folder) == before
+        with pytest.MonkeyPatch.context() as patch, suppress(KeyboardInterrupt):
+            patch.setattr(Path, "replace", stopping(moved))
+            with replacing(folder) as part:
+                fill(part, new, "new")
+        assert (folder / SUMS).exists() == (moved > len(new))
+        with replacing(folder) as part:
+            fill(part, new, "new")
+        fill(whole := Path(name) / "whole", new, "new")
+        assert content(folder) == content(whole)
+
+
+def test_a_data_set_that_cannot_be_written_leaves_nothing(study, data, tmp_path, monkeypatch):
+    before = {path: path.read_bytes() for path in data.rglob("*") if path.is_file()}
+
+    def full(*unused: object) -> int:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("oodscen.publish._publishing.write_tsv", full)
+    for folder in (data, tmp_path / "new" / "set"):
+        with pytest.raises(StudyError, match="No space left"):
+            publish(study, folder)
+    assert {path: path.read_bytes() for path in data.rglob("*") if path.is_file()} == before
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("place", ["README.md", "data"])
+def test_no_link_in_the_folder_is_followed(study, tmp_path, place):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "kept").write_text("kept")
+    folder = publish(study, tmp_path / "set", forms=()).folder
+    if place == "data":
+        rmtree(folder / place)
+        (folder / place).symlink_to(tmp_path / "mine")
+        with pytest.raises(FolderTaken):
+            publish(study, folder, forms=())
+    else:
+        (folder / place).unlink()
+        (folder / place).symlink_to(tmp_path / "mine" / "kept")
+        publish(study, folder, forms=())
+    assert content(tmp_path / "mine") == {"kept": "kept"}
+
+
+@given(st.text())
+def test_a_cell_of_the_card_is_one_line_without_markup(text):
+    said = _cell(text)
+    assert len(said.splitlines()) <= 1
+    assert not re.search(r"[<>]|(?<!\\)(?:\\\\)*[`|\[\]]", said)
 
 
 @pytest.mark.parametrize("licence", ["", "mit\n---\ninjected: true", "mit other"])

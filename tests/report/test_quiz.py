@@ -51,6 +51,24 @@ def test_a_scene_comes_with_its_ordinary_drive_and_the_number_is_kept(study: Stu
     assert len(payload(first.decode())["items"]) == 2
 
 
+def test_a_named_link_is_followed_and_a_device_stays_one(study: Study, tmp_path: Path):
+    (tmp_path / "page").write_text("old")
+    for name, other in (("link", "page"), ("null", "/dev/null")):
+        (tmp_path / name).symlink_to(other)
+        assert write_quiz(study, tmp_path / name, scenes=1) == tmp_path / name
+        assert (tmp_path / name).is_symlink()
+    assert payload((tmp_path / "page").read_text(encoding="utf-8"))["items"]
+
+
+def test_a_link_in_the_study_is_replaced_and_not_followed(study: Study, tmp_path: Path):
+    (tmp_path / "mine").write_text("mine")
+    page = study.folder / "quiz.html"
+    page.unlink(missing_ok=True)
+    page.symlink_to(tmp_path / "mine")
+    assert not write_quiz(study, scenes=1).is_symlink()
+    assert (tmp_path / "mine").read_text() == "mine"
+
+
 @pytest.mark.parametrize("name", ["study.json", "scenes.jsonl", "episodes.jsonl"])
 def test_no_file_of_a_study_is_replaced(study: Study, name: str):
     before = (study.folder / name).read_bytes()

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from oodscen import make_simulator
+from oodscen.data._drive_result import DriveResult
 from oodscen.driving._motion.actions import Cruise
 from oodscen.errors import SimulatorError, UsageError
 from oodscen.protocols import Camera, Control, MountsCamera
@@ -48,6 +49,33 @@ def test_drives_repeat_byte_for_byte_in_any_order(simulator):
     first = drive([example_scene()], RuleBasedDriver, simulator)
     drive([example_scene()], Cruise, simulator)
     assert drive([example_scene()], RuleBasedDriver, simulator) == first
+
+
+class Mute(Exception):
+    def __str__(self):
+        raise ValueError("no words")
+
+
+class Halved(Exception):
+    def __str__(self):
+        return "half a letter \ud83d, and https://ada:opensesame@lab7/"
+
+
+class Raising:
+    def __init__(self, error):
+        self.error = error
+
+    def act(self, observation):
+        raise self.error
+
+
+@pytest.mark.parametrize("error", [Mute, Halved])
+def test_an_error_is_recorded_whatever_its_text_holds(simulator, error):
+    results = drive([example_scene()], lambda: Raising(error()), simulator, name="raising")
+    assert [one.error_type for one in results] == [error.__name__] * 2
+    for one in results:
+        assert DriveResult.parse(one.to_json()) == one
+        assert "opensesame" not in one.error
 
 
 @pytest.mark.parametrize(("driver", "error"), [(Broken, "RuntimeError"), (Wild, "UsageError")])

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Trigger
-from oodscen.errors import OodscenError, UnknownComponent
+from oodscen.driving._motion.actions import Cruise
+from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Control
+from oodscen.stages._drive import RuleBasedDriver, drive
 from oodscen.stages._video import Video, record
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
@@ -72,6 +74,70 @@ def test_a_driver_of_one_s_own_drives_from_the_start(flat, tmp_path):
     record(short, flat, tmp_path / "a.mp4", driver=Standing(), view="bird", fps=5)
     assert flat.state().speeds[0] == 0.0
     assert flat.state().time == pytest.approx(3.0)
+
+
+def test_a_driver_is_shown_what_it_asks_for_as_in_a_drive(flat, tmp_path):
+    pictures = set()
+
+    class Seeing(RuleBasedDriver):
+        wants_frames = True
+        camera = SMALL
+
+        def act(self, observation):
+            pictures.add(observation.frame.rgb.shape)
+            return super().act(observation)
+
+    (driven,) = drive([example_scene()], RuleBasedDriver, flat, twins=False)
+    assert driven.passed
+    record(example_scene(), flat, tmp_path / "a.mp4", driver=Seeing(), view="bird", fps=2)
+    assert not flat.state().contacts
+    assert pictures == {(64, 96, 3)}
+
+
+class Failing:
+    """Drives for a while, and then fails."""
+
+    def __init__(self, control):
+        self.control, self.left = control, 5
+
+    def act(self, observation):
+        self.left -= 1
+        if self.left:
+            return Control()
+        if isinstance(self.control, Exception):
+            raise self.control
+        return self.control
+
+
+@pytest.mark.parametrize("control", [None, "stop", Control(float("nan")), ValueError("lost")])
+def test_a_driver_that_fails_leaves_the_earlier_video(flat, tmp_path, control):
+    earlier, new = tmp_path / "a.mp4", tmp_path / "new" / "b.mp4"
+    earlier.write_text("earlier")
+    for path in (earlier, new):
+        with pytest.raises(ValueError if isinstance(control, Exception) else UsageError):
+            record(example_scene(), flat, path, driver=Failing(control), view="bird", fps=20)
+    assert earlier.read_text() == "earlier"
+    assert list(tmp_path.iterdir()) == [earlier]
+
+
+def test_what_is_no_driver_is_refused_before_anything_is_written(flat, tmp_path):
+    for driver in (3, lambda: None, Cruise):
+        with pytest.raises(UsageError, match="driver"):
+            record(example_scene(), flat, tmp_path / "a.mp4", driver=driver, view="bird")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_video_follows_a_link_and_goes_through_a_device(flat, tmp_path):
+    scene = example_scene().model_copy(update={"decision": Trigger(value=0.1), "horizon_s": 0.2})
+    (tmp_path / "b.mp4").write_text("earlier")
+    for name, other in (("a.mp4", "b.mp4"), ("null.mp4", "/dev/null")):
+        (tmp_path / name).symlink_to(other)
+        record(scene, flat, tmp_path / name, view="bird", fps=5)
+        assert (tmp_path / name).is_symlink()
+    assert frames(tmp_path / "b.mp4")[0]
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OodscenError, match="cannot write"):
+        record(scene, flat, tmp_path / "file" / "a.mp4", view="bird", fps=5)
 
 
 def test_unknown_views_and_actions_are_refused(flat, tmp_path):

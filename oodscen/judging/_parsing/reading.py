@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar
 
+from oodscen._arguments import instance_of
 from oodscen.judging._parsing.text import (
     LONGEST,
     TWO_ANSWERS,
@@ -65,7 +66,12 @@ class Question(Generic[Value]):
 
 
 def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
-    """Parse an answer from its JSON, else from its prose."""
+    """Parse an answer from its JSON, else from its prose.
+
+    Raises:
+        UsageError: If the answer is no text.
+    """
+    instance_of("text", text, str)
     if len(text) > LONGEST:
         return ParsedAnswer(
             None, "unparsed", f"it has {len(text):,} characters; {LONGEST:,} at most"

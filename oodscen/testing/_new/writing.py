@@ -2,8 +2,10 @@
 
 import keyword
 import re
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
+from shutil import rmtree
 
 from oodscen._files import check_name
 from oodscen._registry import names
@@ -47,19 +49,26 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
         "adapter.py": f"{package}/__init__.py",
         "test_adapter.py.txt": f"tests/test_{name}.py",
     }
-    written = []
     try:
         target.mkdir(parents=True)
-        for source, relative in texts.items():
-            text = files("oodscen.testing._new").joinpath(source).read_text("utf-8")
-            for word, replacement in words.items():
-                text = text.replace(word, replacement)
-            path = target / relative
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
-            written.append(path)
     except FileExistsError as error:
         raise UsageError(f"{target} exists already") from error
     except OSError as error:
         raise UsageError(f"cannot write {target}: {error.strerror or error}") from error
-    return tuple(written)
+    try:
+        return tuple(_write(target / name, source, words) for source, name in texts.items())
+    except BaseException as error:
+        rmtree(target, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise UsageError(f"cannot write {target}: {error.strerror or error}") from error
+        raise
+
+
+def _write(path: Path, source: str, words: Mapping[str, str]) -> Path:
+    """Write a file of this folder under another name, with other words."""
+    text = files("oodscen.testing._new").joinpath(source).read_text("utf-8")
+    for word, replacement in words.items():
+        text = text.replace(word, replacement)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    return path

@@ -12,11 +12,12 @@ from lxml import html
 from oodscen import Study
 from oodscen._pipeline import RunOptions, run_study
 from oodscen._pipeline.answering import rear_views
+from oodscen._pipeline.context import Context
 from oodscen._pipeline.dropping import drop_models
 from oodscen._pipeline.steps.judge import OPINIONS
 from oodscen.data._episode import ACTIONS
 from oodscen.data._pairing import scene_of
-from oodscen.errors import BudgetExceeded, DataError, LLMError
+from oodscen.errors import BudgetExceeded, DataError, LLMError, UsageError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.leaderboard import Leaderboard
 from oodscen.llm._remote.limits import Limits
@@ -166,6 +167,41 @@ def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path
     (out / "verdicts.jsonl").write_text("\n".join(changed) + "\n")
     counts = run_study(out, config, models={"mine": model}).info["counts"]["outcomes"]["mine"]
     assert counts["outdated"] == counts["answered"] == len(rows) - 1
+
+
+class Named(ScriptedLLM):
+    """A model with a name of its own, whatever it was asked for by."""
+
+    def __init__(self, name):
+        super().__init__([], name=name)
+
+
+@pytest.mark.parametrize(
+    ("models", "more"),
+    [
+        ({"a": "oracle"}, {}),
+        ({"a": "blind"}, {}),
+        ({"a": "random"}, {}),
+        ({"a": "constant:stop"}, {}),
+        ({"random": "mine", "a": "random"}, {}),
+        ({"a": "mine", "b": "mine"}, {}),
+        ({"a": "mine", "b": "mine without pictures"}, {"withheld": ("a",)}),
+        ({"a": "human:Ada"}, {"people": ("Ada",)}),
+    ],
+)
+def test_two_answerers_of_one_name_are_refused_before_anything_is_written(tmp_path, models, more):
+    config = QUICK.model_copy(update={"vlms": tuple(models), **more})
+    options = RunOptions(models={name: Named(its) for name, its in models.items()})
+    with pytest.raises(UsageError, match="would be kept under the name"):
+        Context(tmp_path / "out", config, options).prepare()
+    assert not (tmp_path / "out").exists()
+
+
+def test_answerers_of_different_names_and_the_references_may_be_judged(tmp_path):
+    models = {"a": Named("mine"), "b": Named("mine without")}
+    vlms = (*models, "random", "constant", "constant:stop")
+    config = QUICK.model_copy(update={"vlms": vlms, "withheld": ("a", "random")})
+    Context(tmp_path / "out", config, RunOptions(models=models)).prepare()
 
 
 @pytest.fixture

@@ -69,3 +69,19 @@ def test_the_documentation_shows_the_adapter_that_is_written() -> None:
     page = (Path(__file__).parents[3] / "docs" / "adapters.md").read_text("utf-8")
     source = Path(sys.modules[MySimulator.__module__].__file__ or "").read_text("utf-8")
     assert f"```python\n{source}```\n" in page
+
+
+def test_a_package_that_cannot_be_written_whole_is_not_left_half(tmp_path, monkeypatch):
+    writes, write = iter(range(2)), Path.write_text
+
+    def full(path, *given, **named):
+        if next(writes, None) is None:
+            raise OSError(28, "No space left on device")
+        return write(path, *given, **named)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_text", full)
+        with pytest.raises(UsageError, match="No space left"):
+            write_adapter("mine", tmp_path)
+    assert list(tmp_path.iterdir()) == []
+    assert write_adapter("mine", tmp_path)

@@ -1,0 +1,91 @@
+"""The folder of a data set, which holds the earlier one or the new one, whatever goes wrong."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from oodscen._files import inside, read_regular
+from oodscen.errors import FolderTaken
+
+SUMS = "SHA256SUMS"
+"""File with the SHA-256 of every other file."""
+
+_PART = ".oodscen-part"
+"""Folder, inside that of the data set, in which the new one is written."""
+
+
+@contextmanager
+def replacing(folder: Path) -> Iterator[Path]:
+    """Yield an empty folder whose files then take the place of the data set in a folder.
+
+    If the work in the context fails, the earlier data set stays as it was, and a folder that was made for the
+    new one is removed again. A call that is killed while it moves the files leaves no sums; the next one knows
+    both data sets and tidies up.
+
+    Args:
+        folder: The folder, new or empty, or one that holds a data set.
+
+    Raises:
+        FolderTaken: If the folder holds other files.
+        OSError: If a file cannot be written.
+    """
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    earlier = _known(folder)
+    if others := sorted(set(_names(folder)) - earlier):
+        raise FolderTaken(str(folder), others[:5])
+    part = folder / _PART
+    try:
+        shutil.rmtree(part, ignore_errors=True)
+        part.mkdir(parents=True)
+        yield part
+    except BaseException:
+        shutil.rmtree(part, ignore_errors=True)
+        for path in made:
+            with suppress(OSError):
+                path.rmdir()
+        raise
+    _move(part, folder, earlier)
+    shutil.rmtree(part, ignore_errors=True)
+
+
+def names(folder: Path) -> list[str]:
+    """Return the sorted names of the files of a data set."""
+    return sorted(_names(folder))
+
+
+def _names(folder: Path) -> Iterator[str]:
+    """Yield the names of all files below a folder, and of links, but not of the new data set's."""
+    for place, folders, files in os.walk(folder):
+        if Path(place) == folder and _PART in folders:
+            folders.remove(_PART)
+        links = [name for name in folders if Path(place, name).is_symlink()]
+        for name in (*files, *links):
+            yield Path(place, name).relative_to(folder).as_posix()
+
+
+def _known(folder: Path) -> set[str]:
+    """Return the names of the files of the data set in a folder, and of one that was being moved in."""
+    known = set()
+    for sums in (folder / SUMS, folder / _PART / SUMS):
+        if sums.exists():
+            lines = read_regular(sums, "data set").decode("utf-8", "replace").splitlines()
+            known |= {SUMS, *(line.partition("  ")[2] for line in lines)}
+    return known
+
+
+def _move(part: Path, folder: Path, earlier: set[str]) -> None:
+    """Remove the earlier files that have no successor, and move the new ones to their places, the sums last."""
+    new = sorted(_names(part), key=lambda name: (name == SUMS, name))
+    for name in sorted(earlier - set(new)):
+        with suppress(ValueError, FileNotFoundError):
+            inside(folder, name).unlink()
+            for place in Path(name).parents[:-1]:
+                with suppress(OSError):
+                    (folder / place).rmdir()
+    (folder / SUMS).unlink(missing_ok=True)
+    for name in new:
+        target = folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        (part / name).replace(target)

@@ -1,0 +1,48 @@
+"""Asking a driver for controls, wherever one drives."""
+
+from dataclasses import replace
+
+from oodscen.driving._base_simulator import render_checked
+from oodscen.errors import UsageError
+from oodscen.protocols import (
+    Camera,
+    Control,
+    Driver,
+    Looks,
+    Simulator,
+    State,
+    WantsFrames,
+)
+
+
+class Steering:
+    """Shows a driver what it asks for, and takes its controls.
+
+    Args:
+        driver: The driver.
+        simulator: The simulator in which it drives.
+        camera: Takes its pictures, if it wants some.
+    """
+
+    def __init__(self, driver: Driver, simulator: Simulator, camera: Camera) -> None:
+        self._driver, self._simulator, self._camera = driver, simulator, camera
+        self._wants_frames = isinstance(driver, WantsFrames) and bool(driver.wants_frames)
+        self._looking = driver if isinstance(driver, Looks) else None
+
+    def control(self, state: State) -> Control:
+        """Return the driver's control in the simulator's state.
+
+        Raises:
+            UsageError: If the driver returns no control of finite numbers.
+            Exception: Anything that the driver raises.
+        """
+        observation = self._simulator.observe()
+        if self._wants_frames:
+            frame = render_checked(self._simulator, self._camera, len(state.ids))
+            observation = replace(observation, frame=frame)
+        if self._looking:
+            self._looking.look(state)
+        control = self._driver.act(observation)
+        if not isinstance(control, Control) or not control.is_finite:
+            raise UsageError(f"act() returned {control!r:.200}, not a Control of finite numbers")
+        return control
