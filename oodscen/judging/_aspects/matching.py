@@ -50,7 +50,7 @@ def score_naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = 
     3. It names a head, or a broader or narrower word for it, or omits the thing, and also names a
        state of the label ("a car on its roof") or another odd thing of the label. If the answer names
        the thing more precisely than `GENERAL` does, a broader state ("stopped" for "broken down"), an
-       act or a place is enough.
+       act or a place is enough, unless all states that it names are others ("overturned").
     4. The label has no state and no other odd thing, and the answer names its head together with an
        act, a place or another word of the label. For a head in `GENERAL`, it must name a place of
        the label if the label has any, unless both say that it stands in a lane.
@@ -140,6 +140,8 @@ def _names_case(answer_naming: Naming, label: Naming, head: Concept) -> bool:
     mere = _widened(one for one in others if one.kind != "place") - GENERAL
     places = {one.name for one in others if one.kind == "place"}
     if telling:
+        if _names_other_state(answer_naming, label):
+            return False
         return is_special and bool((mere | places) & broader)
     words = telling_words(" ".join(label.rest))
     shared = (mere | places) & broader | (words & telling_words(" ".join(answer_naming.rest)))
@@ -160,6 +162,16 @@ ENOUGH_SHARED = 2
 def _is_just(things: Iterable[Concept], head: Concept) -> bool:
     """Return whether an ordinary thing of the head's kind is named."""
     return any(one.kind == "ordinary" and head.name in with_broader(one.name) for one in things)
+
+
+def _names_other_state(answer_naming: Naming, label: Naming) -> bool:
+    """Return whether an answer names states, and none of them is the label's, or broader or narrower."""
+    found = [one for one in answer_naming.concepts if one.kind == "state"]
+    own = {one.name for one in label.concepts}
+    return bool(found) and not any(
+        own & with_broader(one.name) or any(one.name in with_broader(name) for name in own)
+        for one in found
+    )
 
 
 def _names_circumstance(

@@ -70,6 +70,10 @@ def share_right(*, is_right: bool, is_held_out: bool = False) -> float:
         ("fog, snow, deer, box, parade, police, tree, wreck", "Deer on the road", False),
         ("a meteorite in the lane", "Glowing meteorite on the road", True),
         ("a glowing lamp", "Glowing meteorite on the road", False),
+        ("camper van coming the wrong way", "Camper van broken down on a country road", False),
+        ("camper van stopped in the lane", "Camper van broken down on a country road", True),
+        ("the traffic light is dark", "Traffic light showing all its colours at once", False),
+        ("the traffic light is dark", "Traffic lights failing in rush hour", True),
         ("", "Deer on the road", False),
     ],
 )
