@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 from collections import Counter
 from collections.abc import Collection, Iterable
 from contextlib import suppress
@@ -9,7 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from oodscen._files import check_name, file_sha256, inside, read_regular
+from oodscen._files import check_name, file_sha256, inside, read_regular, replace
+from oodscen._lock import NAME as LOCK
+from oodscen._lock import locked
 from oodscen._numbers import finite_number
 from oodscen.errors import DataError, FolderTaken, Issue, StudyError, UsageError
 from oodscen.publish._card import card
@@ -30,6 +33,8 @@ LICENCE = "cc-by-4.0"
 _LICENCE = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+-]{0,60}")
 SUMS = "SHA256SUMS"
 """File with the SHA-256 of every other file."""
+_PART = ".oodscen-publishing"
+"""Folder in the data set's that holds its files until all are written."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +71,9 @@ def publish(
     outcomes of all actions. Kinds of situation are split between `validation` and `test`, never a kind between both.
     Names of drives and pictures tell nothing about what they show.
 
+    Until every file is written an earlier data set stays as it was. What a killed process leaves is replaced by the
+    next one.
+
     Args:
         study: The study; models that it has judged are named in the card.
         out: The folder, new or empty, or a data set that this replaces.
@@ -76,6 +84,7 @@ def publish(
     Raises:
         DataError: If the study has no drives with frames, or a file of it is malformed.
         FolderTaken: If the folder holds other files.
+        InUse: If another process writes the folder.
         MissingExtra: If pyarrow is not installed.
         StudyError: If a file cannot be written.
         UsageError: If the share, the licence or the name of the folder is none.
@@ -91,17 +100,17 @@ def publish(
     if not drives:
         raise DataError("study", [Issue("", "no scene has frames")], source=str(study.folder))
     try:
-        _clear(folder)
-        questions = _write(folder, study, drives, forms)
-        text = card(
-            study,
-            drives,
-            licence,
-            {name: file_sha256(folder / name).hex() for name in _names(folder)},
-        )
-        (folder / "README.md").write_text(text, encoding="utf-8")
-        sums = "".join(f"{file_sha256(folder / name).hex()}  {name}\n" for name in _names(folder))
-        (folder / SUMS).write_text(sums, encoding="utf-8")
+        folder.mkdir(parents=True, exist_ok=True)
+        with locked(folder, "data set"):
+            known = _known(folder)
+            part = folder / _PART
+            shutil.rmtree(part, ignore_errors=True)
+            try:
+                questions = _write(part, study, drives, forms)
+                _describe(part, study, drives, licence)
+                _move(part, folder, known)
+            finally:
+                shutil.rmtree(part, ignore_errors=True)
     except OSError as error:
         raise StudyError(f"cannot write {folder}: {error.strerror or error}") from error
     files = {name: (folder / name).stat().st_size for name in _names(folder)}
@@ -129,13 +138,20 @@ def _write(
     return questions
 
 
-def _clear(folder: Path) -> None:
-    """Make the folder, and remove the files of a data set in it.
+def _describe(folder: Path, study: Study, drives: list[PublishedDrive], licence: str) -> None:
+    """Write the card and the hashes of all files."""
+    hashes = {name: file_sha256(folder / name).hex() for name in _names(folder)}
+    (folder / "README.md").write_text(card(study, drives, licence, hashes), encoding="utf-8")
+    sums = "".join(f"{file_sha256(folder / name).hex()}  {name}\n" for name in _names(folder))
+    (folder / SUMS).write_text(sums, encoding="utf-8")
+
+
+def _known(folder: Path) -> set[str]:
+    """Return the names of the files of an earlier data set.
 
     Raises:
-        FolderTaken: If it holds other files.
+        FolderTaken: If the folder holds other files.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     there = set(_names(folder))
     known: set[str] = set()
     if SUMS in there:
@@ -143,15 +159,35 @@ def _clear(folder: Path) -> None:
         known = {SUMS, *(line.partition("  ")[2] for line in lines)}
     if others := sorted(there - known):
         raise FolderTaken(str(folder), others[:5])
-    for name in sorted(there & known):
+    return there
+
+
+def _move(part: Path, folder: Path, known: set[str]) -> None:
+    """Replace the files of a data set by those of another one.
+
+    The sums list all files of both until the last one has its place: a process that is killed leaves no file that
+    the next one does not know.
+    """
+    names = set(_names(part))
+    sums = (part / SUMS).read_bytes()
+    before = (folder / SUMS).read_bytes() if SUMS in known else b""
+    replace(folder / SUMS, before + sums)
+    for name in known - names:
         with suppress(ValueError):
             inside(folder, name).unlink()
+    for name in names - {SUMS}:
+        target = folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        (part / name).replace(target)
+    replace(folder / SUMS, sums)
 
 
 def _names(folder: Path) -> Iterable[str]:
-    """Return the sorted names of all files below a folder."""
+    """Return the sorted names of all files below a folder, except those that are there only while it is written."""
     return sorted(
-        Path(place, name).relative_to(folder).as_posix()
-        for place, _, names in os.walk(folder)
-        for name in names
+        name
+        for place, _, files in os.walk(folder)
+        for file in files
+        if not (name := Path(place, file).relative_to(folder).as_posix()).startswith(f"{_PART}/")
+        and name != LOCK
     )

@@ -3,12 +3,17 @@
 import ast
 import base64
 import csv
+import errno
 import hashlib
+import itertools
 import json
+import shutil
 import subprocess
 import sys
 from collections import defaultdict
+from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -16,8 +21,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import Study, evaluate
-from oodscen.errors import FolderTaken, UsageError
+from oodscen.errors import FolderTaken, StudyError, UsageError
 from oodscen.judging import leaderboard
+from oodscen.publish import _publishing as publishing
 from oodscen.publish import answer_values, figures_of, publish
 from oodscen.publish._parquet import DRIVES, QUESTIONS
 from oodscen.publish._publishing import SUMS
@@ -125,6 +131,74 @@ def test_it_is_the_same_again_and_other_files_are_left_alone(study, data, tmp_pa
         publish(study, again)
     with pytest.raises(FolderTaken):
         publish(study, study.folder)
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+
+
+def test_an_earlier_data_set_stays_until_the_next_one_is_whole(study, tmp_path, monkeypatch):
+    out = publish(study, tmp_path / "set", forms=()).folder
+    before = content(out)
+
+    def is_full(folder: Path, drives: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(publishing, "write_drivelm", is_full)
+        with pytest.raises(StudyError, match="No space left"):
+            publish(study, out)
+    assert content(out) == before
+    (out / ".oodscen.lock").touch()
+    (out / publishing._PART).mkdir()
+    (out / publishing._PART / "half").write_text("left by a killed process")
+    publish(study, out, forms=())
+    assert content(out) == before
+
+
+names = st.frozensets(st.sampled_from(["a", "b/c", "b/d", "e"]))
+
+
+@given(names, names, st.integers(0, 12))
+def test_a_process_killed_while_it_moves_files_leaves_none_that_is_foreign(old, new, steps):
+    with pytest.MonkeyPatch.context() as patch, TemporaryDirectory() as place:
+        out = Path(place, "set")
+        for step, files in enumerate((old, new)):
+            part = out / publishing._PART
+            for name in files:
+                (part / name).parent.mkdir(parents=True, exist_ok=True)
+                (part / name).write_text(f"{name} {step}")
+            part.mkdir(parents=True, exist_ok=True)
+            (part / SUMS).write_text("".join(f"hash  {name}\n" for name in sorted(files)))
+            if step:
+                killing(patch, steps)
+            with suppress(KeyboardInterrupt):
+                publishing._move(part, out, publishing._known(out))
+                assert set(publishing._names(out)) == {SUMS, *files}
+                assert (out / SUMS).read_bytes().count(b"\n") == len(files)
+            assert publishing._known(out) <= {SUMS, *old, *new}
+            patch.undo()
+            shutil.rmtree(part)
+
+
+def killing(patch: pytest.MonkeyPatch, steps: int) -> None:
+    """Interrupt at the given change of a file, counted from 0."""
+    count = itertools.count()
+
+    def counted(change: Any) -> Any:
+        def act(*arguments: Any, **named: Any) -> Any:
+            if next(count) == steps:
+                raise KeyboardInterrupt
+            return change(*arguments, **named)
+
+        return act
+
+    for name in ("unlink", "replace"):
+        patch.setattr(Path, name, counted(getattr(Path, name)))
 
 
 @pytest.mark.parametrize("licence", ["", "mit\n---\ninjected: true", "mit other"])
