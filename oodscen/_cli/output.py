@@ -160,7 +160,7 @@ _INCOMPLETE = {
     "unparsed": "got an answer that cannot be read, e.g. {error}; --retry-failed asks them again",
     "refused": "got a refusal, e.g. {error}; --retry-failed asks them again",
 }
-"""What is said of items without a whole answer, by their outcome."""
+"""Words about items without a whole answer, by their outcome."""
 
 _FIGURES = {"notice": "noticing (both halves)", "act": "acting (both halves)"}
 
