@@ -190,4 +190,5 @@ def _names(folder: Path) -> Iterable[str]:
         for file in files
         if not (name := Path(place, file).relative_to(folder).as_posix()).startswith(f"{_PART}/")
         and name != LOCK
+        and not name.endswith(".oodscen-part")
     )

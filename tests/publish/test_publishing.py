@@ -7,6 +7,7 @@ import errno
 import hashlib
 import itertools
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -21,6 +22,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import Study, evaluate
+from oodscen._files import _part_name
 from oodscen.errors import FolderTaken, StudyError, UsageError
 from oodscen.judging import leaderboard
 from oodscen.publish import _publishing as publishing
@@ -154,6 +156,8 @@ def test_an_earlier_data_set_stays_until_the_next_one_is_whole(study, tmp_path, 
             publish(study, out)
     assert content(out) == before
     (out / ".oodscen.lock").touch()
+    replaced = out / _part_name(out / SUMS).replace(f".{os.getpid()}-", ".4194305-")
+    replaced.touch()
     (out / publishing._PART).mkdir()
     (out / publishing._PART / "half").write_text("left by a killed process")
     publish(study, out, forms=())
