@@ -95,6 +95,8 @@ def _write_examples(file: Path) -> None:
     for path in EXAMPLES:
         code = path.read_text("utf-8")
         parts.append(f"## {path.name}\n\n```python\n{code}```")
+    code = (ROOT / "examples" / "carla" / "actions.py").read_text("utf-8")
+    parts.append(f"## carla\n\n### actions.py\n\n```python\n{code}```")
     for name in ("driving_ci", "recorded"):
         text = (ROOT / "examples" / name / "README.md").read_text("utf-8")
         text = re.sub(r"\]\((?:\.\./)+docs/", "](../", text)

@@ -129,15 +129,18 @@ def _interruptible() -> Iterator[None]:
     """Let SIGTERM and SIGHUP interrupt as Ctrl-C does; a second signal ends the process at once.
 
     A signal that the process was started to ignore, as under `nohup`, stays ignored. Python drops an exception
-    that is raised within a finaliser or a callback, so an interruption is raised again as long as nothing handles it.
+    that is raised within a finaliser or a callback, so an interruption is raised again as long as nothing handles it,
+    and a foreign error after one counts as it: a compiler whose callback was cut off fails a moment later.
     """
     before: dict[int, Any] = {}
+    received: list[int] = []
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         for one in before:
             signal.signal(one, signal.SIG_DFL)
         before[signal.SIGALRM] = signal.signal(signal.SIGALRM, lambda *_: raise_again(number))
         signal.setitimer(signal.ITIMER_REAL, _AGAIN_S, _AGAIN_S)
+        received.append(number)
         raise _Interrupt(number)
 
     def raise_again(number: int) -> None:
@@ -151,6 +154,12 @@ def _interruptible() -> Iterator[None]:
                     before[number] = signal.getsignal(number)
                     signal.signal(number, interrupt)
         yield
+    except (OodscenError, click.ClickException, click.exceptions.Exit):
+        raise
+    except Exception as error:
+        if received:
+            raise _Interrupt(received[0]) from error
+        raise
     finally:
         if signal.SIGALRM in before:
             signal.setitimer(signal.ITIMER_REAL, 0.0)

@@ -141,19 +141,25 @@ def _notes(board: "Leaderboard") -> list[str]:
 
 
 def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
-    """State, one line per model, how many items it was not asked about or failed on, and how to ask again."""
+    """State, one line per model and cause, how many items have no whole answer, and how to ask again."""
     found: dict[tuple[str, str], list[Verdict]] = {}
     for verdict in verdicts:
-        if verdict.outcome in ("unasked", "error"):
+        if verdict.outcome in _INCOMPLETE:
             found.setdefault((verdict.model, verdict.outcome), []).append(verdict)
     return [
-        f"{model}: {len(rows)} items {rows[0].error}; the same command asks them, --drop {model} takes "
-        "the model out of the study"
-        if outcome == "unasked"
-        else f"{model}: {len(rows)} items failed, e.g. {rows[0].error}; --retry-failed asks them again"
+        f"{model}: {len(rows)} items {_INCOMPLETE[outcome].format(error=rows[0].error, model=model)}"
         for (model, outcome), rows in found.items()
     ]
 
+
+_INCOMPLETE = {
+    "unasked": "{error}; the same command asks them, --drop {model} takes the model out of the study",
+    "timeout": "got no answer in time, e.g. {error}; the same command asks them again",
+    "error": "failed, e.g. {error}; --retry-failed asks them again",
+    "unparsed": "got an answer that cannot be read, e.g. {error}; --retry-failed asks them again",
+    "refused": "got a refusal, e.g. {error}; --retry-failed asks them again",
+}
+"""Words about items without a whole answer, by their outcome."""
 
 _FIGURES = {"notice": "noticing (both halves)", "act": "acting (both halves)"}
 

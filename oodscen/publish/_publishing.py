@@ -73,6 +73,7 @@ def publish(
     Raises:
         DataError: If the study has no drives with frames, or a file of it is malformed.
         FolderTaken: If the folder holds other files.
+        InUse: If another process writes the folder.
         MissingExtra: If pyarrow is not installed.
         StudyError: If a file cannot be written.
         UsageError: If the share, the licence or the name of the folder is none.

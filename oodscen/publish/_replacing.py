@@ -7,6 +7,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from oodscen._files import inside, read_regular
+from oodscen._lock import NAME as LOCK
+from oodscen._lock import locked
 from oodscen.errors import FolderTaken
 
 SUMS = "SHA256SUMS"
@@ -29,25 +31,30 @@ def replacing(folder: Path) -> Iterator[Path]:
 
     Raises:
         FolderTaken: If the folder holds other files.
+        InUse: If another process writes the folder.
         OSError: If a file cannot be written.
     """
     made = [path for path in (folder, *folder.parents) if not path.exists()]
-    earlier = _known(folder)
-    if others := sorted(set(_names(folder)) - earlier):
-        raise FolderTaken(str(folder), others[:5])
     part = folder / _PART
     try:
-        shutil.rmtree(part, ignore_errors=True)
-        part.mkdir(parents=True)
-        yield part
-    except BaseException:
-        shutil.rmtree(part, ignore_errors=True)
+        folder.mkdir(parents=True, exist_ok=True)
+        with locked(folder, "data set"):
+            earlier = _known(folder)
+            if others := sorted(set(_names(folder)) - earlier):
+                raise FolderTaken(str(folder), others[:5])
+            shutil.rmtree(part, ignore_errors=True)
+            part.mkdir()
+            try:
+                yield part
+            except BaseException:
+                shutil.rmtree(part, ignore_errors=True)
+                raise
+            _move(part, folder, earlier)
+            shutil.rmtree(part, ignore_errors=True)
+    finally:
         for path in made:
             with suppress(OSError):
                 path.rmdir()
-        raise
-    _move(part, folder, earlier)
-    shutil.rmtree(part, ignore_errors=True)
 
 
 def names(folder: Path) -> list[str]:
@@ -56,13 +63,14 @@ def names(folder: Path) -> list[str]:
 
 
 def _names(folder: Path) -> Iterator[str]:
-    """Yield the names of all files below a folder, and of links, but not of the new data set's."""
+    """Yield the names of all files below a folder, and of links, but not of the lock and the new data set."""
     for place, folders, files in os.walk(folder):
         if Path(place) == folder and _PART in folders:
             folders.remove(_PART)
         links = [name for name in folders if Path(place, name).is_symlink()]
         for name in (*files, *links):
-            yield Path(place, name).relative_to(folder).as_posix()
+            if Path(place, name) != folder / LOCK:
+                yield Path(place, name).relative_to(folder).as_posix()
 
 
 def _known(folder: Path) -> set[str]:

@@ -97,7 +97,10 @@ class Video:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self.close()
+        if error[0] is None:
+            self.close()
+        elif (place := self._released()) is not None:
+            place.cleanup()
 
 
 def record(

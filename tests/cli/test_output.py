@@ -2,14 +2,16 @@
 
 import json
 import os
+import signal
 import stat
 import threading
+from contextlib import suppress
 
 import pytest
 from click.testing import CliRunner
 
 from oodscen import TreeGrower, make_llm
-from oodscen._cli import main
+from oodscen._cli import _interruptible, main
 from oodscen._cli.output import read_lines, write
 from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError, FolderTaken, OodscenError
@@ -189,3 +191,17 @@ def test_no_two_outputs_are_one_file(named, tmp_path):
     order = ["--simulator", "flat", "--decisions", "/dev/null", "--restore", "/dev/null"]
     found = CliRunner().invoke(main, ["prune", str(named[0]), *order, "-o", "/dev/null"])
     assert found.exit_code == 0
+
+
+@pytest.mark.parametrize("is_told", [True, False])
+def test_a_foreign_error_after_a_dropped_interruption_counts_as_it(is_told):
+    def compiling() -> None:
+        with _interruptible():
+            with suppress(KeyboardInterrupt):
+                if is_told:
+                    signal.raise_signal(signal.SIGTERM)
+            raise RuntimeError("no compiled object yet")
+
+    with pytest.raises(KeyboardInterrupt if is_told else RuntimeError) as found:
+        compiling()
+    assert getattr(found.value, "signal", None) == (signal.SIGTERM if is_told else None)

@@ -135,7 +135,7 @@ def test_a_requirement_is_graded_by_the_exit_code(study) -> None:
     assert "Against the requirement safe&gt;=0.9" in (study / "report.html").read_text()
 
 
-def test_items_that_were_not_asked_are_told_per_model() -> None:
+def test_items_without_a_whole_answer_are_told_per_model() -> None:
     verdict = Verdict(
         id="x@m",
         scene_id="x",
@@ -144,11 +144,13 @@ def test_items_that_were_not_asked_are_told_per_model() -> None:
         outcome="unasked",
         error="not asked: down",
     )
-    lines = left_out([verdict, verdict, verdict.model_copy(update={"outcome": "error"})])
-    assert lines == [
+    others = ("answered", "unavailable", "error", "unparsed")
+    rest = [verdict.model_copy(update={"outcome": outcome}) for outcome in others]
+    assert left_out([verdict, verdict, *rest]) == [
         "m: 2 items not asked: down; the same command asks them, --drop m takes the model out of "
         "the study",
         "m: 1 items failed, e.g. not asked: down; --retry-failed asks them again",
+        "m: 1 items got an answer that cannot be read, e.g. not asked: down; --retry-failed asks them again",
     ]
 
 

@@ -43,6 +43,14 @@ def test_the_site_writes_the_other_pages():
             assert f'"{Path(entry).name}.md"' in configuration
 
 
+def test_every_folder_of_examples_has_its_heading():
+    configuration = (DOCS / "conf.py").read_text(encoding="utf-8")
+    folders = [path for path in (ROOT / "examples").iterdir() if any(path.glob("*.*"))]
+    assert folders
+    for folder in folders:
+        assert f"## {folder.name}\\n" in configuration or f'"{folder.name}"' in configuration
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.stem)
 def test_links_have_their_targets(page):
     for target, anchor in LINK.findall(prose(page)):
