@@ -23,7 +23,7 @@ from oodscen.driving._surrogate_safety import (
     time_headway,
     time_to_collision,
 )
-from oodscen.errors import MissingExtra, UsageError
+from oodscen.errors import MissingExtra, OodscenError, UsageError
 from oodscen.numerics._exact import TAU, Floats, sincos_all
 from oodscen.protocols import State
 
@@ -207,14 +207,20 @@ class Trace(Brief):
         """Write the table in the format given by the suffix.
 
         Args:
-            path: A path ending in `.parquet`, `.arrow` (an IPC file) or `.csv`.
+            path: A path ending in `.parquet`, `.arrow` (an IPC file) or `.csv`; its folder is created.
 
         Raises:
             UsageError: For any other suffix.
             MissingExtra: If pyarrow is not installed.
+            OodscenError: If the file cannot be written.
         """
         target = table.checked_path(path)
-        table.write(self.to_arrow(), target)
+        rows = self.to_arrow()
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            table.write(rows, target)
+        except OSError as error:
+            raise OodscenError(f"cannot write {target}: {error.strerror or error}") from error
         return target
 
     @classmethod

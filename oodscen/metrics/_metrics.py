@@ -408,11 +408,12 @@ class Metrics(Brief):
             UsageError: If no text lies inside the band.
             EncoderError: If the encoder fails.
         """
+        rates = _rates(anchors)
         found = score_records(self, path, band=band, definition=definition)
-        if llm is None and anchors is None:
+        if llm is None and rates is None:
             return found
         texts = found.band.texts if found.band else [one.text for one in read_records(path)]
-        return found.model_copy(update={"rarity": self.rarity(texts, llm, anchors=anchors)})
+        return found.model_copy(update={"rarity": self.rarity(texts, llm, anchors=rates)})
 
     def compare(
         self,

@@ -10,7 +10,7 @@ from oodscen.driving._roads.projection import places
 from oodscen.driving._trace import Course, Trace, least_time_to_collision
 from oodscen.driving._trace_table import COLUMNS
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
-from oodscen.errors import DataError, UsageError
+from oodscen.errors import DataError, OodscenError, UsageError
 from oodscen.protocols import Control
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
@@ -108,7 +108,7 @@ def test_contact_has_no_time_left():
 
 @pytest.mark.parametrize("suffix", [".parquet", ".arrow", ".csv"])
 def test_what_is_written_is_read(trace, tmp_path, suffix):
-    again = Trace.load(trace.save(tmp_path / f"a{suffix}"))
+    again = Trace.load(trace.save(tmp_path / "new" / f"a{suffix}"))
     assert again.ids == trace.ids
     for name in COLUMNS:
         if name != "id":
@@ -128,6 +128,9 @@ def test_the_table_has_a_row_per_step_and_body(trace):
 def test_files_that_are_no_trace_are_refused(trace, tmp_path):
     with pytest.raises(UsageError):
         trace.save(tmp_path / "a.txt")
+    (tmp_path / "file").touch()
+    with pytest.raises(OodscenError, match="cannot write"):
+        trace.save(tmp_path / "file" / "a.csv")
     with pytest.raises(UsageError):
         Trace.of([], SCENE, FLAT_CATALOGUE)
     (tmp_path / "b.csv").write_text("step,time\n1,2\n")

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 from shutil import rmtree
@@ -21,7 +22,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import Study, evaluate
-from oodscen.errors import FolderTaken, StudyError, UsageError
+from oodscen._lock import locked
+from oodscen.errors import FolderTaken, InUse, StudyError, UsageError
 from oodscen.judging import leaderboard
 from oodscen.publish import answer_values, figures_of, publish
 from oodscen.publish._card import _cell
@@ -142,9 +144,9 @@ def fill(folder: Path, names: Iterable[str], content: str) -> None:
     (folder / SUMS).write_text("".join(f"{'0' * 64}  {name}\n" for name in names))
 
 
-def content(folder: Path) -> dict[str, str]:
+def content(folder: Path) -> dict[str, bytes]:
     return {
-        path.relative_to(folder).as_posix(): path.read_text() if path.is_file() else ""
+        path.relative_to(folder).as_posix(): path.read_bytes() if path.is_file() else b""
         for path in folder.rglob("*")
     }
 
@@ -201,6 +203,13 @@ def test_a_data_set_that_cannot_be_written_leaves_nothing(study, data, tmp_path,
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_folder_that_another_writes_is_left_alone(study, data):
+    before = content(data)
+    with ThreadPoolExecutor(1) as other, locked(data, "data set"), pytest.raises(InUse):
+        other.submit(publish, study, data).result()
+    assert content(data) == before
+
+
 @pytest.mark.parametrize("place", ["README.md", "data"])
 def test_no_link_in_the_folder_is_followed(study, tmp_path, place):
     (tmp_path / "mine").mkdir()
@@ -215,7 +224,7 @@ def test_no_link_in_the_folder_is_followed(study, tmp_path, place):
         (folder / place).unlink()
         (folder / place).symlink_to(tmp_path / "mine" / "kept")
         publish(study, folder, forms=())
-    assert content(tmp_path / "mine") == {"kept": "kept"}
+    assert content(tmp_path / "mine") == {"kept": b"kept"}
 
 
 @given(st.text())

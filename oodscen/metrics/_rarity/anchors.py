@@ -7,6 +7,7 @@ occurrence. A scenario's text is of the last kind. Fewer than six anchors move t
 """
 
 import tomllib
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar, Literal
@@ -96,9 +97,14 @@ def _rates(content: str, source: str) -> tuple[Rate, ...]:
         ) from None
     if not isinstance(rows, list) or not rows:
         raise DataError("file of rates", [Issue("rate", "holds no [[rate]]")], source=source)
-    return tuple(
+    rates = tuple(
         Rate.parse(row, source=f"{source}, rate {number}") for number, row in enumerate(rows, 1)
     )
+    counts = Counter(rate.number for rate in rates if rate.number)
+    if twice := [number for number, count in counts.items() if count > 1]:
+        issue = Issue("number", f"stands for more than one rate: {', '.join(map(str, twice))}")
+        raise DataError("file of rates", [issue], source=source)
+    return rates
 
 
 def calibrate(rates: Sequence[Rate], estimates: Sequence[float]) -> Calibration:

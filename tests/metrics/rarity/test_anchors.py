@@ -55,7 +55,8 @@ def test_published_rates_have_sources_and_five_wordings():
 @pytest.mark.parametrize(
     "content",
     ["", "rate = 3", "[[rate]]\nevent = 'x'", "[[rate", "[[rate]]\nevent='x'\nkm=[3,2,1]\nsource='s'\ntexts=['t']",
-     "[[rate]]\nevent='x'\nkm=[1,2,'3 miles']\nsource='s'\ntexts=['t']"],
+     "[[rate]]\nevent='x'\nkm=[1,2,'3 miles']\nsource='s'\ntexts=['t']",
+     2 * "[[rate]]\nnumber=4\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=['t']\n"],
 )  # fmt: skip
 def test_malformed_files_are_refused(content, tmp_path):
     file = tmp_path / "rates.toml"
