@@ -23,11 +23,12 @@ from oodscen.statistics._resampling import Resampler
 FILE = "audit.json"
 """Name of the audit in the study's folder."""
 
-Needs = Literal["ground truth", "pictures", "settings", "outcomes"]
+Needs = Literal["ground truth", "exact places", "pictures", "settings", "outcomes"]
 _FLOOR: tuple[Needs, ...] = ("ground truth", "pictures")
 """Needs of the shortcuts that can be the floor: bodies and pictures.
 
-Outcomes of actions are reported apart: going on fails in a scene because scenes are made so.
+Exact places and outcomes of actions are reported apart: no picture shows a decimetre, and going on fails in a scene
+because scenes are made so.
 """
 
 
@@ -57,7 +58,7 @@ class Audit(Data):
     """Number of ordinary drives by kind."""
     paths: int
     rows: tuple[ShortcutScore, ...]
-    """Best first; those that need the outcomes of actions come last."""
+    """Best first; those that need exact places or the outcomes of actions come last."""
     best: str
     """The shortcut on bodies or pictures with the highest balanced accuracy: the floor to beat."""
     calls: dict[str, bool]
@@ -168,13 +169,18 @@ def audit(
         rows=tuple(
             sorted(
                 table,
-                key=lambda row: (row.needs == "outcomes", -(row.balanced_accuracy.value or 0.0)),
+                key=lambda row: (_is_apart(row), -(row.balanced_accuracy.value or 0.0)),
             )
         ),
         best=best.name,
         calls={one.scene_id: bool(call) for one, call in zip(ran, best.is_called, strict=True)},
         made_from=source(episodes),
     )
+
+
+def _is_apart(row: ShortcutScore) -> tuple[bool, bool]:
+    """Return the place of a row below all that can be shown, which is last for outcomes."""
+    return row.needs == "outcomes", row.needs == "exact places"
 
 
 Made = tuple[Guess, Needs, str]
@@ -191,6 +197,9 @@ def _guesses(
     together = np.stack(list(known.values()), axis=1)
     name = "distances, counts and pixels together"
     found.append((task.boosted(name, together), "ground truth", "gradient boosting"))
+    places = facts.exact_places(ran)
+    name = "exact places of the nearest bodies"
+    found.append((task.boosted(name, places), "exact places", "gradient boosting"))
     for name, values in facts.action_priors(ran).items():
         found.append((task.rule(name, values), "outcomes", "rule"))
     for name, columns in facts.settings(ran, scenes).items():

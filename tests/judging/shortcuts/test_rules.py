@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from oodscen.data._bird_sketch import Sketch, SketchBody, SketchLane
 from oodscen.judging._items import Items
 from oodscen.judging._leaderboard.leaderboard import leaderboard
-from oodscen.judging._shortcuts.facts import FAR_M, lane_distance, swept_distance
+from oodscen.judging._shortcuts.facts import FAR_M, lane_distance, nearest_places, swept_distance
 from oodscen.judging._shortcuts.rules import Guess, best_rule, folds_of, is_audited
 from tests.judging.cases import Case
 from tests.judging.leaderboard.test_leaderboard import knows
@@ -30,6 +30,21 @@ def test_a_body_is_in_the_lane_where_its_middle_is(x, y):
     assert found == (x if abs(y) <= 1.6 else FAR_M)
     assert swept_distance(road(x, y)) == (x if abs(y) < 1.9 else FAR_M)
     assert lane_distance(road(-x, 0)) == swept_distance(road(-x, 0)) == FAR_M
+
+
+@given(st.lists(st.tuples(st.floats(-120, 120), st.floats(-8, 8)), max_size=6))
+def test_the_three_nearest_bodies_ahead_have_places(bodies):
+    drawn = road(-1, 0)
+    others = {
+        str(at): drawn.bodies["other"].model_copy(update={"x": x, "y": y})
+        for at, (x, y) in enumerate(bodies)
+    }
+    found = nearest_places(drawn.model_copy(update={"bodies": drawn.bodies | others}))
+    ahead = sorted(place for place in bodies if place[0] > 0)[:3]
+    assert list(zip(found[::2], found[1::2], strict=True)) == ahead + [(FAR_M, 0)] * (
+        3 - len(ahead)
+    )
+    assert nearest_places(None) == 3 * [FAR_M, 0]
 
 
 def test_a_body_across_the_road_reaches_further_aside():
