@@ -31,15 +31,7 @@ from oodscen._cli.options import (
     simulator_option,
     style_option,
 )
-from oodscen._cli.output import (
-    bars,
-    estimated,
-    graded,
-    left_out,
-    say,
-    standings,
-    summary,
-)
+from oodscen._cli.output import bars, estimated, graded, left_out, say, standings, summary
 from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._verdict import without_pictures as named_without_pictures

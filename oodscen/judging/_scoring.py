@@ -9,13 +9,7 @@ from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._pairing import is_ordinary
 from oodscen.data._scene import Visible
 from oodscen.data._verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
-from oodscen.errors import (
-    AnswerError,
-    ContentFiltered,
-    LLMTimeout,
-    ModelSkipped,
-    OodscenError,
-)
+from oodscen.errors import AnswerError, ContentFiltered, LLMTimeout, ModelSkipped, OodscenError
 from oodscen.judging._aspects.matching import score_naming
 from oodscen.judging._aspects.opinions import is_open, opinion, rescore_verdict
 from oodscen.judging._parsing import is_refusal

@@ -24,13 +24,7 @@ from oodscen.judging._questions import (
     naming_reader,
 )
 from oodscen.judging._references import AspectOption, Case, takes_cases
-from oodscen.judging._scoring import (
-    AnswerKey,
-    GivenAnswers,
-    Truth,
-    kind_of_answerer,
-    score_answers,
-)
+from oodscen.judging._scoring import AnswerKey, GivenAnswers, Truth, kind_of_answerer, score_answers
 from oodscen.llm._ask import ask
 from oodscen.prompts import Prompt
 from oodscen.prompts._judging.describe_frame import DescribeFrame, FrameDescription

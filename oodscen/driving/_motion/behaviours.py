@@ -86,11 +86,7 @@ _ROWS = (
         Code.CUT_IN,
         "drives in its lane; at the trigger moves over by some lanes",
         _DRIVERS,
-        parameters={
-            **_speed(45, 10),
-            "lanes": _LANES,
-            "duration": _number(0.5, 8, 1.5, _DURATION),
-        },
+        parameters={**_speed(45, 10), "lanes": _LANES, "duration": _number(0.5, 8, 1.5, _DURATION)},
         doing="moving over into another lane",
         phrase="changes lane",
         effect="joins",
@@ -304,11 +300,7 @@ _ROWS = (
         "drives ahead in its lane and minds moving traffic only; at the trigger moves "
         "over by some lanes and reveals what it hid",
         _DRIVERS,
-        parameters={
-            **_speed(45, 10),
-            "lanes": _LANES,
-            "duration": _number(0.5, 8, 2, _DURATION),
-        },
+        parameters={**_speed(45, 10), "lanes": _LANES, "duration": _number(0.5, 8, 2, _DURATION)},
         doing="moving over into another lane",
         effect="joins",
         tags=("MotionDrive", "MotionCutOut"),
