@@ -12,6 +12,7 @@ from oodscen.errors import (
     DataError,
     EncoderError,
     LLMError,
+    LLMTimeout,
     OodscenError,
     SimulatorCrash,
     UsageError,
@@ -181,9 +182,10 @@ def _broken(kind: str, label: str, error: BaseException) -> OodscenError:
     if kind == "encoder":
         return EncoderError(f"the encoder {label!r} failed: {reason(error)}")
     if kind == "llm":
-        is_retryable = isinstance(error, TimeoutError | ConnectionError)
-        words = f"{label} failed: {reason(error)}"
-        return LLMError(words, model=label, retryable=is_retryable)
+        words, is_late = f"{label} failed: {reason(error)}", isinstance(error, TimeoutError)
+        is_retryable = is_late or isinstance(error, ConnectionError)
+        made = LLMTimeout if is_late else LLMError
+        return made(words, model=label, retryable=is_retryable)
     return UsageError(f"the {kind} {label!r} failed: {reason(error)}")
 
 

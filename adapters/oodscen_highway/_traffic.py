@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving import Corridor, StagedBody, StagedScene
+from oodscen.driving._motion.behaviours import having
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")  # Its greeting goes to standard output.
 
@@ -30,10 +31,8 @@ BESIDE_M = 0.3
 """Distance from the lane up to which drivers mind a body's middle, m."""
 EDGES = {1: ("start", "end"), -1: ("far", "near")}
 """Nodes of highway-env's network between which the lanes of each direction of travel lie."""
-STRAIGHT_ON = frozenset(
-    {"reverse", "run_red", "roll_away", "cross_road", "walk_along", "bolt", "dart"}
-)
-"""Behaviours that keep their heading; all others keep a lane."""
+STRAIGHT_ON = having(lambda row: row.keeps_heading)
+CHANGES_LANE = having(lambda row: row.plain_action == "lane_change")
 
 
 class CorridorLane(AbstractLane):  # type: ignore[misc]  # highway-env has no types.
@@ -105,7 +104,7 @@ class Actor(IDMVehicle):  # type: ignore[misc]
 
     def act(self, action: Any = None) -> None:
         """Choose steering and acceleration."""
-        if self.since is not None and self.kind in ("cut_in", "cut_out"):
+        if self.since is not None and self.kind in CHANGES_LANE:
             self.target_lane_index = self.goal_index
             # highway-env's gain would jump aside; growing, it takes the time that the scene says.
             gain = 4.5 * self.since / self.given["duration"] ** 2

@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from oodscen.data import Catalogue, Scene
 from oodscen.driving import DynamicSimulator, KinematicWorld, StagedBody, StagedScene
+from oodscen.driving._motion.behaviours import having
 from oodscen.errors import Issue, SimulatorError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
 from oodscen.testing import flat_frame
 from oodscen_sumo._catalogue import DRIVEN, load_catalogue
 from oodscen_sumo._network import Networks, load_sumo
 
+CHANGES_LANE = having(lambda row: row.plain_action == "lane_change")
 GRIP = 9.0
 """Maximum braking on a dry road, m/s^2."""
 BRAKING, STOPPING = 4.5, 2.5
@@ -92,7 +94,7 @@ class SumoSimulator(DynamicSimulator):
 
     def triggered(self, body: StagedBody) -> None:
         """Let a driver change lanes."""
-        if body.behaviour in ("cut_in", "cut_out") and body.id in self._present:
+        if body.behaviour in CHANGES_LANE and body.id in self._present:
             road, given = self.staged.corridor, body.parameters or {}
             s, t = road.locate(*self._poses[self.staged.ids.index(body.id), :2])
             aside = road.centre(body.goal_lane, s) - t

@@ -4,6 +4,7 @@ import json
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,15 +31,7 @@ from oodscen._cli.options import (
     simulator_option,
     style_option,
 )
-from oodscen._cli.output import (
-    bars,
-    estimated,
-    graded,
-    left_out,
-    say,
-    standings,
-    summary,
-)
+from oodscen._cli.output import bars, estimated, graded, left_out, say, standings, summary
 from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._verdict import without_pictures as named_without_pictures
@@ -46,6 +39,8 @@ from oodscen.errors import UsageError
 
 if TYPE_CHECKING:
     from oodscen.judging._leaderboard.requirements import RequirementResult
+    from oodscen.study._config import StudyConfig
+    from oodscen.study._study import Study
 
 
 @click.command(cls=SectionedCommand, sections=RUN_SECTIONS)
@@ -270,24 +265,7 @@ def run(
 @require_option
 @limit_options
 @json_option
-def evaluate(
-    out: Path,
-    vlms: tuple[str, ...],
-    dropped: tuple[str, ...],
-    protocol: str,
-    chain: bool | None,
-    rear_view: bool | None,
-    without_pictures: bool,
-    ordinary: int | None,
-    answers: Path | None,
-    judge: str | None,
-    api_base: str | None,
-    retry_failed: bool,
-    dry_run: bool,
-    required: str | None,
-    as_json: bool,
-    **choices: Any,
-) -> None:
+def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     """Judge more vision-language models on the study in the folder OUT.
 
     Prints the leaderboard, or leaderboard.json with --json. New items are asked first, then unanswered items
@@ -299,55 +277,28 @@ def evaluate(
     `requirements`.
     """
     from oodscen._pipeline import RunOptions, estimate, run_study
-    from oodscen._pipeline.answering import add_answers
     from oodscen._pipeline.dropping import drop_models
-    from oodscen.judging._aspects.labelled import agreement_in_words
-    from oodscen.judging._leaderboard.leaderboard import Leaderboard
     from oodscen.judging._leaderboard.requirements import parse_requirement
     from oodscen.llm._accounting import Ledger
-    from oodscen.study._config import StudyConfig
     from oodscen.study._study import Study
 
-    if required is not None:
-        parse_requirement(required)
+    asked = _Evaluation(**{one.name: choices.pop(one.name) for one in fields(_Evaluation)})
+    if asked.required is not None:
+        parse_requirement(asked.required)
     before = Study.open(out)
     click.get_current_context().with_resource(before.store.writing())
-    is_paper = protocol == "paper"
-    is_wider = any(one is not None for one in (chain, rear_view, ordinary))
-    is_wider |= without_pictures or retry_failed
-    if not (vlms or dropped or judge or answers or is_paper or is_wider or required is not None):
-        raise UsageError(
-            "name a model to judge (--vlm MODEL), to remove (--drop MODEL), or to score open answers "
-            "(--judge MODEL), or give a person's answers (--answers FILE) or a requirement (--require)"
-        )
-    if dry_run and (dropped or answers or required):
-        raise UsageError(
-            "--dry-run estimates what models would be asked: it goes without --drop, "
-            "--answers and --require"
-        )
-    for name, count in drop_models(before, dropped).items() if dropped else ():
+    asked.check()
+    for name, count in drop_models(before, asked.dropped).items() if asked.dropped else ():
         kept = "its answers stay in answers.jsonl and are used if it is judged again"
         say(f"{name} is taken out with {count} verdicts; {kept}", err=True)
-    config, known = before.config, {verdict.model for verdict in before.verdicts}
-    changes = {
-        "vlms": vlms or (config.vlms if is_paper else ()),
-        "protocols": (protocol,),
-        "asked": {},
-        "chain": bool(chain),
-        "rear_view": bool(rear_view),
-        "withheld": (vlms or config.vlms) if without_pictures else (),
-        "ordinary": ordinary or 1,
-        "people": (add_answers(before, answers),) if answers else (),
-        "judge": judge,
-        "servers": dict.fromkeys(filter(None, (*vlms, judge)), api_base) if api_base else {},
-    }
-    limits, study = limits_from(choices), before
-    wanted = StudyConfig.parse(config.model_dump() | changes).judging_too(config)
-    if dry_run:
+    known = {verdict.model for verdict in before.verdicts}
+    wanted, study = asked.configuration(before), before
+    limits = limits_from(choices)
+    if asked.dry_run:
         rows = estimate(out, wanted, RunOptions(limits=limits))
         click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
-    if vlms or judge or answers or is_paper or is_wider:
+    if asked.has_questions:
         ledger = Ledger()
         with bars(ledger) as progress:
             study = run_study(
@@ -357,10 +308,88 @@ def evaluate(
                 ledger=ledger,
                 limits=limits,
                 workers=os.cpu_count() or 1,
-                retry=retry_failed,
+                retry=asked.retry_failed,
             )
+    grades = None if asked.required is None else study.requirements(asked.required)
+    _show_board(study, grades, as_json=as_json)
+    if grades is not None:
+        sys.exit(_exit_code(grades))
+    chosen = {name for vlm in asked.vlms for name in (vlm, named_without_pictures(vlm))}
+    again = known if asked.retry_failed and not asked.vlms else chosen
+    verdicts = study.verdicts
+    here = {verdict.model for verdict in verdicts} - (known - again)
+    sys.exit(any(one.status == "failed" and one.model in here for one in verdicts))
+
+
+@dataclass(frozen=True)
+class _Evaluation:
+    """The options of `evaluate` that say who is judged, and how."""
+
+    vlms: tuple[str, ...]
+    dropped: tuple[str, ...]
+    protocol: str
+    chain: bool | None
+    rear_view: bool | None
+    without_pictures: bool
+    ordinary: int | None
+    answers: Path | None
+    judge: str | None
+    api_base: str | None
+    retry_failed: bool
+    dry_run: bool
+    required: str | None
+
+    @property
+    def has_questions(self) -> bool:
+        """True if there is more to do than to remove models and to grade."""
+        settings = (self.chain, self.rear_view, self.ordinary)
+        is_wider = self.without_pictures or self.retry_failed or settings != (None, None, None)
+        named = (self.vlms, self.judge, self.answers, self.protocol == "paper")
+        return is_wider or any(named)
+
+    def check(self) -> None:
+        """Refuse options that ask for nothing, or that contradict each other."""
+        if not (self.has_questions or self.dropped or self.required is not None):
+            raise UsageError(
+                "name a model to judge (--vlm MODEL), to remove (--drop MODEL), or to score open answers "
+                "(--judge MODEL), or give a person's answers (--answers FILE) or a requirement (--require)"
+            )
+        if self.dry_run and (self.dropped or self.answers or self.required):
+            raise UsageError(
+                "--dry-run estimates what models would be asked: it goes without --drop, "
+                "--answers and --require"
+            )
+
+    def configuration(self, before: "Study") -> "StudyConfig":
+        """Return the configuration of a study that judges so too; a person's answers are added to the study."""
+        from oodscen._pipeline.answering import add_answers
+        from oodscen.study._config import StudyConfig
+
+        config, is_paper = before.config, self.protocol == "paper"
+        models = filter(None, (*self.vlms, self.judge)) if self.api_base else ()
+        changes = {
+            "vlms": self.vlms or (config.vlms if is_paper else ()),
+            "protocols": (self.protocol,),
+            "asked": {},
+            "chain": bool(self.chain),
+            "rear_view": bool(self.rear_view),
+            "withheld": (self.vlms or config.vlms) if self.without_pictures else (),
+            "ordinary": self.ordinary or 1,
+            "people": (add_answers(before, self.answers),) if self.answers else (),
+            "judge": self.judge,
+            "servers": dict.fromkeys(models, self.api_base),
+        }
+        return StudyConfig.parse(config.model_dump() | changes).judging_too(config)
+
+
+def _show_board(
+    study: "Study", grades: Sequence["RequirementResult"] | None, *, as_json: bool
+) -> None:
+    """Print the leaderboard with the grades of a requirement, and the items left out."""
+    from oodscen.judging._aspects.labelled import agreement_in_words
+    from oodscen.judging._leaderboard.leaderboard import Leaderboard
+
     board = Leaderboard.load(study.folder / "leaderboard.json")
-    grades = None if required is None else study.requirements(required)
     if as_json:
         shown = board.model_dump(mode="json")
         if grades is not None:
@@ -371,15 +400,8 @@ def evaluate(
         if grades is not None:
             say(graded(grades))
         click.echo(f"report: {(study.folder / 'report.html').resolve()}")
-    verdicts = study.verdicts
-    for line in left_out(verdicts):
+    for line in left_out(study.verdicts):
         say(line, err=True)
-    if grades is not None:
-        sys.exit(_exit_code(grades))
-    chosen = {name for vlm in vlms for name in (vlm, named_without_pictures(vlm))}
-    again = known if retry_failed and not vlms else chosen
-    here = {verdict.model for verdict in verdicts} - (known - again)
-    sys.exit(any(one.status == "failed" and one.model in here for one in verdicts))
 
 
 @click.command()

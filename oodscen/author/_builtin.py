@@ -21,6 +21,7 @@ from oodscen.author._staging.drafting import Stager
 from oodscen.author._taxonomy import TreeAuthor
 from oodscen.author._writing.compose import Composer
 from oodscen.author._writing.ordinary_twin import OrdinaryAuthor
+from oodscen.driving._motion.behaviours import USUAL
 from oodscen.errors import LLMError
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary, OrdinaryText
 from oodscen.prompts._scenario.describe_path import DescribePath, Descriptions, plain
@@ -255,7 +256,6 @@ def _is_as_easy(kin: HazardKind, head: HazardKind) -> bool:
 
 def _marked(prompt: MarkHazard) -> MarkedHazard:
     """Mark the first actor that does more than stand or follow its lane."""
-    ordinary = ("stand", "follow_lane")
-    acting = [one for one in prompt.actors if one.does.partition(":")[0] not in ordinary]
+    acting = [one for one in prompt.actors if one.does.partition(":")[0] not in USUAL]
     first = (acting or list(prompt.actors))[0]
     return MarkedHazard(reasoning=f"{first.id}: {first.does}", actors=[first.id])

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from inspect_ai.scorer import Metric, SampleScore, Score, Value, metric, stderr
 
+from oodscen.data._pairing import scene_of
 from oodscen.judging._items import AnswerColumns, Items
 from oodscen.judging._leaderboard.figures import figures, rates
 from oodscen.judging._scoring import AnswerKey
@@ -43,7 +44,7 @@ def figure(name: str) -> Metric:
 
 def _columns(scores: Sequence[SampleScore]) -> tuple[Items, AnswerColumns]:
     keys = [AnswerKey.parse((one.sample_metadata or {}).get("key")) for one in scores]
-    items = Items.of([key.episode for key in keys], [key.scenario for key in keys])
+    items = Items.of([key.episode for key in keys], {scene_of(key.item): key for key in keys})
     values: dict[str, Mapping[str, float]] = {}
     for key, one in zip(keys, scores, strict=True):
         values[key.item] = {name: float(value) for name, value in one.score.as_dict().items()}

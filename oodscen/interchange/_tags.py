@@ -9,6 +9,7 @@ from typing import Any
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, FOG_M, Actor, Precipitation, Scene, Weather
 from oodscen.driving import load_corridor
+from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.interchange._writing.entities import classified
@@ -47,36 +48,6 @@ _VEHICLES = {
     "motorbike": "VehicleMotorcycle",
     "bicycle": "VehicleCycle",
 }
-_MOTIONS = {
-    "stand": ("MotionStop",),
-    "follow_lane": ("MotionDrive",),
-    "wrong_way": ("MotionDrive", "MotionTowards"),
-    "run_red": ("MotionDrive", "MotionCross"),
-    "cut_in": ("MotionDrive", "MotionCutIn"),
-    "cut_out": ("MotionDrive", "MotionCutOut"),
-    "hard_brake": ("MotionDecelerate", "MotionStop"),
-    "stall": ("MotionDecelerate", "MotionStop"),
-    "halt": ("MotionDecelerate", "MotionStop", "MotionAccelerate"),
-    "stop_and_go": ("MotionDecelerate", "MotionAccelerate"),
-    "reverse": ("MotionReverse",),
-    "pull_out": ("MotionAccelerate", "MotionDrive"),
-    "u_turn": ("MotionUTurn",),
-    "overtake": ("MotionOvertake",),
-    "cross_road": ("MotionCross",),
-    "hesitate": ("MotionCross", "MotionStop"),
-    "walk_along": ("MotionWalk",),
-    "wander": ("MotionWalk",),
-    "bolt": ("MotionRun", "MotionCross"),
-    "dart": ("MotionRun", "MotionCross"),
-    "swerve": ("MotionDrive",),
-    "wobble": ("MotionDrive",),
-    "drift": ("MotionDrive",),
-    "towed": ("MotionDrive",),
-    "roll_away": ("MotionSlide",),
-    "fall": ("MotionSlide",),
-    "blown": ("MotionSlide",),
-}
-"""Behaviour tags by behaviour; an opening door is no motion of a road user."""
 
 KNOWN_TAGS: dict[str, tuple[str, ...]] = {
     "scenery": (
@@ -99,7 +70,7 @@ KNOWN_TAGS: dict[str, tuple[str, ...]] = {
         *("HumanWheelchairUser", "RoadUserAnimal"),
     ),
     "behaviour": (
-        *dict.fromkeys(tag for tags in _MOTIONS.values() for tag in tags),
+        *dict.fromkeys(tag for row in BUILT_IN.values() for tag in row.tags),
         *("MotionLaneChangeLeft", "MotionLaneChangeRight"),
     ),
 }
@@ -227,7 +198,8 @@ def _motion(actor: Actor, asset: Asset) -> Iterator[str]:
     """Yield what a road user does; things that only lie there do nothing."""
     if classified(asset)[0] == "MiscObject" and actor.behaviour.name == "stand":
         return
-    yield from _MOTIONS.get(actor.behaviour.name, ())
-    if actor.behaviour.name in ("cut_in", "cut_out"):
+    row = BUILT_IN.get(actor.behaviour.name)
+    yield from row.tags if row is not None else ()
+    if row is not None and row.plain_action == "lane_change":
         is_left = actor.behaviour.parameters.get("lanes", 1.0) > 0.0
         yield "MotionLaneChangeLeft" if is_left else "MotionLaneChangeRight"

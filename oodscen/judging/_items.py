@@ -3,16 +3,19 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._episode import Episode, has_enough_margin
 from oodscen.data._pairing import kind_of, scene_of
-from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import Verdict
 from oodscen.judging._aspects.opinions import is_open
+
+if TYPE_CHECKING:
+    from oodscen.data._scenario import Scenario
+    from oodscen.judging._scoring import AnswerKey
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -52,10 +55,14 @@ class Items:
     """[n] items in which keeping the speed is safe with enough margin."""
 
     @classmethod
-    def of(cls, episodes: Sequence[Episode], scenarios: Iterable[Scenario]) -> Self:
-        """Return the items of a study; failed episodes are skipped."""
+    def of(cls, episodes: Sequence[Episode], known: Mapping[str, "Scenario | AnswerKey"]) -> Self:
+        """Return the items of a study; failed episodes are skipped.
+
+        Args:
+            episodes: The episodes.
+            known: The scenarios or keys, which give the leaf and the path of each scene, by its id.
+        """
         ran = [episode for episode in episodes if episode.status == "ok"]
-        known = {scenario.id: scenario for scenario in scenarios}
         sources = [known.get(scene_of(episode.scene_id)) for episode in ran]
         paths = [source.path if source else () for source in sources]
         leaves = [

@@ -1,21 +1,15 @@
 """Verdicts: answers about one drive, compared with the truth about it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 from oodscen.data._base import Data
 from oodscen.data._episode import ActionOutcome, Episode
-from oodscen.data._pairing import scene_of
-from oodscen.data._scenario import Scenario
+from oodscen.data._pairing import is_ordinary
 from oodscen.data._scene import Visible
 from oodscen.data._verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
-from oodscen.errors import (
-    AnswerError,
-    ContentFiltered,
-    LLMTimeout,
-    ModelSkipped,
-    OodscenError,
-)
+from oodscen.errors import AnswerError, ContentFiltered, LLMTimeout, ModelSkipped, OodscenError
 from oodscen.judging._aspects.matching import score_naming
 from oodscen.judging._aspects.opinions import is_open, opinion, rescore_verdict
 from oodscen.judging._parsing import is_refusal
@@ -67,11 +61,6 @@ class AnswerKey(Data):
         )
 
     @property
-    def truth(self) -> Truth:
-        """The truth of the first task."""
-        return Truth(self.path, self.leaf, self.visible)
-
-    @property
     def episode(self) -> Episode:
         """The episode, as far as answers are scored by it."""
         return Episode(
@@ -81,11 +70,6 @@ class AnswerKey(Data):
             actions=self.actions,
             is_deterministic=self.is_deterministic,
         )
-
-    @property
-    def scenario(self) -> Scenario:
-        """The scenario of the scene, as far as answers are scored by it."""
-        return Scenario(id=scene_of(self.item), text="-", leaf=self.leaf, path=self.path)
 
     def reader(self, purpose: str) -> AnswerReader[Any, Any]:
         """Return the reader of the answers to the question of this purpose."""
@@ -104,83 +88,85 @@ class AnswerKey(Data):
             judge: Decides whether an open aspect is right, instead of the documented matcher.
         """
         reader, raw = self.reader(purpose), heard(raw)
-        failures: list[OodscenError] = []
-        fields: dict[str, Any] = {}
         try:
             answer, issues, _ = reader.read(raw, model=model)
             if answer is None:
                 raise AnswerError(model, purpose, issues, raw, 1)
-            fields = reader.fields(answer)
+            given = GivenAnswers(model, reader.fields(answer))
         except AnswerError as error:
-            failures.append(error)
-        return score_answers(
-            self.episode, model, self.truth, self.options, fields, "ours", failures, judge
-        )
+            given = GivenAnswers(model, {}, [error])
+        return score_answers(self, given, judge)
 
 
-def score_answers(
-    episode: Episode,
-    model: str,
-    truth: Truth,
-    options: Sequence[AspectOption],
-    fields: dict[str, Any],
-    protocol: Protocol,
-    failures: Sequence[OodscenError],
-    judge: LLM | None,
-    *,
-    kind: Literal["model", "reference"] = "model",
-) -> Verdict:
-    """Compare the answers with the ground truth.
+@dataclass(frozen=True)
+class GivenAnswers:
+    """One answerer's answers about one drive."""
+
+    answerer: str
+    """The answerer's name."""
+    fields: Mapping[str, Any]
+    """The verdict's fields about the answers; a field is missing where no answer could be read."""
+    failures: Sequence[OodscenError] = ()
+    """Errors of the questions without an answer."""
+    protocol: Protocol = "ours"
+    kind: Literal["model", "reference"] = "model"
+
+
+def score_answers(key: AnswerKey, given: GivenAnswers, judge: LLM | None = None) -> Verdict:
+    """Compare answers with the truth about the drive.
 
     Args:
-        episode: The episode, with the outcome of every action.
-        model: Name of the answerer.
-        truth: The ground truth of the first task.
-        options: Options of the closed question, as shown.
-        fields: The verdict's fields about the answers; a field is missing where no answer could be read.
-        protocol: Protocol of the questions.
-        failures: Errors of the questions without an answer.
+        key: The truth.
+        given: The answers.
         judge: Decides whether an open aspect is right, instead of the documented matcher.
-        kind: Kind of the answerer.
     """
-    is_ood, action = fields.get("is_ood"), fields.get("action")
-    if is_ood is not None and not episode.is_ordinary:
-        named = score_naming(fields["aspect"] if is_ood else "", truth.path, truth.visible)
-        fields |= {"thing_is_right": named.thing, "aspect_is_right": named.right}
-    if "choice" in fields:
-        right = NOTHING if episode.is_ordinary else truth.leaf
-        right = next((one.id for one in options if one.holds(right)), right)
-        fields["choice_is_right"] = fields["choice"] == right
-    outcome = episode.actions.get(action) if action else None
-    if outcome is not None:
-        touched = bool(outcome.contacts)
-        fields["success"] = not outcome.unavailable and not touched and episode.is_deterministic
-        is_marginal = outcome.marginal and protocol != "paper"
-        fields["action_is_marginal"] = is_marginal
-        is_safe = fields["success"] if protocol == "paper" else outcome.safe
-        fields["action_is_safe"] = None if is_marginal else is_safe
-    error = failures[0] if failures else None
-    ended: Outcome = _outcome(error)
+    error = given.failures[0] if given.failures else None
+    ended = _outcome(error)
+    outcome = key.actions.get(given.fields.get("action") or "")
     if error is None and outcome is not None and outcome.unavailable:
         ended = "unavailable"
     verdict = Verdict(
-        id=verdict_id(episode.scene_id, model, protocol),
-        scene_id=episode.scene_id,
-        model=model,
-        kind=kind,
+        id=verdict_id(key.item, given.answerer, given.protocol),
+        scene_id=key.item,
+        model=given.answerer,
+        kind=given.kind,
         status="failed" if error else "ok",
         outcome=ended,
         error=str(error)[:2_000] if error else None,
         error_type=type(error).__name__ if error else "",
-        retryable=any(getattr(one, "retryable", False) for one in failures),
-        protocol=protocol,
-        is_ordinary=episode.is_ordinary,
-        **fields,
+        retryable=any(getattr(one, "retryable", False) for one in given.failures),
+        protocol=given.protocol,
+        is_ordinary=is_ordinary(key.item),
+        **given.fields,
+        **_scores(key, given),
     )
     if judge is None or not is_open(verdict):
         return verdict
-    found = opinion(judge, verdict.aspect, truth.path, truth.visible)
-    return rescore_verdict(verdict, truth.path, {found.id: found}, found.judge, truth.visible)
+    found = opinion(judge, verdict.aspect, key.path, key.visible)
+    return rescore_verdict(verdict, key.path, {found.id: found}, found.judge, key.visible)
+
+
+def _scores(key: AnswerKey, given: GivenAnswers) -> dict[str, Any]:
+    """Return the verdict's fields about what is right."""
+    fields, scores, is_usual = given.fields, dict[str, Any](), is_ordinary(key.item)
+    if (is_ood := fields.get("is_ood")) is not None and not is_usual:
+        named = score_naming(fields["aspect"] if is_ood else "", key.path, key.visible)
+        scores |= {"thing_is_right": named.thing, "aspect_is_right": named.right}
+    if "choice" in fields:
+        right = NOTHING if is_usual else key.leaf
+        right = next((one.id for one in key.options if one.holds(right)), right)
+        scores["choice_is_right"] = fields["choice"] == right
+    if (outcome := key.actions.get(fields.get("action") or "")) is not None:
+        is_paper, touched = given.protocol == "paper", bool(outcome.contacts)
+        success = not outcome.unavailable and not touched and key.is_deterministic
+        is_marginal = outcome.marginal and not is_paper
+        is_safe = success if is_paper else outcome.safe
+        scores |= {
+            "success": success,
+            "action_is_marginal": is_marginal,
+            "action_is_safe": None if is_marginal else is_safe,
+        }
+    return scores
 
 
 def _outcome(error: OodscenError | None) -> Outcome:
@@ -192,11 +178,7 @@ def _outcome(error: OodscenError | None) -> Outcome:
         return "refused"
     if isinstance(error, ModelSkipped):
         return "unasked"
-    words = str(error).casefold()
-    is_late = isinstance(error, LLMTimeout) or any(
-        word in words for word in ("timeout", "timed out", "time is up", "in time", "deadline")
-    )
-    return "timeout" if is_late else "error"
+    return "timeout" if isinstance(error, LLMTimeout) else "error"
 
 
 def kind_of_answerer(model: LLM) -> Literal["model", "reference"]:

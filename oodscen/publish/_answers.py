@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from oodscen.data._base import canonical_json
+from oodscen.data._pairing import scene_of
 from oodscen.errors import DataError, Issue
 from oodscen.judging._items import VALUES, AnswerColumns, Items
 from oodscen.judging._items import answer_values as values_of
@@ -49,7 +50,8 @@ def figures_of(answers: Iterable[Mapping[str, Any]]) -> dict[str, float]:
         DataError: If one of them is malformed.
     """
     found = [(*_read(one), one) for one in answers]
-    items = Items.of([key.episode for key, _, _ in found], [key.scenario for key, _, _ in found])
+    keys = [key for key, _, _ in found]
+    items = Items.of([key.episode for key in keys], {scene_of(key.item): key for key in keys})
     values = {key.item: {name: one[name] for name in VALUES} for key, _, one in found}
     purposes = {purpose for _, purpose, _ in found}
     wanted = [

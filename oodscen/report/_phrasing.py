@@ -17,7 +17,7 @@ from oodscen.data._scene import (
     Trigger,
     Weather,
 )
-from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.driving._motion.behaviours import BUILT_IN, USUAL
 
 _STATES = {
     "brake": "brake lights",
@@ -134,7 +134,7 @@ def behaviour(value: Behaviour, motions: Mapping[str, Motion] = MappingProxyType
     ]
     if given:
         text += f" ({', '.join(given)})"
-    if value.name in ("stand", "follow_lane"):
+    if value.name in USUAL:
         return text
     return f"{text}, {trigger(value.trigger, 'the ego', 'it')}"
 

@@ -24,7 +24,7 @@ from oodscen.judging._questions import (
     naming_reader,
 )
 from oodscen.judging._references import AspectOption, Case, takes_cases
-from oodscen.judging._scoring import Truth, kind_of_answerer, score_answers
+from oodscen.judging._scoring import AnswerKey, GivenAnswers, Truth, kind_of_answerer, score_answers
 from oodscen.llm._ask import ask
 from oodscen.prompts import Prompt
 from oodscen.prompts._judging.describe_frame import DescribeFrame, FrameDescription
@@ -85,29 +85,27 @@ def evaluate(
         withheld: Ask the same questions without any picture, and say so in each; the verdict is that of
             `MODEL without pictures`. Neither in the paper's protocol nor for references.
     """
-    truth = Truth(tuple(path), leaf, tuple(visible))
     is_paper = protocol == "paper"
     if is_paper:
         options, rear, withheld = (), None, False
+    key = AnswerKey.of(episode, Truth(tuple(path), leaf, tuple(visible)), options)
     if takes_cases(vlm):
-        return _judged_directly(episode, vlm, truth, options, protocol, judge)
+        case = Case(episode, key.path, leaf, options, episode.frames)
+        return score_answers(key, _judged_directly(vlm, case, protocol), judge)
     asked = _Asked(vlm, protocol, is_chain=is_paper or (chain and not withheld))
     shown = Shown.of(episode, frames, is_present=not is_paper, rear=rear)
     if withheld:
         shown = shown.without_pictures()
     if is_paper and before is None:
         before = Shown(shown.images[:-1], DriveFacts())
-    return score_answers(
-        episode,
+    given = GivenAnswers(
         without_pictures(vlm.name) if withheld else vlm.name,
-        truth,
-        options,
         asked.answers(shown, before if is_paper else None, options),
-        protocol,
         asked.failures,
-        judge,
-        kind=kind_of_answerer(vlm),
+        protocol,
+        kind_of_answerer(vlm),
     )
+    return score_answers(key, given, judge)
 
 
 def unjudged_verdict(
@@ -227,31 +225,15 @@ _DESCRIBING = AnswerReader(
 # ------------------------------------------------------------------ references
 
 
-def _judged_directly(
-    episode: Episode,
-    reference: Any,
-    truth: Truth,
-    options: Sequence[AspectOption],
-    protocol: Protocol,
-    judge: LLM | None,
-) -> Verdict:
-    answers = reference.judge(Case(episode, truth.path, truth.leaf, options, episode.frames))
+def _judged_directly(reference: Any, case: Case, protocol: Protocol) -> GivenAnswers:
+    answers = reference.judge(case)
     fields: dict[str, Any] = {
         "is_ood": answers.is_ood,
         "aspect": answers.aspect,
         "confidence": answers.confidence,
         "action": answers.action,
     }
-    if options:
+    if case.options:
         fields["choice"] = answers.choice
-    return score_answers(
-        episode,
-        reference.name,
-        truth,
-        options,
-        fields,
-        protocol,
-        [],
-        judge,
-        kind=kind_of_answerer(reference),
-    )
+    kind = kind_of_answerer(reference)
+    return GivenAnswers(reference.name, fields, protocol=protocol, kind=kind)

@@ -233,7 +233,7 @@ def test_an_answer_that_cannot_be_read_is_asked_for_once_more_in_the_right_form(
 
 def test_a_model_that_does_not_answer_in_time_is_told_from_one_that_fails(frames):
     def late(request):
-        raise LLMError("the request timed out after 120 s", retryable=True)
+        raise TimeoutError("120 s")
 
     verdict = evaluate(EPISODE, frames, ScriptedLLM(late), path=PATH)
     assert (verdict.outcome, verdict.status, verdict.retryable) == ("timeout", "failed", True)

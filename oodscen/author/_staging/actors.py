@@ -21,16 +21,14 @@ from oodscen.author._staging.decision_timing import decisive
 from oodscen.claims._things import Thing
 from oodscen.data._details import Details
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
+from oodscen.driving._motion.behaviour_row import Course
+from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.prompts._digest import AssetLine, CatalogueDigest, MapLine
 
 _SLOWED = frozenset({"vehicle", "cyclist"})
 """Categories whose speeds decrease with the road's speed limit."""
-_WALKS = frozenset({"walk_along", "bolt"})
-_COURSES = {
-    **dict.fromkeys(("wrong_way", "reverse"), -1.0),
-    **dict.fromkeys(("follow_lane", "wobble", "swerve", "stop_and_go", "towed"), 1.0),
-}
-"""Behaviours that move along the road, with their direction; oncoming lanes are ignored."""
+_DIRECTIONS: Mapping[Course, float] = {"lane": 1.0, "against": -1.0}
+"""Directions of courses along the road; oncoming lanes are ignored."""
 _EYE, _FOCAL = 1.4, 554.0
 """Height of the dash camera, m, and its focal length, pixels."""
 _FARTHEST = 150.0
@@ -89,9 +87,10 @@ class StagedActors:
         """Return an actor's mean speed along the ego's road, m/s; negative towards the ego."""
         limits = actor.parameters.get("speed", (0.0, 0.0))
         speed = self.speed if limits == "ego" else 0.5 * sum(limits)
-        if actor.behaviour in _WALKS:
+        course = BUILT_IN[actor.behaviour].course if actor.behaviour in BUILT_IN else ""
+        if course == "heading":
             return speed * math.cos(math.radians(0.5 * sum(actor.heading_deg)))
-        return speed * _COURSES.get(actor.behaviour, 0.0)
+        return speed * _DIRECTIONS.get(course, 0.0)
 
     def pixels(self, actor: RecipeActor, away: float) -> float:
         """Return the smallest area that an actor may cover in the dash camera's image, square pixels.

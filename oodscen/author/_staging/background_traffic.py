@@ -8,6 +8,7 @@ import numpy as np
 from oodscen.author._knowledge.base import AmbientTraffic, BackgroundTraffic, Recipe
 from oodscen.author._staging.actors import StagedActors
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
+from oodscen.driving._motion.behaviours import having
 from oodscen.prompts._digest import MapLine
 
 _MOST_AHEAD = 280.0
@@ -22,9 +23,7 @@ _PACE = (0.86, 0.94)
 """Speed of a vehicle beside the ego relative to the ego's: it passes through the picture while the ego overtakes it."""
 _BUMPERS = 9.0
 """Distance between the centres of a car and a lorry close behind it, m."""
-_DRIVES = frozenset(
-    """follow_lane wrong_way cut_in hard_brake stall stop_and_go swerve u_turn wobble drift""".split()
-)
+_DRIVES = having(lambda row: row.moves_before_trigger and not row.keeps_heading)
 
 
 def company(

@@ -34,6 +34,7 @@ from oodscen.claims._roads import is_so
 from oodscen.claims._things import Thing, may_be, mentions
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Ego, Hazard, Trigger
+from oodscen.driving._motion.behaviours import having
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest, MapLine
 from oodscen.prompts._scenario.describe_path import plain
@@ -52,7 +53,7 @@ _HURRIED = 0.7
 """The same share for scenes in which someone crosses, or a group blocks the road."""
 _EVADING_S = 2.2
 """Time before a head-on collision at which evasion is still possible, s."""
-_STILL = frozenset({"stand", "cross_road", "wander", "hesitate"})
+_IN_PLACE = having(lambda row: row.course == "place")
 """Behaviours that do not change the actor's distance along the road."""
 _CLEAR_PX = 400.0
 """Area in the dash camera's image below which an actor is not recognised at a glance, square pixels."""
@@ -327,7 +328,7 @@ def _hurried(scene: StagedActors, actor: RecipeActor, friction: float, seconds: 
         away *= 0.95
     if away < calm:
         scene.is_followed = False
-    if actor.behaviour in _STILL and not scene.is_followed and draw < _HURRIED:
+    if actor.behaviour in _IN_PLACE and not scene.is_followed and draw < _HURRIED:
         late = timing.too_late_to_stop(closing, friction) + reach
         if late > hard:
             away = min(away, hard + 0.8 * share * (late - hard))

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from oodscen.author._knowledge.base import Counterpart, Range, Recipe, RecipeActor
+from oodscen.driving._motion.behaviours import having
 from oodscen.prompts._digest import MapLine
 from oodscen.prompts._scenario.describe_path import plain
 
@@ -15,7 +16,7 @@ _LANE_WIDTH = 3.5
 _OTHER_LANE = 0.75
 """Share of the scenes with the ego outside the rightmost lane, if the recipe permits it."""
 _MIRRORED = 0.5
-_CROSSES = frozenset({"cross_road", "hesitate", "bolt"})
+_REACHES_FARTHER = having(lambda row: row.reaches_farther)
 _SIDED = frozenset({"lanes", "lateral"})
 """Parameters that are positive to the left."""
 _NAMES_LANE = re.compile(
@@ -100,7 +101,7 @@ def _at_the_kerb(actor: RecipeActor, lanes: int) -> RecipeActor:
     update: dict[str, object] = {}
     if actor.at == "start" and actor.lane == (0,) and max(actor.offset) < -_BESIDE:
         update["lane"] = (-lanes,)
-        if actor.behaviour in _CROSSES:
+        if actor.behaviour in _REACHES_FARTHER:
             further = _LANE_WIDTH * lanes
             low, high = _numbers(actor, "distance", 12.0)
             update["parameters"] = {

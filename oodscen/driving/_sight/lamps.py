@@ -1,13 +1,13 @@
 """The rules by which road users have their lamps on: head and tail lamps, brake lamps."""
 
 from oodscen.data._scene import Scene
+from oodscen.driving._motion.behaviours import having
 
 BRAKING = -1.0
 """Acceleration below which brake lamps are on, m/s^2."""
 STANDING = 0.05
 """Speed below which a body counts as standing, m/s."""
-_IN_TRAFFIC = frozenset({"follow_lane", "stop_and_go", "halt", "hard_brake", "cut_in", "cut_out"})
-"""Behaviours of drivers who keep a foot on the brake while standing."""
+_HOLDS_BRAKE = frozenset(having(lambda row: row.holds_brake))
 
 
 def has_lamps_on(scene: Scene, actor_id: str) -> bool:
@@ -30,7 +30,7 @@ def has_lamps_on(scene: Scene, actor_id: str) -> bool:
 
 def waits_in_traffic(scene: Scene, actor_id: str) -> bool:
     """Return whether an actor keeps its foot on the brake while it stands."""
-    return any(one.id == actor_id and one.behaviour.name in _IN_TRAFFIC for one in scene.actors)
+    return any(one.id == actor_id and one.behaviour.name in _HOLDS_BRAKE for one in scene.actors)
 
 
 def is_braking(speed: float, acceleration: float, *, waits: bool) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import FLAT_M, Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving._motion.behaviours import AIRBORNE
+from oodscen.driving._motion.behaviours import having
 from oodscen.driving._motion.boxes import Box, gap, radius
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.visibility import Eye, Solid, is_noticeable
@@ -24,6 +24,7 @@ SUNK_M = 0.1
 CAMERA = Camera()
 """The dash camera, in which the hazard must be visible."""
 
+_AIRBORNE = frozenset(having(lambda row: row.leaves_ground))
 _NEAREST_M = 6.0
 """Least distance from the ego at which to look for a place where a hidden body would be seen, m."""
 _SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
@@ -124,7 +125,7 @@ def first_seen(
 
 def floating_issues(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
     """Return issues for bodies above or below the ground, unless they are carried or fly."""
-    airborne = AIRBORNE | {motion.id for motion in scene.motions}
+    airborne = _AIRBORNE | {motion.id for motion in scene.motions}
     exempt = {
         actor.id
         for actor in scene.actors

@@ -11,6 +11,7 @@ from oodscen._display import Brief
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.driving import load_corridor
+from oodscen.driving._motion.behaviours import USUAL
 from oodscen.driving._roads.building import find_map, read_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.opendrive import read_network
@@ -176,7 +177,7 @@ class _Assembly:
         if not unusual and self.llm is not None and len(actors) > 1:
             unusual = self._asked(self.llm, actors)
         elif not unusual and actors:
-            acting = [one for one in actors if one.behaviour.name not in ("stand", "follow_lane")]
+            acting = [one for one in actors if one.behaviour.name not in USUAL]
             unusual = [(acting or actors)[0].id]
             self.root.leave_out(f"no hazard was named; {unusual[0]} is taken to be it")
         if not unusual:
@@ -325,7 +326,7 @@ class _Assembly:
         speed = self.actions.speeds.get(name, 0.0)
         actions = self.actions.actions.get(name, [])
         does, heading = behaviour(asset, actions, speed, is_against, self.catalogue)
-        if heading is not None and does.name in ("cross_road", "run_red"):
+        if heading is not None:
             placed = self._placement(pose._replace(heading=heading))
         if does.name == "wrong_way":
             placed = placed.model_copy(update={"heading_deg": 0.0})

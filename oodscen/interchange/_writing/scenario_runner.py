@@ -11,6 +11,7 @@ from lxml import etree
 from oodscen._registry import make_catalogue
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene, Weather
+from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import Issue, SceneError
 from oodscen.interchange._recording import Reactions
@@ -20,11 +21,7 @@ from oodscen.interchange._writing.storyboard import event, followers, write_spee
 
 BLUEPRINTS = "carla-0.9.16"
 """The catalogue whose ids are CARLA's blueprints."""
-_UNCHANGING = frozenset({"stand", "follow_lane"})
-_BRAKING = frozenset({"hard_brake", "stall"})
-_CHANGING = frozenset({"cut_in", "cut_out"})
-_WALKING = frozenset({"cross_road", "walk_along", "bolt", "dart"})
-PLAYED = _UNCHANGING | _BRAKING | _CHANGING | _WALKING
+_ACTIONS = {name: row.plain_action for name, row in BUILT_IN.items() if row.plain_action}
 """Behaviours for which ScenarioRunner has actions."""
 _EGO_BLUEPRINT = "vehicle.lincoln.mkz_2017"
 _CLOUDS = ((0.25, "free"), (0.75, "cloudy"), (1.01, "overcast"))
@@ -39,11 +36,11 @@ def unplayable(scene: Scene, run: Reactions) -> list[Issue]:
     behind = followers(scene, run)
     for index, actor in enumerate(scene.actors):
         name, where = actor.behaviour.name, f"actors[{index}].behaviour"
-        if name not in PLAYED:
+        if name not in _ACTIONS:
             issues.append(Issue(where, f"ScenarioRunner has no action for {name!r}"))
         elif actor.id in behind:
             issues.append(Issue(where, f"{actor.id!r} follows the ego, which it cannot do"))
-        elif name in _WALKING and actor.behaviour.other is not None:
+        elif _ACTIONS[name] == "walk" and actor.behaviour.other is not None:
             issues.append(Issue(where, f"{actor.id!r} belongs to another actor"))
     return issues
 
@@ -75,11 +72,11 @@ def write_for_scenario_runner(
         private = child(actions, "Private", entityRef=one.name)
         place = within(private, "PrivateAction", "TeleportAction", "Position")
         child(place, "WorldPosition", x=x, y=y, z=z, h=heading)
-        moves = row == 0 or scene.actors[row - 1].behaviour.name not in _WALKING
+        moves = row == 0 or _ACTIONS[scene.actors[row - 1].behaviour.name] != "walk"
         if moves and (speed := float(run.nominal.speeds[0, row])) > 0.0:
             write_speed(child(private, "PrivateAction"), speed)
     for actor in scene.actors:
-        if actor.behaviour.name not in _UNCHANGING:
+        if _ACTIONS[actor.behaviour.name] != "none":
             _write_actor(act, actor, run, corridor)
     if not len(act):
         _maneuver(act, "ego")
@@ -170,18 +167,18 @@ def _maneuver(act: Element, name: str) -> Element:
 
 def _write_actor(act: Element, actor: Actor, run: Reactions, corridor: Corridor) -> None:
     """Append the group of one actor: its action at its trigger, and its rest where it has one."""
-    does = actor.behaviour
+    does, plain = actor.behaviour, _ACTIONS[actor.behaviour.name]
     maneuver = child(_maneuver(act, actor.id), "Maneuver", name=f"maneuver_{actor.id}")
     starting, action = event(maneuver, f"react_{actor.id}_0")
     starting.set("priority", "overwrite")
-    if does.name in _CHANGING:
+    if plain == "lane_change":
         speed = float(run.nominal.speeds[0, run.nominal.ids.index(actor.id)])
         _write_lane_change(action, actor, speed)
     else:
-        target = 0.0 if does.name in _BRAKING else does.parameters.get("speed", 1.4)
+        target = 0.0 if plain == "stop" else does.parameters.get("speed", 1.4)
         write_speed(child(action, "PrivateAction"), target)
     _write_trigger(starting, actor, run, corridor)
-    if does.name in _WALKING and "distance" in does.parameters:
+    if plain == "walk" and "distance" in does.parameters:
         resting, action = event(maneuver, f"rest_{actor.id}_0")
         resting.set("priority", "overwrite")
         write_speed(child(action, "PrivateAction"), 0.0)

@@ -99,7 +99,7 @@ def leaderboard(
     found = list(episodes)
     ran = [episode for episode in whole if episode.status == "ok"]
     seen = {episode.scene_id for episode in ran if episode.hazard_visible}
-    study = _study(Items.of(found, list(scenarios)), seen, seed)
+    study = _study(Items.of(found, {one.id: one for one in scenarios}), seen, seed)
     items = study.items
     grouped: dict[Key, list[Verdict]] = {}
     for verdict in verdicts:

@@ -147,7 +147,7 @@ def requirements(
         bars: At least one.
         seed: Seed of the tests.
     """
-    items = Items.of(list(episodes), list(scenarios))
+    items = Items.of(list(episodes), {one.id: one for one in scenarios})
     grouped: dict[str, list[Verdict]] = {}
     for verdict in verdicts:
         is_graded = verdict.kind == "model" and not is_without_pictures(verdict.model)

@@ -135,7 +135,7 @@ def audit(
         StudyError: If fewer than two paths have a scene with an ordinary drive.
         MissingExtra: If scikit-learn or OpenCV is not installed.
     """
-    items = Items.of(list(episodes), list(scenarios))
+    items = Items.of(list(episodes), {one.id: one for one in scenarios})
     there = is_audited(items)
     rows: list[int] = np.flatnonzero(there).tolist()
     clusters = [items.clusters[row] for row in rows]

@@ -24,8 +24,16 @@ _SHOWN = 500
 _RAW = 4_000
 """Number of characters of an unusable response that are kept."""
 
-_ABOUT_CONTENT = ("ContextWindowExceededError", "ContentPolicyViolationError")
-"""litellm's names of errors with status 400 that dropping the answer format would not fix."""
+_MEANINGS: dict[int, Kind] = {
+    401: "denied",
+    403: "erring",
+    404: "erring",
+    408: "late",
+    409: "erring",
+    425: "erring",
+    429: "limit",
+}
+"""Statuses below 500 that say nothing about the item."""
 
 _FILTER = re.compile(
     r"content[_ ]?policy|content[_ ]?filter|content management policy|responsible ?ai ?policy"
@@ -90,6 +98,8 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
         error: The exception.
         bounds: The bounds of the call, which know what really arrived; litellm gives every error a status.
     """
+    from litellm.exceptions import ContextWindowExceededError  # Late: only its errors come here.
+
     status = bounds.status if bounds.is_sent else getattr(error, "status_code", None)
     text = str(error).partition("Traceback (most recent call last)")[0]
     text = " ".join(redact_start(text, _RAW).split())
@@ -100,12 +110,12 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
         reason = "the response is empty"
     is_final = bounds.broken in ("redirect", "proxy", "offline") or status in (403, 404)
     is_final = is_final or isinstance(error, ImportError)
-    is_about_content = type(error).__name__ in _ABOUT_CONTENT
+    is_too_long = isinstance(error, ContextWindowExceededError)
     return FailedAttempt(
         message=f"{model} gave no answer: {reason}",
         kind=kind,
         retryable=kind in ("limit", "late", "unreachable", "erring") and not is_final,
-        may_refuse_form=status in (400, 422) and kind == "item" and not is_about_content,
+        may_refuse_form=status in (400, 422) and kind == "item" and not is_too_long,
         retry_after=retry_after(error),
         status=status,
         raw=_start(bounds) if is_unreadable else "",
@@ -117,8 +127,6 @@ def _meaning(
 ) -> tuple[Kind, str]:
     """Return the kind of a failure, and its reason in words."""
     kind = _kind(status, text, error)
-    if isinstance(error, Filtered) or type(error).__name__ == "ContentPolicyViolationError":
-        kind = "filtered"
     if bounds.broken in _BROKEN:
         return "erring", _BROKEN[bounds.broken].format(detail=bounds.detail)
     if bounds.broken == "silence":
@@ -141,19 +149,17 @@ def _start(bounds: CallBounds) -> str:
 
 
 def _kind(status: int | None, text: str, error: Exception) -> Kind:
-    if status == 401 or "insufficient_quota" in text or isinstance(error, ImportError):
+    from litellm.exceptions import ContentPolicyViolationError
+
+    if isinstance(error, Filtered | ContentPolicyViolationError):
+        return "filtered"
+    if "insufficient_quota" in text or isinstance(error, ImportError):
         return "denied"
-    if status == 429:
-        return "limit"
-    if status == 408:
-        return "late"
     if status is None:
         return "unreachable"
     if status in (400, 403, 422, 451) and _FILTER.search(text):
         return "filtered"
-    if status in (403, 404, 409, 425) or status >= 500 or status < 400:
-        return "erring"
-    return "item"
+    return _MEANINGS.get(status, "item" if 400 <= status < 500 else "erring")
 
 
 def retry_after(error: Exception) -> float | None:

@@ -10,7 +10,7 @@ from oodscen._seeding import stream
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
 from oodscen.data._scene import RED_LIGHT, Actor, Scene
-from oodscen.driving._motion.behaviours import having_effect
+from oodscen.driving._motion.behaviours import having
 from oodscen.stages._demands.crossings import red_light, zebra
 from oodscen.stages._demands.flow import cyclist, leader, queue, slow_vehicle
 from oodscen.stages._demands.joining import ambulance, merging_car
@@ -21,8 +21,9 @@ _ATTEMPTS = 2
 """Draws per kind that keep the scene's other traffic, and as many without it."""
 _SHARPNESS = 4.0
 """Preference for draws that look like the rare scene; at 0 the look does not count."""
-_BRAKES, _JOINS = having_effect("brakes"), having_effect("joins")
-_CROSSES = having_effect("crosses")
+_BRAKES = having(lambda row: row.effect == "brakes")
+_JOINS = having(lambda row: row.effect == "joins")
+_CROSSES = having(lambda row: row.effect == "crosses")
 
 
 class DemandKind(NamedTuple):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import BehaviourKind
 from oodscen.data._scene import Actor, Scene, Trigger
-from oodscen.driving._motion.behaviours import BUILT_IN, WITH_CHANCE
+from oodscen.driving._motion.behaviours import BUILT_IN, having
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
@@ -47,7 +47,7 @@ CONTROL = 0.2
 _SECONDS = 5.0
 _LAST_S = 3.5
 _CHANCE = ("amplitude", "radius", "lift")
-_LOOSE = WITH_CHANCE | {one.kind.id for one in BUILT_IN.values() if one.kind.needs_other}
+_LOOSE = having(lambda row: row.has_chance or row.needs_other)
 """Behaviours whose headings and momentary speeds differ with chance or with the body that they belong to."""
 _WAITING = (
     "cross_road",

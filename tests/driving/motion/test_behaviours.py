@@ -1,18 +1,19 @@
+import ast
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.author._staging import actors, drafting, lanes
 from oodscen.data._scene import Actor, Trigger, Weather
 from oodscen.driving import KinematicWorld
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.behaviour_kernels import Code
+from oodscen.driving._motion.behaviour_row import BuiltInBehaviour
 from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN, MOVES_BEFORE_TRIGGER
-from oodscen.interchange._writing import scenario_runner
 from oodscen.protocols import Control
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
@@ -38,12 +39,62 @@ def test_every_behaviour_is_described_and_done() -> None:
     assert all(row.doing for row in BUILT_IN.values())
 
 
-@pytest.mark.parametrize(
-    "listed",
-    [actors._WALKS, actors._COURSES, drafting._STILL, lanes._CROSSES, scenario_runner._WALKING],
-)
-def test_side_lists_name_built_in_behaviours_only(listed) -> None:
-    assert set(listed) <= set(BUILT_IN)
+@pytest.mark.parametrize("row", BUILT_IN.values(), ids=lambda row: row.kind.id)
+def test_what_a_row_says_fits_together(row: BuiltInBehaviour) -> None:
+    given = set(row.parameters)
+    needed = {"stop": {"deceleration"}, "lane_change": {"lanes", "duration"}, "walk": {"speed"}}
+    assert needed.get(row.plain_action, set()) <= given
+    assert "speed" in given or row.needs_other or row.course in ("", "place")
+    assert row.keeps_heading or row.plain_action != "walk"
+    assert row.keeps_heading or row.course != "heading"
+    assert not row.reaches_farther or {"speed", "distance"} <= given
+    assert row.moves_before_trigger or not row.holds_brake
+    assert not (row.moves_before_trigger and row.drives_from_rest)
+    assert row.has_trigger or row.plain_action in ("", "none")
+    assert all(tag.startswith("Motion") for tag in row.tags)
+
+
+LISTS_BEHAVIOURS = {
+    "adapters/oodscen_highway/_catalogue.py": "what highway-env is able to drive",
+    "adapters/oodscen_sumo/_catalogue.py": "what SUMO is able to drive",
+    "oodscen/data/_details.py": "lies below the rows",
+    "oodscen/testing/_kit/measures.py": "what a probe tries in turn",
+    "oodscen/testing/_kit/motion.py": "what a probe tries in turn",
+    "oodscen/testing/_kit/runs.py": "what a probe tries in turn",
+    "oodscen/testing/_kit/samples.py": "what a probe tries in turn",
+    "oodscen/testing/_new/adapter.py": "the vocabulary of a new adapter",
+}
+
+
+def behaviours_listed(tree: ast.AST) -> Iterator[set[str]]:
+    """Yield the behaviours that each collection, or each string of words, has in it."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Tuple | ast.List | ast.Set):
+            parts: list[ast.expr | None] = list(node.elts)
+        elif isinstance(node, ast.Dict):
+            parts = list(node.keys)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            words = set(node.value.split())
+            yield words if words <= set(BUILT_IN) else set()
+            continue
+        else:
+            continue
+        yield {part.value for part in parts if isinstance(part, ast.Constant)} & set(BUILT_IN)
+
+
+def test_only_the_rows_list_behaviours() -> None:
+    root = Path(__file__).parents[3]
+    files = [
+        file
+        for folder in ("oodscen", "adapters", "tools")
+        for file in (root / folder).rglob("*.py")
+    ]
+    found = {
+        file.relative_to(root).as_posix()
+        for file in files
+        if any(len(names) > 1 for names in behaviours_listed(ast.parse(file.read_text("utf-8"))))
+    }
+    assert found == set(LISTS_BEHAVIOURS)
 
 
 @pytest.mark.parametrize("code", [-1, max(Code) + 1])

@@ -3,12 +3,12 @@ import pytest
 from lxml import etree
 
 from oodscen.data._motion import Motion
-from oodscen.driving._motion.behaviours import BEHAVIOURS
+from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange import to_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
 from oodscen.interchange._support import ELEMENTS
-from oodscen.interchange._writing.scenario_runner import PLAYED, unplayable
+from oodscen.interchange._writing.scenario_runner import unplayable
 from tests.interchange.playing import centres, turned
 from tests.interchange.staging import SCENES, catalogue, doing
 
@@ -123,7 +123,7 @@ def test_scenario_runner_gets_its_own_actions_or_a_reason_for_each_actor(scene):
     assert not list(root.iter("FollowTrajectoryAction"))
     assert set(names(root, "Event", "priority")) <= {"overwrite"}
     assert set(names(root, "SimulationTimeCondition", "rule")) == {"greaterThan"}
-    assert {actor.behaviour.name for actor in scene.actors} <= PLAYED
+    assert all(BUILT_IN[actor.behaviour.name].plain_action for actor in scene.actors)
 
 
 def test_scenario_runner_plays_no_recorded_courses():

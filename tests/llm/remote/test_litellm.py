@@ -223,6 +223,7 @@ def test_a_content_filter_is_a_refusal_and_not_asked_twice(fault):
     "words", ["ResponsibleAIPolicyViolation", "content_filter", "Azure's content management policy"]
 )
 def test_a_filter_is_known_by_its_words(words):
+    load_litellm()
     error = Answered()
     error.status_code = 400
     error.args = (f"Error: {words}",)
