@@ -9,11 +9,20 @@ from click.testing import CliRunner
 
 from oodscen import ScenarioTree, __version__
 from oodscen._cli import main
+from oodscen.judging._constant_answerers import RandomAnswerer
 from oodscen.testing._scenes import example_scene
 from tests.pipeline.quick import ORDINARY
 
 QUICK = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "1"]
 QUICK += ["--baseline", str(ORDINARY), "--width", "160", "--height", "120", "--max-paths", "1"]
+
+
+class Guesser(RandomAnswerer):
+    """A model that draws its answers, under a name of its own."""
+
+    def __init__(self):
+        super().__init__()
+        self.name = "guesser"
 
 
 def call(*arguments):
@@ -170,7 +179,7 @@ def test_score_prints_the_contract(tmp_path):
 
 
 def test_evaluate_adds_a_model_to_a_study(out):
-    result = call("evaluate", out, "--vlm", "oodscen.judging._constant_answerers:RandomAnswerer")
+    result = call("evaluate", out, "--vlm", f"{__name__}:Guesser")
     assert result.exit_code == 0, result.output
 
 

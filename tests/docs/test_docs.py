@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from oodscen import StudyConfig
+from oodscen._pipeline import run_study
 from oodscen.baselines._baseline import Baseline
 from tests.pipeline.quick import ORDINARY
 
@@ -22,9 +24,11 @@ BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
 @pytest.fixture(scope="module")
-def study(quick, tmp_path_factory):
-    """Return the study that pages about reading one expect in `out`."""
-    return shutil.copytree(quick, tmp_path_factory.mktemp("docs") / "out")
+def study(tmp_path_factory):
+    """Make the study that pages about reading one expect in `out`."""
+    folder = tmp_path_factory.mktemp("docs") / "out"
+    run_study(folder, StudyConfig.quick(simulator="flat", encoder="hash"))
+    return folder
 
 
 @pytest.fixture

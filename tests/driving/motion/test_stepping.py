@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._scene import Behaviour, Scene, Trigger, Weather
+from oodscen.driving._motion import placing
 from oodscen.driving._motion import world as world_module
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.behaviours import BEHAVIOURS
@@ -79,8 +80,9 @@ def test_compiled_and_plain_give_the_same_bits(seed: int, monkeypatch) -> None:
     first = trace(staged, seed)
     for name in ("advance", "look", "publish"):
         monkeypatch.setattr(world_module, name, getattr(world_module, name).plain)
-    monkeypatch.setattr(world_module, "seen", memoryview)
-    monkeypatch.setattr(world_module, "for_kernels", track.view_track)
+    for module in (world_module, placing):
+        monkeypatch.setattr(module, "seen", memoryview)
+    monkeypatch.setattr(placing, "for_kernels", track.view_track)
     assert trace(staged, seed) == first
 
 

@@ -606,7 +606,7 @@ def test_a_model_is_asked_the_same_questions_without_the_pictures(folder, tmp_pa
     gains = board.standing("m").paired.over_withheld
     assert {one.against for one in gains} == {"m without pictures"}
     assert not any("without pictures" in (one.first + one.second) for one in board.comparisons)
-    assert [one.model for one in study.requirements("safe>=0.1")] == ["m"]
+    assert [one.name for one in study.requirements("safe>=0.1")] == ["m"]
     before = len(asked)
     assert run_study(out, config, models={"m": model}).verdicts == study.verdicts
     assert len(asked) == before
