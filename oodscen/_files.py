@@ -6,12 +6,13 @@ import os
 import re
 import secrets
 import stat
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 from socket import gethostname
 from tempfile import TemporaryDirectory
 
-from oodscen.errors import DataError, Issue, UsageError
+from oodscen.errors import DataError, Issue, OodscenError, UsageError
 
 _KINDS = {
     stat.S_IFDIR: "a directory",
@@ -183,6 +184,15 @@ def write_named(out: Path, data: bytes) -> None:
     if target.exists() and not os.access(target, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(out))
     replace(target, data)
+
+
+@contextmanager
+def writing(target: Path, kind: type[OodscenError] = OodscenError) -> Iterator[None]:
+    """Raise errors of the operating system as one of this library that names what cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise kind(f"cannot write {target}: {error.strerror or error}") from None
 
 
 def _part_name(target: Path) -> str:

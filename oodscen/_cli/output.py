@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from oodscen._files import is_written_through, read_utf8, write_named
+from oodscen._files import is_written_through, read_utf8, write_named, writing
 from oodscen._progress import Progress, counted, reporting
 from oodscen._text import plain
 from oodscen.data._base import Data
-from oodscen.errors import DataError, Issue, OodscenError
+from oodscen.errors import DataError, Issue
 
 if TYPE_CHECKING:
     from oodscen.data._verdict import Verdict
@@ -267,12 +267,10 @@ def write_bytes(out: Path, data: bytes) -> None:
     """
     from oodscen.study._study import refuse_own
 
-    try:
+    with writing(out):
         if not is_written_through(out):
             refuse_own(out)
         write_named(out, data)
-    except OSError as error:
-        raise OodscenError(f"cannot write {out}: {error.strerror or error}") from None
 
 
 def write_lines(out: Path | None, items: Iterable[Data]) -> None:

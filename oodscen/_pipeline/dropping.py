@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 
-from oodscen._pipeline.steps.judge import ALWAYS, OPINIONS, judged, outcomes
+from oodscen._pipeline.steps.judge import OPINIONS, judged, outcomes
 from oodscen._registry import make_llm
 from oodscen.data._base import canonical_json
 from oodscen.data._verdict import without_pictures
 from oodscen.errors import OodscenError, UnknownComponent
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._people import person
+from oodscen.judging._references import ALWAYS
 from oodscen.report._render import write_report
 from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study

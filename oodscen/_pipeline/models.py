@@ -2,17 +2,10 @@
 
 from oodscen._pipeline.options import RunOptions
 from oodscen._registry import is_builtin, make_llm
-from oodscen.data._episode import ACTIONS
 from oodscen.data._verdict import without_pictures
 from oodscen.errors import UsageError
 from oodscen.judging._people import person
-from oodscen.judging._references import (
-    Blind,
-    NoveltyReference,
-    Oracle,
-    is_reference,
-    takes_cases,
-)
+from oodscen.judging._references import ALWAYS, is_reference, takes_cases
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.llm._fallback import FallbackLLM
 from oodscen.llm._recording import Recorder
@@ -75,8 +68,7 @@ class Models:
         Raises:
             UsageError: If two have one name, or a model has that of a reference.
         """
-        shipped = (*(f"constant:{action}" for action in ACTIONS), "random")
-        taken = dict.fromkeys((*shipped, Blind.name, NoveltyReference.name, Oracle.name), "")
+        taken = dict.fromkeys(ALWAYS, "")
         called = [
             (name, self.get(name).name)
             for name in self._config.vlms

@@ -88,21 +88,17 @@ class Pipeline:
             counts = self._stages()
             self._finish(counts, time.perf_counter() - began)
         except RunStopped as stop:
-            self._save("stopped", stopped=redact(str(stop)), usage=self._usage())
+            self._save_stopped(str(stop))
             self._report()
             raise
         except OodscenError as error:
-            with suppress(StudyError):  # The first error is the cause.
-                self._save("stopped", stopped=redact(str(error)), usage=self._usage())
+            with suppress(OodscenError):  # The first error is the cause.
+                self._save_stopped(str(error))
             raise
         except KeyboardInterrupt:
             limits.close()
             with suppress(StudyError):  # A full disk must not hide the signal.
-                self._save(
-                    "stopped",
-                    stopped="it was interrupted; the same command continues it",
-                    usage=self._usage(),
-                )
+                self._save_stopped("it was interrupted; the same command continues it")
             raise
         finally:
             self.context.models.close()
@@ -188,6 +184,9 @@ class Pipeline:
             before = self.study.info
             more = {name: before[name] for name in _LASTING if name in before} | more
         self.store.write("study.json", canonical_json(record(self.config, status, **more)) + "\n")
+
+    def _save_stopped(self, why: str) -> None:
+        self._save("stopped", stopped=redact(why), usage=self._usage())
 
     def _report(self) -> None:
         write_report(self.study)

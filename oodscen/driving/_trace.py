@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
+from oodscen._files import writing
 from oodscen.data._base import Data
 from oodscen.data._catalogue import FLAT_M, Catalogue
 from oodscen.data._scene import Scene
@@ -23,7 +24,7 @@ from oodscen.driving._surrogate_safety import (
     time_headway,
     time_to_collision,
 )
-from oodscen.errors import MissingExtra, OodscenError, UsageError
+from oodscen.errors import MissingExtra, UsageError
 from oodscen.numerics._exact import TAU, Floats, sincos_all
 from oodscen.protocols import State
 
@@ -216,11 +217,9 @@ class Trace(Brief):
         """
         target = table.checked_path(path)
         rows = self.to_arrow()
-        try:
+        with writing(target):
             target.parent.mkdir(parents=True, exist_ok=True)
             table.write(rows, target)
-        except OSError as error:
-            raise OodscenError(f"cannot write {target}: {error.strerror or error}") from error
         return target
 
     @classmethod

@@ -208,6 +208,11 @@ class NoveltyReference(_Direct):
         return Answers(False, "", sure, NOTHING, "keep_speed")
 
 
+NAMED = (*(f"constant:{action}" for action in ACTIONS), "random")
+"""References of every study that are made by their names alone."""
+ALWAYS = (*NAMED, Blind.name, NoveltyReference.name, Oracle.name)
+"""References of every study."""
+
 GRID = (6, 8)
 """Rows and columns of cells."""
 

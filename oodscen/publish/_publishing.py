@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from oodscen._files import check_name, file_sha256
+from oodscen._files import check_name, file_sha256, writing
 from oodscen._numbers import finite_number
 from oodscen.errors import DataError, Issue, StudyError, UsageError
 from oodscen.publish._card import card
@@ -88,16 +88,14 @@ def publish(
     drives = published_drives(asked, splits(labels, share=validation, seed=study.config.seed))
     if not drives:
         raise DataError("study", [Issue("", "no scene has frames")], source=str(study.folder))
-    try:
-        with replacing(folder) as part:
-            questions = _write(part, study, drives, forms)
-            hashes = {name: file_sha256(part / name).hex() for name in names(part)}
-            text = card(study, drives, licence, hashes)
-            (part / "README.md").write_text(text, encoding="utf-8")
-            sums = "".join(f"{file_sha256(part / name).hex()}  {name}\n" for name in names(part))
-            (part / SUMS).write_text(sums, encoding="utf-8")
-    except OSError as error:
-        raise StudyError(f"cannot write {folder}: {error.strerror or error}") from error
+    with writing(folder, StudyError), replacing(folder) as part:
+        questions = _write(part, study, drives, forms)
+        hashes = {name: file_sha256(part / name).hex() for name in names(part)}
+        readme = part / "README.md"
+        readme.write_text(card(study, drives, licence, hashes), encoding="utf-8")
+        hashes[readme.name] = file_sha256(readme).hex()
+        sums = "".join(f"{hashes[name]}  {name}\n" for name in sorted(hashes))
+        (part / SUMS).write_text(sums, encoding="utf-8")
     files = {name: (folder / name).stat().st_size for name in names(folder)}
     return Publication(folder, files, dict(Counter(one.split for one in drives)), questions)
 

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import ClassVar, Literal
 
-from oodscen._files import write_named
+from oodscen._files import write_named, writing
 from oodscen.data._base import Data
 from oodscen.errors import DataError, Issue, StudyError
 
@@ -62,7 +62,5 @@ class Baseline(Data):
         """
         rows = [f"{json.dumps(name)}: {one.to_json()}" for name, one in sorted(self.tests.items())]
         listed = ",\n".join(rows)
-        try:
+        with writing(path, StudyError):
             write_named(path, f'{{"schema_version": 1, "tests": {{\n{listed}\n}}}}\n'.encode())
-        except OSError as error:
-            raise StudyError(f"cannot write {path}: {error.strerror or error}") from None

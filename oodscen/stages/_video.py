@@ -6,7 +6,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
-from oodscen._files import read_bytes, temporary_folder, write_named
+from oodscen._files import read_bytes, temporary_folder, write_named, writing
 from oodscen._members import conforming
 from oodscen._numbers import finite_number, seed_number
 from oodscen._progress import Progress, reporting
@@ -77,11 +77,8 @@ class Video:
             return
         with place:
             if self.count:
-                try:
+                with writing(self.path):
                     write_named(self.path, read_bytes(self._part(place)))
-                except OSError as error:
-                    told = error.strerror or error
-                    raise OodscenError(f"cannot write {self.path}: {told}") from None
 
     def _part(self, place: TemporaryDirectory[str]) -> Path:
         return Path(place.name, f"video{self.path.suffix}")

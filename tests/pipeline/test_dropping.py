@@ -9,9 +9,9 @@ from lxml import html
 from oodscen import Study
 from oodscen._pipeline import run_study
 from oodscen._pipeline.dropping import drop_models
-from oodscen._pipeline.steps.judge import ALWAYS
 from oodscen.errors import UnknownComponent
 from oodscen.judging._constant_answerers import ConstantAnswerer
+from oodscen.judging._references import ALWAYS
 from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import SMALL, asked_about
 

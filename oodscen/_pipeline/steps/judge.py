@@ -10,7 +10,7 @@ from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.steps.scenes import simulate_behind, simulate_whole
 from oodscen.data._base import canonical_json, digest
-from oodscen.data._episode import ACTIONS, MOMENTS, Episode, moments
+from oodscen.data._episode import MOMENTS, Episode, moments
 from oodscen.data._messages import Image
 from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
@@ -36,7 +36,14 @@ from oodscen.judging._kinds import Kinds
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._people import PersonAnswers, person
 from oodscen.judging._questions import Shown, aspect_options
-from oodscen.judging._references import Blind, NoveltyReference, Oracle, is_reference, takes_cases
+from oodscen.judging._references import (
+    NAMED,
+    Blind,
+    NoveltyReference,
+    Oracle,
+    is_reference,
+    takes_cases,
+)
 from oodscen.judging._selection import choose_items
 from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
@@ -48,9 +55,6 @@ from oodscen.protocols import LLM
 from oodscen.stages._evaluate import evaluate as judge_episode
 from oodscen.stages._evaluate import unjudged_verdict
 from oodscen.study._config import StudyConfig
-
-ALWAYS = (*(f"constant:{action}" for action in ACTIONS), "random", "blind", "novelty", "oracle")
-"""Reference answerers of every study."""
 
 OPINIONS = "opinions.jsonl"
 """File with one line per distinct pair of open aspect and path that a judge model was asked about."""
@@ -251,7 +255,7 @@ def _models(
     maps = {scene.id: scene.map for scene in scenes}
     maps |= {id_of(name): place for name, place in maps.items() for id_of in (twin_id, demand_id)}
     models: dict[str, tuple[LLM, int]] = {}
-    for name in (*(f"constant:{action}" for action in ACTIONS), "random"):
+    for name in NAMED:
         models[name] = (run.models.get(name), 1)
     for reference in (Blind(episodes, leaves), NoveltyReference(pictures, maps), Oracle()):
         models[reference.name] = (reference, 1)

@@ -2,11 +2,10 @@
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from threading import Lock
-from typing import ClassVar, Literal, NamedTuple
+from typing import ClassVar, NamedTuple
 
 from oodscen._text import one_line
 from oodscen.data._additions import Addition
-from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
 from oodscen.data._prop import Prop, check_prop
@@ -15,31 +14,22 @@ from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_prop import DesignedProp, DesignProp, KnownPart
 from oodscen.protocols import LLM, Simulator
 from oodscen.stages._making.looking import PropLook, ShownProp, look_at
+from oodscen.stages._making.made import Made
 from oodscen.stages._making.recognition import PropRecogniser
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.tree._scenario_tree import ScenarioTree
 
 
-class MadeProp(Data):
+class MadeProp(Made):
     """A thing that was to be made: its design and look, or the reason why there is none."""
 
     noun: ClassVar[str] = "made prop"
 
-    id: str
-    status: Literal["ok", "failed"] = "ok"
-    error: str | None = None
-    retryable: bool = False
     prop: Prop | None = None
     """`None` if it could not be made."""
     look: PropLook | None = None
     """Its size in the simulator's pictures."""
-    reason: str = ""
-    """Why it could not be made."""
-    model: str = ""
-    """Name of the model that designed it."""
-    prompt: str = ""
-    """The question that the model was asked: `purpose@version`."""
 
 
 class Wanted(NamedTuple):
@@ -94,13 +84,7 @@ class PropMaker:
         try:
             answer = ask(self.llm, question, check=lambda answer: self._faults(answer, looks))
         except LLMError as error:
-            return MadeProp(
-                id=wanted.name,
-                status="failed",
-                error=one_line(str(error)),
-                retryable=error.retryable,
-                **asked,
-            )
+            return MadeProp.failed(wanted.name, error, **asked)
         if answer.prop is None:
             return MadeProp(id=wanted.name, reason=one_line(answer.cannot_make), **asked)
         seen = looks[answer.prop.digest()]

@@ -1,10 +1,9 @@
 """Making movements that a catalogue lacks, so that dropped branches can be shown after all."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import ClassVar, Literal, NamedTuple
+from typing import ClassVar, NamedTuple
 
 from oodscen._text import one_line
-from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
 from oodscen.data._motion import ABILITIES, Motion
@@ -13,6 +12,7 @@ from oodscen.errors import Issue, LLMError, OodscenError
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_motion import DesignedMotion, DesignMotion
 from oodscen.protocols import LLM, Control, Simulator
+from oodscen.stages._making.made import Made
 from oodscen.stages._making.making import is_id, is_makeable
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -23,23 +23,13 @@ _TRIAL_S = 3.0
 """Time for which a movement is tried in the simulator, s."""
 
 
-class MadeMotion(Data):
+class MadeMotion(Made):
     """A movement that was to be made: its design, or the reason why there is none."""
 
     noun: ClassVar[str] = "made motion"
 
-    id: str
-    status: Literal["ok", "failed"] = "ok"
-    error: str | None = None
-    retryable: bool = False
     motion: Motion | None = None
     """`None` if it could not be made."""
-    reason: str = ""
-    """Why it could not be made."""
-    model: str = ""
-    """Name of the model that designed it."""
-    prompt: str = ""
-    """The question that the model was asked: `purpose@version`."""
 
 
 class WantedMotion(NamedTuple):
@@ -77,13 +67,7 @@ class MotionMaker:
         try:
             answer = ask(self.llm, question, check=self._faults)
         except LLMError as error:
-            return MadeMotion(
-                id=wanted.name,
-                status="failed",
-                error=one_line(str(error)),
-                retryable=error.retryable,
-                **asked,
-            )
+            return MadeMotion.failed(wanted.name, error, **asked)
         reason = "" if answer.motion else one_line(answer.cannot_make)
         return MadeMotion(id=wanted.name, motion=answer.motion, reason=reason, **asked)
 

@@ -7,7 +7,7 @@ from importlib.resources import files
 from pathlib import Path
 from shutil import rmtree
 
-from oodscen._files import check_name
+from oodscen._files import check_name, writing
 from oodscen._registry import names
 from oodscen.errors import UsageError
 
@@ -49,19 +49,16 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
         "adapter.py": f"{package}/__init__.py",
         "test_adapter.py.txt": f"tests/test_{name}.py",
     }
-    try:
-        target.mkdir(parents=True)
-    except FileExistsError as error:
-        raise UsageError(f"{target} exists already") from error
-    except OSError as error:
-        raise UsageError(f"cannot write {target}: {error.strerror or error}") from error
-    try:
-        return tuple(_write(target / name, source, words) for source, name in texts.items())
-    except BaseException as error:
-        rmtree(target, ignore_errors=True)
-        if isinstance(error, OSError):
-            raise UsageError(f"cannot write {target}: {error.strerror or error}") from error
-        raise
+    with writing(target, UsageError):
+        try:
+            target.mkdir(parents=True)
+        except FileExistsError as error:
+            raise UsageError(f"{target} exists already") from error
+        try:
+            return tuple(_write(target / name, source, words) for source, name in texts.items())
+        except BaseException:
+            rmtree(target, ignore_errors=True)
+            raise
 
 
 def _write(path: Path, source: str, words: Mapping[str, str]) -> Path:
