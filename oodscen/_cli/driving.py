@@ -2,16 +2,14 @@
 
 import json
 import sys
-from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from oodscen._cli.options import json_option
-from oodscen._cli.output import bars, say
+from oodscen._cli.output import say, tracked
 from oodscen._cli.paths import PathName
-from oodscen._members import using
 
 if TYPE_CHECKING:
     from oodscen.judging._drive_board import DriveRate, DriveRow
@@ -28,18 +26,26 @@ if TYPE_CHECKING:
     "creates one; repeatable.  [default: rule-based]",
 )
 @click.option("--limit", type=click.IntRange(min=1), help="Drive at most this many scenes.")
+@click.option(
+    "--workers",
+    type=click.IntRange(0, 256),
+    default=1,
+    show_default=True,
+    help="Processes in which the drivers run; 0 for this process, for debuggers.",
+)
 @json_option
-def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool) -> None:
+def drive(
+    out: Path, drivers: tuple[str, ...], limit: int | None, workers: int, as_json: bool
+) -> None:
     """Run driving stacks in the scenes and twins of the study in the folder OUT.
 
     Writes drives.jsonl, prints the results of all drivers in it and updates the report. The exit code is 1 if a
     driver named here failed on an item; a collision is not a failure.
     """
-    from oodscen._registry import driver_maker, make_simulator
+    from oodscen._pipeline.drives import DriveJob, drive_all
     from oodscen.data._pairing import scene_of
     from oodscen.judging._drive_board import current_results, drive_board, remarks
     from oodscen.report._render import write_report
-    from oodscen.stages._drive import drive as drive_scenes
     from oodscen.study._study import Study
 
     study = Study.open(out.absolute())  # A stack may change the working folder.
@@ -47,20 +53,12 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     staged, scenarios = study.scenes, study.scenarios
     scenes = staged[:limit]
     names = drivers or ("rule-based",)
-    # What a stack prints is no part of the JSON.
-    spoken = redirect_stdout(sys.stderr) if as_json else nullcontext()
-    with spoken:
-        makers = [(name, driver_maker(name)) for name in names]
     before = study.drives
     found = {row.id: row for row in current_results(before, staged)}
-    seed = study.config.seed
-    with spoken, using(make_simulator(study.config.simulator)) as simulator:
-        for name, make in makers:
-            with bars() as progress:
-                for one in drive_scenes(
-                    scenes, make, simulator, name=name, seed=seed, progress=progress
-                ):
-                    found[one.id] = one
+    job = DriveJob(names, study.config.simulator, study.config.seed)
+    drives = drive_all(job, scenes, workers=workers)
+    for results in tracked(drives, "drive", len(names) * len(scenes)):
+        found.update((one.id, one) for one in results)
     rows = current_results(found.values(), staged)
     board = drive_board(rows, scenarios, seed=study.config.seed)
     study.store.write_lines("drives.jsonl", rows)

@@ -20,7 +20,7 @@ class Broken:
 """
 
 
-def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch) -> None:
+def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch, capfd) -> None:
     shutil.copytree(small, tmp_path / "out")
     (tmp_path / "stack_beside.py").write_text(STACK)
     monkeypatch.chdir(tmp_path)
@@ -30,7 +30,7 @@ def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch) -> N
     assert found.exit_code == 0
     assert [(row["n"], row["failed"]) for row in json.loads(found.stdout)] == [(1, 0), (1, 0)]
     scenes, twins = json.loads(found.stdout)
-    assert "a stack talks" in found.stderr
+    assert capfd.readouterr() == ("", "a stack talks\n" * 2)
     assert (scenes["kind"], twins["kind"], twins["paired"]) == ("scenes", "twins", None)
     assert scenes["paired"]["n"] == 1
     page = (tmp_path / "out" / "report.html").read_text()
@@ -56,23 +56,76 @@ def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch) -> N
     run(main, ["drive", "out"])
     assert (tmp_path / "out" / "drives.jsonl").read_text().splitlines() == drives
     assert sys.path == paths
-    sys.modules.pop("stack_beside")
+    assert "stack_beside" not in sys.modules
 
 
-def test_a_stack_may_change_the_working_folder(small, tmp_path, monkeypatch) -> None:
+def test_a_driver_runs_in_this_process_for_debuggers(small, tmp_path, monkeypatch) -> None:
+    shutil.copytree(small, tmp_path / "out")
+    (tmp_path / "stack_here.py").write_text(STACK)
+    monkeypatch.chdir(tmp_path)
+    found = CliRunner().invoke(
+        main, ["drive", "out", "--driver", "stack_here:make", "--workers", "0", "--json"]
+    )
+    assert sys.modules.pop("stack_here")
+    assert found.exit_code == 0
+    assert [row["n"] for row in json.loads(found.stdout)] == [1, 1]
+    assert "a stack talks" in found.stderr
+
+
+def test_a_stack_that_ends_its_process_fails_and_the_others_go_on(
+    small, tmp_path, monkeypatch
+) -> None:
+    shutil.copytree(small, tmp_path / "out")
+    (tmp_path / "stack_dying.py").write_text(
+        "import os\nclass Dying:\n    act = lambda *_: os._exit(0)\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    found = CliRunner().invoke(
+        main, ["drive", "out", "--driver", "stack_dying:Dying", "--driver", "rule-based"]
+    )
+    assert found.exit_code == 1
+    assert "stack_dying:Dying, scenes: 0 of 1 passed" in found.output
+    lines = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
+    drives = [
+        (row["driver"], row["status"], row.get("error", "")) for row in map(json.loads, lines)
+    ]
+    assert [row[:2] for row in drives] == [
+        ("rule-based", "ok"),
+        ("rule-based", "ok"),
+        ("stack_dying:Dying", "failed"),
+        ("stack_dying:Dying", "failed"),
+    ]
+    assert "its process died (" in drives[2][2]
+
+
+def test_a_stack_that_ends_its_process_when_it_is_made_is_refused(
+    small, tmp_path, monkeypatch
+) -> None:
+    shutil.copytree(small, tmp_path / "out")
+    (tmp_path / "stack_stillborn.py").write_text("import os\nos._exit(0)\n")
+    monkeypatch.chdir(tmp_path)
+    found = CliRunner().invoke(main, ["drive", "out", "--driver", "stack_stillborn:Driver"])
+    assert found.exit_code == 2
+    assert "ends its process when it is made" in found.output
+    assert not (tmp_path / "out" / "drives.jsonl").exists()
+
+
+def test_a_stack_may_change_the_working_folder_and_leave_a_thread(
+    small, tmp_path, monkeypatch
+) -> None:
     shutil.copytree(small, tmp_path / "out")
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "stack_moving.py").write_text(
-        "import os\n"
+        "import os, threading\n"
         "from oodscen.driving._motion.actions import Cruise\n"
+        "threading.Thread(target=threading.Event().wait).start()\n"
         "def make():\n"
         "    os.chdir(os.path.join(os.path.dirname(__file__), 'elsewhere'))\n"
         "    return Cruise()\n"
     )
     monkeypatch.chdir(tmp_path)
     found = CliRunner().invoke(main, ["drive", "out", "--driver", "stack_moving:make"])
-    sys.modules.pop("stack_moving")
-    assert os.path.samefile(os.curdir, tmp_path / "elsewhere")
+    assert os.path.samefile(os.curdir, tmp_path)
     assert found.exit_code == 0
     assert (tmp_path / "out" / "drives.jsonl").is_file()
     assert list((tmp_path / "elsewhere").iterdir()) == []
