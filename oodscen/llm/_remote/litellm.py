@@ -121,10 +121,9 @@ class LiteLLM(Brief):
         )
         self._sleep = sleep or self.limits.sleep
         self._sdk = sdk = load_litellm()
-        settings = {name: value for name, value in vars(sdk).items() if name.islower()}
         if api_base is not None:
             _check_address(api_base)
-        hide([*secrets_in({**settings, **(options or {})}), *secrets_of(api_base or "")])
+        hide([*secrets_in({**_own_settings(sdk), **(options or {})}), *secrets_of(api_base or "")])
         # litellm asks some models' servers what they can do.
         with apply_bounds(CallBounds(LOOKUP_S, max_bytes)):
             self._model, provider, address = _resolve(sdk, model, api_base)
@@ -453,6 +452,12 @@ def _responds(url: str, timeout_s: float) -> bool:
     from oodscen.llm._remote.transport import responds
 
     return responds(url, timeout_s)
+
+
+def _own_settings(sdk: Any) -> dict[str, Any]:
+    """Return the settings of litellm that can hold a user's credentials."""
+    found = {name: value for name, value in vars(sdk).items() if isinstance(value, str)}
+    return found | {"headers": sdk.headers or {}}
 
 
 def _check_address(api_base: str) -> None:

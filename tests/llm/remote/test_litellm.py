@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 import pytest
 
+from oodscen import _redaction
 from oodscen.data._messages import Image, Message
 from oodscen.errors import (
     AnswerError,
@@ -286,6 +287,16 @@ def test_no_key_is_in_any_error(planted_key, fault):
     assert KEY.encode() not in pickle.dumps(error)
     assert error.__context__ is None
     assert KEY not in repr([received.headers for received in server.received])
+
+
+def test_nothing_but_credentials_is_taken_for_one(monkeypatch) -> None:
+    sdk = load_litellm()
+    monkeypatch.setattr(sdk, "groq_key", "set-by-hand")
+    monkeypatch.setattr(sdk, "headers", {"X-Api-Key": "in-a-header"})
+    monkeypatch.setattr("oodscen._redaction._told", set())
+    LiteLLM("gpt-4o", api_base="http://127.0.0.1:9/v1", options={"api_key": KEY})
+    assert _redaction._told >= {"set-by-hand", "in-a-header", KEY}
+    assert not _redaction._told & {"max_tokens", "Optional[str]", "<|begin_of_text|>"}
 
 
 def test_a_key_that_the_server_repeats_is_hidden(planted_key):
