@@ -33,6 +33,8 @@ class PartResult(NamedTuple):
     """Broken promises; empty if the part holds or does not apply."""
     inapplicable: str = ""
     """Why there was nothing to try; empty if the part was tried."""
+    note: str = ""
+    """What the part left out; empty if nothing."""
 
     @property
     def holds(self) -> bool:
@@ -74,6 +76,8 @@ class Findings:
 
     def __init__(self) -> None:
         self.found: list[Finding] = []
+        self.note = ""
+        """What was left out."""
 
     def add(self, subject: str, message: str) -> None:
         """Record a finding."""
