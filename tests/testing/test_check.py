@@ -316,7 +316,8 @@ def test_of_a_behaviour_of_its_own_the_start_is_compared_and_the_rest_is_said() 
     assert result.holds
     assert result.note.endswith("only starts are compared: mobil")
     result, _ = examine_parts(OwnElsewhere, parts=("motion",))
-    assert any("behaviour mobil" in line and "from its place" in line for line in result.lines())
+    (line,) = result.lines()
+    assert "(mobil, mobil in an oncoming lane): starts 0.8 m from its place" in line
 
 
 class _Fixed(FlatSimulator):
