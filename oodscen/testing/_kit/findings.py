@@ -34,7 +34,7 @@ class PartResult(NamedTuple):
     inapplicable: str = ""
     """Why there was nothing to try; empty if the part was tried."""
     note: str = ""
-    """What the part left out; empty if nothing."""
+    """The things that the part left out, in words; empty if none."""
 
     @property
     def holds(self) -> bool:
@@ -77,7 +77,7 @@ class Findings:
     def __init__(self) -> None:
         self.found: list[Finding] = []
         self.note = ""
-        """What was left out."""
+        """The things that were left out, in words."""
 
     def add(self, subject: str, message: str) -> None:
         """Record a finding."""
