@@ -52,7 +52,8 @@ def examine_simulator(
         progress: True for a progress bar, or a callable; it counts the parts.
 
     Returns:
-        One finding per fault, or one that the protocol is kept; then those parts that do not apply.
+        One finding per fault, or one that the protocol is kept; then what parts left out, and those that do
+        not apply.
 
     Raises:
         UsageError: If there is no such simulator.
@@ -69,6 +70,11 @@ def examine_simulator(
     if not found:
         held = ", ".join(result.part for result in results if result.part not in idle)
         found.append(CheckResult(what, True, f"keeps the protocol ({held})"))
+    found += [
+        CheckResult(what, True, f"{result.part}: {result.note}")
+        for result in results
+        if result.note
+    ]
     return found + [
         CheckResult(what, True, f"{part} does not apply: {reason}") for part, reason in idle.items()
     ]

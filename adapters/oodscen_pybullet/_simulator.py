@@ -139,6 +139,8 @@ class PyBulletSimulator(MirrorSimulator):
             fired=[self.world.motion(name).triggered for name in self.world.ids],
             time=self.world.time,
             tilts=self.world.tilts(),
+            counts=True,
+            threads=1,
         )
 
     def draw_from(
@@ -151,6 +153,8 @@ class PyBulletSimulator(MirrorSimulator):
         time: float,
         roll_deg: float = 0.0,
         tilts: Mapping[int, tuple[float, float, float]] = MappingProxyType({}),
+        counts: bool = False,
+        threads: int = 2,
     ) -> Frame:
         """Return the picture of a camera anywhere; needs `load`, `spawn` and `place`, but no world.
 
@@ -162,6 +166,8 @@ class PyBulletSimulator(MirrorSimulator):
             time: Time since the start, s.
             roll_deg: Roll of the camera, degrees, clockwise; the sky stays level.
             tilts: Pitch and roll, rad, and the height about which it turns, m, of every tilted body by row.
+            counts: Whether to count the pixels of `Frame.unhidden`.
+            threads: Number of threads that work at the picture, which is the same with any.
         """
         assert self._loaded is not None
         corridor, scene, seed = self._loaded
@@ -205,6 +211,7 @@ class PyBulletSimulator(MirrorSimulator):
             road_height=ground,
             portal=portal,
             balls=balls,
+            threads=threads,
         )
         rgb = postprocessed(picture)
         if shot.tags is not None and balls:
@@ -213,7 +220,7 @@ class PyBulletSimulator(MirrorSimulator):
             rgb=rgb,
             depth=shot.depth,
             ids=shot.rows + np.int32(1),
-            unhidden=_unhidden(stage, view, balls),
+            unhidden=_unhidden(stage, view, balls) if counts else None,
             tags=shot.tags,
         )
 

@@ -5,7 +5,8 @@
 
 Up to the decision (`decision_s` of the scene's episode) the hero drives by itself. From there each action is
 driven with throttle, brake and steering by three drivers, who react after 0.2, 0.5 and 0.8 s; the collision
-sensor and the map tell what comes of it. Nothing but the `carla` package is used.
+sensor and the map tell what comes of it. `--friction 0.9 1 --speed 0.95 1 1.05` also varies the road's friction
+and the hero's speed at the decision. Nothing but the `carla` package is used.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import json
 import math
 import sys
 from collections.abc import Iterator
+from itertools import product
 from typing import Any, NamedTuple
 
 import carla
@@ -52,6 +54,14 @@ class Plan(NamedTuple):
     distance: float = 1.0
 
 
+class Driver(NamedTuple):
+    """What differs from drive to drive: the reaction time, s, and shares of friction and speed."""
+
+    reaction: float
+    friction: float = 1.0
+    speed: float = 1.0
+
+
 class Lane:
     """The centre line of the hero's lane and what follows it, straight on."""
 
@@ -71,8 +81,8 @@ class Lane:
         self.at = 0
         self._edges: dict[int, tuple[float, float]] = {}
 
-    def place(self, hero: Any) -> Place:
-        """Return where the hero is on the lane."""
+    def place(self, hero: Any, pace: float = 1.0) -> Place:
+        """Return where the hero is on the lane, at `pace` times the speed that the server last told."""
         here, velocity = hero.get_transform(), hero.get_velocity()
         x, y = here.location.x, -here.location.y
         while self.at + 2 < len(self.lines) and self._share(self.at, x, y) > 1.0:
@@ -85,7 +95,7 @@ class Lane:
         chord = math.hypot(bx - ax, by - ay)
         bulge = -0.5 * _wrapped(b - a) * chord * share * (1.0 - share)
         offset = (y - my) * math.cos(course) - (x - mx) * math.sin(course) - bulge
-        speed = math.hypot(velocity.x, velocity.y)
+        speed = pace * math.hypot(velocity.x, velocity.y)
         away = (max(1.0, 0.2 * speed), *looked_at(speed))
         bends = tuple(self._bend(share + one) for one in away)
         askew = _wrapped(-math.radians(here.rotation.yaw) - course)
@@ -217,7 +227,17 @@ def pedals(push: float, speed: float, steering: float) -> Any:
     return carla.VehicleControl(throttle=throttle, brake=brake, steer=-steering / LOCK)
 
 
-def drive(client: Any, scene: str, action: str, reaction: float, times: Any) -> dict[str, Any]:
+def vary(world: Any, hero: Any, driver: Driver) -> None:
+    """Give the road a driver's share of its friction, and the hero their share of its speed."""
+    if driver.friction != 1.0:
+        weather = world.get_weather()
+        weather.wetness = 100.0 - driver.friction * (100.0 - weather.wetness)
+        world.set_weather(weather)
+    if driver.speed != 1.0:
+        hero.set_target_velocity(driver.speed * hero.get_velocity())
+
+
+def drive(client: Any, scene: str, action: str, driver: Driver, times: Any) -> dict[str, Any]:
     """Drive one action from the scene's beginning; return what came of it."""
     world = client.load_world(scene)
     settings = world.get_settings()
@@ -229,16 +249,17 @@ def drive(client: Any, scene: str, action: str, reaction: float, times: Any) -> 
     blueprint = world.get_blueprint_library().find("sensor.other.collision")
     sensor, hits = world.spawn_actor(blueprint, carla.Transform(), attach_to=hero), []
     sensor.listen(lambda event: hits.append((event.frame, _role(event.other_actor))))
-    path, result = [], {"action": action, "reaction_s": reaction}
+    path, result, reaction = [], {"action": action, **driver._asdict()}, driver.reaction
     try:
         for _ in range(round(times.decision / DT) - taken):
             world.tick()
         hits.clear()
+        vary(world, hero, driver)
         box, mu = hero.bounding_box.extent, 1.0 - world.get_weather().wetness / 100.0
         lane, off_road = Lane(world.get_map(), hero.get_transform()), False
         plan, travelled, is_acting = None, 0.0, False
         for step in range(round(times.horizon / DT)):
-            place = lane.place(hero)
+            place = lane.place(hero, 1.0 if step else driver.speed)
             if plan is None or (not is_acting and step * DT >= reaction - 1e-9):
                 is_acting = step * DT >= reaction - 1e-9
                 if step == 0 and "change" in action and target_lane(action, place) is None:
@@ -275,12 +296,15 @@ def is_off_road(lane: Lane, here: Any, box: Any) -> bool:
 
 def outcomes(client: Any, scene: str, times: Any) -> Iterator[dict[str, Any]]:
     """Yield the outcome of every action and driver."""
-    for action in ACTIONS:
-        for reaction in times.reaction:
-            found = drive(client, scene, action, reaction, times)
-            yield found
-            if not found["available"] or action == "keep_speed":
-                break
+    drivers = [Driver(*one) for one in product(times.reaction, times.friction, times.speed)]
+    for action in times.action or ACTIONS:
+        for driver in drivers:
+            # Who keeps the speed has nothing to react to.
+            if action != "keep_speed" or driver.reaction == times.reaction[0]:
+                found = drive(client, scene, action, driver, times)
+                yield found
+                if not found["available"]:
+                    break
 
 
 def _role(actor: Any) -> str:
@@ -324,6 +348,9 @@ def main() -> int:
     parser.add_argument("--decision", type=float, required=True, help="s from the start")
     parser.add_argument("--horizon", type=float, default=8.0, help="s from the decision")
     parser.add_argument("--reaction", type=float, nargs="+", default=[0.2, 0.5, 0.8], help="s")
+    parser.add_argument("--friction", type=float, nargs="+", default=[1.0], help="shares")
+    parser.add_argument("--speed", type=float, nargs="+", default=[1.0], help="shares")
+    parser.add_argument("--action", choices=ACTIONS, nargs="+", help="all by default")
     parser.add_argument("--base", type=float, default=2.7, help="the hero's wheelbase, m")
     parser.add_argument("--port", type=int, default=2000)
     parser.add_argument("--json", action="store_true", help="one line of JSON per drive")
@@ -343,7 +370,7 @@ def main() -> int:
             fate = f"hits {', '.join(found['hit'])}"
         elif found.get("off_road"):
             fate = "leaves the road"
-        print(f"{action:18} after {found['reaction_s']:.1f} s: {fate}", flush=True)
+        print(f"{action:18} after {found['reaction']:.1f} s: {fate}", flush=True)
     if not times.json:
         print("safe:", ", ".join(name for name, passed in safe.items() if passed) or "nothing")
     return 0

@@ -35,12 +35,19 @@ ObservationKind = Literal["state", "frame", "both"]
 ActionKind = Literal["continuous", "discrete"]
 SMALL = Camera(width=128, height=96)
 """The camera of observations."""
+_USUAL_STEP_S = 0.1
+"""Time for which an action holds, s, if the simulator's step divides it."""
 _OBSERVATIONS, _ACTIONS = ("state", "frame", "both"), ("continuous", "discrete")
 _SHAPES: dict[str, tuple[int, ...]] = {
     "poses": (4,), "speeds": (), "gaps": (), "accelerations": (), "places": (2,),
 }  # fmt: skip
 """Shapes of a state's arrays after their first axis, the bodies."""
 _OPTIONAL = ("accelerations", "places")
+
+
+def nearest_steps(seconds: float | None, dt: float) -> int:
+    """Return the number of a simulator's steps that comes nearest to a time, or to the usual one."""
+    return max(1, round((seconds or _USUAL_STEP_S) / dt))
 
 
 class Interface(Brief):
@@ -51,7 +58,8 @@ class Interface(Brief):
         actions: `continuous`, acceleration and steering; or `discrete`, the seven actions.
         neighbours: Number of neighbours in the state.
         camera: The camera of the picture; by default the dash camera with 128 x 96 pixels.
-        step_s: Time for which an action holds, s.
+        step_s: Time for which an action holds, s; `None` for the multiple of the simulator's step that is
+            nearest to 0.1 s.
 
     Raises:
         UsageError: If a value is out of its range.
@@ -65,7 +73,7 @@ class Interface(Brief):
         actions: ActionKind = "continuous",
         neighbours: int = 6,
         camera: Camera | None = None,
-        step_s: float = 0.1,
+        step_s: float | None = None,
     ) -> None:
         for kind, value, known in (
             ("observation", observation, _OBSERVATIONS),
@@ -79,7 +87,7 @@ class Interface(Brief):
         self.actions = actions
         self.neighbours = whole_number("neighbours", neighbours, 1, 200)
         self.camera = camera or SMALL
-        self.step_s = finite_number("step_s", step_s, 0.01, 10.0)
+        self.step_s = None if step_s is None else finite_number("step_s", step_s, 0.01, 10.0)
 
     @property
     def observation_space(self) -> Space:
@@ -133,8 +141,8 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
 
     `info` has the scene's id (`scene`), the `time`, s, `collision` (a touch), `collisions` (the ids of the
     touched bodies), `off_road`, `ttc_s` (least time to collision with any body, s, infinite without one),
-    `gap_m` (least gap, m), `speed`, m/s, `progress_m` (distance along the road), and after a step the
-    `reward_terms`.
+    `gap_m` (least gap, m), `speed`, m/s, `progress_m` (distance along the road), `step_s` (time for which an
+    action holds, s), and after a step the `reward_terms`.
 
     Args:
         study: A finished study or its folder; without one and without `scenes`, three example scenes.
@@ -147,7 +155,8 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         actions: `continuous` or `discrete`.
         neighbours: Number of neighbours in the state.
         camera: The camera of frames; by default the dash camera with 128 x 96 pixels.
-        step_s: Time for which an action holds, s: a multiple of the simulator's step.
+        step_s: Time for which an action holds, s: a multiple of the simulator's step, by default the one
+            that is nearest to 0.1 s.
         reward: The weights of the reward.
         render_mode: `rgb_array`, or none.
 
@@ -172,7 +181,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         actions: ActionKind = "continuous",
         neighbours: int = 6,
         camera: Camera | None = None,
-        step_s: float = 0.1,
+        step_s: float | None = None,
         reward: Reward | None = None,
         render_mode: str | None = None,
     ) -> None:
@@ -194,8 +203,9 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             name for one in found for name in ((one.id, twin_id(one.id)) if twins else (one.id,))
         )
         """The ids that an episode can have."""
-        self._held = self._steps_of(self.interface.step_s)
-        self.metadata = {**self.metadata, "render_fps": round(1.0 / self._step_s)}
+        self._held = self._steps()
+        self.interface.step_s = self._held * self.simulator.dt
+        self.metadata = {**self.metadata, "render_fps": round(1.0 / self.interface.step_s)}
         self._prepared: dict[str, _Prepared] = {}
         self._now: _Prepared | None = None
         self._steerer = ActionDecoder(actions)
@@ -207,19 +217,16 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self.seen: Observation | None = None
         """The driver's observation of the state; `None` before the first reset."""
 
-    def _steps_of(self, seconds: float) -> int:
-        dt = self.simulator.dt
-        steps = max(1, round(seconds / dt))
-        if abs(steps * dt - seconds) > 1e-9:
+    def _steps(self) -> int:
+        """Return the number of the simulator's steps for which an action holds."""
+        dt, seconds = self.simulator.dt, self.interface.step_s
+        steps = nearest_steps(seconds, dt)
+        if seconds is not None and abs(steps * dt - seconds) > 1e-9:
             raise UsageError(
                 f"step_s is {seconds:g} s, not a multiple of the simulator's step of {dt:g} s; "
                 f"try {steps * dt:g}"
             )
         return steps
-
-    @property
-    def _step_s(self) -> float:
-        return self._held * self.simulator.dt
 
     # ------------------------------------------------------------------ Gymnasium
 
@@ -417,4 +424,5 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             "gap_m": float(state.gaps[1:].min(initial=math.inf)),
             "speed": float(state.speeds[0]),
             "progress_m": self._place() - self._start,
+            "step_s": self.interface.step_s,
         }

@@ -1,7 +1,6 @@
 """Policies as drivers, and drivers as policies."""
 
 import inspect
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, ClassVar
@@ -13,7 +12,7 @@ from oodscen._display import Brief
 from oodscen._members import conforming, described, working
 from oodscen.errors import UsageError
 from oodscen.gymnasium._acting import ActionDecoder, as_action
-from oodscen.gymnasium._env import ActionKind, Interface, ObservationKind, SceneEnv
+from oodscen.gymnasium._env import ActionKind, Interface, ObservationKind, SceneEnv, nearest_steps
 from oodscen.gymnasium._extra import gymnasium
 from oodscen.protocols import Camera, Control, Driver, MountsCamera, Observation, State
 
@@ -48,13 +47,13 @@ class PolicyDriver(Brief):
         actions: ActionKind = "continuous",
         neighbours: int = 6,
         camera: Camera | None = None,
-        step_s: float = 0.1,
+        step_s: float | None = None,
     ) -> None:
         self.interface = Interface(observation, actions, neighbours, camera, step_s)
         self._ask, self._source = _asked(policy)
         self._steerer = ActionDecoder(actions)
         self._state: State | None = None
-        self._due: float | None = None
+        self._begun: float | None = None
 
     @property
     def wants_frames(self) -> bool:
@@ -79,20 +78,30 @@ class PolicyDriver(Brief):
         """
         if self._state is None:
             raise UsageError("PolicyDriver.act(): call look(state) first")
-        late = math.inf if self._due is None else observation.time - self._due
-        if _ROUNDING_S < late < math.inf:
-            raise UsageError(
-                f"step_s is {self.interface.step_s:g} s, not a multiple of the simulator's step"
-            )
-        if late >= -_ROUNDING_S:
+        if self._is_due(observation.time):
             seen = self.interface.observed(
                 self._state, observation, observation.frame, "Observation.frame"
             )
             with working("driver", self._source):
                 action = self._ask(seen)
             self._steerer.begin(action, observation, self._source)
-            self._due = observation.time + self.interface.step_s
+            self._begun = observation.time
         return self._steerer.control(observation)
+
+    def _is_due(self, time: float) -> bool:
+        """Return whether the last action is over; by default, the second time tells how long it holds."""
+        if self._begun is None:
+            return True
+        since = round(time - self._begun, 6)
+        if self.interface.step_s is None:
+            dt = max(since, _ROUNDING_S)
+            self.interface.step_s = nearest_steps(None, dt) * dt
+        late = since - self.interface.step_s
+        if late > _ROUNDING_S:
+            raise UsageError(
+                f"step_s is {self.interface.step_s:g} s, not a multiple of the simulator's step"
+            )
+        return late >= -_ROUNDING_S
 
 
 class DriverPolicy(Brief):

@@ -168,7 +168,7 @@ def _tried(
             _PARTS[part](probe)
     except NotApplicable as reason:
         return PartResult(part, tuple(findings.found), "" if findings.found else str(reason))
-    return PartResult(part, tuple(findings.found))
+    return PartResult(part, tuple(findings.found), note=findings.note)
 
 
 def _probe(

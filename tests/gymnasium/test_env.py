@@ -175,6 +175,21 @@ def test_settings_that_make_no_sense_are_refused(made, settings):
         made(**settings)
 
 
+class Coarse(FlatSimulator):
+    """Has another step."""
+
+    dt = 0.04
+
+
+def test_the_default_step_fits_the_simulator_and_another_that_does_not_is_refused(made):
+    env = made(simulator=Coarse())
+    env.reset(seed=0)
+    info = env.step(env.action_space.sample())[4]
+    assert (info["time"], info["step_s"]) == (pytest.approx(0.08), pytest.approx(0.08))
+    with pytest.raises(UsageError, match=r"step_s is 0\.1 s, .* try 0\.08"):
+        made(simulator=Coarse(), step_s=0.1)
+
+
 def test_calls_out_of_order_and_unknown_scenes_are_refused(made, tmp_path):
     env = made()
     for call in (lambda: env.step([0.0, 0.0]), lambda: env.look(TINY)):

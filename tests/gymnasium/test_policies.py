@@ -88,6 +88,32 @@ def test_an_action_holds_as_long_as_in_the_environment_or_is_refused(simulator, 
         assert np.diff(times) == pytest.approx(step_s)
 
 
+@pytest.mark.parametrize(("dt", "step_s"), [(0.04, 0.08), (0.05, 0.1), (0.03, 0.09), (0.1, 0.1)])
+def test_by_default_an_action_holds_as_long_as_in_the_environment(dt, step_s):
+    class Stepping(FlatSimulator):
+        pass
+
+    Stepping.dt = dt
+    times = []
+
+    def policy(seen):
+        times.append(simulator.state().time)
+        return 0
+
+    with Stepping() as simulator:
+        (result,) = drive(
+            [example_scene()],
+            lambda: PolicyDriver(policy, actions="discrete"),
+            simulator,
+            twins=False,
+        )
+    assert result.status == "ok", result.error
+    assert np.diff(times) == pytest.approx(step_s)
+    env = SceneEnv(scenes=[example_scene()], simulator=Stepping())
+    assert env.interface.step_s == pytest.approx(step_s)
+    env.close()
+
+
 def test_a_policy_of_pictures_gets_those_of_its_camera(simulator):
     shapes = set()
 

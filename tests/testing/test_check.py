@@ -288,6 +288,38 @@ def test_what_cannot_be_tried_says_why() -> None:
     assert not results["catalogue"].inapplicable
 
 
+class Own(Small):
+    """Has a behaviour that no other simulator has."""
+
+    def catalogue(self):
+        kind = FLAT_CATALOGUE.behaviour("follow_lane").model_copy(
+            update={"id": "mobil", "like": "follow_lane"}
+        )
+        return SMALL.model_copy(update={"behaviours": (*SMALL.behaviours, kind)})
+
+
+class OwnElsewhere(Own):
+    """Starts that behaviour beside its place."""
+
+    def reset(self, scene, seed):
+        moved = [
+            one.model_copy(update={"placement": one.placement.model_copy(update={"offset_m": 0.8})})
+            if one.behaviour.name == "mobil"
+            else one
+            for one in scene.actors
+        ]
+        return super().reset(scene.model_copy(update={"actors": tuple(moved)}), seed)
+
+
+def test_of_a_behaviour_of_its_own_the_start_is_compared_and_the_rest_is_said() -> None:
+    result, _ = examine_parts(Own, parts=("motion",))
+    assert result.holds
+    assert result.note.endswith("only starts are compared: mobil")
+    result, _ = examine_parts(OwnElsewhere, parts=("motion",))
+    (line,) = result.lines()
+    assert "(mobil, mobil in an oncoming lane): starts 0.8 m from its place" in line
+
+
 class _Fixed(FlatSimulator):
     """What a process-bound simulator gives in no process: a sun that no process has."""
 

@@ -238,9 +238,13 @@ class Calls:
             actor.stop()
 
     def rpc_set_actor_target_velocity(self, number: Any, velocity: Any) -> None:
+        given, actor = read.vector(velocity), self.find(number, "set target velocity")
+        ahead = rotated(given, -actor.place.rotation[1])[0]
+        if actor.staged == "ego" and self._world.staged is not None:
+            self._world.staged.alter(speed=ahead)
+            return
         actor = self._own(number, "set target velocity")
-        actor.velocity = read.vector(velocity)
-        ahead = rotated(actor.velocity, -actor.place.rotation[1])[0]
+        actor.velocity = given
         dt = self._world.step
         actor.acceleration_along = (ahead - actor.speed) / dt if not actor.has_physics else 0.0
         actor.speed = ahead

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +36,9 @@ def transform_of(m: Matrix) -> Transform:
     return Transform((x, y, z), (math.degrees(pitch), math.degrees(yaw), math.degrees(roll)))
 
 
+@lru_cache(maxsize=1024)
 def mounted(parent: Transform, mount: Transform) -> Transform:
-    """Return the place in the world of something that is attached to a parent."""
+    """Return the place in the world of something that is attached to a parent; sensors of one mount share it."""
     return transform_of(matrix(parent) @ matrix(mount))
 
 

@@ -263,15 +263,10 @@ class _Streams:
     def send(self, stream: int, *parts: bytes | memoryview) -> None:
         """Send one message; a connection that does not read in time is ended."""
         length = struct.pack("<I", sum(len(part) for part in parts))
-        first = b"".join([length, *parts[:-1]])
-        last = parts[-1]
+        message = (b"".join([length, *parts[:-1]]), parts[-1])
         for connection in list(self._open.get(stream, ())):
             try:
-                if len(last) < 4096:
-                    connection.sendall(first + last)
-                else:
-                    connection.sendall(first)
-                    connection.sendall(last)
+                _send_both(connection, *message)
             except OSError:
                 self.remove(connection)
                 _end(connection)
@@ -306,6 +301,15 @@ def _listening(host: str, port: int) -> tuple[socket.socket, socket.socket]:
                     f"cannot listen on {host}, ports {port} and {port + 1}: {error}"
                 ) from None
     raise UsageError(f"cannot find two free ports on {host}")
+
+
+def _send_both(connection: socket.socket, first: bytes, last: bytes | memoryview) -> None:
+    """Send two buffers, so that the peer wakes once."""
+    sent = connection.sendmsg((first, last))
+    if sent < len(first):
+        connection.sendall(first[sent:])
+    if sent < len(first) + len(last):
+        connection.sendall(memoryview(last)[max(0, sent - len(first)) :])
 
 
 def _limit_sends(connection: socket.socket) -> None:

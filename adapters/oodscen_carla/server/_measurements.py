@@ -36,7 +36,9 @@ FARTHEST = 1000.0
 SKY, OTHER = 11, 22
 """Semantic tags of the sky and of what the drawing simulator cannot tell."""
 
-_OPAQUE = np.uint32(255 << 24)
+_OPAQUE = np.int32(-1 << 24)
+_SHOWN = np.where(np.arange(256), np.arange(256), OTHER).astype(np.uint8)
+"""Tag that a client is told, by that of the drawing simulator."""
 _AT_REST = Transform((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 _METRES_PER_DEGREE = 111_324.6
 
@@ -111,27 +113,27 @@ def picture(
     if kind == "rgb":
         return np.asarray(cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2BGRA), np.uint8)
     if kind == "depth":
-        share = np.minimum(frame.depth, np.float32(FARTHEST))
+        share = cv2.min(frame.depth, FARTHEST)
         share *= np.float32(16_777_215.0 / FARTHEST)
-        code = np.rint(share, out=share).astype("<u4")
+        code = np.rint(share, out=share).astype("<i4")
         code |= _OPAQUE
         low_first = code.view(np.uint8).reshape(*frame.depth.shape, 4)
         return np.asarray(cv2.cvtColor(low_first, cv2.COLOR_RGBA2BGRA), np.uint8)
     numbers = ids.astype(np.uint32) if kind == "instance" else np.uint32(0)
-    table = tags.astype("<u4") << 16 | (numbers & 255) << 8 | (numbers >> 8 & 255) | _OPAQUE
-    words = _behind(frame).astype("<u4")
-    words <<= 16
-    words |= _OPAQUE
+    table = tags.astype("<u4") << 16 | (numbers & 255) << 8 | (numbers >> 8 & 255) | 255 << 24
+    behind = _behind(frame)
+    nothing = np.zeros_like(behind)
+    pixels = np.asarray(cv2.merge((nothing, nothing, behind, ~nothing)), np.uint8)
     is_body = frame.ids > 0
-    words[is_body] = table[frame.ids[is_body]]
-    return words.view(np.uint8).reshape(*frame.depth.shape, 4)
+    pixels.view("<u4")[is_body, 0] = table[frame.ids[is_body]]
+    return pixels
 
 
 def _behind(frame: Frame) -> NDArray[np.uint8]:
     """Return the semantic tags of scenery and sky."""
     if frame.tags is None:
         return np.where(np.isinf(frame.depth), np.uint8(SKY), np.uint8(OTHER))
-    return np.where(frame.tags, frame.tags, np.uint8(OTHER))
+    return np.asarray(cv2.LUT(frame.tags, _SHOWN), np.uint8)
 
 
 def picture_head(width: int, height: int, fov: float) -> bytes:

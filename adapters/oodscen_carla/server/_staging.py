@@ -70,6 +70,10 @@ class StagedScene:
         """Return the bodies that the ego touches, as every simulator judges it."""
         return frozenset(self._world.state().contacts)
 
+    def alter(self, *, friction: float | None = None, speed: float | None = None) -> None:
+        """Change the road's friction or the hero's speed, m/s."""
+        self._world.alter(friction=friction, speed=speed)
+
     def advance(self, dt: float, control: VehicleControl | None) -> None:
         """Advance by whole steps of the scene, as many as the time given so far allows.
 

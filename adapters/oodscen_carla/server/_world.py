@@ -164,8 +164,10 @@ class World:
         return gone
 
     def set_weather(self, weather: WeatherParameters) -> None:
-        """Change the weather."""
+        """Change the weather; in a staged scene its wetness is the road's friction, too."""
         self.weather, self._has_own_weather = weather, True
+        if self.staged is not None:
+            self.staged.alter(friction=self.friction)
 
     @property
     def friction(self) -> float:

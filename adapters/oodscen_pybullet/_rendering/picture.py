@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from threading import Thread
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +66,8 @@ class RawPicture:
     """The end of a tunnel that the camera looks at."""
     balls: Sequence[Ball] = ()
     """Smoke, fire and dust."""
+    threads: int = 1
+    """Number of threads that develop it."""
 
 
 def postprocessed(picture: RawPicture) -> NDArray[np.uint8]:
@@ -73,7 +77,7 @@ def postprocessed(picture: RawPicture) -> NDArray[np.uint8]:
     plate = _plate(picture, rate, air)
     if is_compiled():
         image = np.empty((view.height, view.width, 3), np.uint8)
-        d.postprocess_pixels(plate, image)
+        _in_bands(plate, image, picture.threads)
     else:
         image = postprocess_arrays(plate)
     if picture.balls:
@@ -96,6 +100,18 @@ def postprocessed(picture: RawPicture) -> NDArray[np.uint8]:
             picture.time,
         )  # fmt: skip
     return image
+
+
+def _in_bands(plate: d.Plate, image: NDArray[np.uint8], threads: int) -> None:
+    """Let each of some threads develop a band of the picture."""
+    edges = [len(image) * band // threads for band in range(threads + 1)]
+    bands = [(plate, image, first, end) for first, end in pairwise(edges)]
+    others = [Thread(target=d.postprocess_pixels, args=band) for band in bands[1:]]
+    for other in others:
+        other.start()
+    d.postprocess_pixels(*bands[0])
+    for other in others:
+        other.join()
 
 
 def _plate(picture: RawPicture, rate: float, air: Sequence[float]) -> d.Plate:

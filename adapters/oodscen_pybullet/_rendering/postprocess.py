@@ -158,10 +158,9 @@ class RowBuffers(NamedTuple):
 
 
 @Kernel
-def postprocess_pixels(plate: Plate, image: U8) -> None:
-    """Develop a picture into `image`, [height, width, 3]."""
-    settings = plate.settings
-    height, width = plate.depth.shape
+def postprocess_pixels(plate: Plate, image: U8, first: int, end: int) -> None:
+    """Develop rows of a picture, from `first` to before `end`, into `image`, [height, width, 3]."""
+    settings, width = plate.settings, plate.depth.shape[1]
     line = RowBuffers(
         np.empty(width, np.float32),
         np.ones(width, np.float32),
@@ -174,7 +173,7 @@ def postprocess_pixels(plate: Plate, image: U8) -> None:
         np.empty(plate.sheet.shape[1], np.float32),
     )
     has_portal = settings[HAS_PORTAL] > _ZERO
-    for y in range(height):
+    for y in range(first, end):
         for x in range(width):
             line.clear[x] = _ONE
         if settings[HAS_SHADOW] > _ZERO:

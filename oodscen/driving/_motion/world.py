@@ -246,6 +246,14 @@ class KinematicWorld(Brief):
         )
         self.step_count += 1
 
+    def alter(self, *, friction: float | None = None, speed: float | None = None) -> None:
+        """Change the road's friction or the ego's speed, m/s, from now on; snapshots keep the speed only."""
+        if friction is not None:
+            self.friction = friction
+            self._situation = self._situation._replace(friction=friction)
+        if speed is not None:
+            self._state[0, col.SPEED] = quantised(max(0.0, speed))
+
     def snapshot(self) -> WorldSnapshot:
         """Return all changing state."""
         return WorldSnapshot(self.step_count, self._state.tobytes())

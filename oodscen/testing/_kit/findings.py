@@ -33,6 +33,8 @@ class PartResult(NamedTuple):
     """Broken promises; empty if the part holds or does not apply."""
     inapplicable: str = ""
     """Why there was nothing to try; empty if the part was tried."""
+    note: str = ""
+    """The things that the part left out, in words; empty if none."""
 
     @property
     def holds(self) -> bool:
@@ -74,6 +76,8 @@ class Findings:
 
     def __init__(self) -> None:
         self.found: list[Finding] = []
+        self.note = ""
+        """The things that were left out, in words."""
 
     def add(self, subject: str, message: str) -> None:
         """Record a finding."""

@@ -179,6 +179,35 @@ def test_a_staged_scene_moves_its_actors_and_obeys_the_hero(staged):
     assert world.staged.time == pytest.approx(1.0)
 
 
+def test_a_client_sets_the_heros_speed_and_the_friction_of_a_staged_scene(staged):
+    world = staged.world
+    hero = next(one for one in world.actors.values() if one.attributes.get("role_name") == "hero")
+    other = next(one for one in world.actors.values() if one.staged and one is not hero)
+    staged.get("set_episode_settings", [True, *world.settings[1:]])
+    assert "staged" in staged.error("set_actor_target_velocity", other.id, [1.0, 0.0, 0.0])
+    yaw = math.radians(hero.place.rotation[1])
+    ahead = [math.cos(yaw), math.sin(yaw), 0.0]
+    lost = {}
+    for wetness in (0.0, 70.0):
+        weather = [*staged.get("get_weather_parameters")]
+        weather[9] = wetness
+        staged.get("set_weather_parameters", weather)
+        staged.get("set_actor_target_velocity", hero.id, [12.0 * one for one in ahead])
+        staged.get("apply_control_to_vehicle", hero.id, [0.0, 0.0, 0.0, False, False, False, 0])
+        staged.get("tick_cue")
+        assert hero.speed == pytest.approx(12.0, abs=0.1)
+        staged.get("apply_control_to_vehicle", hero.id, [0.0, 0.0, 1.0, False, False, False, 0])
+        staged.get("tick_cue")
+        lost[wetness] = -hero.acceleration_along
+    assert lost[0.0] == pytest.approx(8.2, abs=0.1)
+    assert lost[70.0] == pytest.approx(0.3 * 9.81, abs=0.1)
+    for far in (1e6, -1e6):
+        staged.get("set_actor_target_velocity", hero.id, [far * one for one in ahead])
+        for _ in range(5):
+            staged.get("tick_cue")
+        assert all(map(math.isfinite, (*hero.place.location, hero.speed)))
+
+
 def test_after_the_last_client_the_world_begins_again(staged):
     first = list(staged.world.actors.values())[1].place
     settings_ = list(staged.world.settings)

@@ -1,6 +1,7 @@
 """The postprocessing kernel: against the law of fog, against its own shadows, against plain NumPy."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -45,6 +46,15 @@ def show(raw: Shot, *glows: Glow, **weather: object) -> np.ndarray:
     return postprocessed(
         RawPicture(raw, VIEW, conditions, light, glows, time=0.5, seed=1, road_height=0.0)
     )
+
+
+@pytest.mark.parametrize("threads", [2, 3, 7, 60])
+def test_any_number_of_threads_gives_the_same_picture(threads: int) -> None:
+    night = Weather(sun_elevation_deg=-8.0, fog_visual_range_m=80.0)
+    light = Light.of(night, 0.0, reflects_snow=False)
+    raw = RawPicture(shot(12.0, colour=90), VIEW, night, light, (), 0.5, 1, road_height=-1.4)
+    assert np.ptp(one := postprocessed(raw)) > 0
+    assert np.array_equal(one, postprocessed(replace(raw, threads=threads)))
 
 
 @given(st.floats(0, 12))
