@@ -8,7 +8,9 @@ again. Needs the extra `onnx`; the export also needs `encoder`.
 import hashlib
 import json
 import logging
+import os
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +48,7 @@ class OnnxMiniLM(MiniLM):
         folder: Another copy of the same model.
         int8: Use 8-bit weights: smaller, but less accurate. The deviation from torch is measured after the
             export, logged, and available as `error`.
-        threads: Number of threads of ONNX Runtime; by default one per core.
+        threads: Number of threads that share the texts out; by default one per core.
     """
 
     def __init__(
@@ -83,7 +85,7 @@ class OnnxMiniLM(MiniLM):
         tokenizer.no_padding()
         tokenizer.enable_truncation(_LONGEST)
         options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = self._threads
+        options.intra_op_num_threads = 1  # A pass is small: `_forward` shares the passes out instead.
         options.log_severity_level = 3
 
         def opened(content: bytes) -> tuple[Any, Any]:
@@ -124,7 +126,9 @@ class OnnxMiniLM(MiniLM):
         session, tokenizer = model
         tokens = [encoding.ids for encoding in tokenizer.encode_batch(texts)]
         vectors = np.empty((len(texts), self.dimension), np.float32)
-        for columns, places in passes([len(row) for row in tokens], _LONGEST):
+
+        def fill(one: tuple[int, list[int]]) -> None:
+            columns, places = one
             ids = np.zeros((ROWS, columns), np.int64)
             mask = np.zeros((ROWS, columns), np.int64)
             for row in range(ROWS):
@@ -133,6 +137,9 @@ class OnnxMiniLM(MiniLM):
                 mask[row, : len(own)] = 1
             (found,) = session.run(None, {"input_ids": ids, "attention_mask": mask})
             vectors[places] = found[: len(places)]
+
+        with ThreadPoolExecutor(self._threads or os.cpu_count() or 1) as pool:
+            list(pool.map(fill, passes([len(row) for row in tokens], _LONGEST)))
         return vectors
 
 
