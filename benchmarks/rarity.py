@@ -4,7 +4,7 @@ Usage: python benchmarks/rarity.py [--json] [--only PART ...] [--held-out FILE .
        python benchmarks/rarity.py --prepare FOLDER
        python benchmarks/rarity.py --picture FILE
 
-Parts: controls, held_out, coverage, model, anchors, speed, style. `--held-out` names lines of `text`, `kind` (`ordinary` or
+Parts: controls, held_out, unseen, model, anchors, speed, style. `--held-out` names lines of `text`, `kind` (`ordinary` or
 `ood`) and `log10_km` by hands that had no part in the training. `--recordings` holds a model's recorded
 answers: `draw1.jsonl`, `draw2.jsonl`, `phrased.jsonl`, `shuffled.jsonl`, each with lines of `text` and
 `log10_km`. `--prepare` writes the four questions (`draw1.md` ...) about 60 texts, one for each blind reader, who
@@ -28,17 +28,18 @@ from oodscen import Metrics, make_encoder
 from oodscen.baselines import load_controls
 from oodscen.metrics._rarity.anchors import calibrate, left_out, published_rates
 from oodscen.metrics._rarity.estimates import POPULATION, anchor_estimates
-from oodscen.metrics._rarity.head import head_for, load_head
+from oodscen.metrics._rarity.head import estimated, load_head
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.report._charts.sets import Cloud, scatter
 from oodscen.statistics._auroc import auroc, auroc_interval
 
 DATA = Path(__file__).parent / "rarity_data"
-PARTS = ("controls", "held_out", "coverage", "model", "anchors", "speed", "style")
+PARTS = ("controls", "held_out", "unseen", "model", "anchors", "speed", "style")
 ADDED = {
     "length": "{} The drive began in the morning, and it will take another hour.",
     "place names": "Near Ashford, on the way to Canterbury: {}",
     "polite words": "Please kindly note the following, thank you. {}",
+    "polite words in no list": "I regret to inform the esteemed reader of this: {}",
 }
 REGISTERS = ("paper", "terse", "verbose", "first-person")
 
@@ -65,9 +66,7 @@ class Bench:
 
     def best(self, texts: Sequence[str]) -> np.ndarray:
         """Return the head's estimates, also of texts that `Metrics.rarity` would give no figure."""
-        texts = list(texts)
-        head, vectors = head_for(self.metrics.encoder.name, lambda: self.metrics.vectors(texts))
-        return head.estimate(texts, vectors).best
+        return estimated(self.metrics.encoder.name, texts, self.metrics.vectors)[1].best
 
     def rows_of(self, *names: str) -> list[dict]:
         """Return the rated lines of files; empty without the corpora."""
@@ -124,17 +123,22 @@ def held_out(bench: Bench) -> list[Row]:
     return rows
 
 
-def coverage(bench: Bench) -> list[Row]:
-    """Cover every origin by intervals from all others, each by a fit without it."""
-    name, target = "coverage of 90 % intervals, mean over origins left out", "0.87 to 0.93"
+def unseen(bench: Bench) -> list[Row]:
+    """Cover every origin by intervals from all others, and move unseen events by a register, each by a fit without it."""
+    names = (
+        "coverage of 90 % intervals, mean over origins left out",
+        "same event, another register against natural, events left out",
+    )
+    targets = ("0.87 to 0.93", "<= 0.5")
     if not bench.rows_of("ratings.jsonl"):
-        return [not_run(name, target)]
-    from tools.rarity.train import left_out_coverage
+        return [not_run(name, target) for name, target in zip(names, targets, strict=True)]
+    from tools.rarity import train
 
-    shares = left_out_coverage(bench.ratings, bench.metrics.encoder)
+    shares, moved = train.unseen(bench.ratings, bench.metrics.encoder)
     mean = float(np.mean([*shares.values()]))
-    rows = [row(name, mean, "", target, 0.87 <= mean <= 0.93)]
-    return rows + [row(f"  {origin}", share, "", "", None) for origin, share in shares.items()]
+    rows = [row(names[0], mean, "", targets[0], 0.87 <= mean <= 0.93)]
+    rows += [row(f"  {origin}", share, "", "", None) for origin, share in shares.items()]
+    return [*rows, row(names[1], moved, "decades", targets[1], moved <= 0.5)]
 
 
 def model(bench: Bench) -> list[Row]:
@@ -237,14 +241,14 @@ def style(bench: Bench) -> list[Row]:
         elif kind in REGISTERS:
             told.append((event, line["text"]))
     told = [(event, text) for event, text in told if event in natural]
-    name, target = "same event, another register against natural", "<= 0.5"
+    name = "same event, another register against natural, in the fit"
     if not told:
-        return [*rows, not_run(name, target)]
+        return [*rows, row(name, "not run", "", "", None)]
     usual = {event: float(bench.best(found).mean()) for event, found in natural.items()}
     values = bench.best([text for _, text in told])
     moved = [abs(value - usual[event]) for value, (event, _) in zip(values, told, strict=True)]
     gap = float(np.median(moved))
-    return [*rows, row(f"{name}, {len(told)} texts", gap, "decades", target, gap <= 0.5)]
+    return [*rows, row(f"{name}, {len(told)} texts", gap, "decades", "", None)]
 
 
 def picture(bench: Bench, file: Path) -> None:

@@ -61,4 +61,5 @@ def _images(drive: PublishedDrive) -> str:
 
 
 def _names(drive: PublishedDrive) -> str:
-    return str([f"{drive.name}-{number}.jpg" for number in range(len(drive.images))])
+    """Return the names under which VLMEvalKit saves the pictures: it encodes them again, without loss as PNG."""
+    return str([f"{drive.name}-{number}.png" for number in range(len(drive.images))])

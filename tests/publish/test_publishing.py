@@ -4,6 +4,7 @@ import ast
 import base64
 import csv
 import hashlib
+import io
 import json
 import re
 import subprocess
@@ -299,6 +300,21 @@ def test_the_tsv_has_the_columns_of_vlmevalkit(data):
         assert "step by step" not in row["question"]
 
 
+def test_vlmevalkit_saves_the_pictures_without_loss(data, tmp_path):
+    """It decodes each and saves it anew under its name, of which the ending is the format."""
+    pictures = pytest.importorskip("PIL.Image")
+    csv.field_size_limit(1 << 30)
+    with (data / "vlmevalkit" / "oodscen.tsv").open(encoding="utf-8", newline="") as file:
+        row = next(csv.DictReader(file, delimiter="\t"))
+    names, held = ast.literal_eval(row["image_path"]), ast.literal_eval(row["image"])
+    for name, content in zip(names, held, strict=True):
+        published = pictures.open(io.BytesIO(base64.b64decode(content)))
+        published.save(tmp_path / name)
+        saved = pictures.open(tmp_path / name)
+        assert saved.size == published.size
+        assert saved.tobytes() == published.tobytes()
+
+
 def test_drivelm_has_a_picture_for_every_frame_and_a_right_option_for_every_question(data):
     for split in ("validation", "test"):
         scenes = json.loads((data / "drivelm" / f"{split}.json").read_text())
@@ -322,9 +338,12 @@ def test_lmms_eval_finds_what_its_files_name(data):
     utils: dict[str, Any] = {}
     exec((folder / "utils.py").read_text(), utils)
     assert functions <= utils.keys()
-    for line in (folder / "_common.yaml").read_text().splitlines():
+    common = (folder / "_common.yaml").read_text()
+    for line in common.splitlines():
         if ".parquet" in line:
             assert (folder / line.split(": ")[1]).resolve().is_file()
+    assert "generation_kwargs:\n  until: []\n" in common
+    assert "metadata:\n  version: 1.0\n" in common
     row = next(row for row in rows(data, "questions") if row["purpose"] == "choose-action")
     found = utils["process_results"](row, [row["answer"]])
     assert utils["safe"]([found["safe"]] * 1) in (0.0, 1.0) or row["kind"] != "rare"

@@ -13,7 +13,7 @@ from oodscen.encoders._check import encode
 from oodscen.encoders._similarity import Vectors, unit
 from oodscen.errors import DataError, Issue
 from oodscen.metrics._rarity.anchors import Calibration, Rate, calibrate
-from oodscen.metrics._rarity.head import Estimates, Head, head_for, load_head
+from oodscen.metrics._rarity.head import Estimates, Head, estimated, load_head
 from oodscen.metrics._rarity.plausibility import is_impossible, names_event, parts
 from oodscen.metrics._rarity.subject import is_number, names_road, repeats_word
 from oodscen.protocols import Encoder
@@ -147,9 +147,8 @@ def estimate_rarity(
 ) -> Rarity:
     """Return the offline estimate for texts; see `oodscen.metrics._rarity.head`."""
     name = space.encoder.name
-    head, vectors = head_for(name, lambda: space.vectors(texts))
+    head, found, vectors = estimated(name, texts, space.vectors)
     off_topic = set(space.guard.flags(vectors).flagged) if vectors is not None else set()
-    found = head.estimate(texts, vectors)
     per_text = []
     for place, text in enumerate(texts):
         flags = _flags(text, head, found, place)
@@ -176,8 +175,9 @@ def estimated_km(encoder: Encoder | None, text: str) -> float | None:
         `None` where the head cannot tell.
     """
     name = "" if encoder is None else encoder.name
-    head, vectors = head_for(name, lambda: unit(encode(encoder, [text])) if encoder else _NONE)
-    found = head.estimate([text], vectors)
+    head, found, _ = estimated(
+        name, [text], lambda said: unit(encode(encoder, said)) if encoder else _NONE
+    )
     if UNTOLD & set(_flags(text, head, found, 0)):
         return None
     return float(f"{10.0 ** found.best[0]:.1e}")
@@ -190,8 +190,7 @@ def anchor_estimates(space: "Space", anchors: Sequence[Rate]) -> list[float]:
         DataError: If a wording tells of no driving, of something impossible, or is not in English.
     """
     wordings = [text for rate in anchors for text in rate.texts]
-    head, vectors = head_for(space.encoder.name, lambda: space.vectors(wordings))
-    found = head.estimate(wordings, vectors)
+    head, found, _ = estimated(space.encoder.name, wordings, space.vectors)
     faults = [
         Issue("texts", f"{cut(text)!r} cannot be estimated: {flags[0]}")
         for place, text in enumerate(wordings)

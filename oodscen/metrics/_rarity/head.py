@@ -6,9 +6,9 @@ is the decimal logarithm of kilometres. It is kernel ridge regression on inducin
 Quinonero-Candela and Rasmussen, 2005), fitted by `tools/rarity/train.py`, which also says to what. Stems alone serve
 any encoder; the embedding of all-MiniLM-L6-v2 is added where that is the encoder.
 
-The interval is conformal with writers as groups: residuals come from texts of a writer who had no part in the
-fit, every writer counts alike, the parts of the baseline as one, and quantiles are taken by thirds of the estimate. It covers 90 % of texts of an origin
-like these; `docs/rarity.md` has the figures.
+A text is read without its sentences of courtesy. The ends of the interval are lines over the estimate: quantile
+regressions of the ratings on estimates of texts whose writer had no part in the fit, where every writer counts alike and
+the parts of the baseline as one. `docs/rarity.md` has what they cover.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.encoders._similarity import Vectors
-from oodscen.metrics._rarity.words import Words
+from oodscen.metrics._rarity.words import Words, plain
 
 Values = NDArray[np.float64]
 MINILM = "all-MiniLM-L6-v2@"
@@ -59,7 +59,7 @@ class Head:
         self._constant, self._gamma = float(part["constant"]), float(part["gamma"])
         self.nearest = float(part["nearest"])
         """Nearness below which the head cannot tell."""
-        self._edges, self._offsets = part["edges"], part["offsets"]
+        self._low, self._high = part["low"], part["high"]
         self._points = inducing_points(arrays, self.uses_vectors)
 
     def estimate(self, texts: Sequence[str], vectors: Vectors | None = None) -> Estimates:
@@ -80,9 +80,14 @@ class Head:
             best[block] = self._constant + rows @ self._beta + values @ self._alpha
             near[block] = values.max(axis=1)
         best = np.clip(best, -1.0, 12.0)
-        offsets = self._offsets[np.searchsorted(self._edges, best)]
+        low, high = between(best, self._low, self._high)
         known = np.array([self.words.known(text) for text in texts])
-        return Estimates(best + offsets[:, 0], best, best + offsets[:, 1], near, known)
+        return Estimates(low, best, high, near, known)
+
+
+def between(best: Values, low: Values, high: Values) -> tuple[Values, Values]:
+    """Return the ends of the intervals of estimates, by lines [2] of constant and slope."""
+    return np.minimum(low[0] + low[1] * best, best), np.maximum(high[0] + high[1] * best, best)
 
 
 def kernel(rows: NDArray[Any], points: NDArray[Any], gamma: float) -> NDArray[Any]:
@@ -113,8 +118,11 @@ def load_head(kind: str) -> Head:
         return Head(dict(found), kind)
 
 
-def head_for(encoder: str, encode: Callable[[], Vectors]) -> tuple[Head, Vectors | None]:
-    """Return the head for the encoder of this name, and the vectors if the head uses them."""
-    if encoder.startswith(MINILM):
-        return load_head("minilm"), encode()
-    return load_head("words"), None
+def estimated(
+    encoder: str, texts: Sequence[str], encode: Callable[[list[str]], Vectors]
+) -> tuple[Head, Estimates, Vectors | None]:
+    """Return the head for the encoder of this name, its estimates, and the vectors if the head uses them."""
+    said = [plain(text) for text in texts]
+    is_known = encoder.startswith(MINILM)
+    head, vectors = load_head("minilm" if is_known else "words"), encode(said) if is_known else None
+    return head, head.estimate(said, vectors), vectors

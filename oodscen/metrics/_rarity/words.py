@@ -2,7 +2,8 @@
 
 import re
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
+from typing import Final
 
 import numpy as np
 import snowballstemmer
@@ -11,6 +12,18 @@ from numpy.typing import NDArray
 _WORD = re.compile(r"[a-z]{2,}")
 _ANY_WORD = re.compile(r"\w{2,}")
 _STEMMER = snowballstemmer.stemmer("english")
+_SENTENCE = re.compile(r"(?<=[.!?:])\s+")
+_COURTEOUS: Final = """
+apologies apologise appreciate attention cheers colleague colleagues dear excuse forgive grateful greetings hello hi kind kindly obliged pardon
+please regards sincerely sir madam sorry thank thanks thankful welcome wishes yours
+"""
+_FILLING: Final = """
+advance afternoon all an and any answer are as at be below best bother by can certainly could course day do does evening everyone faithfully feel
+find following for free glad good happy has have help here hope if in information interruption is it know let look many may me might morning much
+my note notice of on or our question read reading respectfully shall should so such sure team that the there these this those time to trouble truly
+us very warm was we well were will with would you your
+"""
+"""Words that say nothing beside courteous ones."""
 
 
 def stems(text: str) -> list[str]:
@@ -21,6 +34,24 @@ def stems(text: str) -> list[str]:
 @lru_cache(maxsize=65_536)
 def _stem(word: str) -> str:
     return str(_STEMMER.stemWord(word))
+
+
+def plain(text: str) -> str:
+    """Return a text without its sentences of courtesy alone; the text itself if there are no others."""
+    said = _SENTENCE.split(text)
+    kept = [one for one in said if not _is_courtesy(one)]
+    return " ".join(kept) if 0 < len(kept) < len(said) else text
+
+
+def _is_courtesy(sentence: str) -> bool:
+    courteous, filling = _courtesy()
+    found = set(stems(sentence))
+    return not found.isdisjoint(courteous) and found <= courteous | filling
+
+
+@cache
+def _courtesy() -> tuple[frozenset[str], frozenset[str]]:
+    return frozenset(stems(_COURTEOUS)), frozenset(stems(_FILLING))
 
 
 class Words:

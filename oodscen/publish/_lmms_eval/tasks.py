@@ -20,11 +20,12 @@ doc_to_text: !function utils.doc_to_text
 doc_to_target: answer
 process_results: !function utils.process_results
 generation_kwargs:
+  until: []
   max_new_tokens: 1024
   temperature: 0
   do_sample: false
 metadata:
-  - version: 1.0
+  version: 1.0
 """
 
 
