@@ -203,7 +203,10 @@ _EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in 
 def main(context: click.Context, debug: bool) -> None:
     """Test automated driving on out-of-distribution scenarios written by language models."""
     enforce()
-    here = os.getcwd()
+    try:
+        here = os.getcwd()
+    except OSError:
+        raise UsageError("the current folder no longer exists; change to one that does") from None
     if here not in sys.path:
         sys.path.append(here)
         context.call_on_close(lambda: sys.path.remove(here))

@@ -15,7 +15,7 @@ from oodscen._cli.output import write
 from oodscen._cli.paths import READABLE, FileCommand, OutputName
 from oodscen._files import read_utf8
 from oodscen._registry import DEFAULT_LLM
-from oodscen._text import one_line
+from oodscen._text import one_line, plain, whole
 from oodscen.errors import DataError, Issue, UsageError, close_matches
 
 _NOUN = "configuration"
@@ -211,6 +211,9 @@ def init(
             vlms = tuple(filter(None, map(str.strip, named.split(","))))
         if quick is None:
             quick = click.confirm("A small study in seconds instead of the whole one?")
+    for named in (llm or "", *vlms):
+        if whole(named) != named:
+            raise UsageError(f"the model {plain(one_line(named))!r} is not valid UTF-8")
     chosen: dict[str, Any] = {"llm": llm or DEFAULT_LLM, "quick": bool(quick)}
     if vlms:
         chosen["vlm"] = list(vlms)

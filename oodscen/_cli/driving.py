@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from oodscen.judging._drive_board import DriveRate, DriveRow
     from oodscen.judging._leaderboard.scores import Estimate
 
+_SHOWN = 5
+"""Failed drives that are named."""
+
 
 @click.command()
 @click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
@@ -70,9 +73,14 @@ def drive(
         click.echo(f"report: {page.resolve()}")
     ran = {scene.id for scene in scenes}
     here = [row for row in rows if row.driver in names and scene_of(row.scene_id) in ran]
+    failed = [row for row in here if row.status == "failed"]
+    for row in failed[:_SHOWN]:
+        say(f"{row.id}: {row.error or row.error_type}", err=True)
+    if len(failed) > _SHOWN:
+        say(f"... and {len(failed) - _SHOWN} more in drives.jsonl", err=True)
     if lost := len({one.id for one in before} - {row.id for row in rows}):
         say(f"{lost} earlier results are dropped, because their scenes have changed", err=True)
-    sys.exit(any(row.status == "failed" for row in here))
+    sys.exit(bool(failed))
 
 
 def _line(row: "DriveRow") -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
+from click.core import ParameterSource
 
 from oodscen._cli.completion import ComponentName
 from oodscen._cli.exporting import claim_folder
@@ -337,6 +338,7 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
     Each variant is checked like any other scene, and against the claims of its text where a study has them. The exit
     code is 1 if some scene has fewer variants than asked for.
     """
+    from oodscen.driving import check_scene
     from oodscen.interchange import vary as draw
 
     scenes, catalogue, known = _scenes(place, simulator)
@@ -345,7 +347,9 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
         if not scenes:
             raise UsageError(f"there is no scene {wanted!r}")
     short = 0
-    for scene in scenes:
+    for scene in tracked(scenes, "vary", len(scenes)):
+        if faults := check_scene(scene, catalogue):
+            say(f"{scene.id}: cannot be staged itself: {faults[0]}", err=True)
         variants = draw(scene, catalogue, count, claims=known.claims(scene), seed=seed)
         for one in variants:
             click.echo(one.to_json())
@@ -421,6 +425,7 @@ def _scenes(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, _Known
 
     if place.is_dir():
         study = Study.open(place)
+        _refuse_other_simulator(study.config.simulator)
         catalogue = make_simulator(study.config.simulator).catalogue()
         return study.scenes, catalogue, _Known.from_study(study)
     rows = read_lines(Scene, place)
@@ -429,6 +434,16 @@ def _scenes(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, _Known
     apart = {one.id for one in demands.values()}
     scenes = [one for one in rows if one.id not in apart]
     return scenes, make_simulator(simulator).catalogue(), _Known(demands=demands)
+
+
+def _refuse_other_simulator(own: str) -> None:
+    """Refuse a named simulator that is not the study's own, which would be ignored."""
+    context = click.get_current_context()
+    is_named = context.get_parameter_source("simulator") is ParameterSource.COMMANDLINE
+    if is_named and (named := context.params["simulator"]) != own:
+        raise UsageError(
+            f"the study's scenes were made for {own}; --simulator {named} is for files"
+        )
 
 
 def _by_scene(demands: Iterable[Scene]) -> dict[str, Scene]:

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, suppress
 from pathlib import Path
@@ -282,9 +283,10 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
     """Read one value per line.
 
     Raises:
-        DataError: With every malformed line, or when the file has no lines.
+        DataError: With every malformed line and every id of several lines, or when the file has no lines.
     """
-    rows, issues = [], []
+    rows: list[Row] = []
+    issues: list[Issue] = []
     for number, line in enumerate(read_utf8(path, kind.noun).split("\n"), start=1):
         if line.strip():
             try:
@@ -293,6 +295,12 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
                 issues += [
                     Issue(f"line {number}: {i.path}".rstrip(": "), i.message) for i in error.issues
                 ]
+    counts = Counter(getattr(row, "id", None) for row in rows)
+    issues += [
+        Issue("id", f"{one!r} occurs more than once")
+        for one, count in counts.items()
+        if one is not None and count > 1
+    ]
     if not rows and not issues:
         issues.append(Issue("", f"holds no {kind.noun}"))
     if issues:

@@ -1,7 +1,6 @@
 """Commands that run one stage each."""
 
 import sys
-from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,7 +29,7 @@ from oodscen._members import close
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._base import canonical_json
 from oodscen.data._episode import REACTIONS_S
-from oodscen.errors import DataError, FolderTaken, Issue, LLMError, OodscenError, UsageError
+from oodscen.errors import FolderTaken, LLMError, OodscenError, UsageError
 from oodscen.protocols import Camera
 
 if TYPE_CHECKING:
@@ -325,10 +324,6 @@ def simulate(
     from oodscen.study._study import Study
 
     items = read_lines(Scene, scenes)
-    counts = Counter(scene.id for scene in items)
-    issues = [Issue("id", f"{one!r} occurs more than once") for one in counts if counts[one] > 1]
-    if issues:
-        raise DataError("scenes", issues, source=str(scenes))
     close(make_simulator(simulator))
     study, episodes = Study(out), {}
     camera = Camera(width or Camera.width, height or Camera.height)

@@ -16,7 +16,7 @@ from oodscen._registry import driver_maker, make_simulator
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import twin_id
 from oodscen.data._scene import Scene
-from oodscen.errors import UsageError
+from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.protocols import Simulator
 from oodscen.stages._drive import MakeDriver, drive, failed_drive
 
@@ -67,7 +67,9 @@ def drive_all(job: DriveJob, scenes: Sequence[Scene], *, workers: int = 1) -> It
         for future in as_completed(futures):
             try:
                 yield future.result()
-            except BrokenExecutor as error:
+            except RunStopped:
+                raise
+            except (BrokenExecutor, OodscenError) as error:
                 yield _failed(*futures[future], error)
 
 
@@ -102,7 +104,7 @@ def _drive_one(job: DriveJob, name: str, scene: Scene) -> Results:
     return drive([scene], makers[name], simulator, name=name, seed=job.seed)
 
 
-def _failed(name: str, scene: Scene, error: BrokenExecutor) -> Results:
+def _failed(name: str, scene: Scene, error: Exception) -> Results:
     """Return the failed results of a scene and its twin."""
     dead = [failed_drive(one, name, error) for one in (scene.id, twin_id(scene.id))]
     return [one.model_copy(update={"made_from": scene.digest()}) for one in dead]

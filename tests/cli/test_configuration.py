@@ -119,6 +119,16 @@ def test_init_takes_defaults_in_a_pipe_and_keeps_a_file(tmp_path, monkeypatch):
     }
 
 
+def test_init_refuses_names_that_are_no_text(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("oodscen._cli.configuration.is_terminal", lambda: True)
+    monkeypatch.setattr("click.prompt", lambda *_, **__: "model-\udcff")
+    done = invoke("init", "--quick")
+    assert done.exit_code == 2
+    assert "is not valid UTF-8" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_init_asks_three_questions_in_a_terminal(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("oodscen._cli.configuration.is_terminal", lambda: True)

@@ -166,3 +166,28 @@ def test_variants_are_scenes(tmp_path):
     rows = [json.loads(line) for line in done.stdout.splitlines()]
     assert [row["id"] for row in rows] == [f"{SCENES[10].id}.v00{n}" for n in (1, 2)]
     assert run("vary", path, "--scene", "nobody").exit_code == 2
+
+
+@pytest.mark.parametrize("command", [("export", "-o", "files"), ("vary",)])
+def test_a_file_with_two_scenes_of_one_id_is_refused(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "scenes.jsonl"
+    path.write_text(f"{SCENES[10].to_json()}\n" * 2)
+    done = run(command[0], path, *command[1:])
+    assert done.exit_code == 2
+    assert "occurs more than once" in done.stderr
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_variants_of_what_cannot_be_staged_say_why(tmp_path):
+    path = tmp_path / "scenes.jsonl"
+    path.write_text(SCENES[10].model_copy(update={"map": "nowhere"}).to_json())
+    done = run("vary", path, "-n", 1)
+    assert done.exit_code == 1
+    assert "cannot be staged itself: map: unknown map 'nowhere'" in done.stderr
+
+
+def test_another_simulator_than_the_study_s_own_is_refused(study):
+    done = run("vary", study, "--simulator", "pybullet")
+    assert done.exit_code == 2
+    assert "were made for flat" in done.stderr

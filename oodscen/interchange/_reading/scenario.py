@@ -135,9 +135,11 @@ class _Assembly:
         self.root = tree.root
         self.catalogue = catalogue
         self.hazards = hazards
-        self.entities = {
-            one.get("name"): one for one in self.root.all("Entities", "ScenarioObject")
-        }
+        self.entities: dict[str, Node] = {}
+        for one in self.root.all("Entities", "ScenarioObject"):
+            if one.get("name") in self.entities:
+                raise one.fault(f"the name {one.get('name')!r} occurs more than once")
+            self.entities[one.get("name")] = one
         self.ego = self._ego_name()
         self.map = road or self._own_map()
         is_mapped = road is None

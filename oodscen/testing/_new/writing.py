@@ -29,8 +29,8 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
     """
     if not _NAME.fullmatch(name) or keyword.iskeyword(name):
         raise UsageError(
-            f"{name[:60]!r} cannot be the name of a simulator: use small letters, digits and underscores, "
-            "e.g. my_simulator"
+            f"{name[:60]!r} cannot be the name of a simulator: use at most 41 small letters, digits and "
+            "underscores after a letter, and no word of Python, e.g. my_simulator"
         )
     if name in names("simulator"):
         raise UsageError(f"a simulator called {name!r} is installed already; choose another name")

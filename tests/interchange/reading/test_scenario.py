@@ -153,6 +153,11 @@ def test_another_major_version_is_refused(major, foreign):
     assert "revMajor" in caught.value.issues[0].path
 
 
+def test_two_entities_of_one_name_are_refused(foreign):
+    with pytest.raises(DataError, match="'Ego' occurs more than once"):
+        foreign(FOREIGN.replace('name="Other"', 'name="Ego"'))
+
+
 @pytest.mark.parametrize("minor", ["", "4", "99"])
 def test_an_unknown_minor_version_is_noted(minor, foreign):
     found = foreign(FOREIGN.replace('revMinor="0"', f'revMinor="{minor}"'))
