@@ -66,7 +66,7 @@ class Context:
         self.threads = self.models.threads(self.config.llm)
         for name in self.config.models:
             self.models.get(name)
-        self.models.check_judged()
+        self.models.check_names()
         rarity_llm = self.config.rarity_llm
         self.rarity_llm = None if rarity_llm is None else self.models.get(rarity_llm)
         if not self.has("metrics.json"):

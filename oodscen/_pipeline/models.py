@@ -62,7 +62,7 @@ class Models:
         """Return how many questions a model may be asked at once."""
         return 1 if is_builtin(name) else self.limits.concurrency
 
-    def check_judged(self) -> None:
+    def check_names(self) -> None:
         """Check that every answerer to be judged has a name of its own, under which its verdicts are kept.
 
         Raises:

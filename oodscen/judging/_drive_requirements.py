@@ -12,8 +12,8 @@ from oodscen.judging._items import Floats, Mask
 from oodscen.judging._leaderboard.requirements import (
     ALPHA,
     Bar,
-    BarTest,
     RequirementResult,
+    RequirementTest,
     grade_of,
 )
 
@@ -66,7 +66,7 @@ def _grade(
     tests = []
     for bar in bars:
         values, missing = _columns(bar.figure, drives)
-        tests.append(BarTest(clusters, values, missing, bar, seed))
+        tests.append(RequirementTest(clusters, values, missing, bar, seed))
     scenes = sum(not one.is_twin for one in drives)
     return grade_of(name, tests, level, scenes / max(len(set(clusters)), 1))
 

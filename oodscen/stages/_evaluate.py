@@ -91,8 +91,8 @@ def evaluate(
     key = AnswerKey.of(episode, Truth(tuple(path), leaf, tuple(visible)), options)
     if takes_cases(vlm):
         case = Case(episode, key.path, leaf, options, episode.frames)
-        return score_answers(key, _judged_directly(vlm, case, protocol), judge)
-    asked = _Asked(vlm, protocol, is_chain=is_paper or (chain and not withheld))
+        return score_answers(key, _answers_of_reference(vlm, case, protocol), judge)
+    asked = _Interview(vlm, protocol, is_chain=is_paper or (chain and not withheld))
     shown = Shown.of(episode, frames, is_present=not is_paper, rear=rear)
     if withheld:
         shown = shown.without_pictures()
@@ -138,7 +138,7 @@ def unjudged_verdict(
 
 
 @dataclass
-class _Asked:
+class _Interview:
     """Asks the questions about one item, and keeps failures and notes on how answers were read."""
 
     llm: LLM
@@ -225,7 +225,7 @@ _DESCRIBING = AnswerReader(
 # ------------------------------------------------------------------ references
 
 
-def _judged_directly(reference: Any, case: Case, protocol: Protocol) -> GivenAnswers:
+def _answers_of_reference(reference: Any, case: Case, protocol: Protocol) -> GivenAnswers:
     answers = reference.judge(case)
     fields: dict[str, Any] = {
         "is_ood": answers.is_ood,

@@ -329,7 +329,7 @@ def _details(wanted: Details | None, digest: CatalogueDigest) -> Details | None:
     return wanted if is_posed and set(wanted.parts) <= set(digest.parts) else None
 
 
-def told_traffic(part: TrafficActor, scene: StagedActors, named: tuple[Thing, ...]) -> list[Actor]:
+def named_traffic(part: TrafficActor, scene: StagedActors, named: tuple[Thing, ...]) -> list[Actor]:
     """Return the ordinary road user that the text mentions, if the road has a lane for it.
 
     Args:

@@ -17,7 +17,7 @@ from oodscen.author._knowledge.base import (
 )
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._staging import decision_timing as timing
-from oodscen.author._staging.actors import StagedActors, cast, told_traffic
+from oodscen.author._staging.actors import StagedActors, cast, named_traffic
 from oodscen.author._staging.anchors import LANDMARKS, has_landmarks, root
 from oodscen.author._staging.aside import moved_aside
 from oodscen.author._staging.background_traffic import (
@@ -118,7 +118,7 @@ class Stager:
                 if part.hazard:
                     unusual[actor.id] = counterpart
         if traffic is not None and traffic.actor is not None:
-            actors += told_traffic(traffic.actor, scene, others)
+            actors += named_traffic(traffic.actor, scene, others)
         is_told = is_dense or (traffic is not None and traffic.key == "follower")
         if tailgater is not None and (scene.is_followed or is_told):
             actors += follower(tailgater, scene, actors)

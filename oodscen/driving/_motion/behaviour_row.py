@@ -18,7 +18,7 @@ PlainAction = Literal["", "none", "stop", "lane_change", "walk"]
 
 
 @dataclass(frozen=True)
-class BuiltInBehaviour:
+class BehaviourRow:
     """One behaviour of the kinematic world."""
 
     code: Code

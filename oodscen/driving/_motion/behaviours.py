@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from oodscen.data._catalogue import BehaviourKind, BehaviourParameter
 from oodscen.data._category import Category
 from oodscen.driving._motion.behaviour_kernels import Code
-from oodscen.driving._motion.behaviour_row import BuiltInBehaviour
+from oodscen.driving._motion.behaviour_row import BehaviourRow
 
 QUICKNESS: dict[str, float] = {"pedestrian": 2.5, "animal": 6.0, "cyclist": 1.5, "object": 4.0}
 """Acceleration of actors that walk, ride or blow along, by category, m/s^2; 2.5 for the others."""
@@ -41,7 +41,7 @@ _LANES = _number(-3, 3, 1, "lanes to the left as the ego sees it; negative is to
 _DURATION = "s that the move to the side takes"
 
 _ROWS = (
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.STAND,
         "stays where it is",
         _ANYBODY,
@@ -52,7 +52,7 @@ _ROWS = (
         course="place",
         has_trigger=False,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.FOLLOW_LANE,
         "drives in its lane and keeps a safe distance to whatever is ahead of it",
         _DRIVERS,
@@ -70,7 +70,7 @@ _ROWS = (
         moves_before_trigger=True,
         has_trigger=False,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.WRONG_WAY,
         "drives against its lane's direction and yields to nobody",
         _DRIVERS,
@@ -82,7 +82,7 @@ _ROWS = (
         moves_before_trigger=True,
         has_trigger=False,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.CUT_IN,
         "drives in its lane; at the trigger moves over by some lanes",
         _DRIVERS,
@@ -95,7 +95,7 @@ _ROWS = (
         holds_brake=True,
         moves_before_trigger=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.HARD_BRAKE,
         "drives in its lane; at the trigger brakes hard until it stands",
         _DRIVERS,
@@ -108,7 +108,7 @@ _ROWS = (
         holds_brake=True,
         moves_before_trigger=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.STALL,
         "drives in its lane; at the trigger loses its drive and rolls to a stop",
         _DRIVERS,
@@ -120,7 +120,7 @@ _ROWS = (
         plain_action="stop",
         moves_before_trigger=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.STOP_AND_GO,
         "drives in its lane; from the trigger on stops and starts again and again",
         _DRIVERS,
@@ -133,7 +133,7 @@ _ROWS = (
         holds_brake=True,
         moves_before_trigger=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.HALT,
         "drives in its lane; at the trigger slows down smoothly, stands for a while and drives on",
         _DRIVERS,
@@ -148,7 +148,7 @@ _ROWS = (
         holds_brake=True,
         moves_before_trigger=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.REVERSE,
         "stands; at the trigger drives backwards",
         ("vehicle",),
@@ -161,7 +161,7 @@ _ROWS = (
         keeps_heading=True,
         drives_from_rest=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.SWERVE,
         "drives in its lane; from the trigger on weaves from side to side",
         _DRIVERS,
@@ -178,7 +178,7 @@ _ROWS = (
         moves_before_trigger=True,
         has_chance=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.PULL_OUT,
         "stands at the roadside; at the trigger accelerates and moves into the lane",
         _DRIVERS,
@@ -193,7 +193,7 @@ _ROWS = (
         tags=("MotionAccelerate", "MotionDrive"),
         drives_from_rest=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.U_TURN,
         "drives in its lane; at the trigger turns left across the road and drives back",
         _DRIVERS,
@@ -204,7 +204,7 @@ _ROWS = (
         tags=("MotionUTurn",),
         moves_before_trigger=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.CROSS_ROAD,
         "stands; at the trigger moves along its own heading for a distance",
         _WALKERS,
@@ -219,7 +219,7 @@ _ROWS = (
         keeps_heading=True,
         reaches_farther=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.HESITATE,
         "stands; at the trigger moves along its heading, pauses and goes back",
         _WALKERS,
@@ -236,7 +236,7 @@ _ROWS = (
         course="place",
         reaches_farther=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.WALK_ALONG,
         "moves along its own heading from the trigger on",
         _WALKERS,
@@ -250,7 +250,7 @@ _ROWS = (
         course="heading",
         keeps_heading=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.BOLT,
         "stands; at the trigger runs along its own heading",
         ("animal", "pedestrian"),
@@ -265,7 +265,7 @@ _ROWS = (
         keeps_heading=True,
         reaches_farther=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.WOBBLE,
         "rides in its lane; from the trigger on sways from side to side",
         _DRIVERS,
@@ -281,7 +281,7 @@ _ROWS = (
         moves_before_trigger=True,
         has_chance=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.DRIFT,
         "drives in its lane; from the trigger on slowly leaves it",
         _DRIVERS,
@@ -295,7 +295,7 @@ _ROWS = (
         tags=("MotionDrive",),
         moves_before_trigger=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.CUT_OUT,
         "drives ahead in its lane and minds moving traffic only; at the trigger moves "
         "over by some lanes and reveals what it hid",
@@ -308,7 +308,7 @@ _ROWS = (
         holds_brake=True,
         moves_before_trigger=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.OVERTAKE,
         "drives in its lane; from the trigger on passes with a shift to the side, "
         "yields little, and moves back once the ego is behind it",
@@ -322,7 +322,7 @@ _ROWS = (
         tags=("MotionOvertake",),
         moves_before_trigger=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.RUN_RED,
         "drives along its own heading from the start, whatever the trigger and the "
         "lights say, and yields to nobody",
@@ -335,7 +335,7 @@ _ROWS = (
         moves_before_trigger=True,
         has_trigger=False,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.ROLL_AWAY,
         "stands; at the trigger rolls along its heading without a driver",
         ("vehicle", "object", "work_zone"),
@@ -347,7 +347,7 @@ _ROWS = (
         tags=("MotionSlide",),
         keeps_heading=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.WANDER,
         "stands; from the trigger on mills about its place",
         ("pedestrian", "animal"),
@@ -358,7 +358,7 @@ _ROWS = (
         course="place",
         has_chance=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.DART,
         "stands; at the trigger sprints along its own heading and stops after a distance",
         ("pedestrian", "animal", "cyclist", "object"),
@@ -370,7 +370,7 @@ _ROWS = (
         plain_action="walk",
         keeps_heading=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.FALL,
         "rides on another actor; at the trigger falls off, lands, and slides to rest",
         ("object", "vegetation", "work_zone", "vehicle", "cyclist", "animal"),
@@ -384,7 +384,7 @@ _ROWS = (
         tags=("MotionSlide",),
         leaves_ground=True,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.TOWED,
         "follows another actor like a trailer, drawn at that one's tail",
         ("vehicle", "cyclist", "object", "work_zone"),
@@ -394,7 +394,7 @@ _ROWS = (
         course="lane",
         has_trigger=False,
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.OPEN_DOOR,
         "belongs to the side of another actor; at the trigger swings open about its front edge",
         ("object",),
@@ -405,7 +405,7 @@ _ROWS = (
         needs_other=True,
         doing="swinging open",
     ),
-    BuiltInBehaviour(
+    BehaviourRow(
         Code.BLOWN,
         "stands; from the trigger on the wind drives it along its heading in gusts",
         ("object", "vegetation", "work_zone"),
@@ -421,13 +421,13 @@ _ROWS = (
     ),
 )
 
-BUILT_IN: Mapping[str, BuiltInBehaviour] = {row.kind.id: row for row in _ROWS}
+BUILT_IN: Mapping[str, BehaviourRow] = {row.kind.id: row for row in _ROWS}
 """All behaviours of the kinematic world, by id."""
 BEHAVIOURS: tuple[BehaviourKind, ...] = tuple(row.kind for row in _ROWS)
 """Their entries in the catalogues of mirror simulators."""
 
 
-def having(fits: Callable[[BuiltInBehaviour], bool]) -> tuple[str, ...]:
+def having(fits: Callable[[BehaviourRow], bool]) -> tuple[str, ...]:
     """Return the ids of the behaviours whose rows fit."""
     return tuple(row.kind.id for row in _ROWS if fits(row))
 

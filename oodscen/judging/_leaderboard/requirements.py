@@ -168,13 +168,13 @@ def _grade(
     for bar in bars:
         ratio = known[bar.figure]
         values = np.where(ratio.is_there, ratio.above, np.nan)
-        tests.append(BarTest(items.clusters, values, ratio.missing(sheet), bar, seed))
+        tests.append(RequirementTest(items.clusters, values, ratio.missing(sheet), bar, seed))
     per_path = items.count(items.is_scene) / max(len(set(items.clusters)), 1)
     return grade_of(model, tests, level, per_path)
 
 
 def grade_of(
-    name: str, tests: Sequence["BarTest"], level: float, per_path: float
+    name: str, tests: Sequence["RequirementTest"], level: float, per_path: float
 ) -> RequirementResult:
     """Return the grade of one model, or driving stack, by the tests of its bars.
 
@@ -201,7 +201,10 @@ def grade_of(
 
 
 def _times(
-    tests: Sequence["BarTest"], results: Sequence[BarResult], level: float, level_each: float
+    tests: Sequence["RequirementTest"],
+    results: Sequence[BarResult],
+    level: float,
+    level_each: float,
 ) -> float | None:
     """Return how many times as large the study must be to tell, if its figures stay as they are."""
     falling = [t for test in tests if (t := test.times(level_each, is_met=False)) is not None]
@@ -215,7 +218,7 @@ def _times(
     return None if None in rising else max(one for one in rising if one is not None)
 
 
-class BarTest:
+class RequirementTest:
     """The test of one bar: gaps of every path, with missing answers against the word that is tested.
 
     Args:

@@ -83,7 +83,7 @@ class Findings:
         """Record a finding."""
         self.found.append(Finding(subject, message))
 
-    def that(self, holds: object, subject: str, message: str) -> None:
+    def expect(self, holds: object, subject: str, message: str) -> None:
         """Record a finding if the condition does not hold."""
         if not holds:
             self.add(subject, message)

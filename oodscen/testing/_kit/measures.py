@@ -109,7 +109,7 @@ def _check_run(probe: Probe, scene: Scene, control: Drive, what: str) -> None:
         states.append(state)
         seen.append(probe.simulator.observe())
     fault = gap_fault(states, scene, probe.catalogue)
-    found.that(not fault, what, fault)
+    found.expect(not fault, what, fault)
     for one in (
         _places(staged, states),
         _accelerations(states, probe.simulator.dt),
@@ -118,7 +118,7 @@ def _check_run(probe: Probe, scene: Scene, control: Drive, what: str) -> None:
         _off_road(staged, states),
         *_observations(staged, states, seen),
     ):
-        found.that(not one, what, one)
+        found.expect(not one, what, one)
 
 
 def _places(staged: StagedScene, states: Sequence[State]) -> str:

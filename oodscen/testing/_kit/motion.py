@@ -178,11 +178,11 @@ def _check_starts(probe: Probe) -> None:
     one, other = _both(probe, scene, _constantly(Control()), seconds=1.0)
     for row, actor in enumerate(actors, start=1):
         fault = _start_fault(one, other, row)
-        probe.findings.that(
+        probe.findings.expect(
             not fault, f"actor {actor.asset} at {actor.placement.offset_m:g} m", fault
         )
         way = float(np.linalg.norm(one.poses[-1, row, :2] - one.poses[0, row, :2]))
-        probe.findings.that(way < START_M, f"actor {actor.asset}", "moves though it should stand")
+        probe.findings.expect(way < START_M, f"actor {actor.asset}", "moves though it should stand")
 
 
 # ------------------------------------------------------------------ the ego
@@ -199,7 +199,7 @@ def _check_ego(probe: Probe) -> None:
         scene = probe.scene(speed=speed)
         one, other = _both(probe, scene, _constantly(control), seconds=1.5)
         fault = _start_fault(one, other, 0)
-        probe.findings.that(not fault, "ego", fault)
+        probe.findings.expect(not fault, "ego", fault)
         told, wanted = (float(t.speeds[-1, 0] - t.speeds[0, 0]) for t in (one, other))
         if not abs(told - wanted) <= 0.3 + CONTROL * abs(wanted):
             message = f"{name} changes its speed by {told:.1f} m/s in 1.5 s, not {wanted:.1f}"
@@ -209,7 +209,7 @@ def _check_ego(probe: Probe) -> None:
             message = f"{name} turns it by {told:.1f} degrees in 1.5 s, not {wanted:.1f}"
             probe.findings.add("ego", message)
         apart = float(np.linalg.norm(one.poses[-1, 0, :2] - other.poses[-1, 0, :2]))
-        probe.findings.that(
+        probe.findings.expect(
             apart <= 1.5, "ego", f"{name} ends {apart:.1f} m from the reference after 1.5 s"
         )
 
@@ -232,7 +232,7 @@ def _check_friction(probe: Probe) -> None:
         is_like = abs(told - wanted) <= 0.5 + 0.3 * abs(wanted)
         is_like &= abs(turned - turning) <= 3.0 + 0.3 * abs(turning)
         message = f"{name} at friction {least:g} does not stay within the grip"
-        probe.findings.that(is_like, "ego", message)
+        probe.findings.expect(is_like, "ego", message)
 
 
 def _check_contact(probe: Probe) -> None:
@@ -241,10 +241,10 @@ def _check_contact(probe: Probe) -> None:
     scene = probe.scene(probe.still(box, ahead=15.0), speed=8.0)
     states = probe.run(scene, follow_lane, steps=round(3.0 / probe.simulator.dt))
     touched = [state.step for state in states if state.contacts]
-    probe.findings.that(touched, "ego", f"drives through a {box.id} without a contact")
+    probe.findings.expect(touched, "ego", f"drives through a {box.id} without a contact")
     way = float(np.linalg.norm(states[-1].poses[0, :2] - states[0].poses[0, :2]))
     message = f"covers {way:.0f} m through a {box.id} in 3 s at 8 m/s: a contact must not stop it"
-    probe.findings.that(way > 18.0, "ego", message)
+    probe.findings.expect(way > 18.0, "ego", message)
 
 
 # ------------------------------------------------------------------ actors
@@ -291,7 +291,7 @@ def _slower(kind: BehaviourKind) -> dict[str, float]:
 def _compare(probe: Probe, scene: Scene, kind: BehaviourKind, what: str) -> None:
     one, other = _both(probe, scene, _constantly(Control()), seconds=_LAST_S)
     start = _start_fault(one, other, 1)
-    probe.findings.that(not start, what, start)
+    probe.findings.expect(not start, what, start)
     if start or kind.id not in BUILT_IN:
         return
     actor = scene.actors[0]

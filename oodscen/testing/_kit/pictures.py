@@ -44,12 +44,12 @@ def check_frames(probe: Probe) -> None:
         for fault in frame_faults(frame, camera, 2):
             probe.findings.add("", fault)
         is_shown = bool((frame.ids == 2).any())
-        probe.findings.that(is_shown, f"asset {size.id}", "20 m ahead has no pixel with id 2")
+        probe.findings.expect(is_shown, f"asset {size.id}", "20 m ahead has no pixel with id 2")
     for _ in range(round(1.0 / probe.simulator.dt)):
         probe.simulator.step(Control())
     probe.simulator.render(probe.camera())
     is_kept = all(rgb.tobytes() == before for rgb, before in kept)
-    probe.findings.that(is_kept, "", "a later render changed an earlier frame")
+    probe.findings.expect(is_kept, "", "a later render changed an earlier frame")
 
 
 def check_pictures(probe: Probe) -> None:
@@ -281,7 +281,7 @@ def _check_roads(probe: Probe) -> None:
         probe.simulator.step(Control(0.0, 0.1))
     last = probe.simulator.render(camera).rgb.astype(np.int16)
     change = float(np.abs(last - first).mean())
-    probe.findings.that(change > 1.0, "", "the picture does not change while the ego turns away")
+    probe.findings.expect(change > 1.0, "", "the picture does not change while the ego turns away")
 
 
 # ------------------------------------------------------------------ order, leftovers, side effects
@@ -303,13 +303,13 @@ def _check_order(probe: Probe) -> None:
     frame = probe.simulator.render(camera)
     far, close = (int((frame.ids == row).sum()) for row in (2, 3))
     is_hidden = far <= 0.35 * close
-    probe.findings.that(
+    probe.findings.expect(
         is_hidden, "", f"a hidden body shows {far} pixels, the one before it {close}"
     )
     if frame.unhidden is not None:
         told = int(frame.unhidden[1])
         what = f"unhidden counts {told} pixels of a hidden body, of which {far} show"
-        probe.findings.that(told > far or far > 0.3 * close, "", what)
+        probe.findings.expect(told > far or far > 0.3 * close, "", what)
 
 
 def _check_leftovers(probe: Probe) -> None:
@@ -323,10 +323,10 @@ def _check_leftovers(probe: Probe) -> None:
     probe.simulator.reset(empty, 0)
     after = probe.simulator.render(camera)
     left = int((after.ids > 1).sum())
-    probe.findings.that(left == 0, "", f"{left} pixels of a body of the scene before are shown")
+    probe.findings.expect(left == 0, "", f"{left} pixels of a body of the scene before are shown")
     apart = np.abs(after.rgb.astype(np.int16) - before.rgb.astype(np.int16)).max(axis=2)
     changed = float((apart >= 2 * CHANGED).mean())
-    probe.findings.that(changed < 0.02, "", f"{changed:.0%} of the picture show the scene before")
+    probe.findings.expect(changed < 0.02, "", f"{changed:.0%} of the picture show the scene before")
 
 
 def _check_rendering(probe: Probe) -> None:
@@ -342,4 +342,4 @@ def _check_rendering(probe: Probe) -> None:
                 probe.simulator.observe()
             prints.append(probe.simulator.step(Control(0.0, 0.01)).fingerprint())
         runs.append(prints)
-    probe.findings.that(runs[0] == runs[1], "", "rendering changes the run")
+    probe.findings.expect(runs[0] == runs[1], "", "rendering changes the run")

@@ -19,10 +19,10 @@ def check_determinism(probe: Probe) -> None:
             again = run_bytes(probe.simulator, scene, camera, seed=3)
             fresh = run_bytes(other, scene, camera, seed=3)
             what = f"scene {scene.id}"
-            probe.findings.that(
+            probe.findings.expect(
                 again == expected, what, "another result after other scenes had run"
             )
-            probe.findings.that(fresh == expected, what, "another result from a fresh simulator")
+            probe.findings.expect(fresh == expected, what, "another result from a fresh simulator")
 
 
 def check_controls(probe: Probe) -> None:
@@ -39,13 +39,13 @@ def check_controls(probe: Probe) -> None:
         ends[name] = probe.simulator.observe()
         speed = float(state.speeds[0])
         agrees = abs(ends[name].speed - speed) < 1e-6 and abs(ends[name].time - state.time) < 1e-6
-        probe.findings.that(agrees, "", f"after {name} observation and state disagree")
+        probe.findings.expect(agrees, "", f"after {name} observation and state disagree")
     faster = ends["accelerating"].speed > ends["coasting"].speed > ends["braking"].speed
-    probe.findings.that(faster, "", "accelerating and braking do not change the speed so")
-    probe.findings.that(ends["braking"].speed >= 0.0, "", "braking makes the ego reverse")
+    probe.findings.expect(faster, "", "accelerating and braking do not change the speed so")
+    probe.findings.expect(ends["braking"].speed >= 0.0, "", "braking makes the ego reverse")
     left, right = ends["steering left"].offset_m, ends["steering right"].offset_m
     is_left = left > ends["coasting"].offset_m > right
-    probe.findings.that(is_left, "", "left must be positive")
+    probe.findings.expect(is_left, "", "left must be positive")
 
 
 def _always(control: Control) -> Callable[[object], Control]:
@@ -73,7 +73,7 @@ def check_snapshot(probe: Probe) -> None:
             after = [simulator.step(_weaving(later)).fingerprint() for later in range(step, 60)]
             is_same = after == states[step:]
             what = "what follows a restored snapshot differs"
-            probe.findings.that(is_same, f"scene {scene.id}", what)
+            probe.findings.expect(is_same, f"scene {scene.id}", what)
             if not is_same:
                 break
         simulator.reset(scene, 1)
@@ -82,7 +82,7 @@ def check_snapshot(probe: Probe) -> None:
             simulator.step(_weaving(step))
         state = simulator.restore(began)
         at_start = getattr(state, "step", None) == 0
-        probe.findings.that(at_start, "", "restore() does not return the restored state")
+        probe.findings.expect(at_start, "", "restore() does not return the restored state")
 
 
 def _triggered_scenes(probe: Probe) -> list[Scene]:
@@ -126,4 +126,4 @@ def check_refusals(probe: Probe) -> None:
         probe.simulator.reset(good, 0)
     if isinstance(probe.simulator, ChecksScenes):
         issues = probe.simulator.check(good)
-        probe.findings.that(not issues, "", f"check() refuses a plain scene: {list(issues)[:1]}")
+        probe.findings.expect(not issues, "", f"check() refuses a plain scene: {list(issues)[:1]}")

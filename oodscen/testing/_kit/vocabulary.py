@@ -20,9 +20,9 @@ from oodscen.testing._kit.shapes import state_faults
 def check_catalogue(probe: Probe) -> None:
     """Check that the catalogue is static data without duplicates, and that its weather has a clear day."""
     catalogue, found = probe.catalogue, probe.findings
-    found.that(probe.simulator.catalogue() == catalogue, "", "differs from one call to the next")
+    found.expect(probe.simulator.catalogue() == catalogue, "", "differs from one call to the next")
     copy = Catalogue.parse(catalogue.to_json())
-    found.that(copy == catalogue, "", "changes when it is written and read as JSON")
+    found.expect(copy == catalogue, "", "changes when it is written and read as JSON")
     for noun, names in (
         ("asset", [asset.id for asset in catalogue.assets]),
         ("behaviour", [kind.id for kind in catalogue.behaviours]),
@@ -36,7 +36,7 @@ def check_catalogue(probe: Probe) -> None:
             found.add(f"behaviour {kind.id}", what)
         for name, parameter in kind.parameters.items():
             inside = parameter.minimum <= parameter.default <= parameter.maximum
-            found.that(inside, f"behaviour {kind.id}", f"the default of {name} is out of range")
+            found.expect(inside, f"behaviour {kind.id}", f"the default of {name} is out of range")
     kinds = catalogue.details or DetailKinds()
     known = {one.id for one in kinds.poses} | {one.id for one in kinds.parts}
     for asset in catalogue.assets:
@@ -58,14 +58,14 @@ def _check_map(probe: Probe, road: RoadMap) -> None:
     oncoming = len(corridor.driving) - ego_lanes
     ahead = corridor.length - corridor.start
     has_shoulder = any(strip.kind == "shoulder" for strip in corridor.strips)
-    found.that(ego_lanes == road.lanes, where, f"has {ego_lanes} lanes, not {road.lanes}")
-    found.that(
+    found.expect(ego_lanes == road.lanes, where, f"has {ego_lanes} lanes, not {road.lanes}")
+    found.expect(
         oncoming == road.oncoming_lanes,
         where,
         f"has {oncoming} oncoming lanes, not {road.oncoming_lanes}",
     )
-    found.that(ahead >= road.length_m, where, f"only {ahead:.0f} m lie ahead of the start")
-    found.that(not road.has_shoulder or has_shoulder, where, "says it has a shoulder, has none")
+    found.expect(ahead >= road.length_m, where, f"only {ahead:.0f} m lie ahead of the start")
+    found.expect(not road.has_shoulder or has_shoulder, where, "says it has a shoulder, has none")
     for lane in range(ego_lanes):
         drive(probe, probe.scene(road=road, lane=lane, speed=road.speed_limit), where)
 
@@ -113,7 +113,7 @@ def check_behaviours(probe: Probe) -> None:
 
 def _check_behaviour(probe: Probe, kind: BehaviourKind) -> None:
     assets = assets_for(probe, kind)
-    probe.findings.that(assets, f"behaviour {kind.id}", "no asset has one of its categories")
+    probe.findings.expect(assets, f"behaviour {kind.id}", "no asset has one of its categories")
     for asset in assets:
         actors = cast_for(probe, kind, asset)
         if actors is None:
@@ -164,8 +164,8 @@ def drive(probe: Probe, scene: Scene, what: str) -> None:
         if faults:
             return
     fault = gap_fault(states, scene, probe.catalogue)
-    probe.findings.that(not fault, what, fault)
+    probe.findings.expect(not fault, what, fault)
     is_kept = states[0].fingerprint() == kept
-    probe.findings.that(is_kept, what, "a later step changed an earlier state")
+    probe.findings.expect(is_kept, what, "a later step changed an earlier state")
     still = all(np.array_equal(a.poses[0], b.poses[0]) for a, b in pairwise(states))
-    probe.findings.that(not still, what, "the ego does not move")
+    probe.findings.expect(not still, what, "the ego does not move")

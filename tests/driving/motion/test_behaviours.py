@@ -12,7 +12,7 @@ from oodscen.driving import KinematicWorld
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.behaviour_kernels import Code
-from oodscen.driving._motion.behaviour_row import BuiltInBehaviour
+from oodscen.driving._motion.behaviour_row import BehaviourRow
 from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN, MOVES_BEFORE_TRIGGER
 from oodscen.protocols import Control
 from tests.driving.staging import CATALOGUE, actor, scene, world
@@ -40,7 +40,7 @@ def test_every_behaviour_is_described_and_done() -> None:
 
 
 @pytest.mark.parametrize("row", BUILT_IN.values(), ids=lambda row: row.kind.id)
-def test_what_a_row_says_fits_together(row: BuiltInBehaviour) -> None:
+def test_what_a_row_says_fits_together(row: BehaviourRow) -> None:
     given = set(row.parameters)
     needed = {"stop": {"deceleration"}, "lane_change": {"lanes", "duration"}, "walk": {"speed"}}
     assert needed.get(row.plain_action, set()) <= given
