@@ -107,7 +107,7 @@ class UnknownComponent(UsageError):
         self.kind = kind
         self.name = name
         self.known = tuple(sorted(known))
-        self.matches = tuple(close_matches(name, self.known))
+        self.matches = tuple(close_matches(str(name), self.known))
         hint = f"; did you mean {' or '.join(self.matches)}?" if self.matches else ""
         listing = (
             f" (known: {', '.join(self.known)})" if self.known and len(self.known) <= 40 else ""

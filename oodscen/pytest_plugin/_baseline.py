@@ -26,7 +26,7 @@ class Baseline(Data):
     noun: ClassVar[str] = "baseline"
 
     schema_version: Literal[1] = 1
-    tests: dict[str, KnownTest] = {}
+    tests: dict[str, KnownTest]
     """By the id of the test."""
 
     @classmethod

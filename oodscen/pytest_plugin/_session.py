@@ -76,16 +76,16 @@ class DrivingSession:
         if self._file is None:
             if self._mode != "compare":
                 raise UsageError(f"--oodscen-baseline-mode {self._mode} needs --oodscen-baseline")
-            return Baseline()
+            return Baseline(tests={})
         if self._mode != "compare" and not self._file.exists():
-            return Baseline()
+            return Baseline(tests={})
         if self._mode != "write":
             return Baseline.at(self._file)
         try:
             Baseline.at(self._file)
         except OodscenError as error:
             raise UsageError(f"{error}\nwhat is no baseline is not overwritten") from None
-        return Baseline()
+        return Baseline(tests={})
 
     # -------------------------------------------------------------- scenes
 

@@ -163,7 +163,9 @@ class StudyConfig(Data):
         if self.recogniser is not None and (
             self.recogniser == self.llm or is_builtin(self.recogniser)
         ):
-            raise ValueError("recogniser: must be another model than the one that designs, and see")
+            raise ValueError(
+                "recogniser: it must be another model than the one that designs the props, and one that reads pictures"
+            )
         for address in filter(None, (self.api_base, *self.servers.values())):
             if redact(address) != address:
                 raise ValueError(

@@ -81,7 +81,7 @@ class Store(Brief):
 
     def has(self, name: str) -> bool:
         """Return whether a file exists."""
-        return self.path(name).is_file()
+        return os.path.isfile(self.path(name))
 
     def digest(self, name: str) -> str:
         """Return the SHA-256 of a file that the study's data names.

@@ -46,7 +46,9 @@ def test_an_update_replaces_the_tests_that_ran(baseline, found) -> None:
     assert updated.tests == {**baseline.tests, **found}
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{", '{"tests": {"a": {}}}', '{"schema_version": 2}'])
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{", "{}", '{"tests": {"a": {}}}', '{"schema_version": 2}']
+)
 def test_a_broken_baseline_is_named(text, tmp_path) -> None:
     path = tmp_path / "baseline.json"
     with pytest.raises(DataError, match="baseline-mode write"):
@@ -60,4 +62,4 @@ def test_a_broken_baseline_is_named(text, tmp_path) -> None:
 def test_a_baseline_that_cannot_be_written_is_an_error(tmp_path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(StudyError):
-        Baseline().write(tmp_path / "file" / "baseline.json")
+        Baseline(tests={}).write(tmp_path / "file" / "baseline.json")

@@ -46,12 +46,19 @@ def test_a_folder_without_a_study_says_so(tmp_path):
         Study.open(tmp_path / "nowhere")
 
 
+def test_a_name_that_no_file_can_have_is_no_study():
+    with pytest.raises(StudyError, match="no study"):
+        Study.open("x" * 5_000)
+
+
 def test_unknown_names_have_close_matches(study):
     with pytest.raises(UnknownComponent) as caught:
         study.table("scenario")
     assert caught.value.matches[0] == "scenarios"
     with pytest.raises(UnknownComponent):
         study.tree("simulated")
+    with pytest.raises(UnknownComponent):
+        study.tree(None)
 
 
 def test_a_malformed_line_is_named(study, tmp_path):

@@ -25,6 +25,10 @@ Kind = Literal["own", "occurring", "met"]
 _FEWEST = 6
 
 
+_LEAST_KM, _MOST_KM = 0.001, 1e15
+"""Range of published rates, km; all that was ever driven on roads is less than 1e15 km."""
+
+
 class Rate(Data):
     """One published or own rate of an event."""
 
@@ -43,8 +47,10 @@ class Rate(Data):
 
     @model_validator(mode="after")
     def _is_ordered(self) -> "Rate":
-        if not 0.0 < self.km[0] <= self.km[1] <= self.km[2]:
-            raise ValueError("km: three positive numbers in order: least, best, most")
+        if not _LEAST_KM <= self.km[0] <= self.km[1] <= self.km[2] <= _MOST_KM:
+            raise ValueError(
+                f"km: three numbers in order, least, best, most, from {_LEAST_KM} to {_MOST_KM:.0e}"
+            )
         if not all(text.strip() for text in self.texts):
             raise ValueError("texts: none may be blank")
         return self
