@@ -1,4 +1,4 @@
-"""The place of road users within their lane: nobody keeps exactly to its middle."""
+"""The place of road users within their lane: a little to one side of its middle."""
 
 import numpy as np
 
