@@ -9,15 +9,15 @@ from oodscen.data._scene import Actor, Behaviour, Placement
 
 _HEADWAY_S, _STANDSTILL_M, _FARTHEST_M = 0.9, 8.0, 55.0
 """Gap to a vehicle ahead in an ordinary twin: time, m at standstill, and the most, m."""
-_PAVEMENT_M = {True: -4.7, False: -2.9}
-"""Offset of the pavement from the rightmost lane's centre, with and without a lane for parking, m."""
+_PAVEMENT_M = {True: (-5.0, -4.5), False: (-3.2, -2.7)}
+"""Offsets of the pavement from the rightmost lane's centre, with and without a lane for parking, m."""
 _LANE_M = 3.5
 _WALKING = 1.2
 """Speed of someone on the pavement, m/s."""
 _NEARER = 0.5
 """Ratio of the distance of someone on the pavement to the hazard's: people look smaller than most hazards."""
-_IN_VIEW = 2.2
-"""Least ratio of the distance ahead to the distance aside of someone in the camera's view."""
+_IN_VIEW = (2.1, 2.4)
+"""Least ratios of the distance ahead to the distance aside of someone in the camera's view."""
 
 
 def replaced(
@@ -39,8 +39,8 @@ def replaced(
         place = Placement(ahead_m=round(min(max(gap, near), max(_FARTHEST_M, near)), 2))
         behaviour = Behaviour(name="follow_lane", parameters={"speed": scene.speed})
     else:
-        aside = _PAVEMENT_M["residential" in scene.road.traits]
-        least = _IN_VIEW * (_LANE_M * scene.ego_lane - aside)
+        aside = scene.draw(_PAVEMENT_M["residential" in scene.road.traits])
+        least = scene.draw(_IN_VIEW) * (_LANE_M * scene.ego_lane - aside)
         ahead = max(_NEARER * gap, least) + (scene.speed - _WALKING) * decision_s
         place = Placement(
             ahead_m=round(ahead, 2), lane=-scene.ego_lane, offset_m=aside, heading_deg=0.0

@@ -1,7 +1,7 @@
 """Staging: drafts a scene by recipe from a text and a catalogue's digest."""
 
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -35,6 +35,7 @@ from oodscen.claims._things import Thing, may_be, mentions
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Ego, Hazard, Trigger
 from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.off_centre import off_centre
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest, MapLine
 from oodscen.prompts._scenario.describe_path import plain
@@ -143,6 +144,7 @@ class Stager:
                 free=scene.escape,
                 is_dense=is_dense,
             )
+        actors, unusual = _off_centre(actors, unusual, seed, prompt.text)
         if ordinary is None and not unusual:
             raise LLMError(f"the recipe for {hazard.label!r} has no hazard", model="builtin")
         return SceneDraft(
@@ -184,6 +186,23 @@ class Stager:
             alike = max(len(set(told.traits) & set(p.traits)) for p in fitting)
             fitting = [p for p in fitting if len(set(told.traits) & set(p.traits)) == alike]
         return fitting[int(rng.integers(len(fitting)))]
+
+
+def _off_centre(
+    actors: Sequence[Actor], unusual: Mapping[str, Actor | None], seed: int, text: str
+) -> tuple[list[Actor], dict[str, Actor | None]]:
+    """Move road users a little beside the middle of their lanes, a hazard and its counterpart alike.
+
+    Those that tow or carry another stay where they are.
+    """
+    tied = {one.behaviour.other for one in (*actors, *unusual.values()) if one}
+
+    def moved(one: Actor) -> Actor:
+        return one if one.id in tied else off_centre(one, stream(seed, "off centre", text, one.id))
+
+    return [moved(one) for one in actors], {
+        name: one and moved(one) for name, one in unusual.items()
+    }
 
 
 def _shown(

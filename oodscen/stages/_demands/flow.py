@@ -138,7 +138,7 @@ def cyclist(at: Setting, rng: np.random.Generator) -> Draft | None:
     speed = min(float(rng.uniform(4.0, 5.4)), 0.7 * at.speed)
     gap = max(at.gap_m, 1.0 + FRONT_M + 2.0 + at.room(_SOFT, speed))
     begin = at.decision_m + gap - speed * at.decision_s
-    aside = -float(rng.uniform(0.3, 0.7))
+    aside = -float(rng.uniform(0.1, 0.8))
     riders = [actor("rider-1", asset, begin, offset=aside, does="follow_lane", speed=speed)]
     if len(at.scene.actors) > 2 and "cyclist" in at.assets:
         behind = begin + float(rng.uniform(4.0, 7.0))

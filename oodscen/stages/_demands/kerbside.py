@@ -7,14 +7,16 @@ from oodscen.stages._demands.setting import FRONT_M, Draft, Setting, actor, clai
 
 _CALM = 3.6
 """Deceleration that a standing vehicle may ask of the ego, m/s^2."""
+_ASIDE_M = (0.1, 0.4)
+"""Offset of a standing vehicle towards the kerb, if there is room, m."""
 
 
-def _place(at: Setting, asset: str) -> tuple[float, float]:
+def _place(at: Setting, asset: str, rng: np.random.Generator) -> tuple[float, float]:
     """Return the place along the road of a vehicle that stands at the kerb, and its offset, m."""
     reach = 0.5 * at.length(asset)
     ahead = at.decision_m + max(at.gap_m, reach + FRONT_M + 2.0 + at.room(_CALM))
     aside = at.edge(ahead) - 0.5 * at.assets[asset].width - 0.2
-    return ahead, -min(aside, 0.35)
+    return ahead, -min(aside, float(rng.uniform(*_ASIDE_M)))
 
 
 def _is_street(at: Setting) -> bool:
@@ -26,7 +28,7 @@ def bus_stop(at: Setting, rng: np.random.Generator) -> Draft | None:
     """Return a bus at its stop, its indicator on, and people who get on."""
     if "bus" not in at.assets or not _is_street(at):
         return None
-    ahead, aside = _place(at, "bus")
+    ahead, aside = _place(at, "bus", rng)
     row = [actor("bus", "bus", ahead, offset=aside, state="indicate_right")]
     kerb = at.edge(ahead)
     if "bus_stop" in at.assets:
@@ -47,7 +49,7 @@ def refuse_lorry(at: Setting, rng: np.random.Generator) -> Draft | None:
     """Return a refuse lorry that empties bins, its beacon on."""
     if not {"garbage_truck", "worker", "wheelie_bin"} <= at.assets.keys() or not _is_street(at):
         return None
-    ahead, aside = _place(at, "garbage_truck")
+    ahead, aside = _place(at, "garbage_truck", rng)
     reach = 0.5 * at.length("garbage_truck")
     kerb = at.edge(ahead)
     row = [actor("refuse-lorry", "garbage_truck", ahead, offset=aside, state="beacon")]

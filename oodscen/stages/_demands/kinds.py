@@ -11,6 +11,7 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
 from oodscen.data._scene import RED_LIGHT, Actor, Scene
 from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.off_centre import off_centre
 from oodscen.stages._demands.crossings import red_light, zebra
 from oodscen.stages._demands.flow import cyclist, leader, queue, slow_vehicle
 from oodscen.stages._demands.joining import ambulance, merging_car
@@ -124,6 +125,7 @@ def ranked_candidates(
             draft = kind.draw(at, rng)
             if draft is None:
                 break
+            draft = draft._replace(actors=[off_centre(actor, rng) for actor in draft.actors])
             is_alone = attempt >= _ATTEMPTS
             one = Candidate(kind, draft, () if is_alone else company)
             unlike = at.look.difference(at.look_of(one.actors))

@@ -71,7 +71,7 @@ class Look(NamedTuple):
         """Return the logarithm of the factor by which two looks differ in number and in size."""
         number = math.log((1 + self.bodies) / (1 + other.bodies))
         size = math.log(self.extent / other.extent)
-        return abs(number) + 0.5 * abs(size)
+        return abs(number) + abs(size)
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,13 @@ import numpy as np
 import pytest
 
 from oodscen.author._knowledge.base import AmbientTraffic
+from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._staging.background_traffic import company
-from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
+from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
 from oodscen.prompts._digest import MapLine
+from oodscen.stages._simulate import simulate
+from oodscen.testing._flat import FlatSimulator
+from oodscen.testing._scenes import example_scene
 
 LEFT = AmbientTraffic(side="left", share=1.0, asset=("car",), gap=(1.0, 3.0))
 RIGHT = AmbientTraffic(side="right", share=1.0, asset=("car",), gap=(1.0, 3.0))
@@ -89,3 +93,22 @@ def test_traffic_beside_the_ego_is_beside_it_when_the_ego_decides_and_moves_in_t
     decided = (70.0 - 20.0) / 10.0
     assert 1.0 <= one.placement.ahead_m - (10.0 - own) * decided <= 3.01
     assert one.placement.ahead_m > 3.5
+
+
+@pytest.mark.parametrize("asset", ["car", "van", "truck"])
+def test_a_neighbour_as_near_as_can_be_is_in_the_picture_at_the_decision(asset: str) -> None:
+    kinds = [one for one in load_knowledge().company if one.side in ("left", "right")]
+    scene = example_scene()
+    neighbour = Actor(
+        id="beside",
+        asset=asset,
+        placement=Placement(ahead_m=min(kind.gap[0] for kind in kinds), lane=1, offset_m=0.3),
+    )
+    beside = {
+        **scene.model_dump(),
+        "actors": [*scene.actors, neighbour],
+        "decision": Trigger(kind="time", value=0.0),
+    }
+    with FlatSimulator() as simulator:
+        run = simulate(Scene.model_validate(beside), simulator, actions=("stop",))
+    assert run.episode.visible["last"].get("beside", 0) >= 40

@@ -57,6 +57,24 @@ def test_drafts_pass_the_check_at_once_or_after_a_refusal(
     assert len(refused) <= 0.025 * len(texts), refused
 
 
+def test_nobody_drives_in_the_very_middle_of_a_lane(
+    author: BuiltinAuthor, ask, knowledge: Knowledge, rich_digest: CatalogueDigest
+) -> None:
+    """Neither a hazard nor an ordinary road user, so that the exact place tells nothing."""
+    offsets = []
+    for _, text in texts_of(knowledge, rich_digest, 1)[::3]:
+        draft = ask(author, StageScene(text=text, path=(), catalogue=rich_digest))
+        everybody = [*draft.actors, *filter(None, draft.hazard.actors.values())]
+        tied = {one.behaviour.other for one in everybody}
+        offsets += [
+            one.placement.offset_m
+            for one in everybody
+            if one.behaviour.name == "follow_lane" and one.id not in tied
+        ]
+    assert len(offsets) >= 50
+    assert sum(offset == 0.0 for offset in offsets) <= 0.05 * len(offsets)
+
+
 def test_a_refused_scene_is_drawn_again(
     author: BuiltinAuthor, ask, digest: CatalogueDigest
 ) -> None:

@@ -75,6 +75,21 @@ def test_no_kind_looks_like_the_hazard(simulator, asset, left_out):
     assert kinds < {kind.id for kind in KINDS}
 
 
+@pytest.mark.parametrize("road", MAPS)
+def test_nobody_of_a_demand_drives_in_the_very_middle_of_a_lane(simulator, road):
+    scene = placed(road)
+    run = simulate(scene, simulator)
+    at = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
+    drivers = [
+        actor.placement.offset_m
+        for candidate in ranked_candidates(scene, at, 0)
+        for actor in candidate.draft.actors
+        if actor.behaviour.name in ("follow_lane", "halt", "cut_in")
+    ]
+    assert drivers
+    assert sum(offset == 0.0 for offset in drivers) <= 0.1 * len(drivers)
+
+
 BODIES = st.lists(
     st.tuples(st.floats(-40.0, 120.0), st.floats(-30.0, 30.0), st.floats(0.1, 12.0)), max_size=8
 )

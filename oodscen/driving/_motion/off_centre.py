@@ -1,0 +1,24 @@
+"""The place of road users within their lane: a little to one side of its middle."""
+
+import numpy as np
+
+from oodscen.data._scene import Actor
+from oodscen.driving._motion.behaviours import having
+
+OFF_CENTRE_M = 0.3
+"""Most that a road user drives beside the middle of its lane, m."""
+_DRIVES = having(lambda row: row.moves_before_trigger and not row.keeps_heading)
+
+
+def off_centre(one: Actor, rng: np.random.Generator) -> Actor:
+    """Return a road user that drives in the very middle of its lane a little beside it, and any other as it is.
+
+    Args:
+        one: The road user, or anything else.
+        rng: Random generator; exactly one number is drawn in every case.
+    """
+    offset = round(float(rng.uniform(-OFF_CENTRE_M, OFF_CENTRE_M)), 2)
+    place = one.placement
+    if place.offset_m or one.behaviour.other or one.behaviour.name not in _DRIVES:
+        return one
+    return one.model_copy(update={"placement": place.model_copy(update={"offset_m": offset})})
