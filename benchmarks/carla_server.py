@@ -299,7 +299,8 @@ def measured(ticks: int, worlds: int, count: int) -> Iterator[Row]:
         yield from rates(server.port, ticks)
         yield row("frames that a second client misses", not watched(server.port, 1000), "", 0)
         yield from leaks(server, 1000, worlds)
-        yield from kills(server, count)
+        if count:
+            yield from kills(server, count)
 
 
 def main() -> int:

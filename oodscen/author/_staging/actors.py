@@ -36,7 +36,7 @@ _FARTHEST = 150.0
 
 
 @dataclass
-class StagedActors:
+class SceneDraftState:
     """The state of a scene while its actors are placed."""
 
     digest: CatalogueDigest
@@ -137,7 +137,9 @@ class _AnchorSpot(NamedTuple):
     offset: float
 
 
-def cast(part: RecipeActor, scene: StagedActors, shift: float) -> list[tuple[Actor, Actor | None]]:
+def cast(
+    part: RecipeActor, scene: SceneDraftState, shift: float
+) -> list[tuple[Actor, Actor | None]]:
     """Draw an actor, or a row of them, each with its ordinary counterpart.
 
     Args:
@@ -189,7 +191,7 @@ def _names(part: RecipeActor, count: int) -> tuple[str, ...]:
     return tuple(f"{part.id}-{number}" for number in range(1, count + 1))
 
 
-def _ahead(part: RecipeActor, scene: StagedActors, shift: float) -> float:
+def _ahead(part: RecipeActor, scene: SceneDraftState, shift: float) -> float:
     """Draw the distance of an actor ahead of its anchor; a shift narrows the range."""
     low, high = part.ahead
     if part.at != "start" or not shift:
@@ -200,7 +202,7 @@ def _ahead(part: RecipeActor, scene: StagedActors, shift: float) -> float:
     return scene.draw((middle - reach, middle + reach)) + shift
 
 
-def _spots(part: RecipeActor, scene: StagedActors) -> Iterator[_AnchorSpot]:
+def _spots(part: RecipeActor, scene: SceneDraftState) -> Iterator[_AnchorSpot]:
     if part.at in LANDMARKS:
         for mark in marks(scene.road, part):
             is_light = part.at == "traffic_light"
@@ -213,7 +215,7 @@ def _spots(part: RecipeActor, scene: StagedActors) -> Iterator[_AnchorSpot]:
 
 
 def _away(
-    scene: StagedActors, ahead: float, heading_deg: float, behaviour: Behaviour, late: float
+    scene: SceneDraftState, ahead: float, heading_deg: float, behaviour: Behaviour, late: float
 ) -> float:
     """Return the lateral starting position of crossing traffic, m to the left.
 
@@ -229,18 +231,20 @@ def _away(
     return -away if heading_deg > 0.0 else away
 
 
-def _lane(options: tuple[int, ...], scene: StagedActors) -> int:
+def _lane(options: tuple[int, ...], scene: SceneDraftState) -> int:
     """Choose one of the lanes that the road has."""
     lanes = scene.road.lanes + scene.road.oncoming_lanes
     fitting = [lane for lane in options if 0 <= scene.ego_lane + lane < lanes] or list(options)
     return fitting[int(scene.rng.integers(len(fitting)))]
 
 
-def _trigger(trigger: RecipeTrigger, scene: StagedActors) -> Trigger:
+def _trigger(trigger: RecipeTrigger, scene: SceneDraftState) -> Trigger:
     return Trigger(kind=trigger.kind, value=scene.draw(trigger.value), actor=trigger.actor)
 
 
-def _ordinary(actor: Actor, change: Counterpart, scene: StagedActors, part: RecipeActor) -> Actor:
+def _ordinary(
+    actor: Actor, change: Counterpart, scene: SceneDraftState, part: RecipeActor
+) -> Actor:
     """Return the counterpart of an actor in the ordinary twin."""
     old, behaviour = actor.placement, actor.behaviour
     name = change.behaviour or behaviour.name
@@ -277,7 +281,7 @@ def _ordinary(actor: Actor, change: Counterpart, scene: StagedActors, part: Reci
     )
 
 
-def _there(lane: int, scene: StagedActors) -> int:
+def _there(lane: int, scene: SceneDraftState) -> int:
     """Return a lane that the road has; if there is none on this side of the ego, one on the other."""
     lanes = scene.road.lanes + scene.road.oncoming_lanes
     return lane if 0 <= scene.ego_lane + lane < lanes else -lane
@@ -286,7 +290,7 @@ def _there(lane: int, scene: StagedActors) -> int:
 def _parameters(
     name: str,
     limits: Mapping[str, Range | Literal["ego"]],
-    scene: StagedActors,
+    scene: SceneDraftState,
     asset: str | None = None,
 ) -> dict[str, float]:
     """Draw the parameters that a behaviour has, within the limits of the catalogue.
@@ -329,7 +333,9 @@ def _details(wanted: Details | None, digest: CatalogueDigest) -> Details | None:
     return wanted if is_posed and set(wanted.parts) <= set(digest.parts) else None
 
 
-def named_traffic(part: TrafficActor, scene: StagedActors, named: tuple[Thing, ...]) -> list[Actor]:
+def named_traffic(
+    part: TrafficActor, scene: SceneDraftState, named: tuple[Thing, ...]
+) -> list[Actor]:
     """Return the ordinary road user that the text mentions, if the road has a lane for it.
 
     Args:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from oodscen.author._knowledge.base import AmbientTraffic, BackgroundTraffic, Recipe
-from oodscen.author._staging.actors import StagedActors
+from oodscen.author._staging.actors import SceneDraftState
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.driving._motion.behaviours import having
 from oodscen.prompts._digest import MapLine
@@ -117,7 +117,7 @@ def is_followed(
     return behind if told is None and (is_dense or draw < behind.share) else None
 
 
-def follower(kind: AmbientTraffic, scene: StagedActors, actors: Sequence[Actor]) -> list[Actor]:
+def follower(kind: AmbientTraffic, scene: SceneDraftState, actors: Sequence[Actor]) -> list[Actor]:
     """Draw the vehicle close behind the ego, unless another actor is there.
 
     It wants to drive faster than the ego, keeps less than the usual distance and brakes less hard

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from oodscen.author._staging.actors import StagedActors
+from oodscen.author._staging.actors import SceneDraftState
 from oodscen.author._staging.background_traffic import along
 from oodscen.author._writing.stand_in import StandIn
 from oodscen.data._scene import Actor, Behaviour, Placement
@@ -21,7 +21,7 @@ _IN_VIEW = (2.1, 2.4)
 
 
 def replaced(
-    one: StandIn, scene: StagedActors, hazard: Actor, decision_s: float
+    one: StandIn, scene: SceneDraftState, hazard: Actor, decision_s: float
 ) -> dict[str, Actor]:
     """Return the ordinary road user in the place of a hazard, by that one's id.
 
@@ -52,7 +52,7 @@ def replaced(
 
 def drawn_near(
     unusual: Mapping[str, Actor | None],
-    scene: StagedActors,
+    scene: SceneDraftState,
     actors: Sequence[Actor],
     hazard: Actor,
     decision_s: float,
@@ -85,7 +85,7 @@ def drawn_near(
     return {**unusual, **{name: _moved_back(one, back) for name, one in row.items()}}
 
 
-def _is_ahead(one: Actor, scene: StagedActors) -> bool:
+def _is_ahead(one: Actor, scene: SceneDraftState) -> bool:
     """Return whether an actor drives ahead in the ego's lane, no slower than the ego."""
     place, does = one.placement, one.behaviour
     is_with_ego = place.lane == 0 and abs(place.heading_deg) < 90.0 and place.ahead_m > 0.0
@@ -99,11 +99,11 @@ def _moved_back(one: Actor, metres: float) -> Actor:
     return one.model_copy(update={"placement": there})
 
 
-def _gap(one: Actor, scene: StagedActors, decision_s: float) -> float:
+def _gap(one: Actor, scene: SceneDraftState, decision_s: float) -> float:
     """Return about the distance of an actor from the ego at the decision, m."""
     return one.placement.ahead_m + (along(one) - scene.speed) * decision_s
 
 
-def _near(scene: StagedActors) -> float:
+def _near(scene: SceneDraftState) -> float:
     """Return the least gap to a vehicle ahead, m."""
     return _HEADWAY_S * scene.speed + _STANDSTILL_M

@@ -17,7 +17,7 @@ from oodscen.author._knowledge.base import (
 )
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._staging import decision_timing as timing
-from oodscen.author._staging.actors import StagedActors, cast, named_traffic
+from oodscen.author._staging.actors import SceneDraftState, cast, named_traffic
 from oodscen.author._staging.anchors import LANDMARKS, has_landmarks, root
 from oodscen.author._staging.aside import moved_aside
 from oodscen.author._staging.background_traffic import (
@@ -280,12 +280,12 @@ def _set(
     place: RoadKind,
     lane: int,
     rng: np.random.Generator,
-) -> StagedActors:
+) -> SceneDraftState:
     """Choose the ego's speed and set up the scene."""
     limits = place.speed if timing.scales(recipe) else recipe.speed
     wanted = round(float(rng.uniform(*limits)), 2)
     speed = round(min(wanted, road.speed_limit), 2)
-    return StagedActors(
+    return SceneDraftState(
         digest=digest,
         road=road,
         recipe=recipe,
@@ -296,7 +296,9 @@ def _set(
     )
 
 
-def _timing(scene: StagedActors, friction: float, distance: float | None) -> tuple[float, Trigger]:
+def _timing(
+    scene: SceneDraftState, friction: float, distance: float | None
+) -> tuple[float, Trigger]:
     """Return the displacement of all actors along the road, m, and the decision's trigger.
 
     A distance in the text applies at the start of the scene; the decision comes later.
@@ -328,7 +330,7 @@ def _timing(scene: StagedActors, friction: float, distance: float | None) -> tup
     return round(shift, 2), Trigger(kind=decision.kind, value=round(value, 2), actor=decision.actor)
 
 
-def _hurried(scene: StagedActors, actor: RecipeActor, friction: float, seconds: float) -> float:
+def _hurried(scene: SceneDraftState, actor: RecipeActor, friction: float, seconds: float) -> float:
     """Return the TTC of the decision, reduced until the actor is large enough to recognise, s.
 
     In some scenes it is so short that only hard braking suffices.
@@ -354,7 +356,7 @@ def _hurried(scene: StagedActors, actor: RecipeActor, friction: float, seconds: 
     return min(seconds, away / closing)
 
 
-def _room(scene: StagedActors, actor: RecipeActor, friction: float) -> Callable[[float], float]:
+def _room(scene: SceneDraftState, actor: RecipeActor, friction: float) -> Callable[[float], float]:
     """Choose the distance that the decision leaves, as a function of the speed, m.
 
     It allows a comfortable stop or a lane change; or only hard braking; or, at speeds at which
@@ -410,7 +412,7 @@ def _room(scene: StagedActors, actor: RecipeActor, friction: float) -> Callable[
     return lambda speed: timing.late_room(speed, friction) + (0.9 + 0.4 * share) * spare
 
 
-def _urgent_speed(scene: StagedActors, friction: float) -> float | None:
+def _urgent_speed(scene: SceneDraftState, friction: float) -> float | None:
     """Return the lowest speed, not below the ego's, at which the slowest driver can brake and the quickest cannot stop."""
     speed = scene.speed
     while speed <= scene.road.speed_limit:

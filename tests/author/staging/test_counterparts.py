@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from oodscen.author._knowledge.base import Recipe
 from oodscen.author._knowledge.loading import load_knowledge
-from oodscen.author._staging.actors import StagedActors
+from oodscen.author._staging.actors import SceneDraftState
 from oodscen.author._staging.counterparts import drawn_near, replaced
 from oodscen.author._writing.stand_in import StandIn
 from oodscen.data._scene import Actor, Behaviour, Placement
@@ -27,8 +27,8 @@ def recipe() -> Recipe:
     return next(one.stage for one in load_knowledge().hazards if one.stage is not None)
 
 
-def staged(speed: float, lane: int = 0) -> StagedActors:
-    return StagedActors(
+def staged(speed: float, lane: int = 0) -> SceneDraftState:
+    return SceneDraftState(
         digest=DIGEST,
         road=DIGEST.maps[0],
         recipe=recipe(),
