@@ -37,8 +37,9 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
     package = f"oodscen_{name}"
     target = Path(folder) / package
     check_name(target)
+    camel_case = "".join(part.capitalize() for part in name.split("_"))
     words = {
-        "MySimulator": "".join(part.capitalize() for part in name.split("_")) + "Simulator",
+        "MySimulator": camel_case.removesuffix("Simulator") + "Simulator",
         "my_simulator": name,
         "my_package": package,
         "my-package": package.replace("_", "-"),
