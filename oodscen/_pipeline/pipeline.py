@@ -41,7 +41,7 @@ class Texts(NamedTuple):
     """Text sets of the diverse tree, by size."""
 
 
-_LASTING = ("counts", "failures", "usage")
+_LASTING = ("counts", "failures", "usage", "seconds")
 """Parts of `study.json` that an unfinished run leaves unchanged."""
 
 
@@ -202,6 +202,12 @@ class Pipeline:
             counts=dict(counts),
             failures=failures,
             usage=self._usage(),
-            seconds={**self.context.seconds, "total": round(seconds, 3)},
+            seconds=self._times({**self.context.seconds, "total": seconds}),
         )
         self._report()
+
+    def _times(self, now: Mapping[str, float]) -> dict[str, float]:
+        """Return the seconds of all runs that this study has taken, by stage."""
+        before = self.study.info.get("seconds", {})
+        names = [*before, *(name for name in now if name not in before)]
+        return {name: round(before.get(name, 0.0) + now.get(name, 0.0), 3) for name in names}

@@ -188,6 +188,10 @@ def refuse_own(target: Path) -> None:
         raise FolderTaken(str(target.parent), [target.name])
 
 
+_HASHES = "file_sha256"
+"""Field with an entry for every file of an episode."""
+
+
 class Study(Brief):
     """The folder that `oodscen run` leaves behind."""
 
@@ -478,12 +482,18 @@ class Study(Brief):
             raise StudyError(f"{self.folder / TABLES[name]} is no table: {error}") from None
 
     def to_pandas(self, name: str) -> "pd.DataFrame":
-        """Return a table as a data frame, one row per line; nested field names are joined by dots."""
+        """Return a table as a data frame, one row per line; nested field names are joined by dots.
+
+        Hashes by file stay in one column.
+        """
         try:
             import pandas as pd
         except ImportError:
             raise MissingExtra("a table as a data frame", "tables", "pandas") from None
-        return pd.json_normalize(self.table(name), max_level=1)
+        rows = self.table(name)
+        hashes = [row.pop(_HASHES, None) for row in rows]
+        frame = pd.json_normalize(rows, max_level=1)
+        return frame if not any(hashes) else frame.assign(**{_HASHES: hashes})
 
     def _rows(self, kind: type[Row], name: str) -> list[Row]:
         rows = []
