@@ -348,12 +348,12 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
             raise UsageError(f"there is no scene {wanted!r}")
     short = 0
     for scene in tracked(scenes, "vary", len(scenes)):
-        if faults := check_scene(scene, catalogue):
-            say(f"{scene.id}: cannot be staged itself: {faults[0]}", err=True)
         variants = draw(scene, catalogue, count, claims=known.claims(scene), seed=seed)
         for one in variants:
             click.echo(one.to_json())
         if len(variants) < count:
+            if faults := check_scene(scene, catalogue):
+                say(f"{scene.id}: cannot be staged itself: {faults[0]}", err=True)
             say(f"{scene.id}: {len(variants)} of {count} variants can be staged", err=True)
             short += 1
     sys.exit(bool(short))

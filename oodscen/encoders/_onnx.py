@@ -85,9 +85,8 @@ class OnnxMiniLM(MiniLM):
         tokenizer.no_padding()
         tokenizer.enable_truncation(_LONGEST)
         options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = (
-            1  # A pass is small: `_forward` shares the passes out instead.
-        )
+        # A pass is small: `_forward` shares the passes out instead.
+        options.intra_op_num_threads = 1
         options.log_severity_level = 3
 
         def opened(content: bytes) -> tuple[Any, Any]:

@@ -23,8 +23,6 @@ from oodscen.errors import DataError, Issue
 
 Kind = Literal["own", "occurring", "met"]
 _FEWEST = 6
-
-
 _LEAST_KM, _MOST_KM = 0.001, 1e15
 """Range of published rates, km; all that was ever driven on roads is less than 1e15 km."""
 
