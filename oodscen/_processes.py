@@ -1,5 +1,6 @@
 """A pool of fresh worker processes that end with their parent."""
 
+import atexit
 import importlib.util
 import os
 import pickle
@@ -69,22 +70,25 @@ class Processes(ThreadPoolExecutor):
     `GRACE_S` seconds.
 
     A call whose process dies raises `BrokenProcessPool`. Other calls go on, and the next call gets a
-    new process.
+    new process. Processes that a call starts end with the worker, unless they are sessions of their own.
 
     Args:
         count: Maximum number of processes; one is started whenever a call finds none idle.
+        limit_s: Seconds after which a call that still runs is killed with its process; by default calls take as
+            long as they need.
 
     Raises:
         UsageError: Inside a worker process, if a module that it imports creates a pool.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, *, limit_s: float | None = None) -> None:
         if _is_worker:
             raise UsageError(
                 "a module that a worker process imports starts work with processes; put that work "
                 "under: if __name__ == '__main__':"
             )
         super().__init__(count)
+        self._limit_s = limit_s
         self._all: list[_Process] = []
         self._idle: list[_Process] = []
         self._starting = threading.Lock()
@@ -110,7 +114,7 @@ class Processes(ThreadPoolExecutor):
             process = self._idle.pop()
         except IndexError:
             process = self._start()
-        is_result, answer = process.call(data)
+        is_result, answer = process.call(data, self._limit_s)
         self._idle.append(process)
         if not is_result:
             raise answer
@@ -155,6 +159,7 @@ class _Process:
     """One worker interpreter, from its owner's side."""
 
     def __init__(self) -> None:
+        self._has_left = False
         self._connection, theirs = Pipe()
         # Ctrl-C in the terminal is for the owner to handle. The child inherits the signal mask.
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -164,6 +169,7 @@ class _Process:
                     [sys.executable, "-P", "-c", _START, str(theirs.fileno())],
                     pass_fds=[theirs.fileno()],
                     stdin=subprocess.DEVNULL,
+                    process_group=0,
                 )
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
@@ -182,14 +188,17 @@ class _Process:
                 f"a worker process does not start ({self._end()}); what it printed says why"
             ) from None
 
-    def call(self, task: bytes) -> tuple[bool, Any]:
+    def call(self, task: bytes, limit_s: float | None) -> tuple[bool, Any]:
         """Run a task; return whether it succeeded, and its result or error.
 
         Raises:
-            BrokenProcessPool: If the process dies.
+            BrokenProcessPool: If the process dies, or is killed at the time limit.
         """
         try:
             self._connection.send_bytes(task)
+            if not self._connection.poll(limit_s):
+                self.join(0.0)
+                raise BrokenProcessPool(f"it took longer than {limit_s:g} s")
             data = self._connection.recv_bytes()
         except (EOFError, OSError):
             raise BrokenProcessPool(f"its process died ({self._end()})") from None
@@ -201,19 +210,24 @@ class _Process:
         self._process.terminate()
 
     def join(self, deadline: float) -> None:
-        """Wait until the process has left; kill it after the deadline."""
+        """Wait until the process has left; kill it after the deadline, and what it has left behind in any case."""
+        if self._has_left:
+            return
         try:
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(max(0.0, deadline - time.monotonic()))
         finally:
-            self._process.kill()
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(self._process.pid, signal.SIGKILL)
             self._process.wait()
+            self._has_left = True
 
     def _end(self) -> str:
         """Return how the process ended."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(GRACE_S)
         code = self._process.returncode
+        self.join(0.0)
         if code is None:
             return "it no longer listens"
         return f"exit code {code}" if code >= 0 else signal.Signals(-code).name
@@ -223,6 +237,7 @@ def serve(connection: Connection) -> None:
     """Answer calls inside a worker process until it is told to leave or its owner is gone."""
     global _is_worker
     _is_worker = True
+    atexit.register(_end_group, os.getppid())  # The first to be registered is the last to run.
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     with suppress(KeyboardInterrupt, OSError):
         signal.signal(signal.SIGTERM, _leave)
@@ -230,6 +245,12 @@ def serve(connection: Connection) -> None:
         connection.send(None)
         while True:
             connection.send_bytes(_answer(calls.get()))
+
+
+def _end_group(owner: int) -> None:
+    """End what calls have started and left behind, where there is no owner left to do it."""
+    if os.getppid() != owner and os.getpid() == os.getpgrp():
+        os.killpg(0, signal.SIGKILL)
 
 
 def _leave(number: int, frame: FrameType | None) -> None:
@@ -245,7 +266,7 @@ def _listen(connection: Connection, calls: "queue.SimpleQueue[bytes]") -> None:
             calls.put(connection.recv_bytes())
     os.kill(os.getpid(), signal.SIGTERM)
     time.sleep(GRACE_S)
-    os._exit(1)
+    os.killpg(0, signal.SIGKILL)
 
 
 def _answer(call: bytes) -> bytes:
@@ -253,6 +274,10 @@ def _answer(call: bytes) -> bytes:
     try:
         task: Callable[[], Any] = pickle.loads(call)
         return pickle.dumps((True, task()))
+    except KeyboardInterrupt:
+        if signal.getsignal(signal.SIGTERM) is signal.SIG_IGN:  # The process was told to leave.
+            raise
+        return _portable(BrokenProcessPool("it raised KeyboardInterrupt"))
     except Exception as error:
         if not isinstance(error, OodscenError):
             trace = "".join(traceback.format_exception(error))

@@ -6,8 +6,10 @@ import pickle
 import signal
 import subprocess
 import sys
+import time
 from concurrent.futures import BrokenExecutor
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -65,6 +67,12 @@ def test_a_call_that_kills_its_process_costs_no_other(pool):
 
 
 BUSY = "import signal; tell(); signal.pause()"
+PARENT = """
+import subprocess
+child = subprocess.Popen(["sleep", "600"])
+tell()
+child.wait()
+"""
 DEAF = """
 while True:
     try:
@@ -100,6 +108,52 @@ def test_an_interruption_ends_what_is_under_way_and_drops_the_rest(begun):
         os.kill(pid, 0)
 
 
+LEAVING_ONE = """
+import subprocess
+child = subprocess.Popen(["sleep", "600"])
+open({pid!r}, "w").write(str(child.pid))
+{then}
+"""
+
+
+@pytest.mark.parametrize("then", ["pass", "import os; os._exit(3)", "raise KeyboardInterrupt"])
+def test_what_a_call_has_started_ends_with_its_process(tmp_path, then):
+    pid = tmp_path / "pid"
+    with Processes(1) as pool:
+        call = pool.submit(exec, LEAVING_ONE.format(pid=str(pid), then=then))
+        assert (call.exception() is None) == (then == "pass")
+        assert pool.submit(operator.add, 1, 2).result() == 3
+    assert is_gone(int(pid.read_text()))
+
+
+def is_gone(pid):
+    """Wait until a process of no parent is gone, or reaped by nobody."""
+    state = Path(f"/proc/{pid}/stat")
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        try:
+            if state.read_text().rpartition(")")[2].split()[0] == "Z":
+                return True
+        except OSError:
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def test_a_call_that_takes_too_long_is_ended():
+    with Processes(1, limit_s=0.5) as pool:
+        endless = pool.submit(exec, "import signal; signal.pause()")
+        with pytest.raises(BrokenExecutor, match=r"longer than 0\.5 s"):
+            endless.result()
+        assert pool.submit(operator.add, 1, 2).result() == 3
+
+
+def test_an_interruption_that_a_call_raises_itself_is_its_own(pool):
+    with pytest.raises(BrokenExecutor, match="it raised KeyboardInterrupt"):
+        pool.submit(exec, "raise KeyboardInterrupt").result()
+    assert pool.submit(operator.add, 1, 2).result() == 3
+
+
 KILLED = """
 import os, signal
 from pathlib import Path
@@ -113,7 +167,7 @@ with Processes(2) as pool:
 """
 
 
-@pytest.mark.parametrize("code", [BUSY, DEAF], ids=["busy", "deaf"])
+@pytest.mark.parametrize("code", [BUSY, DEAF, PARENT], ids=["busy", "deaf", "parent"])
 def test_nobody_outlives_a_parent_that_is_killed(begun, code):
     """The output of the parent ends when the last of its processes has left."""
     script = KILLED.format(code=telling(begun, code), begun=str(begun))

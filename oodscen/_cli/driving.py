@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from oodscen._cli.numbers import FiniteRange
 from oodscen._cli.options import json_option
 from oodscen._cli.output import say, tracked
 from oodscen._cli.paths import PathName
@@ -36,17 +37,30 @@ _SHOWN = 5
     show_default=True,
     help="Processes in which the drivers run; 0 for this process, for debuggers.",
 )
+@click.option(
+    "--time-limit",
+    type=FiniteRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Fail a scene whose drives, with its twin's, take longer.",
+)
 @json_option
 def drive(
-    out: Path, drivers: tuple[str, ...], limit: int | None, workers: int, as_json: bool
+    out: Path,
+    drivers: tuple[str, ...],
+    limit: int | None,
+    workers: int,
+    time_limit: float | None,
+    as_json: bool,
 ) -> None:
     """Run driving stacks in the scenes and twins of the study in the folder OUT.
 
     Writes drives.jsonl, prints the results of all drivers in it and updates the report. The exit code is 1 if a
-    driver named here failed on an item; a collision is not a failure.
+    driver named here failed on an item; a collision is not a failure. An interrupted command keeps the drives that
+    have ended.
     """
     from oodscen._pipeline.drives import DriveJob, drive_all
     from oodscen.data._pairing import scene_of
+    from oodscen.errors import RunStopped
     from oodscen.judging._drive_board import current_results, drive_board, remarks
     from oodscen.report._render import write_report
     from oodscen.study._study import Study
@@ -59,9 +73,13 @@ def drive(
     before = study.drives
     found = {row.id: row for row in current_results(before, staged)}
     job = DriveJob(names, study.config.simulator, study.config.seed)
-    drives = drive_all(job, scenes, workers=workers)
-    for results in tracked(drives, "drive", len(names) * len(scenes)):
-        found.update((one.id, one) for one in results)
+    drives = drive_all(job, scenes, workers=workers, time_limit_s=time_limit)
+    try:
+        for results in tracked(drives, "drive", len(names) * len(scenes)):
+            found.update((one.id, one) for one in results)
+    except (KeyboardInterrupt, RunStopped):
+        study.store.write_lines("drives.jsonl", current_results(found.values(), staged))
+        raise
     rows = current_results(found.values(), staged)
     board = drive_board(rows, scenarios, seed=study.config.seed)
     study.store.write_lines("drives.jsonl", rows)

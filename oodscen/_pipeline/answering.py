@@ -7,7 +7,9 @@ from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.scenes import REAR, simulate_behind
 from oodscen.data._episode import Episode
+from oodscen.errors import DataError, Issue
 from oodscen.judging._people import PEOPLE, PersonAnswers, QuizAnswers
+from oodscen.study._asked import asked_drives
 from oodscen.study._study import Study
 
 
@@ -18,7 +20,16 @@ def add_answers(study: Study, file: Path) -> str:
         DataError: When the file holds no answers to a quiz, or not to this study's.
     """
     given = QuizAnswers.load(file)
-    PersonAnswers.matched(given, study.episodes, str(file))
+    person = PersonAnswers.matched(given, study.episodes, str(file))
+    listed = {
+        one.episode.scene_id: {kind.id for kind in one.options} for one in asked_drives(study)
+    }
+    if issues := [
+        Issue("choice", f"{said.choice!r:.80} is none of the kinds listed for {said.item}")
+        for drive, said in person.items.items()
+        if said.choice is not None and drive in listed and said.choice not in listed[drive]
+    ]:
+        raise DataError(QuizAnswers.noun, issues, source=str(file))
     others = [line for line in study.store.lines(PEOPLE) if line["id"] != given.id]
     study.store.write_lines(PEOPLE, [*others, given])
     return given.id

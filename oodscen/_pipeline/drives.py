@@ -35,7 +35,13 @@ class DriveJob:
     seed: int = 0
 
 
-def drive_all(job: DriveJob, scenes: Sequence[Scene], *, workers: int = 1) -> Iterator[Results]:
+def drive_all(
+    job: DriveJob,
+    scenes: Sequence[Scene],
+    *,
+    workers: int = 1,
+    time_limit_s: float | None = None,
+) -> Iterator[Results]:
     """Let every driver drive every scene and its ordinary twin; yield results as they finish.
 
     What a driver prints goes to standard error. If a process dies, the drives in it fail, and the others go on in
@@ -45,24 +51,27 @@ def drive_all(job: DriveJob, scenes: Sequence[Scene], *, workers: int = 1) -> It
         job: Settings for the workers.
         scenes: The scenes to drive.
         workers: Processes; 0 drives in this process, where debuggers work and a stack can end everything.
+        time_limit_s: Seconds after which a scene whose drives have not ended fails; by default drives take as
+            long as they need.
 
     Raises:
-        UsageError: If there is no such driver or simulator, or a driver cannot be made.
+        UsageError: If there is no such driver or simulator, a driver cannot be made, or there is a time limit but
+            no process to end.
         RunStopped: If no process can be started.
     """
     turns = [(driver, scene) for driver in job.drivers for scene in scenes]
     if workers <= 0:
+        if time_limit_s is not None:
+            raise UsageError("--time-limit ends processes; with --workers 0 there is none to end")
         yield from _drive_here(job, turns)
         return
     check_workers(job.simulator, workers, None)
-    with Processes(workers) as pool:
+    with Processes(workers, limit_s=time_limit_s) as pool:
         try:
             pool.submit(_prepare, job).result()
         except BrokenExecutor as error:
             named = ", ".join(map(repr, job.drivers))
-            raise UsageError(
-                f"the driver {named} ends its process when it is made: {error}"
-            ) from None
+            raise UsageError(f"the driver {named} cannot be made: {error}") from None
         futures = {pool.submit(_drive_one, job, *turn): turn for turn in turns}
         for future in as_completed(futures):
             try:

@@ -107,8 +107,44 @@ def test_a_stack_that_ends_its_process_when_it_is_made_is_refused(
     monkeypatch.chdir(tmp_path)
     found = CliRunner().invoke(main, ["drive", "out", "--driver", "stack_stillborn:Driver"])
     assert found.exit_code == 2
-    assert "ends its process when it is made" in found.output
+    assert "cannot be made: its process died (exit code 0)" in found.output
     assert not (tmp_path / "out" / "drives.jsonl").exists()
+
+
+def test_a_stack_that_takes_too_long_fails_and_the_others_go_on(
+    small, tmp_path, monkeypatch
+) -> None:
+    shutil.copytree(small, tmp_path / "out")
+    (tmp_path / "stack_hanging.py").write_text(
+        "import signal\nclass Hanging:\n    act = lambda *_: signal.pause()\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    command = ["drive", "out", "--driver", "stack_hanging:Hanging", "--time-limit", "3"]
+    found = CliRunner().invoke(main, [*command, "--driver", "rule-based"])
+    assert found.exit_code == 1
+    lines = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
+    drives = {row["driver"]: row for row in map(json.loads, lines)}
+    assert drives["rule-based"]["status"] == "ok"
+    assert drives["stack_hanging:Hanging"]["error"] == "it took longer than 3 s"
+    refused = CliRunner().invoke(main, [*command, "--workers", "0"])
+    assert refused.exit_code == 2
+    assert "--workers" in refused.output
+
+
+def test_an_interrupted_command_keeps_the_drives_that_have_ended(
+    small, tmp_path, monkeypatch
+) -> None:
+    shutil.copytree(small, tmp_path / "out")
+    (tmp_path / "stack_interrupting.py").write_text(
+        "class Interrupting:\n    def act(self, _):\n        raise KeyboardInterrupt\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    names = ("rule-based", "stack_interrupting:Interrupting")
+    drivers = [option for name in names for option in ("--driver", name)]
+    found = CliRunner().invoke(main, ["drive", "out", *drivers, "--workers", "0"])
+    assert found.exit_code == 130
+    lines = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
+    assert [json.loads(line)["driver"] for line in lines] == ["rule-based"] * 2
 
 
 def test_a_stack_may_change_the_working_folder_and_leave_a_thread(

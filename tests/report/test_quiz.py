@@ -88,6 +88,7 @@ def test_the_file_that_it_saves_is_taken_once_per_name(study: Study, page: str, 
         assert add_answers(study, file) == "Ada"
     (kept,) = study.store.lines(PEOPLE)
     assert {one["action"] for one in kept["answers"]} == {"keep_speed"}
-    file.write_text(json.dumps({"id": "Bob", "answers": [{"item": "x", "is_ood": True}]}))
-    with pytest.raises(DataError):
-        add_answers(study, file)
+    for wrong in ({**answers[0], "item": "x"}, {**answers[0], "choice": "unicorn"}):
+        file.write_text(json.dumps({"id": "Bob", "answers": [wrong]}))
+        with pytest.raises(DataError, match=r"no drive|'unicorn' is none of the kinds"):
+            add_answers(study, file)
