@@ -210,7 +210,7 @@ class Scene(Data):
     """Id of a map in the catalogue, or the path of an OpenDRIVE file."""
     ego: Ego
     weather: Weather = Weather()
-    actors: tuple[Actor, ...] = ()
+    actors: tuple[Actor, ...] = Field(default=(), max_length=400)
     hazard: Hazard
     decision: Trigger
     """The ego's moment of choice; a trigger by distance or time to collision must name its actor."""

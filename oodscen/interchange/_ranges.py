@@ -57,6 +57,8 @@ def ranges(
     def holds(path: Path, value: float) -> bool:
         return is_sound(changed(scene, {path: value}), catalogue, claims)
 
+    if not is_sound(scene, catalogue, claims):
+        return ()
     found: list[ParameterRange] = []
     for name, path, value, low, high in _parameters(scene, catalogue):
         ends = [_end(value, end, partial(holds, path)) for end in (low, high)]

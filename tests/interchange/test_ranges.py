@@ -36,6 +36,15 @@ def test_variants_are_within_the_ranges_and_the_same_for_a_seed():
             assert one.low - 1e-9 <= value <= one.high + 1e-9
 
 
+def test_a_scene_that_fails_itself_has_no_ranges_and_tells_a_hundred_overlaps_at_most():
+    one, *others = SCENE.actors
+    heap = [one.model_copy(update={"id": f"copy-{index}"}) for index in range(30)]
+    crowded = SCENE.model_copy(update={"actors": (one, *others, *heap)})
+    assert ranges(crowded, catalogue()) == ()
+    faults = [one for one in check_scene(crowded, catalogue()) if "overlaps" in one.message]
+    assert len(faults) == 100
+
+
 def test_parameters_of_a_file_have_values_in_both_distributions(tmp_path):
     paths = write_logical(SCENE, catalogue(), tmp_path)
     scenario, deterministic, stochastic = map(etree.parse, paths)

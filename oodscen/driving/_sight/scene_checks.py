@@ -29,6 +29,8 @@ _NEAREST_M = 6.0
 """Least distance from the ego at which to look for a place where a hidden body would be seen, m."""
 _SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
 """Shares of a hidden body's distance, and of its offset, at which to look for it."""
+_MOST_OVERLAPS = 100
+"""Maximum number of overlaps of a scene that are told."""
 _WHEN = {"first": "at the start", "middle": "half-way", "last": "at the decision"}
 
 
@@ -147,7 +149,10 @@ def floating_issues(scene: Scene, corridor: Corridor, moments: Moments) -> list[
 
 
 def overlap_issues(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
-    """Return issues for actors inside one another at a moment, unless one belongs to the other."""
+    """Return issues for actors inside one another at a moment, unless one belongs to the other.
+
+    Of more than `_MOST_OVERLAPS` the first are returned.
+    """
     owners = {"ego": None} | {actor.id: actor.behaviour.other for actor in scene.actors}
     issues: dict[tuple[str, str], Issue] = {}
     for moment, cast in moments.items():
@@ -157,6 +162,8 @@ def overlap_issues(scene: Scene, corridor: Corridor, moments: Moments) -> list[I
                 if pair in issues or owners[body.id] == other.id or owners[other.id] == body.id:
                     continue
                 if touch(body, other):
+                    if len(issues) == _MOST_OVERLAPS:
+                        return list(issues.values())
                     field = "placement" if moment == "first" else "behaviour"
                     one, two = body.at(scene, corridor), other.at(scene, corridor)
                     message = f"{one} overlaps {two} {_WHEN[moment]}"
