@@ -34,6 +34,8 @@ from oodscen.report._charts.sets import Cloud, scatter
 from oodscen.statistics._auroc import auroc, auroc_interval
 
 DATA = Path(__file__).parent / "rarity_data"
+ANCHOR_DRAWS = ("anchors1", "anchors2")
+"""Questions about the published rates."""
 PARTS = ("controls", "held_out", "unseen", "model", "anchors", "speed", "style")
 ADDED = {
     "length": "{} The drive began in the morning, and it will take another hour.",
@@ -274,17 +276,25 @@ PHRASED = (
 
 
 def prepare(folder: Path) -> None:
-    """Write the questions for four blind readers, each about the same 60 texts."""
+    """Write the questions for blind readers: four about the same 60 texts, and two about the published rates' wordings."""
     pairs = Path(__file__).parents[1] / "tools/rarity/pairs.tsv"
     lines = [line.split("\t") for line in pairs.read_text(encoding="utf-8").splitlines()]
     draws = np.random.default_rng(0)
     texts = [lines[n][1 + 2 * (k % 2)] for k, n in enumerate(draws.permutation(len(lines))[:60])]
+    shuffled = [texts[n] for n in draws.permutation(60)]
+    wordings = [text for rate in published_rates() for text in rate.texts]
     folder.mkdir(parents=True, exist_ok=True)
     asked = EstimateRarity(texts=tuple(texts), population=POPULATION).messages()[0].text
     asked = asked[asked.index("You estimate") :].partition("\n- Where a text")[0]
-    for name in ("draw1", "draw2", "phrased", "shuffled"):
-        shown = [texts[n] for n in draws.permutation(60)] if name == "shuffled" else texts
-        told = PHRASED if name == "phrased" else asked
+    questions = {
+        "draw1": (asked, texts),
+        "draw2": (asked, texts),
+        "phrased": (PHRASED, texts),
+        "shuffled": (asked, shuffled),
+    }
+    for name in ANCHOR_DRAWS:
+        questions[name] = (asked, [wordings[n] for n in draws.permutation(len(wordings))])
+    for name, (told, shown) in questions.items():
         end = f'Write {name}.jsonl beside this file, a line {{"text": ..., "log10_km": ...}} for every text, copied exactly.'
         body = "\n".join(f"- {text}" for text in shown)
         (folder / f"{name}.md").write_text(f"{told}\n\n{end}\n\n{body}\n", encoding="utf-8")
