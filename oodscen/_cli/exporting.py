@@ -56,7 +56,7 @@ def claim_folder(out: Path, scenes: Sequence[Scene], catalogue: Catalogue, form:
 
 def _refuse_study(out: Path) -> None:
     """Refuse a study's folder and its parts; a folder of one's own in it is none of them."""
-    from oodscen.study._study import is_own
+    from oodscen.study._files import is_own
 
     place = out.resolve()
     if (place / "study.json").exists():

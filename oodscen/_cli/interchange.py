@@ -4,34 +4,31 @@ import json
 import os
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import starmap
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
-from click.core import ParameterSource
 
 from oodscen._cli.completion import ComponentName
 from oodscen._cli.exporting import claim_folder
 from oodscen._cli.options import json_option, seed_option, simulator_option
-from oodscen._cli.output import read_lines, say, tracked, write
+from oodscen._cli.output import say, tracked, write
 from oodscen._cli.paths import READABLE, PathName
+from oodscen._cli.places import KnownFacts, scenes_of, simulator_of
 from oodscen._members import using
 from oodscen._processes import Processes
 from oodscen._text import one_line, plain
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._claim import Claim
-from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._episode import ACTIONS
 from oodscen.data._pairing import is_twin, scene_of, twin_id
-from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import MissingExtra, OodscenError, UsageError
 
 if TYPE_CHECKING:
     from oodscen.interchange._verdicts.verdict import PlayedVerdict
-    from oodscen.study._study import Study
 
 _PLACE = PathName(exists=True, path_type=Path)
 _FOLDER = PathName(file_okay=False, path_type=Path)
@@ -104,9 +101,9 @@ def export(
     the same trace with its map in one file, `rerun` a recording for the Rerun viewer. Scenes that cannot be written
     are reported on standard error, and the exit code is then 1.
     """
-    scenes, catalogue, known = _scenes(place, simulator)
+    scenes, catalogue, known = scenes_of(place, simulator)
     scenes = scenes[:limit]
-    options["simulator"] = _simulator_of(place, simulator)
+    options["simulator"] = simulator_of(place, simulator)
     if not options["twins"]:
         known = known._replace(demands={})
     out.mkdir(parents=True, exist_ok=True)
@@ -137,7 +134,7 @@ def _results(jobs: Sequence[tuple[Any, ...]], workers: int | None) -> Iterator[_
 def write_scenes(
     scenes: Sequence[Scene],
     catalogue: Catalogue,
-    known: "_Known",
+    known: KnownFacts,
     out: Path,
     options: dict[str, Any],
 ) -> _Written:
@@ -171,7 +168,7 @@ def _kept(faults: list[str], name: str) -> Iterator[None]:
 def _write(
     scene: Scene,
     catalogue: Catalogue,
-    known: "_Known",
+    known: KnownFacts,
     out: Path,
     options: dict[str, Any],
 ) -> None:
@@ -298,7 +295,7 @@ def verdict(
     names = Counter(path.stem for path in files)
     if driver and (twice := [name for name, count in names.items() if count > 1]):
         raise UsageError(f"{twice[0]} has several files; a driver has one result per scene")
-    scenes, catalogue, known = _scenes(place, simulator)
+    scenes, catalogue, known = scenes_of(place, simulator)
     by_id = {scene.id: scene for scene in (*scenes, *known.demands.values())}
     found: list[PlayedVerdict] = []
     failed = 0
@@ -341,7 +338,7 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
     from oodscen.driving import check_scene
     from oodscen.interchange import vary as draw
 
-    scenes, catalogue, known = _scenes(place, simulator)
+    scenes, catalogue, known = scenes_of(place, simulator)
     if wanted is not None:
         scenes = [one for one in (*scenes, *known.demands.values()) if one.id == wanted]
         if not scenes:
@@ -357,97 +354,6 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
             say(f"{scene.id}: {len(variants)} of {count} variants can be staged", err=True)
             short += 1
     sys.exit(bool(short))
-
-
-# ------------------------------------------------------------------ the scenes of a place
-
-
-class _Known(NamedTuple):
-    """A study's knowledge of its scenes, as properties."""
-
-    scenarios: Mapping[str, Scenario] = {}
-    episodes: Mapping[str, Episode] = {}
-    stated: Mapping[str, list[Any]] = {}
-    """The claims of texts as data, by the id of their scene."""
-    demands: Mapping[str, Scene] = {}
-    """Ordinary demands by the id of their scene."""
-
-    @classmethod
-    def from_study(cls, study: "Study") -> "_Known":
-        """Read what a study knows."""
-        rows = study.store.lines("claims.jsonl") if "claims.jsonl" in study.own() else ()
-        return cls(
-            {one.id: one for one in study.scenarios},
-            {one.scene_id: one for one in study.episodes},
-            {row["id"]: row["claims"] for row in rows},
-            _by_scene(study.demands),
-        )
-
-    def of(self, scenes: Sequence[Scene]) -> "_Known":
-        """Return what is known of some scenes and their twins."""
-        ids = {one.id for one in scenes}
-        texts = {one.scenario_id for one in scenes}
-        return _Known(
-            {name: one for name, one in self.scenarios.items() if name in texts},
-            {name: one for name, one in self.episodes.items() if {name, scene_of(name)} & ids},
-            {name: one for name, one in self.stated.items() if name in ids},
-            {name: one for name, one in self.demands.items() if name in ids},
-        )
-
-    def demands_of(self, scene: Scene) -> list[Scene]:
-        """Return the ordinary demand of a scene, if it has one."""
-        return [self.demands[scene.id]] if scene.id in self.demands else []
-
-    def claims(self, scene: Scene) -> list[Claim]:
-        """Return the claims of a scene's text."""
-        if scene.demand is not None:
-            return list(scene.demand.claims)
-        return [Claim.parse(one) for one in self.stated.get(scene_of(scene.id), [])]
-
-    def __call__(self, scene: Scene) -> dict[str, str]:
-        from oodscen.interchange._writing.properties import facts
-
-        text, run = self.scenarios.get(scene.scenario_id), self.episodes.get(scene.id)
-        return facts(scene, text, self.claims(scene), run)
-
-
-def _simulator_of(place: Path, simulator: str) -> str:
-    """Return the name of a study's own simulator, or for a file that of the option."""
-    from oodscen.study._study import Study
-
-    return Study.open(place).config.simulator if place.is_dir() else simulator
-
-
-def _scenes(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, _Known]:
-    """Return the scenes of a study or a file, their catalogue, and what else is known of them."""
-    from oodscen import make_simulator
-    from oodscen.study._study import Study
-
-    if place.is_dir():
-        study = Study.open(place)
-        _refuse_other_simulator(study.config.simulator)
-        catalogue = make_simulator(study.config.simulator).catalogue()
-        return study.scenes, catalogue, _Known.from_study(study)
-    rows = read_lines(Scene, place)
-    ids = {one.id for one in rows}
-    demands = _by_scene(one for one in rows if one.demand and scene_of(one.id) in ids)
-    apart = {one.id for one in demands.values()}
-    scenes = [one for one in rows if one.id not in apart]
-    return scenes, make_simulator(simulator).catalogue(), _Known(demands=demands)
-
-
-def _refuse_other_simulator(own: str) -> None:
-    """Refuse a named simulator that is not the study's own, which would be ignored."""
-    context = click.get_current_context()
-    is_named = context.get_parameter_source("simulator") is ParameterSource.COMMANDLINE
-    if is_named and (named := context.params["simulator"]) != own:
-        raise UsageError(
-            f"the study's scenes were made for {own}; --simulator {named} is for files"
-        )
-
-
-def _by_scene(demands: Iterable[Scene]) -> dict[str, Scene]:
-    return {scene_of(one.id): one for one in demands}
 
 
 def _scene_named(name: str, by_id: dict[str, Scene], catalogue: Catalogue, seed: int) -> Scene:

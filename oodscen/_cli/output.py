@@ -266,7 +266,7 @@ def write_bytes(out: Path, data: bytes) -> None:
         FolderTaken: When the file belongs to a study.
         OodscenError: When the file cannot be written.
     """
-    from oodscen.study._study import refuse_own
+    from oodscen.study._files import refuse_own
 
     with writing(out):
         if not is_written_through(out):

@@ -23,8 +23,9 @@ from oodscen.stages._making.making import MadeProp
 from oodscen.stages._making.motions import MOTIONS, MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
+from oodscen.study._files import TABLES, TREES
 from oodscen.study._store import Store
-from oodscen.study._study import TABLES, TREES, Study
+from oodscen.study._study import Study
 from oodscen.tree._scenario_tree import ScenarioTree
 
 Row = TypeVar("Row", bound=Data)

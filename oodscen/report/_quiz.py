@@ -21,7 +21,8 @@ from oodscen.judging._questions import (
 )
 from oodscen.report._render import environment
 from oodscen.study._asked import AskedDrive, asked_drives
-from oodscen.study._study import QUIZ, Study, refuse_own
+from oodscen.study._files import QUIZ, refuse_own
+from oodscen.study._study import Study
 
 SCENES = 20
 """Scenes of a quiz, unless told otherwise; each comes with its ordinary drives."""

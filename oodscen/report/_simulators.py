@@ -5,7 +5,8 @@ from typing import Any
 
 from oodscen.report._load import Material, make_printable
 from oodscen.stages._prune.side_by_side import CatalogueComparison, CatalogueTally, Side
-from oodscen.study._study import CATALOGUES, Study
+from oodscen.study._files import CATALOGUES
+from oodscen.study._study import Study
 
 _KINDS = {
     "vehicle": "vehicles",

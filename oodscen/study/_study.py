@@ -1,18 +1,14 @@
 """Reading a study from disk: every table in one call."""
 
 import os
-import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 from urllib.parse import quote
-
-from pydantic import ConfigDict
 
 from oodscen._arguments import instance_of
 from oodscen._display import Brief, escaped, html_table
 from oodscen.data._base import Data
-from oodscen.data._claim import Claim
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import is_ordinary
@@ -29,7 +25,6 @@ from oodscen.errors import (
     StudyMissing,
     UnknownComponent,
 )
-from oodscen.judging._aspects.opinions import Opinion
 from oodscen.judging._drive_board import DriveBoard, drive_board
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
 from oodscen.judging._leaderboard.requirements import (
@@ -37,25 +32,27 @@ from oodscen.judging._leaderboard.requirements import (
     parse_requirement,
     requirements,
 )
-from oodscen.judging._people import PEOPLE, QuizAnswers
 from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
-from oodscen.llm._call_log import Call
-from oodscen.metrics._measurements import Measurements
 from oodscen.metrics._rarity.exposure import TreeRarity
-from oodscen.stages._making.files import ASSETS, PICTURES
-from oodscen.stages._making.making import MadeProp
-from oodscen.stages._making.motions import MOTIONS, MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._config import StudyConfig
+from oodscen.study._files import (
+    FOLDERS,
+    LINES,
+    TABLES,
+    TEXT_SETS,
+    TREES,
+    VALUES,
+    FailedLine,
+    is_own,
+)
 from oodscen.study._record import Info
-from oodscen.study._staging import Staging
 from oodscen.study._store import Store
 from oodscen.tree._coverage import Coverage, study_coverage
-from oodscen.tree._edit_log import TreeEdit
 from oodscen.tree._scenario_tree import ScenarioTree
 
 if TYPE_CHECKING:
@@ -63,130 +60,6 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 Row = TypeVar("Row", bound=Data)
-
-TREES = ("initial", "diverse", "simulatable")
-"""The trees of a study, in order of growth."""
-
-CATALOGUES = "catalogues.json"
-"""The comparison with other simulators' catalogues."""
-
-QUIZ = "quiz.html"
-"""The page that puts the questions to a person."""
-
-TABLES: Mapping[str, str] = {
-    "redteam": "redteam.jsonl",
-    "edits": "edits.jsonl",
-    "pruned": "pruned.jsonl",
-    "scenarios": "scenarios.jsonl",
-    "scenes": "scenes.jsonl",
-    "episodes": "episodes.jsonl",
-    "verdicts": "verdicts.jsonl",
-    "calls": "calls.jsonl",
-}
-"""File of each table."""
-
-
-class _Failed(Data):
-    """The line of a failed item in a file whose items have no status of their own."""
-
-    noun: ClassVar[str] = "failed item"
-    model_config = ConfigDict(extra="allow")
-
-    id: str
-    status: Literal["failed"]
-    error: str
-    retryable: bool = False
-
-
-class _Told(Data):
-    """A line of `claims.jsonl`."""
-
-    noun: ClassVar[str] = "list of claims"
-    model_config = ConfigDict(extra="allow")
-
-    id: str
-    claims: tuple[Claim, ...]
-
-
-class _Restaged(Data):
-    """A line of `restaged.jsonl`."""
-
-    noun: ClassVar[str] = "restaging"
-    model_config = ConfigDict(extra="allow")
-
-    id: str
-    scene: Scene | None = None
-
-
-class _ShortPath(Data):
-    """A line of `short_paths.jsonl`."""
-
-    noun: ClassVar[str] = "short path"
-
-    file: str
-    leaf: str
-    texts: int
-
-
-_KINDS: Mapping[str, type[Data]] = {
-    "redteam.jsonl": Round,
-    "edits.jsonl": TreeEdit,
-    "pruned.jsonl": PruneDecision,
-    ASSETS: MadeProp,
-    MOTIONS: MadeMotion,
-    "scenarios.jsonl": Scenario,
-    "short_paths.jsonl": _ShortPath,
-    "claims.jsonl": _Told,
-    "staged.jsonl": Staging,
-    "scenes.jsonl": Scene,
-    "restaged.jsonl": _Restaged,
-    "episodes.jsonl": Episode,
-    "episodes.paper.jsonl": Episode,
-    "episodes.rear.jsonl": Episode,
-    "verdicts.jsonl": Verdict,
-    "opinions.jsonl": Opinion,
-    PEOPLE: QuizAnswers,
-    "calls.jsonl": Call,
-}
-"""Types of the lines of every file that a run resumes from, besides the text sets."""
-
-_WHOLE: Mapping[str, type[Data]] = {"metrics.json": Measurements, CATALOGUES: CatalogueComparison}
-"""Types of the files of one value that a run resumes from, besides trees."""
-
-_OTHERS = (
-    "study.json",
-    "restore.json",
-    CATALOGUES,
-    "leaderboard.json",
-    "metrics.json",
-    AUDIT,
-    "drives.jsonl",
-    "answers.jsonl",
-    "report.html",
-    QUIZ,
-)
-_FOLDERS = (PICTURES, "frames", "traces", "videos")
-_TEXTS = re.compile(r"texts\.diverse\.\d+\.jsonl")
-
-
-def is_own(name: str) -> bool:
-    """Return whether this is the name of a file or folder that a run or a command writes into a study."""
-    trees = {f"tree.{tree}.json" for tree in TREES}
-    return name in {*_OTHERS, *_FOLDERS, *_KINDS, *trees} or bool(_TEXTS.fullmatch(name))
-
-
-def refuse_own(target: Path) -> None:
-    """Refuse to replace a file that belongs to a study; a missing comparison of catalogues may be added.
-
-    Raises:
-        FolderTaken: When a study's folder holds the file, links followed, or would use its name.
-    """
-    target = Path(os.path.realpath(target))
-    if target.name == CATALOGUES and not target.exists():
-        return
-    if is_own(target.name) and (target.parent / "study.json").exists():
-        raise FolderTaken(str(target.parent), [target.name])
-
 
 _HASHES = "file_sha256"
 """Field with an entry for every file of an episode."""
@@ -271,11 +144,11 @@ class Study(Brief):
             raise FolderTaken(str(self.folder), names)
         self._check_kinds(names)
         for name in names:
-            kind = Scenario if _TEXTS.fullmatch(name) else _KINDS.get(name)
+            kind = Scenario if TEXT_SETS.fullmatch(name) else LINES.get(name)
             if kind is not None:
                 self._rows(kind, name)
-            if name in _WHOLE and self.store.path(name).stat().st_size:
-                _WHOLE[name].parse(self.store.read(name), source=str(self.folder / name))
+            if name in VALUES and self.store.path(name).stat().st_size:
+                VALUES[name].parse(self.store.read(name), source=str(self.folder / name))
         for name in TREES:
             file = f"tree.{name}.json"
             if file in names and self.store.path(file).stat().st_size:
@@ -298,8 +171,8 @@ class Study(Brief):
         """Check that files are regular files, and folders are folders."""
         for name in names:
             path = self.folder / name
-            if not (path.is_dir() if name in _FOLDERS else path.is_file()):
-                issue = Issue("", f"is no {'folder' if name in _FOLDERS else 'regular file'}")
+            if not (path.is_dir() if name in FOLDERS else path.is_file()):
+                issue = Issue("", f"is no {'folder' if name in FOLDERS else 'regular file'}")
                 raise DataError(Info.noun, [issue], source=str(path))
 
     @property
@@ -500,7 +373,7 @@ class Study(Brief):
         for number, line in self.store.numbered(name):
             try:
                 if line.get("status") == "failed" and "status" not in kind.model_fields:
-                    _Failed.parse(line)
+                    FailedLine.parse(line)
                 else:
                     rows.append(kind.parse(line))
             except DataError as error:

@@ -8,8 +8,8 @@ from click.testing import CliRunner
 from oodscen._cli import main
 from oodscen._cli.tree import _TREES
 from oodscen.data._scenario import Scenario
+from oodscen.study._files import TREES
 from oodscen.study._store import Store
-from oodscen.study._study import TREES
 from oodscen.tree._export import to_mermaid
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.interchange.staging import SCENES

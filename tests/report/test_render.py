@@ -10,7 +10,7 @@ from lxml import html
 
 from oodscen import Study, write_report
 from oodscen.errors import StudyError
-from oodscen.study._study import TABLES
+from oodscen.study._files import TABLES
 
 HOSTILE = (
     '<script>alert("x")</script><img src=x onerror=alert(1)>"\'><a href="javascript:alert(2)">'

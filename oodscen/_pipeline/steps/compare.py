@@ -4,7 +4,7 @@ from oodscen._pipeline.context import Context
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.stages._prune.side_by_side import compare
-from oodscen.study._study import CATALOGUES
+from oodscen.study._files import CATALOGUES
 from oodscen.tree._scenario_tree import ScenarioTree
 
 

@@ -1,0 +1,108 @@
+"""The scenes of a study or a file that a command is given, and what is known of them."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+from click.core import ParameterSource
+
+from oodscen._cli.output import read_lines
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._claim import Claim
+from oodscen.data._episode import Episode
+from oodscen.data._pairing import scene_of
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.errors import UsageError
+
+if TYPE_CHECKING:
+    from oodscen.study._study import Study
+
+
+class KnownFacts(NamedTuple):
+    """A study's knowledge of its scenes, as properties."""
+
+    scenarios: Mapping[str, Scenario] = {}
+    episodes: Mapping[str, Episode] = {}
+    stated: Mapping[str, list[Any]] = {}
+    """The claims of texts as data, by the id of their scene."""
+    demands: Mapping[str, Scene] = {}
+    """Ordinary demands by the id of their scene."""
+
+    @classmethod
+    def from_study(cls, study: "Study") -> "KnownFacts":
+        """Read what a study knows."""
+        rows = study.store.lines("claims.jsonl") if "claims.jsonl" in study.own() else ()
+        return cls(
+            {one.id: one for one in study.scenarios},
+            {one.scene_id: one for one in study.episodes},
+            {row["id"]: row["claims"] for row in rows},
+            _by_scene(study.demands),
+        )
+
+    def of(self, scenes: Sequence[Scene]) -> "KnownFacts":
+        """Return what is known of some scenes and their twins."""
+        ids = {one.id for one in scenes}
+        texts = {one.scenario_id for one in scenes}
+        return KnownFacts(
+            {name: one for name, one in self.scenarios.items() if name in texts},
+            {name: one for name, one in self.episodes.items() if {name, scene_of(name)} & ids},
+            {name: one for name, one in self.stated.items() if name in ids},
+            {name: one for name, one in self.demands.items() if name in ids},
+        )
+
+    def demands_of(self, scene: Scene) -> list[Scene]:
+        """Return the ordinary demand of a scene, if it has one."""
+        return [self.demands[scene.id]] if scene.id in self.demands else []
+
+    def claims(self, scene: Scene) -> list[Claim]:
+        """Return the claims of a scene's text."""
+        if scene.demand is not None:
+            return list(scene.demand.claims)
+        return [Claim.parse(one) for one in self.stated.get(scene_of(scene.id), [])]
+
+    def __call__(self, scene: Scene) -> dict[str, str]:
+        from oodscen.interchange._writing.properties import facts
+
+        text, run = self.scenarios.get(scene.scenario_id), self.episodes.get(scene.id)
+        return facts(scene, text, self.claims(scene), run)
+
+
+def simulator_of(place: Path, simulator: str) -> str:
+    """Return the name of a study's own simulator, or for a file that of the option."""
+    from oodscen.study._study import Study
+
+    return Study.open(place).config.simulator if place.is_dir() else simulator
+
+
+def scenes_of(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, KnownFacts]:
+    """Return the scenes of a study or a file, their catalogue, and what else is known of them."""
+    from oodscen import make_simulator
+    from oodscen.study._study import Study
+
+    if place.is_dir():
+        study = Study.open(place)
+        _refuse_other_simulator(study.config.simulator)
+        catalogue = make_simulator(study.config.simulator).catalogue()
+        return study.scenes, catalogue, KnownFacts.from_study(study)
+    rows = read_lines(Scene, place)
+    ids = {one.id for one in rows}
+    demands = _by_scene(one for one in rows if one.demand and scene_of(one.id) in ids)
+    apart = {one.id for one in demands.values()}
+    scenes = [one for one in rows if one.id not in apart]
+    return scenes, make_simulator(simulator).catalogue(), KnownFacts(demands=demands)
+
+
+def _refuse_other_simulator(own: str) -> None:
+    """Refuse a named simulator that is not the study's own, which would be ignored."""
+    context = click.get_current_context()
+    is_named = context.get_parameter_source("simulator") is ParameterSource.COMMANDLINE
+    if is_named and (named := context.params["simulator"]) != own:
+        raise UsageError(
+            f"the study's scenes were made for {own}; --simulator {named} is for files"
+        )
+
+
+def _by_scene(demands: Iterable[Scene]) -> dict[str, Scene]:
+    return {scene_of(one.id): one for one in demands}

@@ -1,0 +1,153 @@
+"""The files of a study: their names, and the types of their lines."""
+
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import ClassVar, Literal
+
+from pydantic import ConfigDict
+
+from oodscen.data._base import Data
+from oodscen.data._claim import Claim
+from oodscen.data._episode import Episode
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.data._verdict import Verdict
+from oodscen.errors import FolderTaken
+from oodscen.judging._aspects.opinions import Opinion
+from oodscen.judging._people import PEOPLE, QuizAnswers
+from oodscen.judging._shortcuts.audit import FILE as AUDIT
+from oodscen.llm._call_log import Call
+from oodscen.metrics._measurements import Measurements
+from oodscen.stages._making.files import ASSETS, PICTURES
+from oodscen.stages._making.making import MadeProp
+from oodscen.stages._making.motions import MOTIONS, MadeMotion
+from oodscen.stages._prune.decisions import PruneDecision
+from oodscen.stages._prune.side_by_side import CatalogueComparison
+from oodscen.stages._redteam.red_teamer import Round
+from oodscen.study._staging import Staging
+from oodscen.tree._edit_log import TreeEdit
+
+TREES = ("initial", "diverse", "simulatable")
+"""The trees of a study, in order of growth."""
+
+CATALOGUES = "catalogues.json"
+"""The comparison with other simulators' catalogues."""
+
+QUIZ = "quiz.html"
+"""The page that puts the questions to a person."""
+
+TABLES: Mapping[str, str] = {
+    "redteam": "redteam.jsonl",
+    "edits": "edits.jsonl",
+    "pruned": "pruned.jsonl",
+    "scenarios": "scenarios.jsonl",
+    "scenes": "scenes.jsonl",
+    "episodes": "episodes.jsonl",
+    "verdicts": "verdicts.jsonl",
+    "calls": "calls.jsonl",
+}
+"""File of each table."""
+
+
+class FailedLine(Data):
+    """The line of a failed item in a file whose items have no status of their own."""
+
+    noun: ClassVar[str] = "failed item"
+    model_config = ConfigDict(extra="allow")
+
+    id: str
+    status: Literal["failed"]
+    error: str
+    retryable: bool = False
+
+
+class ClaimsLine(Data):
+    """A line of `claims.jsonl`."""
+
+    noun: ClassVar[str] = "list of claims"
+    model_config = ConfigDict(extra="allow")
+
+    id: str
+    claims: tuple[Claim, ...]
+
+
+class RestagedLine(Data):
+    """A line of `restaged.jsonl`."""
+
+    noun: ClassVar[str] = "restaging"
+    model_config = ConfigDict(extra="allow")
+
+    id: str
+    scene: Scene | None = None
+
+
+class ShortPathLine(Data):
+    """A line of `short_paths.jsonl`."""
+
+    noun: ClassVar[str] = "short path"
+
+    file: str
+    leaf: str
+    texts: int
+
+
+LINES: Mapping[str, type[Data]] = {
+    "redteam.jsonl": Round,
+    "edits.jsonl": TreeEdit,
+    "pruned.jsonl": PruneDecision,
+    ASSETS: MadeProp,
+    MOTIONS: MadeMotion,
+    "scenarios.jsonl": Scenario,
+    "short_paths.jsonl": ShortPathLine,
+    "claims.jsonl": ClaimsLine,
+    "staged.jsonl": Staging,
+    "scenes.jsonl": Scene,
+    "restaged.jsonl": RestagedLine,
+    "episodes.jsonl": Episode,
+    "episodes.paper.jsonl": Episode,
+    "episodes.rear.jsonl": Episode,
+    "verdicts.jsonl": Verdict,
+    "opinions.jsonl": Opinion,
+    PEOPLE: QuizAnswers,
+    "calls.jsonl": Call,
+}
+"""Types of the lines of every file that a run resumes from, besides the text sets."""
+
+VALUES: Mapping[str, type[Data]] = {"metrics.json": Measurements, CATALOGUES: CatalogueComparison}
+"""Types of the files of one value that a run resumes from, besides trees."""
+
+_OTHERS = (
+    "study.json",
+    "restore.json",
+    CATALOGUES,
+    "leaderboard.json",
+    "metrics.json",
+    AUDIT,
+    "drives.jsonl",
+    "answers.jsonl",
+    "report.html",
+    QUIZ,
+)
+FOLDERS = (PICTURES, "frames", "traces", "videos")
+TEXT_SETS = re.compile(r"texts\.diverse\.\d+\.jsonl")
+
+
+def is_own(name: str) -> bool:
+    """Return whether this is the name of a file or folder that a run or a command writes into a study."""
+    trees = {f"tree.{tree}.json" for tree in TREES}
+    return name in {*_OTHERS, *FOLDERS, *LINES, *trees} or bool(TEXT_SETS.fullmatch(name))
+
+
+def refuse_own(target: Path) -> None:
+    """Refuse to replace a file that belongs to a study; a missing comparison of catalogues may be added.
+
+    Raises:
+        FolderTaken: When a study's folder holds the file, links followed, or would use its name.
+    """
+    target = Path(os.path.realpath(target))
+    if target.name == CATALOGUES and not target.exists():
+        return
+    if is_own(target.name) and (target.parent / "study.json").exists():
+        raise FolderTaken(str(target.parent), [target.name])
