@@ -7,8 +7,8 @@ Usage: python benchmarks/rarity.py [--json] [--only PART ...] [--held-out FILE .
 Parts: controls, held_out, unseen, model, anchors, speed, style. `--held-out` names lines of `text`, `kind` (`ordinary` or
 `ood`) and `log10_km` by hands that had no part in the training. `--recordings` holds a model's recorded
 answers: `draw1.jsonl`, `draw2.jsonl`, `phrased.jsonl`, `shuffled.jsonl`, each with lines of `text` and
-`log10_km`. `--prepare` writes the four questions (`draw1.md` ...) about 60 texts, one for each blind reader, who
-answers into the file of the same name. `--held-out` and `--recordings` default to `rarity_data`, whose README says who
+`log10_km`. `--prepare` writes four questions (`draw1.md` ...) about 60 texts and two about the wordings of the published
+rates (`anchors1.md`, `anchors2.md`), one for each blind reader, who answers into the file of the same name. `--held-out` and `--recordings` default to `rarity_data`, whose README says who
 wrote and answered it. Rated texts are found through the environment variable OODSCEN_CORPORA. Rows without their data are `not run`.
 """
 
@@ -26,7 +26,7 @@ import numpy as np
 
 from oodscen import Metrics, make_encoder
 from oodscen.baselines import load_controls
-from oodscen.metrics._rarity.anchors import calibrate, left_out, published_rates
+from oodscen.metrics._rarity.anchors import Rate, calibrate, left_out, published_rates
 from oodscen.metrics._rarity.estimates import POPULATION, anchor_estimates
 from oodscen.metrics._rarity.head import estimated, load_head
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
@@ -162,38 +162,44 @@ def model(bench: Bench) -> list[Row]:
         if bench.asked.recordings is None or not all(file.exists() for file in files):
             rows.append(not_run(name, target))
             continue
-        pair = [
-            {r["text"]: r["log10_km"] for r in map(json.loads, file.read_text().splitlines())}
-            for file in files
-        ]
+        pair = [_answers(file) for file in files]
         gaps = _gaps(*pair)
         rows.append(row(name, gaps, "decades", target, gaps is not None and gaps <= 0.3))
     return rows
 
 
 def anchors(bench: Bench) -> list[Row]:
-    """Compare the head with published rates, before and after calibration."""
+    """Compare the head, and a model's recorded answers, with published rates before and after calibration."""
     rates = published_rates()
-    own = anchor_estimates(bench.metrics._space, rates)
+    rows = _calibrated("head", rates, anchor_estimates(bench.metrics._space, rates))
+    files = [(bench.asked.recordings or Path()) / f"{name}.jsonl" for name in ANCHOR_DRAWS]
+    if bench.asked.recordings is None or not all(file.exists() for file in files):
+        return [*rows, not_run("model: median error left out", "<= 5")]
+    draws = [_answers(file) for file in files]
+    said = [
+        float(np.mean([np.median([draw[text] for draw in draws]) for text in rate.texts]))
+        for rate in rates
+    ]
+    return rows + _calibrated("model", rates, said)
+
+
+def _calibrated(who: str, rates: Sequence[Rate], said: Sequence[float]) -> list[Row]:
+    """Return the errors of one estimate per rate; those of rates graded A and B are the headline."""
     graded = [place for place, rate in enumerate(rates) if rate.grade in "AB"]
-    few, few_own = [rates[place] for place in graded], [own[place] for place in graded]
-    found, all_found = calibrate(few, few_own), calibrate(rates, own)
-    after, target = found.factor_left_out, "<= 5"
+    few, few_said = [rates[place] for place in graded], [said[place] for place in graded]
+    found, all_found = calibrate(few, few_said), calibrate(rates, said)
+    after = found.factor_left_out
+    assert after is not None
+    name = f"{who}: median error left out, {len(few)} rates graded A and B"
+    by_all = float(10.0 ** np.median(np.abs(left_out(rates, said)[graded])))
     rows = [
-        row(
-            f"median error left out, {len(few)} rates graded A and B",
-            after,
-            "x",
-            target,
-            after <= 5,
-        ),
+        row(name, after, "x", "<= 5", after <= 5),
         row("  before calibration", found.factor_before, "x", "", None),
         row(f"  all {len(rates)} rates", all_found.factor_left_out, "x", "", None),
         row("  slope", found.slope, "", "", None),
+        row("  each by all other rates, of any grade", by_all, "x", "", None),
     ]
-    by_all = float(10.0 ** np.median(np.abs(left_out(rates, own)[graded])))
-    rows.append(row("  each by all other rates, of any grade", by_all, "x", "", None))
-    errors = 10.0 ** np.abs(left_out(few, few_own))
+    errors = 10.0 ** np.abs(left_out(few, few_said))
     for kind in dict.fromkeys(rate.kind for rate in few):
         part = [error for error, rate in zip(errors, few, strict=True) if rate.kind == kind]
         rows.append(row(f"  {kind}, {len(part)}", float(np.median(part)), "x", "", None))
@@ -298,6 +304,11 @@ def prepare(folder: Path) -> None:
         end = f'Write {name}.jsonl beside this file, a line {{"text": ..., "log10_km": ...}} for every text, copied exactly.'
         body = "\n".join(f"- {text}" for text in shown)
         (folder / f"{name}.md").write_text(f"{told}\n\n{end}\n\n{body}\n", encoding="utf-8")
+
+
+def _answers(file: Path) -> dict[str, float]:
+    rows = map(json.loads, file.read_text(encoding="utf-8").splitlines())
+    return {row["text"]: row["log10_km"] for row in rows}
 
 
 def _gaps(first: dict[str, float | None], second: dict[str, float | None]) -> float | None:
