@@ -1,17 +1,21 @@
-"""Forty-one simulators with one defect each: what the author of an adapter can get wrong.
+"""Forty-three simulators with one defect each: what the author of an adapter can get wrong.
 
-Every defect is a subclass of the flat simulator, which keeps the protocol. Its first docstring line names it.
+Every defect is a subclass of the flat simulator or of the tutorial's, which has dynamics of its own; both keep the
+protocol.
 """
 
 import math
 import random
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from oodscen.data import Catalogue
 from oodscen.data._scene import Scene, Trigger
-from oodscen.protocols import Camera, Control, Frame, Observation, State
+from oodscen.protocols import Camera, Control, Frame, Observation, Simulator, State
 from oodscen.testing import FlatSimulator
+from oodscen.testing._new.adapter import Mover, MySimulator
 
 
 class Defective(FlatSimulator):
@@ -186,6 +190,33 @@ class FrictionIgnored(Defective):
     def altered_observation(self, seen):
         assert self.scene is not None
         return replace(seen, friction=self.scene.weather.friction)
+
+
+class EgoIgnoresGrip(MySimulator):
+    def catalogue(self) -> Catalogue:
+        kept = super().catalogue()
+        dry = kept.weather.model_copy(update={"min_friction": 1.0})
+        return kept.model_copy(update={"weather": dry})
+
+    def _drive(self, ego: Mover, control: Control) -> None:
+        slip = math.atan(0.5 * math.tan(control.steering))
+        after = max(0.0, ego.speed + control.acceleration * self.dt)
+        way = 0.5 * (ego.speed + after) * self.dt
+        turn = way * math.sin(slip) / (0.5 * self.wheelbase)
+        ego.x += way * math.cos(ego.yaw + 0.5 * turn + slip)
+        ego.y += way * math.sin(ego.yaw + 0.5 * turn + slip)
+        ego.yaw += turn
+        ego.speed = after
+
+
+class DriversIgnoreBends(MySimulator):
+    def _follow(self, mover: Mover, acceleration: float) -> None:
+        acceleration = max(acceleration, -9.0 * self.friction)
+        after = max(0.0, mover.speed + acceleration * self.dt)
+        way = 0.5 * (mover.speed + after) * self.dt
+        mover.x += way * math.cos(mover.yaw)
+        mover.y += way * math.sin(mover.yaw)
+        mover.speed = after
 
 
 class StopsAtContact(Defective):
@@ -407,9 +438,9 @@ class FogHalfAsThick(Defective):
         return replace(seen, visual_range_m=min(10_000.0, self.scene.weather.fog_visual_range_m))
 
 
-DEFECTS = tuple(
+DEFECTS: tuple[Callable[[], Simulator], ...] = tuple(
     one
-    for one in globals().values()
-    if isinstance(one, type) and issubclass(one, Defective) and one is not Defective
+    for one in list(globals().values())
+    if isinstance(one, type) and one.__module__ == __name__ and one is not Defective
 )
 """All defects, in the order of this file."""

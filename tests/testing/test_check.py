@@ -1,5 +1,6 @@
 import dataclasses
 import itertools
+import math
 import mmap
 import os
 
@@ -16,6 +17,7 @@ from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.testing._kit.findings import Finding, NotApplicable, PartResult
 from oodscen.testing._kit.isolation import process_faults
+from oodscen.testing._new.adapter import MySimulator
 from tests.driving.staging import actor, scene
 
 SMALL = FLAT_CATALOGUE.model_copy(
@@ -320,6 +322,35 @@ def test_of_a_behaviour_of_its_own_the_start_is_compared_and_the_rest_is_said() 
     assert "(mobil, mobil in an oncoming lane): starts 0.8 m from its place" in line
 
 
+class StraightOn(MySimulator):
+    """Drivers keep their heading in bends."""
+
+    def _follow(self, mover, acceleration):
+        x, y, yaw = mover.x, mover.y, mover.yaw
+        super()._follow(mover, acceleration)
+        way = mover.speed * self.dt
+        mover.x, mover.y, mover.yaw = x + way * math.cos(yaw), y + way * math.sin(yaw), yaw
+
+
+class Gripping(MySimulator):
+    """The tyres of the ego never slide, on roads that are always dry."""
+
+    def catalogue(self):
+        kept = super().catalogue()
+        dry = kept.weather.model_copy(update={"min_friction": 1.0})
+        return kept.model_copy(update={"weather": dry})
+
+    def begin(self, staged, seed):
+        super().begin(staged, seed)
+        self.friction = 10.0
+
+
+def test_what_motion_has_nothing_to_try_with_is_said() -> None:
+    result, _ = examine_parts(Small, parts=("motion",))
+    assert result.holds
+    assert "bends not tried, no map has a bend" in result.note
+
+
 class _Fixed(FlatSimulator):
     """What a process-bound simulator gives in no process: a sun that no process has."""
 
@@ -351,6 +382,8 @@ class _Fixed(FlatSimulator):
         (Hoards, "leaks", ["MiB of memory behind"]),
         (KeepsFiles, "leaks", ["open files behind"]),
         (Floating, "frames", ["no finite depth"]),
+        (StraightOn, "motion", ["follow_lane in a bend", "than in the reference world"]),
+        (Gripping, "motion", ["steering at friction 1 does not stay within the grip"]),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )

@@ -6,31 +6,31 @@ differ from it, and may; they must not differ by what changes the meaning of a s
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from oodscen.data._catalogue import BehaviourKind
+from oodscen.data._catalogue import BehaviourKind, RoadMap
 from oodscen.data._scene import Actor, Scene, Trigger
 from oodscen.driving._motion.behaviours import BUILT_IN, having
 from oodscen.driving._motion.boxes import Box, gap
-from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import OodscenError
-from oodscen.protocols import Control, State
+from oodscen.protocols import Control
+from oodscen.testing._kit.ego_motion import check_contact, check_ego, check_grip
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
-from oodscen.testing._kit.samples import follow_lane
+from oodscen.testing._kit.tracks import (
+    SECONDS,
+    START_M,
+    Tracks,
+    both,
+    constantly,
+    start_fault,
+    turned_by,
+)
 from oodscen.testing._kit.vocabulary import assets_for, cast_for
 
-START_M = 0.3
-"""Tolerance of a body's place at the start, m."""
-START_DEG = 5.0
-"""Tolerance of its heading there, degrees."""
-START_SPEED = 0.5
-"""Tolerance of its speed there, m/s."""
 ALONG_M = 2.0
 """Tolerance along the road, m; and a quarter of the way since the start."""
 ACROSS_M = 1.0
@@ -41,14 +41,16 @@ SPEED = 1.5
 """Tolerance of speeds, m/s; and a quarter of the reference's."""
 ONSET_S = 0.35
 """Tolerance of the time at which a trigger shows in an actor's motion, s."""
-CONTROL = 0.2
-"""Relative tolerance of the ego's change of speed and of heading under a constant control."""
-
-_SECONDS = 5.0
 _LAST_S = 3.5
 _CHANCE = ("amplitude", "radius", "lift")
 _LOOSE = having(lambda row: row.has_chance or row.needs_other)
 """Behaviours whose headings and momentary speeds differ with chance or with the body that they belong to."""
+_IN_LANE = having(lambda row: row.moves_before_trigger and not row.keeps_heading)
+"""Behaviours that drive along their lane until their trigger, if they have one."""
+_CALM = 2.0
+"""Acceleration towards the inside of a bend that no driver minds, m/s^2."""
+_FASTEST = 14.0
+"""Greatest speed in a bend, m/s."""
 _WAITING = (
     "cross_road",
     "pull_out",
@@ -65,102 +67,33 @@ _WAITING = (
 """Behaviours that show when their trigger fires, best first."""
 
 
-@dataclass(frozen=True)
-class Tracks:
-    """The motion of all bodies in a run."""
-
-    dt: float
-    poses: NDArray[np.float64]
-    """[steps, n, 4]"""
-    speeds: NDArray[np.float64]
-    """[steps, n]"""
-
-    @classmethod
-    def of(cls, states: Sequence[State], dt: float) -> "Tracks":
-        """Return the tracks of a run."""
-        return cls(dt, np.stack([s.poses for s in states]), np.stack([s.speeds for s in states]))
-
-    def onset(self, row: int) -> float | None:
-        """Return the time at which a body leaves its initial uniform motion, s."""
-        first, speed = self.poses[0, row], self.speeds[0, row]
-        time = self.dt * np.arange(len(self.poses))
-        ahead = np.stack([np.cos(first[3]), np.sin(first[3])]) * speed
-        away = np.linalg.norm(self.poses[:, row, :2] - first[:2] - time[:, None] * ahead, axis=1)
-        off = np.flatnonzero(away > 0.15)
-        return float(time[off[0]]) if len(off) else None
-
-
 def check_motion(probe: Probe) -> None:
     """Check starts, controls, behaviours, triggers, reactions and contacts against the reference world."""
     found = probe.findings
-    for part in (
-        _check_starts,
-        _check_ego,
-        _check_friction,
-        _check_triggers,
-        _check_reactions,
-        _check_contact,
+    notes = []
+    for name, part in (
+        ("starts", _check_starts),
+        ("ego", check_ego),
+        ("grip", check_grip),
+        ("triggers", _check_triggers),
+        ("bends", _check_bends),
+        ("reactions", _check_reactions),
+        ("contact", check_contact),
     ):
-        with found.trying(part.__name__.removeprefix("_check_")):
+        with found.trying(name):
             try:
                 part(probe)
-            except NotApplicable:
-                continue
+            except NotApplicable as reason:
+                notes.append(f"{name} not tried, {reason}")
     own = [kind.id for kind in probe.catalogue.behaviours if kind.id not in BUILT_IN]
     if own:
-        found.note = f"of the simulator's own behaviours only starts are compared: {', '.join(own)}"
+        notes.append(
+            f"of the simulator's own behaviours only starts are compared: {', '.join(own)}"
+        )
+    found.note = "; ".join(notes)
     for kind in probe.catalogue.behaviours:
         with found.trying(f"behaviour {kind.id}"):
             _check_behaviour(probe, kind)
-
-
-# ------------------------------------------------------------------ both worlds
-
-
-def _both(
-    probe: Probe,
-    scene: Scene,
-    control: Callable[[float], Control],
-    *,
-    seconds: float = _SECONDS,
-) -> tuple[Tracks, Tracks]:
-    """Run a scene in the simulator and in the reference world, under controls by time."""
-    dt = probe.simulator.dt
-    steps = round(seconds / dt)
-    states = [probe.simulator.reset(scene, 0)]
-    world = KinematicWorld(
-        load_corridor(scene.map, probe.catalogue), scene, probe.catalogue, 0, dt=dt
-    )
-    poses, speeds = [world.poses()], [world.speeds()]
-    for step in range(steps):
-        given = control(step * dt)
-        states.append(probe.simulator.step(given))
-        world.step(given)
-        poses.append(world.poses())
-        speeds.append(world.speeds())
-    return Tracks.of(states, dt), Tracks(dt, np.stack(poses), np.stack(speeds))
-
-
-def _constantly(control: Control) -> Callable[[float], Control]:
-    return lambda _: control
-
-
-def _start_fault(one: Tracks, other: Tracks, row: int) -> str:
-    """Return how a body's start differs from the reference world's."""
-    apart = float(np.linalg.norm(one.poses[0, row, :2] - other.poses[0, row, :2]))
-    if not apart <= START_M:
-        return f"starts {apart:.1f} m from its place"
-    turn = _turn(float(one.poses[0, row, 3]), float(other.poses[0, row, 3]))
-    if not abs(turn) <= START_DEG:
-        return f"starts with a heading {turn:.0f} degrees off"
-    told, wanted = float(one.speeds[0, row]), float(other.speeds[0, row])
-    if not abs(told - wanted) <= START_SPEED:
-        return f"starts at {told:.1f} m/s, not {wanted:.1f}"
-    return ""
-
-
-def _turn(one: float, other: float) -> float:
-    return math.degrees(math.remainder(one - other, math.tau))
 
 
 def _check_starts(probe: Probe) -> None:
@@ -175,76 +108,14 @@ def _check_starts(probe: Probe) -> None:
         )
     ]
     scene = probe.scene(*actors, road=probe.widest, lane=probe.widest.lanes - 1)
-    one, other = _both(probe, scene, _constantly(Control()), seconds=1.0)
+    one, other = both(probe, scene, constantly(Control()), seconds=1.0)
     for row, actor in enumerate(actors, start=1):
-        fault = _start_fault(one, other, row)
+        fault = start_fault(one, other, row)
         probe.findings.expect(
             not fault, f"actor {actor.asset} at {actor.placement.offset_m:g} m", fault
         )
         way = float(np.linalg.norm(one.poses[-1, row, :2] - one.poses[0, row, :2]))
         probe.findings.expect(way < START_M, f"actor {actor.asset}", "moves though it should stand")
-
-
-# ------------------------------------------------------------------ the ego
-
-
-def _check_ego(probe: Probe) -> None:
-    """Compare the ego's response to constant controls with the reference world's."""
-    for name, speed, control in (
-        ("braking at 5 m/s^2", 12.0, Control(-5.0)),
-        ("accelerating at 2 m/s^2", 5.0, Control(2.0)),
-        ("steering left by 0.05 rad", 8.0, Control(0.0, 0.05)),
-        ("steering right by 0.05 rad", 8.0, Control(0.0, -0.05)),
-    ):
-        scene = probe.scene(speed=speed)
-        one, other = _both(probe, scene, _constantly(control), seconds=1.5)
-        fault = _start_fault(one, other, 0)
-        probe.findings.expect(not fault, "ego", fault)
-        told, wanted = (float(t.speeds[-1, 0] - t.speeds[0, 0]) for t in (one, other))
-        if not abs(told - wanted) <= 0.3 + CONTROL * abs(wanted):
-            message = f"{name} changes its speed by {told:.1f} m/s in 1.5 s, not {wanted:.1f}"
-            probe.findings.add("ego", message)
-        told, wanted = (_turn(*t.poses[[-1, 0], 0, 3]) for t in (one, other))
-        if not abs(told - wanted) <= 1.0 + CONTROL * abs(wanted):
-            message = f"{name} turns it by {told:.1f} degrees in 1.5 s, not {wanted:.1f}"
-            probe.findings.add("ego", message)
-        apart = float(np.linalg.norm(one.poses[-1, 0, :2] - other.poses[-1, 0, :2]))
-        probe.findings.expect(
-            apart <= 1.5, "ego", f"{name} ends {apart:.1f} m from the reference after 1.5 s"
-        )
-
-
-def _check_friction(probe: Probe) -> None:
-    """Compare the ego's braking and steering on a slippery road with the reference world's."""
-    least = max(0.3, probe.catalogue.weather.min_friction)
-    if least > 0.7:
-        raise NotApplicable("the road is always dry")
-    weather = probe.clear.model_copy(update={"friction": least})
-    for name, control in (("braking", Control(-9.0)), ("steering", Control(0.0, 0.1))):
-        one, other = _both(
-            probe,
-            probe.scene(speed=14.0, weather=weather),
-            _constantly(control),
-            seconds=1.5,
-        )
-        told, wanted = (float(t.speeds[-1, 0] - t.speeds[0, 0]) for t in (one, other))
-        turned, turning = (_turn(*t.poses[[-1, 0], 0, 3]) for t in (one, other))
-        is_like = abs(told - wanted) <= 0.5 + 0.3 * abs(wanted)
-        is_like &= abs(turned - turning) <= 3.0 + 0.3 * abs(turning)
-        message = f"{name} at friction {least:g} does not stay within the grip"
-        probe.findings.expect(is_like, "ego", message)
-
-
-def _check_contact(probe: Probe) -> None:
-    """Check that bodies keep moving after a contact, and that the contact is in the state."""
-    box = max(probe.catalogue.assets, key=lambda one: (not one.is_passable(), one.height > 0.5))
-    scene = probe.scene(probe.still(box, ahead=15.0), speed=8.0)
-    states = probe.run(scene, follow_lane, steps=round(3.0 / probe.simulator.dt))
-    touched = [state.step for state in states if state.contacts]
-    probe.findings.expect(touched, "ego", f"drives through a {box.id} without a contact")
-    way = float(np.linalg.norm(states[-1].poses[0, :2] - states[0].poses[0, :2]))
-    message = f"covers {way:.0f} m through a {box.id} in 3 s at 8 m/s: a contact must not stop it"
-    probe.findings.expect(way > 18.0, "ego", message)
 
 
 # ------------------------------------------------------------------ actors
@@ -280,6 +151,53 @@ def _check_behaviour(probe: Probe, kind: BehaviourKind) -> None:
             _compare(probe, scene, kind, f"behaviour {kind.id}{where}")
 
 
+def _check_bends(probe: Probe) -> None:
+    """Compare drivers in a bend with the reference world's, in the ego's lane and in an oncoming one.
+
+    Raises:
+        NotApplicable: If no map bends, or nobody drives along the lane.
+    """
+    road, at, sharpness = _sharpest(probe)
+    speed = min(0.8 * road.speed_limit, math.sqrt(_CALM / max(sharpness, 1e-9)), _FASTEST)
+    if 0.5 * sharpness * (speed * SECONDS) ** 2 < 2.0 * ACROSS_M:
+        raise NotApplicable("no map has a bend within 150 m of the ego's start")
+    names = [kind.id for kind in probe.catalogue.behaviours if kind.id in _IN_LANE]
+    if not names:
+        raise NotApplicable("no behaviour drives along its lane")
+    sides = [("", 0, -1.0)]
+    if road.oncoming_lanes:
+        sides.append((" in an oncoming lane", road.lanes, 1.0))
+    for name in names:
+        for words, lane, side in sides:
+            trigger = Trigger(value=2.0 * SECONDS)
+            actor = probe.doing(name, ahead=at + side * 15.0, lane=lane, trigger=trigger)
+            kind = probe.catalogue.behaviour(name)
+            wanted = {"speed": speed, "lanes": 0.0}
+            actor = _with(actor, **{one: wanted[one] for one in wanted if one in kind.parameters})
+            scene = probe.scene(actor, road=road, speed=2.0)
+            if not staging_issues(scene, probe.catalogue):
+                _compare(probe, scene, kind, f"behaviour {name} in a bend{words}", SECONDS)
+
+
+def _sharpest(probe: Probe) -> tuple[RoadMap, float, float]:
+    """Return the map with the sharpest bend near the ego's start, its distance ahead in m, and its curvature in 1/m.
+
+    Bends tighter than 30 m, as on a roundabout, are left out.
+    """
+    found = []
+    for road in probe.catalogue.maps:
+        corridor = load_corridor(road, probe.catalogue)
+        near = (corridor.s > corridor.start + 20.0) & (corridor.s < corridor.start + 150.0)
+        bends = np.where(near, abs(corridor.curvature), 0.0)
+        place = int(bends.argmax())
+        if bends[place] < 1.0 / 30.0:
+            found.append((float(bends[place]), float(corridor.s[place] - corridor.start), road))
+    if not found:
+        raise NotApplicable("every map has a tight turn near the ego's start")
+    sharpness, at, road = max(found, key=lambda one: one[0])
+    return road, max(at, 30.0), sharpness
+
+
 def _slower(kind: BehaviourKind) -> dict[str, float]:
     """Return a speed other than the default, to see that it is heeded."""
     speed = kind.parameters.get("speed")
@@ -288,9 +206,11 @@ def _slower(kind: BehaviourKind) -> dict[str, float]:
     return {"speed": min(max(0.7 * speed.default, speed.minimum), speed.maximum)}
 
 
-def _compare(probe: Probe, scene: Scene, kind: BehaviourKind, what: str) -> None:
-    one, other = _both(probe, scene, _constantly(Control()), seconds=_LAST_S)
-    start = _start_fault(one, other, 1)
+def _compare(
+    probe: Probe, scene: Scene, kind: BehaviourKind, what: str, seconds: float = _LAST_S
+) -> None:
+    one, other = both(probe, scene, constantly(Control()), seconds=seconds)
+    start = start_fault(one, other, 1)
     probe.findings.expect(not start, what, start)
     if start or kind.id not in BUILT_IN:
         return
@@ -334,8 +254,8 @@ def _step_fault(
         return ""
     if not abs(speed - right) <= SPEED + 0.25 * abs(right):
         return f"has {speed:.1f} m/s, in the reference world {right:.1f}"
-    if abs(right) > 1.0 and not abs(_turn(float(told[3]), float(wanted[3]))) <= HEADING_DEG:
-        turn = _turn(float(told[3]), float(wanted[3]))
+    if abs(right) > 1.0 and not abs(turned_by(float(told[3]), float(wanted[3]))) <= HEADING_DEG:
+        turn = turned_by(float(told[3]), float(wanted[3]))
         return f"is turned by {turn:.0f} degrees against the reference world"
     return ""
 
@@ -358,7 +278,7 @@ def _check_triggers(probe: Probe) -> None:
         if "lanes" in probe.catalogue.behaviour(name).parameters:
             actor = _with(actor, lanes=0.0)
         scene = probe.scene(actor, road=probe.widest, speed=10.0)
-        one, other = _both(probe, scene, _constantly(Control()))
+        one, other = both(probe, scene, constantly(Control()))
         told, wanted = one.onset(1), other.onset(1)
         if wanted is None:
             continue
@@ -383,7 +303,7 @@ def _check_reactions(probe: Probe) -> None:
     follower = probe.doing("follow_lane", id="follower", ahead=20.0)
     block = probe.asset_for("vehicle", "object", "work_zone")
     ahead = probe.scene(follower, probe.still(block, id="block", ahead=75.0), speed=3.0)
-    _check_stop(probe, ahead, 1, 2, "brakes for a body ahead", _constantly(Control()))
+    _check_stop(probe, ahead, 1, 2, "brakes for a body ahead", constantly(Control()))
     behind = probe.scene(
         probe.doing("follow_lane", id="follower", ahead=-30.0, parameters={"speed": 12.0}),
         speed=12.0,
@@ -402,7 +322,7 @@ def _check_stop(
     control: Callable[[float], Control],
 ) -> None:
     try:
-        one, other = _both(probe, scene, control, seconds=9.0)
+        one, other = both(probe, scene, control, seconds=9.0)
     except OodscenError as error:
         probe.findings.add("reaction", str(error))
         return

@@ -1,0 +1,94 @@
+"""The tracks of all bodies in the simulator and in the reference world, under the same controls."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._scene import Scene
+from oodscen.driving._motion.world import KinematicWorld
+from oodscen.driving._roads.building import load_corridor
+from oodscen.protocols import Control, State
+from oodscen.testing._kit.probe import Probe
+
+START_M = 0.3
+"""Tolerance of a body's place at the start, m."""
+START_DEG = 5.0
+"""Tolerance of its heading there, degrees."""
+START_SPEED = 0.5
+"""Tolerance of its speed there, m/s."""
+SECONDS = 5.0
+"""Length of a run, s."""
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """The motion of all bodies in a run."""
+
+    dt: float
+    poses: NDArray[np.float64]
+    """[steps, n, 4]"""
+    speeds: NDArray[np.float64]
+    """[steps, n]"""
+
+    @classmethod
+    def of(cls, states: Sequence[State], dt: float) -> "Tracks":
+        """Return the tracks of a run."""
+        return cls(dt, np.stack([s.poses for s in states]), np.stack([s.speeds for s in states]))
+
+    def onset(self, row: int) -> float | None:
+        """Return the time at which a body leaves its initial uniform motion, s."""
+        first, speed = self.poses[0, row], self.speeds[0, row]
+        time = self.dt * np.arange(len(self.poses))
+        ahead = np.stack([np.cos(first[3]), np.sin(first[3])]) * speed
+        away = np.linalg.norm(self.poses[:, row, :2] - first[:2] - time[:, None] * ahead, axis=1)
+        off = np.flatnonzero(away > 0.15)
+        return float(time[off[0]]) if len(off) else None
+
+
+def both(
+    probe: Probe,
+    scene: Scene,
+    control: Callable[[float], Control],
+    *,
+    seconds: float = SECONDS,
+) -> tuple[Tracks, Tracks]:
+    """Run a scene in the simulator and in the reference world, under controls by time."""
+    dt = probe.simulator.dt
+    steps = round(seconds / dt)
+    states = [probe.simulator.reset(scene, 0)]
+    world = KinematicWorld(
+        load_corridor(scene.map, probe.catalogue), scene, probe.catalogue, 0, dt=dt
+    )
+    poses, speeds = [world.poses()], [world.speeds()]
+    for step in range(steps):
+        given = control(step * dt)
+        states.append(probe.simulator.step(given))
+        world.step(given)
+        poses.append(world.poses())
+        speeds.append(world.speeds())
+    return Tracks.of(states, dt), Tracks(dt, np.stack(poses), np.stack(speeds))
+
+
+def constantly(control: Control) -> Callable[[float], Control]:
+    return lambda _: control
+
+
+def start_fault(one: Tracks, other: Tracks, row: int) -> str:
+    """Return how a body's start differs from the reference world's."""
+    apart = float(np.linalg.norm(one.poses[0, row, :2] - other.poses[0, row, :2]))
+    if not apart <= START_M:
+        return f"starts {apart:.1f} m from its place"
+    turn = turned_by(float(one.poses[0, row, 3]), float(other.poses[0, row, 3]))
+    if not abs(turn) <= START_DEG:
+        return f"starts with a heading {turn:.0f} degrees off"
+    told, wanted = float(one.speeds[0, row]), float(other.speeds[0, row])
+    if not abs(told - wanted) <= START_SPEED:
+        return f"starts at {told:.1f} m/s, not {wanted:.1f}"
+    return ""
+
+
+def turned_by(one: float, other: float) -> float:
+    return math.degrees(math.remainder(one - other, math.tau))
