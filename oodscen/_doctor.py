@@ -53,7 +53,7 @@ def examine_simulator(
 
     Returns:
         One finding per fault, or one that the protocol is kept; then what parts left out, and those that do
-        not apply.
+        not apply; without a fault, also how much its catalogue can show.
 
     Raises:
         UsageError: If there is no such simulator.
@@ -75,9 +75,35 @@ def examine_simulator(
         for result in results
         if result.note
     ]
-    return found + [
+    found += [
         CheckResult(what, True, f"{part} does not apply: {reason}") for part, reason in idle.items()
     ]
+    if all(result.is_ok for result in found):
+        found.append(CheckResult(what, True, outlook(name)[0]))
+    return found
+
+
+def outlook(name: str) -> tuple[str, bool]:
+    """Return in one line how much the catalogue of a simulator can show, and whether that is less than half.
+
+    The measure are the kinds of hazard that the built-in author stages, whichever model makes the tree.
+
+    Raises:
+        UsageError: If there is no such simulator.
+    """
+    from oodscen._registry import make_catalogue
+    from oodscen.author._knowledge.inspection import showable_kinds
+
+    catalogue = make_catalogue(name)
+    shown, known = showable_kinds(catalogue)
+    counts = {
+        "maps": len(catalogue.maps),
+        "assets": len(catalogue.assets),
+        "behaviours": len(catalogue.behaviours),
+    }
+    size = ", ".join(f"{count} {noun}" for noun, count in counts.items())
+    line = f"its catalogue ({size}) shows {shown} of {known} kinds of hazard that the built-in author stages"
+    return line, shown < 0.5 * known
 
 
 WANTED = {"hazards": 220, "families": 30, "staged": 90}

@@ -205,7 +205,9 @@ def test_doctor_finds_this_installation_healthy():
 
 
 def test_doctor_judges_an_adapter(tmp_path, monkeypatch):
-    assert call("doctor", "flat", "--quick").exit_code == 0
+    result = call("doctor", "flat", "--quick")
+    assert result.exit_code == 0
+    assert "28 behaviours) shows" in result.stdout
     (tmp_path / "odd_simulator.py").write_text(
         "from oodscen.testing import FlatSimulator\n\n\nclass Odd(FlatSimulator):\n    name = 'odd'\n\n"
         "    def step(self, control):\n        return super().step(type(control)())\n"

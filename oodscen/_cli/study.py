@@ -206,6 +206,8 @@ def run(
     before = Study(out)
     if before.store.has("study.json"):
         config = config.judging_too(before.config)
+    else:
+        _tell_outlook(config.simulator)
     if dry_run:
         rows = estimate(out, config, RunOptions(workers=workers or 1, limits=limits))
         click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
@@ -232,6 +234,16 @@ def run(
         click.echo(f"report: {(study.folder / 'report.html').resolve()}")
     if info["status"] != "success":
         sys.exit(1)
+
+
+def _tell_outlook(simulator: str) -> None:
+    """Say before the work if the simulator can show less than half of what is known."""
+    from oodscen._doctor import outlook
+
+    line, is_little = outlook(simulator)
+    if is_little:
+        more = "other branches are dropped, and restore.json ranks what would bring them back"
+        say(f"{simulator}: {line}; {more}", err=True)
 
 
 @click.command()

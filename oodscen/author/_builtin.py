@@ -1,6 +1,6 @@
 """The default author: deterministic, embedded, built on a knowledge base instead of a language model."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
@@ -17,12 +17,14 @@ from oodscen.author._knowledge.designs import design
 from oodscen.author._knowledge.loading import load_knowledge, stamp_of
 from oodscen.author._knowledge.motions import design_motion
 from oodscen.author._reading.recognition import Recogniser
+from oodscen.author._showable import Scope, Showable
 from oodscen.author._staging.drafting import Stager
 from oodscen.author._taxonomy import TreeAuthor
 from oodscen.author._writing.compose import Composer
 from oodscen.author._writing.ordinary_twin import OrdinaryAuthor
 from oodscen.driving._motion.behaviours import USUAL
 from oodscen.errors import LLMError
+from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary, OrdinaryText
 from oodscen.prompts._scenario.describe_path import DescribePath, Descriptions, plain
 from oodscen.prompts._scenario.design_motion import DesignMotion
@@ -182,7 +184,10 @@ class BuiltinAuthor(Brief):
             raise LLMError(f"the built-in author has no knowledge of {label!r}", model=self.name)
         rng = self._stream(request, *prompt.path, prompt.style)
         taken = {plain(text) for text in prompt.avoid}
-        sources = [self._composer.texts(hazard, rng, taken, prompt.style) for hazard in hazards]
+        sources = [
+            self._composer.texts(hazard, rng, taken, prompt.style, scope)
+            for hazard, scope in self._scopes(hazards, prompt.catalogue)
+        ]
         texts: list[str] = []
         while len(texts) < prompt.count and sources:
             source = sources[len(texts) % len(sources)]
@@ -197,6 +202,16 @@ class BuiltinAuthor(Brief):
                 model=self.name,
             )
         return Descriptions(texts=texts)
+
+    def _scopes(
+        self, hazards: Sequence[HazardKind], catalogue: CatalogueDigest | None
+    ) -> list[tuple[HazardKind, Scope | None]]:
+        """Return the hazards that a catalogue has a place for, or else all, with the settings that it can show."""
+        if catalogue is None:
+            return [(hazard, None) for hazard in hazards]
+        shown = Showable(self._knowledge, catalogue)
+        placed = [hazard for hazard in hazards if not shown.lacking_place(hazard)]
+        return [(hazard, shown.scope(hazard)) for hazard in placed or hazards]
 
     def _ordinary(self, prompt: DescribeOrdinary, request: Request) -> OrdinaryText:
         label = prompt.path[-1] if prompt.path else ""

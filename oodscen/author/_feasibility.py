@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from oodscen.author._knowledge.base import Counterpart, HazardKind, Knowledge, RecipeActor
 from oodscen.author._reading.label_reading import Alternative, LabelReading, RequiredThing
 from oodscen.author._reading.recognition import Recogniser
+from oodscen.author._showable import Showable
 from oodscen.author._staging.anchors import has_landmarks, landmarks_needed
 from oodscen.data._additions import Addition, map_with
 from oodscen.data._scene import is_weather_kind
@@ -244,7 +245,7 @@ def realise(hazard: HazardKind, catalogue: CatalogueDigest, knowledge: Knowledge
             found.lack(Addition(kind="weather", name=name))
         elif is_weather_kind(name):
             found.weather.append(name)
-    _find_map(hazard, found, catalogue)
+    _find_map(hazard, found, Showable(knowledge, catalogue))
     if recipe is None:
         found.lack(NO_RECIPE)
     else:
@@ -304,12 +305,15 @@ def _use(
     found.lack(Addition(kind="asset", name=options[0], category=knowledge.category(options[0])))
 
 
-def _find_map(hazard: HazardKind, found: Realisation, catalogue: CatalogueDigest) -> None:
-    traits, recipe = hazard.needs.traits, hazard.stage
+def _find_map(hazard: HazardKind, found: Realisation, shown: Showable) -> None:
+    traits, recipe, catalogue = hazard.needs.traits, hazard.stage, shown.digest
     marks = landmarks_needed(recipe) if recipe else ()
     fitting = [road for road in catalogue.maps if set(traits) <= set(road.features)]
     if any(has_landmarks(road, recipe) for road in fitting):
         found.traits = list(dict.fromkeys((*traits, *marks)))
+        wanted = shown.lacking_place(hazard) if recipe else ()
+        if wanted:
+            found.lack(map_with((*wanted, *traits, *marks)))
     elif fitting or not traits:
         found.lack(map_with((*traits, *marks)))
     else:

@@ -48,7 +48,7 @@ def is_so_or_has(claim: Claim, road: RoadMap) -> bool:
 def is_so(claim: Claim, road: RoadFacts) -> bool:
     """Return whether a claim of kind road, lanes or own_lanes holds on a map that has traits."""
     if claim.kind == "road":
-        return _is(claim.value, road)
+        return is_of_kind(claim.value, road)
     wanted = int(claim.value)
     if claim.kind == "own_lanes" or not road.oncoming_lanes:
         return road.lanes == wanted
@@ -56,7 +56,8 @@ def is_so(claim: Claim, road: RoadFacts) -> bool:
     return both or ("divided" in road.traits and road.lanes == wanted)
 
 
-def _is(value: str, road: RoadFacts) -> bool:
+def is_of_kind(value: str, road: RoadFacts) -> bool:
+    """Return whether a map that has traits is a kind of road, or has a feature."""
     if value == "two_way":
         return road.oncoming_lanes > 0
     return bool(_ANY_OF.get(value, frozenset({value})) & set(road.traits))

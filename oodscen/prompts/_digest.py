@@ -88,6 +88,9 @@ class WeatherLimits:
     """Greatest precipitation intensity, mm/h."""
     friction: float
     """Least friction."""
+    sun_deg: float = -90.0
+    """Lowest elevation of the sun, degrees; told only where there is no night."""
+    sun_is_drawn: bool = True
     others: tuple[str, ...] = ()
     """Kinds of weather that no scene can ask for."""
 
@@ -107,6 +110,8 @@ class WeatherLimits:
             snow=re.search(r"\bsnow\b", line) is not None,
             intensity=number(r"up to ([\d.e+]+) mm/h", 0.0),
             friction=number(r"friction down to ([\d.e+]+)", 1.0),
+            sun_deg=number(r"sun at (-?[\d.e+]+) degrees", -90.0),
+            sun_is_drawn="every sun looks alike" not in line,
             others=tuple(others.group(1).split(", ")) if others else (),
         )
 

@@ -72,6 +72,18 @@ def test_a_folder_without_a_study_exits_with_2(tmp_path, command) -> None:
     assert "holds no study" in found.output
 
 
+@pytest.mark.parametrize(
+    ("simulator", "is_told"), [("oodscen.testing._new.adapter:MySimulator", True), ("flat", False)]
+)
+def test_a_catalogue_that_shows_little_is_told_before_the_work(
+    tmp_path, simulator, is_told
+) -> None:
+    words = ["--quick", "--simulator", simulator, "--encoder", "hash", "--dry-run"]
+    found = invoke("run", tmp_path / "out", *words)
+    assert found.exit_code == 0, found.stderr
+    assert ("(3 maps, 4 assets, 4 behaviours) shows" in found.stderr) == is_told
+
+
 @pytest.mark.parametrize("content", [b"", b"\0\0", b"\xff", b"[1, 2]", b"[" * 100_000])
 def test_a_dry_run_opens_the_texts_of_ordinary_driving(tmp_path, content) -> None:
     (tmp_path / "texts.json").write_bytes(content)

@@ -212,6 +212,8 @@ class RoadKind(Data):
     key: str
     traits: tuple[str, ...]
     """Traits of a map that shows this kind of road."""
+    told: dict[str, Names] = {}
+    """Traits that only some phrases tell: those with a word that begins with one of these. The others are told by all."""
     speed: Range = (8.0, 12.0)
     """Usual speed of the ego, m/s."""
     words: tuple[str, ...] = ()

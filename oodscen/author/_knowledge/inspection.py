@@ -12,7 +12,7 @@ from pathlib import Path
 
 from oodscen.author._feasibility import NO_RECIPE, realise
 from oodscen.author._knowledge.base import HazardKind, Knowledge
-from oodscen.author._knowledge.loading import gather, own_files
+from oodscen.author._knowledge.loading import gather, load_knowledge, own_files
 from oodscen.author._knowledge.validation import validate_knowledge
 from oodscen.author._reading.recognition import Recogniser, stems
 from oodscen.author._staging.drafting import Stager
@@ -125,6 +125,14 @@ def inspect_knowledge(
         recipes=sum(hazard.stage is not None for hazard in whole),
         shown=shown,
     )
+
+
+def showable_kinds(catalogue: Catalogue) -> tuple[int, int]:
+    """Return how many of the shipped hazards that have a recipe a catalogue can show, and their number."""
+    knowledge, digest = load_knowledge(), CatalogueDigest.of(catalogue)
+    known = [hazard for hazard in knowledge.hazards if hazard.stage is not None]
+    found = [realise(hazard, digest, knowledge) for hazard in known]
+    return sum(not one.missing and not one.substitutes for one in found), len(known)
 
 
 class _StagingLLM:

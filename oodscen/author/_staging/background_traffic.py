@@ -9,7 +9,7 @@ from oodscen.author._knowledge.base import AmbientTraffic, BackgroundTraffic, Re
 from oodscen.author._staging.actors import SceneDraftState
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.driving._motion.behaviours import having
-from oodscen.prompts._digest import MapLine
+from oodscen.prompts._digest import CatalogueDigest, MapLine
 
 _MOST_AHEAD = 280.0
 """Largest distance of background traffic ahead, m."""
@@ -24,6 +24,15 @@ _PACE = (0.86, 0.94)
 _BUMPERS = 9.0
 """Distance between the centres of a car and a lorry close behind it, m."""
 _DRIVES = having(lambda row: row.moves_before_trigger and not row.keeps_heading)
+
+
+def on_offer(kinds: Sequence[AmbientTraffic], digest: CatalogueDigest) -> list[AmbientTraffic]:
+    """Return the kinds of background traffic that a catalogue has, with the assets that it has."""
+    if all(kind.id != "follow_lane" for kind in digest.behaviours):
+        return []
+    known = {asset.id for asset in digest.assets}
+    offered = ((kind, tuple(name for name in kind.asset if name in known)) for kind in kinds)
+    return [kind.model_copy(update={"asset": names}) for kind, names in offered if names]
 
 
 def company(

@@ -31,13 +31,15 @@ def replaced(
         hazard: The decisive hazard.
         decision_s: Time of the decision, s.
     """
-    if not set(one.assets) <= {asset.id for asset in scene.digest.assets}:
+    does = "follow_lane" if one.is_ahead else "walk_along"
+    can = {kind.id for kind in scene.digest.behaviours}
+    if does not in can or not set(one.assets) <= {asset.id for asset in scene.digest.assets}:
         return {}
     gap = _gap(hazard, scene, decision_s)
     if one.is_ahead:
         near = _near(scene)
         place = Placement(ahead_m=round(min(max(gap, near), max(_FARTHEST_M, near)), 2))
-        behaviour = Behaviour(name="follow_lane", parameters={"speed": scene.speed})
+        behaviour = Behaviour(name=does, parameters={"speed": scene.speed})
     else:
         aside = scene.draw(_PAVEMENT_M["residential" in scene.road.traits])
         least = scene.draw(_IN_VIEW) * (_LANE_M * scene.ego_lane - aside)
@@ -45,7 +47,7 @@ def replaced(
         place = Placement(
             ahead_m=round(ahead, 2), lane=-scene.ego_lane, offset_m=aside, heading_deg=0.0
         )
-        behaviour = Behaviour(name="walk_along", parameters={"speed": _WALKING})
+        behaviour = Behaviour(name=does, parameters={"speed": _WALKING})
     asset = scene.choose(one.assets, ())
     return {hazard.id: Actor(id=hazard.id, asset=asset, placement=place, behaviour=behaviour)}
 

@@ -16,15 +16,17 @@ from oodscen.author._knowledge.base import (
     RoadKind,
 )
 from oodscen.author._reading.recognition import Recogniser
+from oodscen.author._showable import roads_for
 from oodscen.author._staging import decision_timing as timing
 from oodscen.author._staging.actors import SceneDraftState, cast, named_traffic
-from oodscen.author._staging.anchors import LANDMARKS, has_landmarks, root
+from oodscen.author._staging.anchors import LANDMARKS, root
 from oodscen.author._staging.aside import moved_aside
 from oodscen.author._staging.background_traffic import (
     company,
     expected_decision_s,
     follower,
     is_followed,
+    on_offer,
 )
 from oodscen.author._staging.counterparts import drawn_near, replaced
 from oodscen.author._staging.lanes import settled, varied
@@ -107,7 +109,8 @@ class Stager:
         traffic = self.recogniser.traffic(prompt.text)
         scene.named, others = _named(prompt.text, said, traffic)
         is_dense = any(_is_busy(claim) for claim in said)
-        tailgater = is_followed(self.knowledge.company, recipe, traffic, rng, is_dense=is_dense)
+        kinds = on_offer(self.knowledge.company, prompt.catalogue)
+        tailgater = is_followed(kinds, recipe, traffic, rng, is_dense=is_dense)
         scene.is_followed = tailgater is not None
         shift, decision = _timing(scene, weather.friction, distance)
         recipe = scene.recipe
@@ -135,7 +138,7 @@ class Stager:
                 unusual = drawn_near(unusual, scene, actors, found, until)
         if traffic is None and recipe.company and attempt < 2:
             actors += company(
-                self.knowledge.company,
+                kinds,
                 road,
                 (scene.ego_lane, scene.speed),
                 [*actors, *(twin for twin in unusual.values() if twin is not None)],
@@ -255,12 +258,7 @@ def _map_for(
     place: RoadKind, hazard: HazardKind, digest: CatalogueDigest, said: Sequence[Claim] = ()
 ) -> MapLine:
     """Return the map for which most claims of the text hold; among equals, the one most like the place."""
-    needed = set(hazard.needs.traits)
-    fitting = [
-        road
-        for road in digest.maps
-        if needed <= set(road.features) and has_landmarks(road, hazard.stage)
-    ]
+    fitting = roads_for(hazard, digest)
     if not fitting:
         raise LLMError("no map of the simulator fits the text", model="builtin")
     told = [claim for claim in said if claim.kind in ("road", "lanes", "own_lanes")]

@@ -117,5 +117,5 @@ def _shown(fields: dict[str, Any], limits: WeatherLimits) -> Weather:
         kept["fog_visual_range_m"] = max(kept["fog_visual_range_m"], limits.fog_m)
     kept["friction"] = max(kept.get("friction", 1.0), limits.friction)
     if not limits.night:
-        kept["sun_elevation_deg"] = max(kept.get("sun_elevation_deg", 45.0), 0.0)
+        kept["sun_elevation_deg"] = max(kept.get("sun_elevation_deg", 45.0), limits.sun_deg, 0.0)
     return Weather.model_validate(kept)

@@ -9,6 +9,7 @@ import numpy as np
 
 from oodscen.author._knowledge.base import BackgroundTraffic, HazardKind, Knowledge, RoadKind
 from oodscen.author._reading.ego_naming import Name, named
+from oodscen.author._showable import Scope, every_setting
 from oodscen.author._staging.aside import SHARE, may_be_aside, told_aside
 from oodscen.author._staging.decision_timing import approach
 from oodscen.author._writing.agreement import Agreement, Setting
@@ -85,6 +86,7 @@ class Composer:
         rng: np.random.Generator,
         taken: set[str],
         style: Style = "natural",
+        scope: Scope | None = None,
     ) -> Iterator[str]:
         """Yield texts until no new ones can be found.
 
@@ -95,11 +97,13 @@ class Composer:
             rng: Random generator for every choice.
             taken: Texts to avoid, without case and punctuation; new texts are added.
             style: Register of the texts.
+            scope: Settings to choose from; all that suit the hazard if left out.
         """
+        scope = scope or every_setting(hazard, self.knowledge)
         turns = _Turns(rng)
         idle = 0
         while idle < _IDLE_TRIES:
-            plot = self._plot(hazard, rng, turns, style)
+            plot = self._plot(hazard, rng, turns, style, scope)
             suits = [one.suits(plot) for one in CONSTRUCTIONS[style]]
             built = turns.first("construction", CONSTRUCTIONS[style], suits)
             construction = built or FALLBACK
@@ -115,13 +119,17 @@ class Composer:
             yield text
 
     def _plot(
-        self, hazard: HazardKind, rng: np.random.Generator, turns: "_Turns", style: Style
+        self,
+        hazard: HazardKind,
+        rng: np.random.Generator,
+        turns: "_Turns",
+        style: Style,
+        scope: Scope,
     ) -> Plot:
-        places = [p for key in hazard.places for p in self.knowledge.place_keys.get(key, ())]
-        place = turns.next("place", places or list(self.knowledge.places))
+        place = turns.next("place", scope.places or self.knowledge.places)
         condition = None
-        if hazard.conditions:
-            key = turns.next("condition", list(hazard.conditions))
+        if scope.conditions:
+            key = turns.next("condition", scope.conditions)
             condition = self.knowledge.condition_keys.get(key)
         phrases = list(condition.phrases) if condition else []
         statements = condition.statements if condition else ()
@@ -152,7 +160,7 @@ class Composer:
             if condition and statements
             else "",
             is_act=hazard.class_name == "interactional",
-            traffic=self._traffic(hazard, event, place, rng, _TRAFFIC_SHARE[style]),
+            traffic=self._traffic(hazard, event, place, rng, _TRAFFIC_SHARE[style], scope),
             opening=opening,
             detail=_pick(rng, details) if details and rng.random() < _DETAIL_SHARE[style] else "",
             has_pronoun=style != "first-person",
@@ -172,12 +180,13 @@ class Composer:
         place: RoadKind,
         rng: np.random.Generator,
         share: float,
+        scope: Scope,
     ) -> str:
         if not hazard.traffic or rng.random() > share:
             return ""
         fitting = [
             t
-            for t in self.knowledge.traffic
+            for t in scope.traffic
             if _met_on(t, place) and self._agreement.suits(event, Setting(traffic=t.key))
         ]
         return _pick(rng, _pick(rng, fitting).phrases) if fitting else ""

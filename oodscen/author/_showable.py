@@ -1,0 +1,184 @@
+"""What a catalogue can show of the setting of a text: its road, weather and traffic."""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+from oodscen.author._knowledge.base import (
+    BackgroundTraffic,
+    Condition,
+    HazardKind,
+    Knowledge,
+    RoadKind,
+)
+from oodscen.author._staging.anchors import has_landmarks
+from oodscen.claims._roads import is_of_kind, is_so, of_roads
+from oodscen.claims._things import mentions
+from oodscen.data._claim import Claim
+from oodscen.prompts._digest import CatalogueDigest, MapLine, WeatherLimits
+
+_OF_LANES = frozenset({"one_way", "oncoming", "two_lane", "three_lane", "four_lane"})
+"""Traits that the phrases of a place tell in words of their own, or not at all."""
+_THICK_M = 1_000.0
+"""Visual range below which a text calls it fog, m."""
+_LOW_DEG = 15.0
+"""Elevation below which a text says where the sun is, degrees."""
+
+
+class Scope(NamedTuple):
+    """The settings that the texts of a hazard may have."""
+
+    places: Sequence[RoadKind]
+    conditions: Sequence[str]
+    traffic: Sequence[BackgroundTraffic]
+
+
+def every_setting(hazard: HazardKind, knowledge: Knowledge) -> Scope:
+    """Return all settings that suit a hazard, in whatever simulator."""
+    return Scope(_places(hazard, knowledge), hazard.conditions, knowledge.traffic)
+
+
+@dataclass(frozen=True)
+class Showable:
+    """The settings that a catalogue can show."""
+
+    knowledge: Knowledge
+    digest: CatalogueDigest
+
+    def scope(self, hazard: HazardKind) -> Scope:
+        """Return the settings of a hazard that the catalogue can show.
+
+        If it can show none of the places or none of the conditions, all of them are kept: staging then says what is
+        missing.
+        """
+        known = self.knowledge.condition_keys
+        shown = [key for key in hazard.conditions if key not in known or self._has(known[key])]
+        return Scope(
+            self._shown(hazard) or _places(hazard, self.knowledge),
+            shown or hazard.conditions,
+            self._traffic,
+        )
+
+    def lacking_place(self, hazard: HazardKind) -> tuple[str, ...]:
+        """Return the traits of a road on which a hazard could be met; none if the catalogue has such a road."""
+        places = _places(hazard, self.knowledge)
+        if not places or self._shown(hazard):
+            return ()
+        first = places[0]
+        return tuple(trait for trait in first.traits if trait not in {*_OF_LANES, *first.told})
+
+    def _shown(self, hazard: HazardKind) -> list[RoadKind]:
+        """Return the places of a hazard that the catalogue has, in the author's words or else in the catalogue's."""
+        places, roads = _places(hazard, self.knowledge), roads_for(hazard, self.digest)
+        return _phrased(places, roads) or _described(places, roads)
+
+    @cached_property
+    def _traffic(self) -> tuple[BackgroundTraffic, ...]:
+        behaviours = {kind.id for kind in self.digest.behaviours}
+        return tuple(
+            one
+            for one in self.knowledge.traffic
+            if all(map(self._has_things, one.phrases))
+            and (one.actor is None or one.actor.behaviour in behaviours)
+        )
+
+    @cached_property
+    def _limits(self) -> WeatherLimits:
+        return self.digest.limits
+
+    def _has(self, condition: Condition) -> bool:
+        limits, weather = self._limits, condition.weather
+        highest = _number(weather.get("sun_elevation_deg"), 90.0)
+        if highest < limits.sun_deg or (highest < _LOW_DEG and not limits.sun_is_drawn):
+            return False
+        falling = weather.get("precipitation", "none")
+        if falling != "none":
+            least = _number(weather.get("precipitation_mm_h"), 0.0, 0)
+            if not limits.offers(str(falling)) or limits.intensity < least:
+                return False
+        if _number(weather.get("friction"), 1.0) < limits.friction:
+            return False
+        range_m = _number(weather.get("fog_visual_range_m"), _THICK_M)
+        return range_m >= min(limits.fog_m, _THICK_M)
+
+    def _has_things(self, phrase: str) -> bool:
+        return all(
+            any(one.thing.fits(asset) for asset in self.digest.assets) for one in mentions(phrase)
+        )
+
+
+def roads_for(hazard: HazardKind, digest: CatalogueDigest) -> list[MapLine]:
+    """Return the maps that have all that a hazard needs of its road."""
+    needed = set(hazard.needs.traits)
+    return [
+        road
+        for road in digest.maps
+        if needed <= set(road.features) and has_landmarks(road, hazard.stage)
+    ]
+
+
+def _places(hazard: HazardKind, knowledge: Knowledge) -> list[RoadKind]:
+    return [place for key in hazard.places for place in knowledge.place_keys.get(key, ())]
+
+
+def _phrased(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> list[RoadKind]:
+    """Return the places that one of the roads is, with the phrases that are true of it."""
+    found = []
+    for place in places:
+        phrases = tuple(p for p in place.phrases if any(_is_true(p, place, one) for one in roads))
+        if len(phrases) == len(place.phrases):
+            found.append(place)
+        elif phrases:
+            found.append(place.model_copy(update={"phrases": phrases}))
+    return found
+
+
+def _described(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> list[RoadKind]:
+    """Return the roads of the kinds that the places are, each by its own description."""
+    return [
+        place.model_copy(update={"traits": road.traits, "phrases": (f"on {road.description}",)})
+        for place in places
+        for road in roads
+        if place.traits[0] in road.traits
+        and road.description.startswith(("a ", "an "))
+        and all(_holds(claim, road) for claim in _claimed(f"on {road.description}"))
+    ]
+
+
+def _is_true(phrase: str, place: RoadKind, road: MapLine) -> bool:
+    """Return whether a road is as a phrase of a place tells; one without traits or without a file may be anything."""
+    if not road.traits or not road.layout:
+        return True
+    untold = {
+        trait
+        for trait, words in place.told.items()
+        if not any(re.search(rf"\b{re.escape(word)}", phrase) for word in words)
+    }
+    traits = set(place.traits) - _OF_LANES - untold
+    return all(_is(trait, road) for trait in traits) and all(
+        _holds(claim, road) for claim in _claimed(phrase)
+    )
+
+
+def _holds(claim: Claim, road: MapLine) -> bool:
+    return is_so(claim, road) or (claim.kind == "road" and claim.value in road.features)
+
+
+def _is(trait: str, road: MapLine) -> bool:
+    return is_of_kind(trait, road) or trait in road.features
+
+
+@lru_cache(maxsize=512)
+def _claimed(phrase: str) -> tuple[Claim, ...]:
+    """Return what a phrase claims about the road."""
+    # Its many patterns are compiled at the import.
+    from oodscen.author._reading.claim_extraction import read_claims
+
+    return tuple(of_roads(read_claims(f"The ego vehicle is {phrase}.")))
+
+
+def _number(value: object, default: float, end: int = 1) -> float:
+    """Return one end of a range, the upper one by default."""
+    return float(value[end]) if isinstance(value, tuple) else default
