@@ -156,6 +156,8 @@ class Encoder(Protocol):
 
 MAX_SIZE = 8192
 """Maximum pixels along a side of a picture."""
+_ABOVE_M = 85.0
+"""Length of road in a picture from above, m."""
 
 
 @with_fields
@@ -183,17 +185,25 @@ class Camera:
 
     @classmethod
     def above(
-        cls, width: int = 640, height: int = 480, *, x: float = 12.0, z: float = 60.0
+        cls, width: int = 640, height: int = 480, *, x: float = 32.5, z: float | None = None
     ) -> "Camera":
         """Return a camera that looks straight down; the ego's direction is up in its pictures.
+
+        Its pictures reach from 10 m behind the ego to 75 m ahead by default: most hazards are staged within 72 m.
 
         Args:
             width: Width of the picture, pixels.
             height: Height of the picture, pixels.
             x: Distance of the picture's middle ahead of the ego's centre, m.
-            z: Height above the road, m; the picture's width shows 1.15 times as many metres.
+            z: Height above the road, m; the picture's width shows 1.15 times as many metres. By default as high as
+                the picture needs to show 85 m along the road, which is 98 m for 640 x 480 pixels.
         """
-        return cls(width, height, 60.0, x, 0.0, z, 90.0)
+        fov_deg = 60.0
+        if z is None:
+            whole_number("camera: width", width, 1, MAX_SIZE)
+            whole_number("camera: height", height, 1, MAX_SIZE)
+            z = 0.5 * _ABOVE_M * width / height / math.tan(0.5 * math.radians(fov_deg))
+        return cls(width, height, fov_deg, x, 0.0, z, 90.0)
 
     def __post_init__(self) -> None:
         for name in ("width", "height"):

@@ -27,7 +27,7 @@ from oodscen.driving import load_corridor
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
-from oodscen.driving._sight.visibility import is_noticeable
+from oodscen.driving._sight.visibility import is_noticeable, least_area
 from oodscen.driving._trace import Course, Trace, concatenate
 from oodscen.errors import MissingExtra, UnknownComponent
 from oodscen.protocols import (
@@ -216,7 +216,7 @@ def _simulated(
             for moment, frame in frames.items()
         },
         visible=visible,
-        hazard_visible=_shows_hazard(scene, frames, visible),
+        hazard_visible=_shows_hazard(scene, shown, visible),
         sighting=sighting(scene, states[-1], frames["last"], simulator.catalogue(), shown)
         if shown and not is_paper
         else None,
@@ -334,21 +334,20 @@ def visible_pixels(frame: Frame, ids: Sequence[str]) -> dict[str, int]:
 
 
 def _shows_hazard(
-    scene: Scene, frames: Mapping[str, Frame], visible: Mapping[str, Mapping[str, int]]
+    scene: Scene, camera: Camera | None, visible: Mapping[str, Mapping[str, int]]
 ) -> bool | None:
     """Return whether a frame shows the hazard; `None` without frames or in a twin."""
     hazard = scene.hazard
-    if not frames or scene.is_ordinary:
+    if camera is None or not visible or scene.is_ordinary:
         return None
     if not hazard.actors:
         if scene.map_state is not None:
             return True
         return hazard.weather is not None and is_noticeable(scene.weather, hazard.weather)
-    for moment, frame in frames.items():
-        least = VISIBLE_PX * frame.ids.size / (640 * 480)
-        if any(visible[moment].get(name, 0) >= least for name in hazard.actors):
-            return True
-    return False
+    least = least_area(VISIBLE_PX, camera)
+    return any(
+        pixels.get(name, 0) >= least for pixels in visible.values() for name in hazard.actors
+    )
 
 
 def approach(

@@ -127,6 +127,17 @@ def test_a_simulator_that_sees_from_above_keeps_the_protocol() -> None:
     check_simulator(FromAbove, parts=parts, scenes=[plain_scene(FLAT_CATALOGUE, road)])
 
 
+@pytest.mark.parametrize("size", [(640, 480), (480, 640), (1280, 720), (300, 300)])
+@pytest.mark.parametrize(("ahead", "is_seen"), [(-8.0, True), (72.0, True), (85.0, False)])
+def test_a_picture_from_above_reaches_as_far_as_most_hazards_are_staged(
+    size, ahead, is_seen
+) -> None:
+    with FromAbove() as simulator:
+        simulator.reset(scene(actor("one", ahead=ahead, offset=3.2)), 0)
+        frame = simulator.render(Camera.above(*size))
+    assert ((frame.ids == 2).sum() > 4) == is_seen
+
+
 def test_an_episode_from_above_has_frames_from_above() -> None:
     episode = simulate(example_scene(), FromAbove()).episode
     assert episode.hazard_visible

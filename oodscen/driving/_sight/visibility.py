@@ -12,6 +12,8 @@ from oodscen.protocols import Camera
 
 LEAST_PX = 60.0
 """Minimum silhouette for recognition, square pixels at 640 x 480."""
+_FROM_ABOVE = 0.15
+"""Share of a minimum that is enough from above, where a body is a mark in a plan."""
 MOST_HIDDEN = 0.8
 """Hidden share of a silhouette from which a body is no longer recognised."""
 
@@ -103,6 +105,12 @@ class Solid:
         return dx * cos + dy * sin, dy * cos - dx * sin, point[2] - self.z
 
 
+def least_area(pixels: float, camera: Camera) -> float:
+    """Return the area that a minimum for a driver's view of 640 x 480 pixels is in the pictures of a camera."""
+    share = _FROM_ABOVE if camera.pitch_deg == 90.0 else 1.0
+    return share * pixels * camera.width * camera.height / (640 * 480)
+
+
 @dataclass(frozen=True)
 class Sight:
     """The appearance of one body in a picture."""
@@ -123,8 +131,7 @@ class Sight:
         reach = visual_range(weather)
         if self.distance > reach:
             return f"it is {self.distance:.0f} m away, and the visual range is {reach:.0f} m"
-        least = LEAST_PX * camera.width * camera.height / (640 * 480)
-        if self.area_px < least:
+        if self.area_px < least_area(LEAST_PX, camera):
             return f"it covers {self.area_px:.0f} square pixels only, {self.distance:.0f} m away"
         if self.hidden > MOST_HIDDEN:
             return f"{100.0 * self.hidden:.0f} % of it is hidden"

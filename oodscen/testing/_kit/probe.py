@@ -54,8 +54,10 @@ class Probe:
         return max(self.catalogue.maps, key=lambda road: road.lanes + road.oncoming_lanes)
 
     def camera(self, width: int = 160, height: int = 120) -> Camera:
-        """Return the camera of the simulator's kind."""
-        return Camera.above(width, height) if self.is_top else Camera(width, height)
+        """Return the camera of the simulator's kind; one above the ego is near enough for small pictures."""
+        if self.is_top:
+            return Camera.above(width, height, x=12.0, z=60.0)
+        return Camera(width, height)
 
     def scene(
         self,
