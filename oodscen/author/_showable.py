@@ -1,4 +1,4 @@
-"""What a catalogue can show of the setting of a text: its road, weather and traffic."""
+"""Settings of a text that a catalogue can show: its roads, weather and traffic."""
 
 import re
 from collections.abc import Iterable, Sequence

@@ -155,7 +155,7 @@ def _check_bends(probe: Probe) -> None:
     """Compare drivers in a bend with the reference world's, in the ego's lane and in an oncoming one.
 
     Raises:
-        NotApplicable: If no map bends, or nobody drives along the lane.
+        NotApplicable: If no map bends, or no behaviour drives along its lane.
     """
     road, at, sharpness = _sharpest(probe)
     speed = min(0.8 * road.speed_limit, math.sqrt(_CALM / max(sharpness, 1e-9)), _FASTEST)
