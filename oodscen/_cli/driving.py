@@ -103,14 +103,19 @@ def drive(
 
 def _line(row: "DriveRow") -> str:
     """Summarise one driver's results in the scenes, or in the twins, in a few lines."""
+    from oodscen.judging._drive_board import CRITICAL_TTC_S
+
     share, mean = row.shares, row.means
+    critical, needless = share["critical"], share.get("needless")
     lines = [
         f"{row.driver}, {row.kind}: {row.passed} of {row.n} passed{_range(share['passed'])}, {row.collisions} "
         f"collisions{_range(share['collisions'])}, {row.off_road} off the road, {row.failed} failed"
         + (f", {row.inconclusive} inconclusive" if row.inconclusive else ""),
-        f"  least TTC {_mean(mean['min_ttc_s'], ' s')}, below 1.5 s in {share['critical'].hits}; least headway "
-        f"{_mean(mean['min_headway_s'], ' s')}; hardest braking {_mean(mean['peak_deceleration'], ' m/s2')}; jerk "
-        f"{_mean(mean['peak_jerk'], ' m/s3')}; progress {_mean(mean['progress'], '', percent=True)}",
+        f"  means: least TTC {_mean(mean['min_ttc_s'], ' s')}, least headway {_mean(mean['min_headway_s'], ' s')}, "
+        f"hardest braking {_mean(mean['peak_deceleration'], ' m/s2')}, peak jerk {_mean(mean['peak_jerk'], ' m/s3')}, "
+        f"progress {_mean(mean['progress'], '', percent=True)}",
+        f"  a collision or a TTC below {CRITICAL_TTC_S} s in {_of(critical)}"
+        + (f"; needless braking in {_of(needless)}" if needless else ""),
     ]
     if (pair := row.paired) is not None and pair.n:
         sound, test = pair.drives_and_passes, pair.against_rule_based
@@ -123,6 +128,10 @@ def _line(row: "DriveRow") -> str:
             pairs += f", {points} against rule-based (p {test.p_clustered:.3f})"
         lines.append(pairs)
     return "\n".join(lines)
+
+
+def _of(share: "DriveRate") -> str:
+    return f"{share.hits} of {share.n}{_range(share)}"
 
 
 def _range(share: "DriveRate") -> str:

@@ -66,8 +66,6 @@ class Pairing(Data):
     """
     progress_lost: Estimate = Estimate()
     """Progress in the twin minus progress in the scene."""
-    brakes_needlessly: DriveRate = DriveRate()
-    """Braked harder than 4 m/s^2 in a twin in which keeping the speed is safe."""
     against_rule_based: PairedTest | None = None
     """`drives_and_passes` compared with the rule-based driver's on the same scenes."""
 
@@ -91,8 +89,8 @@ class DriveRow(Data):
     """Drives that ended in a collision."""
     off_road: int
     shares: dict[str, DriveRate] = {}
-    """Shares of the drives that ran: `passed`, `collisions`, `off_road` and `critical` (a collision, or a time to
-    collision below `CRITICAL_TTC_S`).
+    """Shares of the drives that ran: `passed`, `collisions`, `off_road`, `critical` (a collision, or a time to
+    collision below `CRITICAL_TTC_S`), and for twins `needless` (`DriveResult.brakes_needlessly`).
     """
     means: dict[str, Estimate] = {}
     """Means of `min_ttc_s`, `min_headway_s`, `median_headway_s`, `progress` (1 is keeping the initial speed
@@ -234,6 +232,9 @@ class _Sums:
             "off_road": self.share(ran, lambda one: one.off_road),
             "critical": self.share(ran, is_critical),
         }
+        if kind == "twins":
+            judged = [one for one in ran if one.brakes_needlessly is not None]
+            shares["needless"] = self.share(judged, lambda one: bool(one.brakes_needlessly))
         return DriveRow(
             driver=driver,
             kind=kind,
@@ -258,7 +259,6 @@ class _Sums:
         passed = {scene_of(one.scene_id): one.passed for one in twins if one.status == "ok"}
         both = [one for one in scenes if one.scene_id in sound]
         counts = [(one.passed, passed[one.scene_id]) for one in both]
-        judged = [one for one in twins if one.brakes_needlessly is not None]
         return Pairing(
             n=len(both),
             both=counts.count((True, True)),
@@ -267,7 +267,6 @@ class _Sums:
             neither=counts.count((False, False)),
             drives_and_passes=self.share(both, lambda one: sound[one.scene_id]),
             progress_lost=self.mean(both, lambda one: one.progress_lost),
-            brakes_needlessly=self.share(judged, lambda one: bool(one.brakes_needlessly)),
             against_rule_based=self.compared(driver, both, sound, yardstick),
         )
 

@@ -2,10 +2,14 @@
 
 import dataclasses
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from oodscen._display import png
 from oodscen._files import replace
@@ -22,6 +26,7 @@ from oodscen.stages._drive import (
     DrivePlan,
     MakeDriver,
     RuleBasedDriver,
+    brakes_hard,
     drive_result,
     drive_states,
     failed_drive,
@@ -32,7 +37,10 @@ if TYPE_CHECKING:
     from oodscen.study._study import Study
 
 _SHOWN_S = (3.0, 2.0, 1.5, 1.0, 0.5, 0.0)
-"""Times before the end of a drive that a failure lists, s."""
+"""Times before the shown moment of a drive that a failure lists, s."""
+
+_Pictures = Mapping[str, NDArray[np.uint8]]
+"""The frame and the plan view of one moment."""
 
 
 class Scenes:
@@ -84,7 +92,17 @@ class Driven:
     path: tuple[str, ...]
     """The path of the scenario tree that the scene realises."""
     pictures: tuple[Path, ...] = ()
-    """The last frame and the plan view, if they were saved."""
+    """The frame and the plan view of the shown moment, if they were saved."""
+
+    @cached_property
+    def shown(self) -> State:
+        """The moment that a failure shows: where needless braking begins, else the end of the drive."""
+        hard = (after for before, after in pairwise(self.states) if brakes_hard(before, after))
+        return next(hard, self.states[-1]) if self._is_only_needless else self.states[-1]
+
+    @property
+    def _is_only_needless(self) -> bool:
+        return self.is_safe and self.is_needless
 
     @property
     def is_safe(self) -> bool:
@@ -108,7 +126,9 @@ class Driven:
         if one.off_road:
             return f"leaves the road {end}"
         ttc = "none" if one.min_ttc_s is None else f"{one.min_ttc_s:.1f} s"
-        hard = ", braking hard although keeping the speed is safe" if self.is_needless else ""
+        hard = ""
+        if self.is_needless:
+            hard = f", braking hard after {self.shown.time:.2f} s although keeping the speed is safe"
         return f"is safe{hard}; least time to collision {ttc}"
 
     def __repr__(self) -> str:
@@ -135,13 +155,13 @@ class Driven:
             ),
             ("safe here", ", ".join(safe_actions)),
             *(("before" if not row else "", line) for row, line in enumerate(self._last())),
-            *zip(("last frame", "plan view"), map(str, self.pictures), strict=False),
+            *zip(("frame", "plan view"), map(str, self.pictures), strict=False),
         ]
         return "\n".join(plain(f"{name:11}{value}") for name, value in rows if value)
 
     def _last(self) -> list[str]:
-        """Return the ego's speed and the nearest actor at a few times before the end."""
-        end, lines = self.states[-1].time, []
+        """Return the ego's speed and the nearest actor at a few times up to the shown moment."""
+        end, lines = self.shown.time, []
         shown: set[int] = set()
         for before in _SHOWN_S:
             state = min(self.states, key=lambda one: abs(one.time - (end - before)))
@@ -180,6 +200,8 @@ class Drive:
         """Results of the drives, in order, failed ones included."""
         self.drives: list[Driven] = []
         """The drives that came to an end, in order."""
+        self._braking: dict[int, _Pictures] = {}
+        """Pictures of where needless braking begins, by place in `drives`."""
 
     def __repr__(self) -> str:
         return "drive"
@@ -217,15 +239,18 @@ class Drive:
         item = self._scene if scene is None else scene
         is_its_twin = item.id == twin_id(self._scene.id)
         plan = self._plan if is_its_twin else self._scenes.plan(item, self._simulator)
-        is_clear = is_its_twin and plan.is_clear  # Before the drive, whose end is pictured.
+        is_clear = is_its_twin and plan.is_clear  # Before the drive, whose moments are pictured.
         made_from = (self._scene if is_its_twin else item).digest()
         label = name or label
+        braking: _Pictures | None = None
+        states: list[State] = []
         try:
-            states = tuple(
-                drive_states(
-                    item, make(), self._simulator, self._scenes.seed, plan.steps, camera or Camera()
-                )
-            )
+            for state in drive_states(
+                item, make(), self._simulator, self._scenes.seed, plan.steps, camera or Camera()
+            ):
+                if is_clear and braking is None and states and brakes_hard(states[-1], state):
+                    braking = self._pictures(state, item, camera)
+                states.append(state)
         except BaseException as error:
             if not is_interruption(error):
                 failed = failed_drive(item.id, label, error)
@@ -242,42 +267,57 @@ class Drive:
         driven = Driven(
             result=result,
             scene=item,
-            states=states,
+            states=tuple(states),
             text=one_line(text or ""),
             path=known.path if known else (),
         )
+        if braking is not None and result.passed:
+            self._braking[len(self.drives)] = braking
         self.results.append(result)
         self.drives.append(driven)
         return driven if result.passed else self.pictured(camera)
 
     def pictured(self, camera: Camera | None = None) -> Driven:
-        """Save the last frame and the plan view at the end of the last drive, and return it with them.
+        """Save the frame and the plan view of the last drive's shown moment, and return it with them.
 
         Args:
             camera: Camera of the frame; by default the ego's dash camera.
         """
-        last, folder = self.drives[-1], self._scenes.pictures
+        for place, pictures in self._braking.items():
+            self._save(place, pictures)
+        last = self.drives[-1]
         end = last.states[-1]
-        if folder is None or last.pictures or self._simulator.observe().time != end.time:
-            return last  # A simulator that was used since shows another moment.
+        if last.shown is end and self._simulator.observe().time == end.time:
+            self._save(len(self.drives) - 1, self._pictures(end, last.scene, camera))
+        return self.drives[-1]
+
+    def _pictures(self, state: State, scene: Scene, camera: Camera | None) -> _Pictures:
+        """Return the pictures of the simulator's present state; none if they are not wanted or cannot be made."""
+        if self._scenes.pictures is None:
+            return {}
         from oodscen.stages._birds_eye import birds_eye
 
         try:
-            above = birds_eye(end, last.scene, self._simulator.catalogue())
-            frame = render_checked(self._simulator, camera or Camera(), len(end.ids))
-            shown = {"frame": frame.rgb, "plan": above}
+            above = birds_eye(state, scene, self._simulator.catalogue())
+            frame = render_checked(self._simulator, camera or Camera(), len(state.ids))
         except OodscenError:
-            return last
-        stem = re.sub(r"[^\w.~-]+", "-", f"{last.scene.id}-{self._test}").strip("-")[:180]
+            return {}
+        return {"frame": frame.rgb, "plan": above}
+
+    def _save(self, place: int, pictures: _Pictures) -> None:
+        """Save the pictures of a drive that has none yet."""
+        one, folder = self.drives[place], self._scenes.pictures
+        if folder is None or one.pictures:
+            return
+        stem = re.sub(r"[^\w.~-]+", "-", f"{one.scene.id}-{self._test}").strip("-")[:180]
         saved = []
-        for kind, pixels in shown.items():
+        for kind, pixels in pictures.items():
             if (data := png(pixels)) is not None:
                 folder.mkdir(parents=True, exist_ok=True)
                 path = folder / f"{stem}.{kind}.png"
                 replace(path, data)
                 saved.append(path)
-        self.drives[-1] = dataclasses.replace(last, pictures=tuple(saved))
-        return self.drives[-1]
+        self.drives[place] = dataclasses.replace(one, pictures=tuple(saved))
 
 
 def _maker(driver: MakeDriver | str) -> tuple[MakeDriver, str]:

@@ -20,7 +20,7 @@ _OPTIONS = {
     "simulator": ("NAME", "simulator to drive in (default: the study's)"),
     "pictures": (
         "DIR",
-        "folder for the last frame and the plan view of failed drives (default: oodscen beside the JUnit file)",
+        "folder for a frame and the plan view of failed drives (default: oodscen beside the JUnit file)",
     ),
     "require": ("BARS", 'grade the driving stacks, e.g. "safe>=0.9,needless<=0.05"'),
     "baseline": ("FILE", "file of the outcomes that are known: only regressions fail"),

@@ -304,20 +304,33 @@ class DrivingSession:
         try:
             if self._file is not None and self._mode != "compare" and self._known:
                 self._baseline.with_tests(self._known).write(self._file)
-            if self._bars and not self._is_met():
+            if self._bars and not self._meets():
                 session.exitstatus = pytest.ExitCode.TESTS_FAILED
         except OodscenError as error:  # The other hooks still have their reports to write.
             self._fault = f"oodscen: {error}"
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
-    def _is_met(self) -> bool:
+    def _meets(self) -> bool:
         """Grade the stacks, and return whether there are any and all meet the requirement."""
         from oodscen.judging._drive_requirements import drive_requirements
 
         self._grades = drive_requirements(
             self._drives.values(), self.study.scenarios, self._bars, seed=self.study.config.seed
         )
+        return self._is_met
+
+    @property
+    def _is_met(self) -> bool:
         return bool(self._grades) and all(one.grade == "meets" for one in self._grades)
+
+    def _verdict(self) -> list[str]:
+        """Return whether the requirement is met, if stacks are graded."""
+        if not self._grades:
+            return []
+        bars = ",".join(map(str, self._bars))
+        if self._is_met:
+            return [f"requirement met: {bars}"]
+        return [f"requirement not met, so the session fails: {bars}"]
 
     def pytest_report_header(self) -> str:
         """Return the line about the study at the top of the report."""
@@ -325,7 +338,7 @@ class DrivingSession:
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
         """Print the stacks' figures, their grades, and what changed since the baseline."""
-        lines = [*self._figures(), *map(str, self._grades)]
+        lines = [*self._figures(), *map(str, self._grades), *self._verdict()]
         lines += [self._fault] if self._fault else self._compared()
         if self._bars and not self._grades and not self._collects_only:
             lines.append(

@@ -210,6 +210,12 @@ def is_needless(twin: DriveResult, is_clear: bool) -> bool | None:
     return is_clear and twin.peak_deceleration > NEEDLESS_BRAKING
 
 
+def brakes_hard(before: State, after: State) -> bool:
+    """Return whether the ego brakes harder than `NEEDLESS_BRAKING` between two consecutive states."""
+    lost = float(before.speeds[0] - after.speeds[0])
+    return lost / (after.time - before.time) > NEEDLESS_BRAKING
+
+
 def _both(
     scene: Scene,
     driver: MakeDriver,

@@ -51,6 +51,8 @@ def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch, capf
     run(main, ["report", "out"])
     assert "Driving stacks" not in (tmp_path / "out" / "report.html").read_text()
     ruled = run(main, ["drive", "out"])
+    assert "; needless braking in 0 of 1 [" in ruled.output
+    assert "  means: least TTC " in ruled.output
     assert "4 earlier results are dropped" in ruled.output
     drives = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
     assert [json.loads(line)["driver"] for line in drives] == ["rule-based", "rule-based"]

@@ -62,6 +62,23 @@ def test_counts_add_up(outcomes):
         assert share.interval.low <= share.value <= share.interval.high
 
 
+BRAKED = st.sampled_from([True, False, None, "failed"])
+
+
+@given(st.lists(BRAKED, min_size=1, max_size=12))
+def test_needless_braking_is_a_share_of_the_twins_in_which_it_was_looked_for(braked):
+    found = drives("mine", [(True, one if one == "failed" else True) for one in braked])
+    for index, one in enumerate(braked):
+        known = {"brakes_needlessly": None if one == "failed" else one}
+        found[2 * index : 2 * index + 2] = [
+            drive.model_copy(update=known) for drive in found[2 * index : 2 * index + 2]
+        ]
+    board = drive_board(found)
+    share = board.of("mine", "twins").shares["needless"]
+    assert (share.hits, share.n) == (braked.count(True), braked.count(True) + braked.count(False))
+    assert "needless" not in board.of("mine").shares
+
+
 def test_who_stands_still_passes_every_scene_and_ranks_last():
     outcomes = [(True, True)] * 12
     ruled = drives(RULE_BASED, [*outcomes[1:], (False, True)])

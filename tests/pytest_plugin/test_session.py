@@ -13,7 +13,8 @@ from oodscen import Scenario, Study, make_simulator, simulate
 from oodscen._display import png
 from oodscen.driving import action_driver
 from oodscen.protocols import Camera
-from oodscen.stages._drive import DrivePlan, drive_states
+from oodscen.stages import birds_eye
+from oodscen.stages._drive import NEEDLESS_BRAKING, DrivePlan
 from oodscen.testing import example_scene
 
 pytest_plugins = ["pytester"]
@@ -41,6 +42,14 @@ class Broken:
 class Cautious(Blind):
     def __init__(self):
         self.driver = action_driver("emergency_brake")
+
+
+class Startled:
+    def __init__(self):
+        self.keep, self.brake = map(action_driver, ("keep_speed", "emergency_brake"))
+
+    def act(self, observation):
+        return (self.brake if observation.time > 2.0 else self.keep).act(observation)
 
 
 Stack = {stack}
@@ -123,7 +132,7 @@ def test_a_stack_that_keeps_its_speed_fails_and_the_report_tells_why(session, st
             "outcome *touches*",
             "safe here *",
             "before * s * m/s * m from *",
-            "last frame */reports/oodscen/*.frame.png",
+            "frame */reports/oodscen/*.frame.png",
             "plan view */reports/oodscen/*.plan.png",
             "Stack, scenes: *",
         ]
@@ -159,17 +168,31 @@ def test_an_error_of_the_stack_is_shown_as_its_own(session):
     assert result.parseoutcomes()["failed"] == 3
 
 
-def test_needless_braking_in_a_twin_fails_with_pictures(session, pytester):
-    result = session("Cautious", "-k", "test_twin", "--oodscen-pictures=shown")
-    result.stdout.fnmatch_lines(["*braking hard although keeping the speed is safe*"])
-    frames = sorted((pytester.path / "shown").glob("*~twin*.frame.png"))
-    assert len(frames) == len(list((pytester.path / "shown").iterdir())) / 2 > 0
+def test_needless_braking_in_a_twin_fails_with_pictures_of_where_it_begins(session, pytester):
+    result = session("Startled", "-k", "test_twin and box-001", "--oodscen-pictures=shown")
     with make_simulator("flat") as simulator:
         plan = DrivePlan(example_scene(), simulator, 0)
-        driver, camera = action_driver("emergency_brake"), Camera()
-        for _ in drive_states(plan.twin, driver, simulator, 0, plan.steps, camera):
-            pass
-        assert frames[0].read_bytes() == png(simulator.render(camera).rgb)
+        keep, brake, camera = action_driver("keep_speed"), action_driver("emergency_brake"), Camera()
+        state = simulator.reset(plan.twin, 0)
+        while not (braking := state.time > 2.0):
+            state = simulator.step(keep.act(simulator.observe()))
+        while (speed := state.speeds[0]) and braking:
+            state = simulator.step(brake.act(simulator.observe()))
+            braking = (speed - state.speeds[0]) / simulator.dt <= NEEDLESS_BRAKING
+        frame, plan_view = (
+            simulator.render(camera).rgb,
+            birds_eye(state, plan.twin, simulator.catalogue()),
+        )
+    result.stdout.fnmatch_lines(
+        [
+            f"*braking hard after {state.time:.2f} s although keeping the speed is safe*",
+            f" * {state.time:.2f} s * m/s*",
+            "frame *.frame.png",
+        ]
+    )
+    (shown,) = (pytester.path / "shown").glob("*~twin*.frame.png")
+    assert shown.read_bytes() == png(frame)
+    assert Path(str(shown).replace(".frame.", ".plan.")).read_bytes() == png(plan_view)
 
 
 def test_a_baseline_that_cannot_be_written_fails_the_session(session, pytester):
@@ -211,9 +234,12 @@ def test_a_requirement_counts_failures_instead_of_failing_each(session):
     result = session("Blind", "--oodscen-require=safe>=0")
     assert result.ret == 0
     assert "xfailed" in result.parseoutcomes()
+    result.stdout.fnmatch_lines(["requirement met: safe>=0*"])
     short = session("Blind", "--oodscen-require=safe>=0.99")
     assert short.ret == pytest.ExitCode.TESTS_FAILED
-    short.stdout.fnmatch_lines(["Stack: * (safe *)"])
+    short.stdout.fnmatch_lines(
+        ["Stack: * (safe *)", "requirement not met, so the session fails: safe>=0.99"]
+    )
 
 
 UNCOUNTED = """
