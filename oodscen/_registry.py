@@ -88,7 +88,7 @@ def find(kind: str, name: str) -> Callable[..., Any]:
         point = registered[name]
     elif _is_reference(name):
         point = EntryPoint(name, name, KINDS[kind])
-    elif _reads_as_reference(name):
+    elif reads_as_reference(name):
         module = name.partition(":")[0]
         raise UsageError(
             f"the {kind} {name!r} cannot be imported: there is no module {module!r}; "
@@ -142,7 +142,7 @@ def make_catalogue(catalogue: str | Path | Catalogue) -> Catalogue:
     if name not in names("catalogue"):
         if name.endswith(".json") or _is_there(name, Path.is_file):
             return Catalogue.load(name)
-        if name not in names("simulator") and not _reads_as_reference(name):
+        if name not in names("simulator") and not reads_as_reference(name):
             raise UnknownComponent("catalogue", name, {*names("catalogue"), *names("simulator")})
         simulator = make_simulator(name)
         with working("simulator", name), using(simulator):
@@ -338,7 +338,7 @@ def _is_there(name: str, kind: Callable[[Path], bool]) -> bool:
         return False
 
 
-def _reads_as_reference(name: str) -> bool:
+def reads_as_reference(name: str) -> bool:
     """Return whether a name has the form `module:attr`."""
     module, colon, attribute = name.partition(":")
     return bool(colon) and all(part.isidentifier() for part in f"{module}.{attribute}".split("."))
@@ -346,7 +346,7 @@ def _reads_as_reference(name: str) -> bool:
 
 def _is_reference(name: str) -> bool:
     """Return whether a name has the form `module:attr` and its module exists."""
-    if not _reads_as_reference(name):
+    if not reads_as_reference(name):
         return False
     module = name.partition(":")[0]
     try:

@@ -3,7 +3,7 @@
 import os
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from oodscen.judging._leaderboard.board import Leaderboard
     from oodscen.judging._leaderboard.requirements import RequirementResult
     from oodscen.judging._leaderboard.scores import Estimate, Rate
-    from oodscen.llm._accounting import Account
+    from oodscen.llm._accounting import Account, Ledger
     from oodscen.stages._redteam.saturation import Saturation
 
 Row = TypeVar("Row", bound=Data)
@@ -151,6 +151,28 @@ def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
         f"{model}: {len(rows)} items {_INCOMPLETE[outcome].format(error=rows[0].error, model=model)}"
         for (model, outcome), rows in found.items()
     ]
+
+
+def kept_verdicts(
+    vlms: Iterable[str], ledger: "Ledger", asked_at: Mapping[str, str]
+) -> list[str]:
+    """State, one line per model judged again, how many of its verdicts are kept from when, and how to ask again.
+
+    Args:
+        vlms: The models to judge, as they are named in the configuration.
+        ledger: The totals of the run.
+        asked_at: When each model was last asked before the run, by its name in verdicts; empty if not recorded.
+    """
+    lines = []
+    for vlm in vlms:
+        name, count = ledger.kept.get(vlm, ("", 0))
+        if count:
+            when = asked_at.get(name, "").replace("T", " ").replace("+00:00", " UTC")
+            lines.append(
+                f"{vlm}: {count} verdicts are kept as they were{f', last asked {when}' if when else ''}, whatever has "
+                f"changed in the model since; to ask again, add --drop {vlm} --retry-failed"
+            )
+    return lines
 
 
 _INCOMPLETE = {

@@ -31,7 +31,16 @@ from oodscen._cli.options import (
     simulator_option,
     style_option,
 )
-from oodscen._cli.output import bars, estimated, graded, left_out, say, standings, summary
+from oodscen._cli.output import (
+    bars,
+    estimated,
+    graded,
+    kept_verdicts,
+    left_out,
+    say,
+    standings,
+    summary,
+)
 from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._verdict import without_pictures as named_without_pictures
@@ -301,17 +310,18 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     click.get_current_context().with_resource(before.store.writing())
     asked.check()
     for name, count in drop_models(before, asked.dropped).items() if asked.dropped else ():
-        kept = "its answers stay in answers.jsonl and are used if it is judged again"
+        kept = "its answers stay in answers.jsonl, and judging it again uses them unless --retry-failed is given"
         say(f"{name} is taken out with {count} verdicts; {kept}", err=True)
     known = {verdict.model for verdict in before.verdicts}
     wanted, study = asked.configuration(before), before
-    limits = limits_from(choices)
+    limits, ledger = limits_from(choices), Ledger()
     if asked.dry_run:
         rows = estimate(out, wanted, RunOptions(limits=limits))
         click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
+    calls = [one for one in before.store.lines("calls.jsonl") if one.get("stage") == "evaluate"]
+    asked_at = {one.get("model", ""): one.get("time", "") for one in calls}
     if asked.has_questions:
-        ledger = Ledger()
         with bars(ledger) as progress:
             study = run_study(
                 out,
@@ -324,6 +334,8 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
             )
     grades = None if asked.required is None else study.requirements(asked.required)
     _show_board(study, grades, as_json=as_json)
+    for line in kept_verdicts(asked.vlms, ledger, asked_at):
+        say(line, err=True)
     if grades is not None:
         sys.exit(_exit_code(grades))
     chosen = {name for vlm in asked.vlms for name in (vlm, named_without_pictures(vlm))}

@@ -1,9 +1,9 @@
 """The models of one run: made by name, metered, recorded and accounted for."""
 
 from oodscen._pipeline.options import RunOptions
-from oodscen._registry import is_builtin, make_llm
+from oodscen._registry import is_builtin, make_llm, reads_as_reference
 from oodscen.data._verdict import without_pictures
-from oodscen.errors import UsageError
+from oodscen.errors import MissingExtra, UnknownComponent, UsageError
 from oodscen.judging._people import person
 from oodscen.judging._references import ALWAYS, is_reference, takes_cases
 from oodscen.llm._call_log import Call, LoggedLLM
@@ -110,12 +110,28 @@ class Models:
 
     def _make(self, name: str) -> LLM:
         preset = self._options.models.get(name)
-        return make_llm(
-            preset or name,
-            seed=self._config.seed,
-            api_base=self._config.servers.get(name, self._config.api_base),
-            limits=self.limits,
-        )
+        try:
+            return make_llm(
+                preset or name,
+                seed=self._config.seed,
+                api_base=self._config.servers.get(name, self._config.api_base),
+                limits=self.limits,
+            )
+        except (UnknownComponent, MissingExtra):
+            if not (reads_as_reference(name) and name in self._judged_before()):
+                raise
+            raise UsageError(
+                f"{name!r} was judged in this study before, and the model cannot be made again, since there is no "
+                f"module {name.partition(':')[0]!r} here: put its folder on PYTHONPATH, or take the model out with "
+                f"oodscen evaluate --drop {name}"
+            ) from None
+
+    def _judged_before(self) -> tuple[str, ...]:
+        """Return the models that the study on disk names as judged."""
+        if not self._store.has("study.json"):
+            return ()
+        config = self._store.read("study.json").get("config", {})
+        return tuple(config.get("vlms", ()))
 
     def _log(self, call: Call) -> None:
         call = call.model_copy(update={"stage": self.stage})

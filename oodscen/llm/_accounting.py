@@ -89,6 +89,8 @@ class Ledger:
         self.cost_usd = 0.0
         self.is_priced = True
         """True while the price of every call that used tokens is known."""
+        self.kept: dict[str, tuple[str, int]] = {}
+        """Name and number of verdicts kept from earlier runs, by the judged model's name in the configuration."""
         self._lock = threading.Lock()
 
     def add(self, call: Call) -> None:

@@ -3,6 +3,7 @@
 import threading
 import time
 from collections.abc import Callable
+from datetime import UTC, datetime
 from typing import ClassVar, Literal
 
 from oodscen._redaction import redact
@@ -44,6 +45,8 @@ class Call(Data):
     """HTTP requests, retries included; 0 if none was needed or allowed."""
     seconds: float = 0.0
     """Time until the answer, including waiting and retries."""
+    time: str = ""
+    """When the question was asked, in UTC, e.g. `2026-01-31T12:00:00+00:00`."""
 
 
 class LoggedLLM(Wrapper):
@@ -61,7 +64,7 @@ class LoggedLLM(Wrapper):
 
     def complete(self, request: Request) -> Completion:
         """Pass the request on and report the call."""
-        started = time.perf_counter()
+        asked, started = datetime.now(UTC), time.perf_counter()
         completion: Completion | None = None
         failure: BaseException | None = None
         try:
@@ -71,6 +74,7 @@ class LoggedLLM(Wrapper):
             raise
         finally:
             call = self._account(request, completion, failure, time.perf_counter() - started)
+            call = call.model_copy(update={"time": asked.isoformat(timespec="seconds")})
             with self._lock:
                 self._log(call)
         return completion

@@ -1,6 +1,7 @@
 import errno
 import json
 import os
+import re
 import shutil
 import signal
 import sys
@@ -122,6 +123,56 @@ def test_a_model_is_dropped_without_asking_anybody_and_others_can_be_judged_at_o
     assert Study.open(study).config.vlms == ("random",)
     assert invoke("evaluate", study, "--drop", "bad").exit_code == 2
     assert invoke("evaluate", study).exit_code == 2
+
+
+OWN = """
+import json
+from oodscen.protocols import Completion
+
+
+class Own:
+    name = "own"
+
+    def complete(self, request):
+        answer = {{"is_ood": True, "confidence": 0.6, "aspect": "a box", "choice": 1, "action": "{}"}}
+        fields = request.schema["properties"]
+        return Completion(text=json.dumps({{key: answer[key] for key in answer if key in fields}}))
+"""
+
+
+def test_a_class_is_judged_anew_when_asked_to_and_missed_where_it_is_not(
+    study, tmp_path, monkeypatch
+) -> None:
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "own_class.py").write_text(OWN.format("stop"))
+    monkeypatch.syspath_prepend(tmp_path / "here")
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    order = ("evaluate", study, "--vlm", "own_class:Own")
+
+    def actions(*more):
+        sys.modules.pop("own_class", None)
+        found = invoke(*order, *more)
+        rows = [one for one in Study.open(study).verdicts if one.model == "own"]
+        return found, {row.action for row in rows}, len(rows)
+
+    first, chosen, count = actions()
+    assert (chosen, "are kept" in first.output) == ({"stop"}, False)
+    (tmp_path / "here" / "own_class.py").write_text(OWN.format("slow_down"))
+    again, chosen, _ = actions()
+    assert chosen == {"stop"}
+    said = re.search(r"own_class:Own: (\d+) verdicts are kept .* asked 20.* UTC, .*add (.*)", again.stderr)
+    assert int(said[1]) == count
+    _, chosen, _ = actions(*said[2].split())
+    assert chosen == {"slow_down"}
+
+    monkeypatch.syspath_prepend("")
+    sys.path.remove(str(tmp_path / "here"))
+    sys.modules.pop("own_class")
+    elsewhere = invoke("evaluate", study, "--vlm", "random")
+    assert elsewhere.exit_code == 2
+    assert "there is no module 'own_class' here" in elsewhere.output
+    assert "--drop own_class:Own" in elsewhere.output
+    assert invoke("evaluate", study, "--drop", "own_class:Own", "--vlm", "random").exit_code == 0
 
 
 def test_a_requirement_is_graded_by_the_exit_code(study) -> None:

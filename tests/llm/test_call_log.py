@@ -1,6 +1,7 @@
 """Every call leaves one line."""
 
 import threading
+from datetime import datetime, timedelta
 
 import pytest
 
@@ -27,7 +28,8 @@ def test_a_call_is_accounted_for():
     assert isinstance(llm, LLM)
     ask(llm, QUESTION, sample=4)
     (call,) = calls
-    assert call.model_dump(exclude={"seconds"}) == {
+    assert datetime.fromisoformat(call.time).utcoffset() == timedelta(0)
+    assert call.model_dump(exclude={"seconds", "time"}) == {
         "stage": "",
         "purpose": "imagine-scenario",
         "prompt_version": ImagineScenario.version(),

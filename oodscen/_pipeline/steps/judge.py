@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context
+from oodscen._pipeline.models import is_asked
 from oodscen._pipeline.steps.scenes import simulate_behind, simulate_whole
 from oodscen.data._base import canonical_json, digest
 from oodscen.data._episode import MOMENTS, Episode, moments
@@ -108,6 +109,7 @@ def evaluate(
         return digest([truth, answerer.sha256]) if isinstance(answerer, PersonAnswers) else truth
 
     earlier = run.fitting("verdicts.jsonl", items, made_from)
+    _count_kept(run, models, items, earlier)
     limits = run.models.limits
 
     def work(todo: Mapping[str, Item]) -> Iterator[Verdict]:
@@ -139,6 +141,18 @@ def evaluate(
     )
     run.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
     return verdicts
+
+
+def _count_kept(
+    run: Context,
+    models: Mapping[str, tuple[LLM, int]],
+    items: Mapping[str, Item],
+    earlier: Mapping[str, Mapping[str, Any]],
+) -> None:
+    """Note in the run's ledger how many verdicts of every model that is asked are kept."""
+    counts = Counter(items[key].model for key, line in earlier.items() if not run.is_again(line))
+    for name in filter(is_asked, run.config.vlms):
+        run.options.ledger.kept[name] = models[name][0].name, counts[name]
 
 
 def _items(
