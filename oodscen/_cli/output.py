@@ -153,9 +153,7 @@ def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
     ]
 
 
-def kept_verdicts(
-    vlms: Iterable[str], ledger: "Ledger", asked_at: Mapping[str, str]
-) -> list[str]:
+def kept_verdicts(vlms: Iterable[str], ledger: "Ledger", asked_at: Mapping[str, str]) -> list[str]:
     """State, one line per model judged again, how many of its verdicts are kept from when, and how to ask again.
 
     Args:

@@ -183,6 +183,7 @@ class Pipeline:
         if self.store.has("study.json"):
             before = self.study.info
             more = {name: before[name] for name in _LASTING if name in before} | more
+        more["camera"] = self.context.simulator.catalogue().camera
         self.store.write("study.json", canonical_json(record(self.config, status, **more)) + "\n")
 
     def _save_stopped(self, why: str) -> None:

@@ -14,6 +14,7 @@ from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.judging._leaderboard.scores import Estimate
+from oodscen.judging._leaderboard.sentences import percent, spread
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler
 from oodscen.statistics._significance import PairedTest, paired
@@ -182,6 +183,30 @@ def remarks(board: DriveBoard) -> list[str]:
                 f"{progress:.0%} as far as keeping the speed would. Standing still is no skill."
             )
     return sentences
+
+
+def sentences(board: DriveBoard) -> list[str]:
+    """Return a sentence per driver, best first: the main figure, and needless braking in the twins."""
+    found = []
+    for driver in board.drivers:
+        scenes, twins = board.of(driver), board.of(driver, "twins")
+        if scenes is None or twins is None or scenes.paired is None:
+            continue
+        sound, test = scenes.paired.drives_and_passes, scenes.paired.against_rule_based
+        needless = twins.shares["needless"]
+        if sound.value is None:
+            found.append(f"{driver} has driven no scene and its twin to the end.")
+            continue
+        lead = ""
+        if test:
+            word = "more" if test.difference >= 0 else "fewer"
+            lead = f" ({abs(100 * test.difference):.0f} points {word} than {RULE_BASED})"
+        found.append(
+            f"{driver} drives and passes {percent(sound.value)}{spread(sound)} of {sound.n} scenes with their "
+            f"ordinary twins{lead}, and brakes hard without need in {percent(needless.value)}{spread(needless)} of "
+            "the twins."
+        )
+    return found
 
 
 def _rank(row: DriveRow) -> float:

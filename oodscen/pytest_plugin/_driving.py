@@ -128,7 +128,9 @@ class Driven:
         ttc = "none" if one.min_ttc_s is None else f"{one.min_ttc_s:.1f} s"
         hard = ""
         if self.is_needless:
-            hard = f", braking hard after {self.shown.time:.2f} s although keeping the speed is safe"
+            hard = (
+                f", braking hard after {self.shown.time:.2f} s although keeping the speed is safe"
+            )
         return f"is safe{hard}; least time to collision {ttc}"
 
     def __repr__(self) -> str:

@@ -16,7 +16,7 @@ from oodscen.judging._leaderboard.leaderboard import (
 )
 from oodscen.judging._leaderboard.requirements import ALPHA, Bar, requirements
 from oodscen.judging._leaderboard.scores import PRIVILEGED
-from oodscen.judging._leaderboard.sentences import constants, sentences
+from oodscen.judging._leaderboard.sentences import constants
 from oodscen.report._charts import scores as charts
 from oodscen.report._charts.canvas import Canvas
 from oodscen.report._load import Material
@@ -47,18 +47,26 @@ class Confused:
     labels: tuple[str, ...]
     top: tuple[tuple[str, str, int], ...]
 
+    @property
+    def is_wide(self) -> bool:
+        """True if the picture does not fit beside the table."""
+        return len(self.labels) > charts.MOST_BESIDE
 
-def context(found: Material, bars: Sequence[Bar] = ()) -> dict[str, Any]:
-    """Return the template's variables about models; `bars` are a requirement to grade them by."""
-    board = leaderboard(
+
+def board(found: Material) -> Leaderboard:
+    """Return the leaderboard of a study."""
+    return leaderboard(
         found.verdicts, found.episodes, found.scenarios, whole=found.whole, audit=found.audit
     )
+
+
+def context(found: Material, board: Leaderboard, bars: Sequence[Bar] = ()) -> dict[str, Any]:
+    """Return the template's variables about models; `bars` are a requirement to grade them by."""
     shown = _series(board)
     level = _level(board)
     rows = [*board.standings, *([board.shortcut] if board.shortcut else [])]
     return {
         "board": board,
-        "sentences": sentences(board),
         "constants": constants(board),
         "judge_agreement": agreement_in_words(found.info),
         "bars": ", ".join(map(str, bars)),

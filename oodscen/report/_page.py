@@ -20,6 +20,7 @@ from oodscen.report._charts import rounds as charts
 from oodscen.report._charts.canvas import Canvas
 from oodscen.report._charts.outline import outline
 from oodscen.report._load import Material, dig, mapping, number
+from oodscen.report._opening import opening
 from oodscen.study._study import Study
 
 _SHOWN_FAILURES = 200
@@ -72,6 +73,7 @@ def context(study: Study, found: Material, bars: Sequence[Bar] = ()) -> dict[str
         episode for episode in found.episodes if episode.status == "ok" and not episode.is_ordinary
     ]
     scenes = gallery.payload(found, study.folder)
+    board = models.board(found)
     return {
         "title": "Out-of-distribution driving scenarios",
         "status": str(found.info.get("status") or "unknown"),
@@ -81,6 +83,7 @@ def context(study: Study, found: Material, bars: Sequence[Bar] = ()) -> dict[str
         "is_builtin": is_builtin,
         "seconds": _seconds(found.info),
         "gaps": found.gaps,
+        "opening": opening(found, board),
         "counts": _counts(found, [gallery.choice(episode) for episode in episodes]),
         "followed": _followed(episodes),
         "action_words": {option.id: option.description for option in OPTIONS},
@@ -93,7 +96,7 @@ def context(study: Study, found: Material, bars: Sequence[Bar] = ()) -> dict[str
         **_scenes(scenes),
         **_failures(found, {f"scene-{row['id']}" for row in scenes["scenes"]}),
         **measures.context(found),
-        **models.context(found, bars),
+        **models.context(found, board, bars),
     }
 
 

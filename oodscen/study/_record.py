@@ -36,6 +36,8 @@ class Info(Data):
     usage: tuple[dict[str, Any], ...] = ()
     seconds: dict[str, float] = {}
     stopped: str = ""
+    camera: Literal["dash", "top"] = "dash"
+    """`top` if the simulator draws views from above only, about which no model is asked."""
 
 
 def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:

@@ -160,7 +160,9 @@ def test_a_class_is_judged_anew_when_asked_to_and_missed_where_it_is_not(
     (tmp_path / "here" / "own_class.py").write_text(OWN.format("slow_down"))
     again, chosen, _ = actions()
     assert chosen == {"stop"}
-    said = re.search(r"own_class:Own: (\d+) verdicts are kept .* asked 20.* UTC, .*add (.*)", again.stderr)
+    said = re.search(
+        r"own_class:Own: (\d+) verdicts are kept .* asked 20.* UTC, .*add (.*)", again.stderr
+    )
     assert int(said[1]) == count
     _, chosen, _ = actions(*said[2].split())
     assert chosen == {"slow_down"}

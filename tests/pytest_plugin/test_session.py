@@ -172,7 +172,11 @@ def test_needless_braking_in_a_twin_fails_with_pictures_of_where_it_begins(sessi
     result = session("Startled", "-k", "test_twin and box-001", "--oodscen-pictures=shown")
     with make_simulator("flat") as simulator:
         plan = DrivePlan(example_scene(), simulator, 0)
-        keep, brake, camera = action_driver("keep_speed"), action_driver("emergency_brake"), Camera()
+        keep, brake, camera = (
+            action_driver("keep_speed"),
+            action_driver("emergency_brake"),
+            Camera(),
+        )
         state = simulator.reset(plan.twin, 0)
         while not (braking := state.time > 2.0):
             state = simulator.step(keep.act(simulator.observe()))

@@ -9,6 +9,7 @@ import pytest
 from lxml import html
 
 from oodscen import Study, write_report
+from oodscen.data._drive_result import DriveResult
 from oodscen.errors import StudyError
 from oodscen.study._files import TABLES
 
@@ -156,6 +157,63 @@ def test_without_a_model_it_says_what_one_must_beat(study: Study) -> None:
     models = section(page(study), "top")
     assert "No vision-language model was judged" in models
     assert "One must beat: always choosing “stop”, whatever is seen," in models
+
+
+def without_model(study: Study) -> None:
+    edit(
+        study,
+        "verdicts.jsonl",
+        lambda text: "".join(line + "\n" for line in text.splitlines() if "gpt-4o" not in line),
+    )
+
+
+def driven(study: Study) -> None:
+    drives = [
+        DriveResult(
+            id=f"{scene.id}{end}@mine",
+            scene_id=f"{scene.id}{end}",
+            driver="mine",
+            is_twin=bool(end),
+            passed=True,
+            progress=1.0,
+            brakes_needlessly=True if end else None,
+            made_from=scene.digest(),
+        )
+        for scene in study.scenes
+        for end in ("", "~twin")
+    ]
+    study.store.write_lines("drives.jsonl", drives)
+
+
+def test_a_study_of_driving_stacks_opens_with_them(study: Study) -> None:
+    driven(study)
+    assert "mine drives and passes" not in section(page(study), "top")
+    without_model(study)
+    document = page(study)
+    lead = " ".join(document.xpath("string(//div[@class='lead'])").split())
+    assert re.match(r"mine drives and passes 100.% .* without need in 100.% .* of the twins", lead)
+    assert "vision-language" not in section(document, "top")
+    models = section(document, "models")
+    assert models.index("Driving stacks") < models.index("No vision-language model was judged")
+
+
+def test_a_study_with_views_from_above_speaks_of_driving_stacks(study: Study) -> None:
+    without_model(study)
+    edit(study, "study.json", lambda text: text.replace("{", '{"camera": "top",', 1))
+    document = page(study)
+    assert "These scenes are for driving stacks: flat draws" in section(document, "top")
+    assert "To judge a model" not in section(document, "models")
+
+
+def test_a_banner_tells_failed_items_from_missing_answers(study: Study) -> None:
+    banner = "string(//p[@class='banner'])"
+    assert "some items failed" in page(study).xpath(banner)
+    for name in ("redteam", "pruned", "scenarios", "scenes", "episodes"):
+        rows = [row for row in study.store.lines(f"{name}.jsonl") if row.get("status") != "failed"]
+        study.store.write_lines(f"{name}.jsonl", rows)
+    document = page(study)
+    assert "nothing failed" in section(document, "top")
+    assert "without a usable answer" in document.xpath(banner)
 
 
 def scenes_of(document: Any) -> list[dict[str, Any]]:

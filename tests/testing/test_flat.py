@@ -148,3 +148,12 @@ def test_models_are_not_asked_about_a_drivers_view_that_is_none(tmp_path) -> Non
     config = StudyConfig.quick(simulator=f"{__name__}:FromAbove", encoder="hash", vlms=("gpt-4o",))
     with pytest.raises(UsageError, match="views from above only"):
         run_study(tmp_path / "out", config)
+
+
+def test_a_study_from_above_says_so_in_its_report(tmp_path) -> None:
+    config = StudyConfig.quick(
+        simulator=f"{__name__}:FromAbove", encoder="hash", iterations=2, max_paths=1
+    )
+    study = run_study(tmp_path / "out", config)
+    assert study.info["camera"] == "top"
+    assert "These scenes are for driving stacks" in (study.folder / "report.html").read_text()

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from oodscen.judging._leaderboard.scores import Estimate, LeaderboardRow, PairedScores, Rate
 
 if TYPE_CHECKING:
+    from oodscen.judging._drive_board import DriveRate
     from oodscen.judging._leaderboard.board import Leaderboard
 
 _GAP = "\N{NO-BREAK SPACE}"
@@ -50,7 +51,7 @@ def percent(value: float | None) -> str:
     return "–" if value is None else f"{100 * value:.0f}{_GAP}%"
 
 
-def spread(value: Rate | Estimate) -> str:
+def spread(value: "Rate | Estimate | DriveRate") -> str:
     """Return the interval of a share as text."""
     if value.interval is None:
         return ""

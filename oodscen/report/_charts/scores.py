@@ -8,6 +8,10 @@ from oodscen.report._charts.canvas import Canvas, short
 
 _RIGHT = 384.0
 _BAR, _GAP = 11.0, 3.0
+_LEAST_SQUARE = 15.0
+"""Side of a square in which a number of two digits fits."""
+MOST_BESIDE = 18
+"""With more kinds than this a picture of confusions keeps its size, and does not fit beside a table."""
 
 
 class Bar(NamedTuple):
@@ -84,15 +88,18 @@ def confusion(labels: Sequence[str], counts: Mapping[tuple[int, int], int], noth
         counts: Counts by row and column.
         nothing: Column of "nothing unusual".
     """
-    size = min(24.0, 300.0 / (nothing + 1))
+    is_wide = len(labels) > MOST_BESIDE
+    size = _LEAST_SQUARE if is_wide else min(24.0, 300.0 / (nothing + 1))
     left, top = 190.0, 22.0
     most = max(counts.values(), default=1)
     drawn = Canvas(
         "Which type of scenario was taken for which; the table below lists the most frequent",
         top + size * len(labels) + 6,
         width=left + size * (nothing + 1) + 4,
-        kind="chart confusion",
+        kind="chart confusion" + (" wide" if is_wide else ""),
     )
+    if is_wide:
+        drawn.fix_size()
     for index, label in enumerate(labels):
         middle = top + size * (index + 0.5) + 3.5
         drawn.text("small end", left - 6, middle, f"{short(label, 27)} {index + 1}", label)

@@ -1,9 +1,19 @@
+from itertools import pairwise
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
-from oodscen.report._charts.scores import Bar, Row, bars, confusion, shares, whisker
+from oodscen.report._charts.scores import (
+    MOST_BESIDE,
+    Bar,
+    Row,
+    bars,
+    confusion,
+    shares,
+    whisker,
+)
 
 NAMES = st.text(st.characters(blacklist_categories=("Cs", "Cc")), max_size=70)
 
@@ -35,6 +45,17 @@ def test_confusion_marks_the_diagonal() -> None:
         "fog & dust: 1 taken for nothing unusual",
         "dog: 2 taken for fog & dust",
     ]
+
+
+@given(st.integers(1, 90))
+def test_the_numbers_of_the_columns_of_a_confusion_do_not_overlap(kinds: int) -> None:
+    root = etree.fromstring(confusion([str(n) for n in range(kinds)], {}, kinds).__html__())
+    heads = [one for one in root.iter("text") if one.get("class") == "small middle"]
+    places = [float(one.get("x")) for one in heads]
+    widest = 5.8 * len(str(kinds))  # 9 px digits
+    assert all(after - before > widest for before, after in pairwise(places))
+    assert len(heads) == kinds + 1
+    assert (root.get("width") is not None) is (kinds > MOST_BESIDE)
 
 
 def test_whisker_and_shares_are_well_formed() -> None:
