@@ -244,3 +244,7 @@ for _command in (
     components.new,
 ):
     main.add_command(_command)
+
+if sys.flags.optimize > 1:
+    for _command in (main, *main.commands.values()):
+        _command.epilog = "python -OO drops the descriptions of the commands; those of the options stay."

@@ -2,9 +2,10 @@
 
 import os
 import sys
+import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -328,17 +329,57 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
     return rows
 
 
-def bars(note: object = "") -> AbstractContextManager[Progress]:
-    """Show one progress bar per stage on standard error, if that is a terminal.
+@contextmanager
+def bars(note: object = "") -> Iterator[Progress]:
+    """Show progress on standard error: a bar per stage in a terminal, elsewhere a line when a stage has ended.
 
     Args:
         note: Shown after a bar as text.
     """
-    return reporting(sys.stderr.isatty(), note)
+    if sys.stderr.isatty():
+        with reporting(True, note) as progress:
+            yield progress
+        return
+    lines = _StageLines()
+    try:
+        yield lines
+    finally:
+        lines.end()
+
+
+class _StageLines:
+    """Prints a line per stage of a long work, with its items and seconds, for a log."""
+
+    def __init__(self) -> None:
+        self._since = time.monotonic()
+        """The end of the stage before."""
+        self._counts: dict[str, tuple[int, int]] = {}
+        """Items done and in all, by stage."""
+        self._told: set[tuple[str, int]] = set()
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        """Note the items done; print the line when they are all."""
+        self._counts[stage] = done, total
+        if done >= total:
+            self._print(stage)
+
+    def end(self) -> None:
+        """Print the lines of the stages that ended early."""
+        for stage in [*self._counts]:
+            self._print(stage)
+
+    def _print(self, stage: str) -> None:
+        done, total = self._counts.pop(stage)
+        if not done or (stage, done) in self._told:
+            return
+        self._told.add((stage, done))
+        before, self._since = self._since, time.monotonic()
+        count = f"{done}" if done >= total else f"{done} of {total}"
+        say(f"{stage}: {count} in {self._since - before:.1f} s", err=True)
 
 
 def tracked(items: Iterable[Item], stage: str, total: int, note: object = "") -> Iterator[Item]:
-    """Yield items, counted by a progress bar on standard error, if that is a terminal.
+    """Yield items, counted by `bars`.
 
     Args:
         items: The items.

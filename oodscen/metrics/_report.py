@@ -86,10 +86,15 @@ class MetricsReport(Data):
     band: Band | None = None
     """The filter that the texts passed, if one was requested; `n` counts the texts inside."""
 
+    @property
+    def _compared(self) -> str:
+        noun = "text" if self.n == 1 else "texts"
+        return f"{self.n:,} {noun} against {self.N:,} of {self.baseline} by {self.encoder}"
+
     def __str__(self) -> str:
         oodness, diversity = self.oodness, self.diversity
         lines = [
-            f"{self.n} texts against {self.N} of {self.baseline} by {self.encoder}",
+            self._compared,
             *([str(self.rarity)] if self.rarity else []),
             f"OOD-ness ({oodness.definition})  {_figure(oodness.mean, oodness.interval)}",
             f"diversity, nearest     {_figure(diversity.nearest, diversity.nearest_interval)}",
@@ -106,15 +111,16 @@ class MetricsReport(Data):
                 f"{self.control.auroc.value:.2f}{_range(self.control.auroc.interval)}"
             )
         if self.off_topic is not None and self.off_topic.flagged:
+            count = len(self.off_topic.flagged)
             lines.append(
-                f"{len(self.off_topic.flagged)} texts do not look like driving a car "
+                f"{count} {'text does' if count == 1 else 'texts do'} not look like driving a car "
                 f"(places {', '.join(map(str, self.off_topic.flagged[:10]))})"
             )
         if self.band is not None:
             lines.insert(
                 1,
-                f"in the band [{self.band.low}, {self.band.high}]: {self.band.below} texts are below, "
-                f"{self.band.above} above",
+                f"in the band [{self.band.low}, {self.band.high}]; texts below it: {self.band.below}, above: "
+                f"{self.band.above}",
             )
         return "\n".join(lines)
 
@@ -147,7 +153,7 @@ class MetricsReport(Data):
                 for name, value, interval in rows
             ),
             head=("", "value", "interval"),
-            caption=f"{self.n:,} texts against {self.N:,} of {self.baseline} by {self.encoder}",
+            caption=self._compared,
         )
 
     def keys(self) -> Iterator[str]:

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 from oodscen._files import write_named, writing
 from oodscen.data._base import Data
-from oodscen.errors import DataError, Issue, StudyError
+from oodscen.errors import StudyError, UsageError
 
 Outcome = Literal["passed", "failed"]
 Change = Literal["same", "regression", "known", "improved", "new"]
@@ -34,11 +34,13 @@ class Baseline(Data):
         """Read a baseline.
 
         Raises:
-            DataError: If there is none, or if it is malformed.
+            UsageError: If there is none.
+            DataError: If it is malformed.
         """
         if not path.exists():
-            issue = Issue("", "does not exist; write it with --oodscen-baseline-mode write")
-            raise DataError(cls.noun, [issue], source=str(path))
+            raise UsageError(
+                f"the baseline {path} does not exist yet; write it with --oodscen-baseline-mode write"
+            )
         return cls.load(path)
 
     def change(self, test: str, outcome: Outcome, scene: str) -> Change:

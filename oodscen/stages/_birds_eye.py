@@ -35,18 +35,13 @@ _GROUND: dict[str, Colour] = {
 }
 _MARK: Colour = (236, 236, 230)
 _OUTLINE: Colour = (24, 24, 26)
-_EGO: Colour = (214, 52, 44)
-_HAZARD: Colour = (255, 176, 0)
-_BODIES: dict[str, Colour] = {
-    "vehicle": (86, 150, 226),
-    "cyclist": (60, 196, 196),
-    "pedestrian": (240, 128, 176),
-    "animal": (178, 128, 72),
-    "object": (206, 186, 146),
-    "work_zone": (240, 132, 40),
-    "vegetation": (52, 112, 52),
-    "signal": (200, 200, 204),
-}
+_EGO: Colour = (130, 183, 240)
+_HAZARD: Colour = (232, 176, 74)
+_HIT: Colour = (240, 110, 84)
+_OTHER: Colour = (186, 191, 197)
+"""Colours of bodies: those of the report's views from above in its dark theme."""
+_CAPTION = 30
+"""Height of the band under the caption, pixels."""
 
 
 class _Map:
@@ -77,7 +72,7 @@ def birds_eye(
 ) -> "Picture":
     """Draw the road and all actors from above, with the ego heading upwards.
 
-    The ego is red; the actors that make the scene OOD have an amber outline.
+    As in the report, the ego is blue, the actors that make the scene OOD are amber, and what the ego touches is red.
 
     Args:
         state: State of the world.
@@ -106,23 +101,21 @@ def birds_eye(
     for outline in corridor.crosswalks:
         points = ground.pixels(outline.points[:, 0], outline.points[:, 1])
         cv2.fillPoly(picture, [points], _MARK, cv2.LINE_AA, 4)
-    categories = {asset.id: asset.category for asset in catalogue.for_scene(scene).assets}
     rows = sorted(range(1, len(cast)), key=lambda row: -cast[row].solid.length)
     for row in [*rows, 0]:
         body = cast[row]
-        colour = _EGO if row == 0 else _BODIES[categories[body.asset]]
-        edge = _HAZARD if body.id in scene.hazard.actors else _OUTLINE
-        _body(cv2, picture, ground, body, colour, edge)
+        is_rare = body.id in scene.hazard.actors
+        colour = _EGO if row == 0 else _HAZARD if is_rare else _OTHER
+        colour = _HIT if body.id in state.contacts else colour
+        _body(cv2, picture, ground, body, colour, colour if is_rare else _OUTLINE)
     where = f"{state.time:5.2f} s   {3.6 * float(state.speeds[0]):3.0f} km/h"
     if state.contacts:
         where += f"   touches {', '.join(state.contacts)}"
     elif state.off_road:
         where += "   off the road"
-    for colour, thickness in ((_OUTLINE, 3), ((255, 255, 255), 1)):
-        cv2.putText(
-            picture, where, (10, size - 12), cv2.FONT_HERSHEY_SIMPLEX, 0.5, colour, thickness,
-            cv2.LINE_AA,
-        )  # fmt: skip
+    picture[-_CAPTION:] = _OUTLINE
+    place, font = (10, size - 10), cv2.FONT_HERSHEY_SIMPLEX
+    cv2.putText(picture, where, place, font, 0.5, (255, 255, 255), 1, cv2.LINE_AA)
     return picture.view(Picture)
 
 
@@ -174,7 +167,7 @@ def _runs(holds: NDArray[np.bool_]) -> Sequence[slice]:
 
 
 def _body(
-    cv2: Any, picture: Image, ground: _Map, body: PlacedBody, colour: Colour, outline: Colour
+    cv2: Any, picture: Image, ground: _Map, body: PlacedBody, colour: Colour, edge: Colour
 ) -> None:
     """Draw a footprint with an arrow-head at its front; small bodies are enlarged."""
     one = body.solid
@@ -190,14 +183,14 @@ def _body(
     corners = [(1, 1), (1, -1), (-1, -1), (-1, 1)]
     box = points([(a * half_length, b * half_width) for a, b in corners])
     cv2.fillPoly(picture, [box], colour, cv2.LINE_AA, 4)
-    cv2.polylines(picture, [box], True, outline, 2 if outline == _HAZARD else 1, cv2.LINE_AA, 4)
+    cv2.polylines(picture, [box], True, edge, 1 if edge == _OUTLINE else 2, cv2.LINE_AA, 4)
     if one.length >= least:
         tip = [
             (half_length, 0.0),
             (0.4 * half_length, half_width),
             (0.4 * half_length, -half_width),
         ]
-        cv2.fillPoly(picture, [points(tip)], outline, cv2.LINE_AA, 4)
+        cv2.fillPoly(picture, [points(tip)], _OUTLINE, cv2.LINE_AA, 4)
 
 
 def opencv() -> Any:

@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 from click.testing import CliRunner
 
 from oodscen._cli import main
@@ -22,3 +25,11 @@ def test_help_is_grouped():
 def test_names_in_no_section_come_last():
     found = sections_of({"A": ("x", "gone"), "B": ("none",)}, ["y", "x"], "Rest")
     assert found == {"A": ("x",), "Rest": ("y",)}
+
+
+def test_without_docstrings_help_says_what_it_lacks():
+    for words in (["--help"], ["show", "--help"]):
+        order = [sys.executable, "-B", "-OO", "-m", "oodscen", *words]
+        found = subprocess.run(order, capture_output=True, text=True, check=True)
+        assert "python -OO drops the descriptions" in found.stdout
+    assert "-OO" not in CliRunner().invoke(main, ["--help"]).output

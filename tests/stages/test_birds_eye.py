@@ -1,5 +1,7 @@
 """Laws of bird's-eye views."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from oodscen.stages._birds_eye import birds_eye
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
-RED = (214, 52, 44)
+BLUE, AMBER, RED = (130, 183, 240), (232, 176, 74), (240, 110, 84)
 
 
 @pytest.fixture
@@ -30,19 +32,28 @@ def test_the_ego_is_on_a_grey_road_on_every_map(flat, road):
     )
     picture = birds_eye(flat.reset(scene, 0), scene, flat.catalogue(), size=320)
     assert picture.shape == (320, 320, 3)
-    red = np.argwhere((picture == RED).all(axis=2))
-    assert 20 < len(red) < 400
-    row, column = red.mean(axis=0)
+    ego = np.argwhere((picture == BLUE).all(axis=2))
+    assert 20 < len(ego) < 400
+    row, column = ego.mean(axis=0)
     assert abs(column - 160) < 5
     beside = picture[int(row), int(column) + 9].astype(int)
     assert np.ptp(beside) < 12
 
 
-def test_the_hazard_has_an_amber_outline(flat):
+def count(picture, colour):
+    return int((picture == colour).all(axis=2).sum())
+
+
+def test_the_hazard_is_amber_and_red_once_it_is_hit(flat):
     scene = example_scene()
-    picture = birds_eye(flat.reset(scene, 0), scene, flat.catalogue(), span_m=150)
-    amber = (picture[..., 0] > 230) & (picture[..., 2] < 40)
-    assert amber.sum() >= 4
+    state = flat.reset(scene, 0)
+    picture = birds_eye(state, scene, flat.catalogue(), span_m=150)
+    assert count(picture, AMBER) >= 4
+    assert count(picture, RED) == 0
+    hit = dataclasses.replace(state, gaps=np.array([np.inf, 0.0]))
+    picture = birds_eye(hit, scene, flat.catalogue(), span_m=150)
+    assert count(picture, AMBER) == 0
+    assert count(picture, RED) >= 4
     twin = scene.twin(1.0)
     picture = birds_eye(flat.reset(twin, 0), twin, flat.catalogue(), span_m=150)
-    assert not ((picture[..., 0] > 230) & (picture[..., 2] < 40)).any()
+    assert count(picture, AMBER) == 0
