@@ -247,4 +247,6 @@ for _command in (
 
 if sys.flags.optimize > 1:
     for _command in (main, *main.commands.values()):
-        _command.epilog = "python -OO drops the descriptions of the commands; those of the options stay."
+        _command.epilog = (
+            "python -OO drops the descriptions of the commands; those of the options stay."
+        )

@@ -51,7 +51,7 @@ def test_an_update_replaces_the_tests_that_ran(baseline, found) -> None:
 )
 def test_a_broken_baseline_is_named(text, tmp_path) -> None:
     path = tmp_path / "baseline.json"
-    with pytest.raises(UsageError, match="does not exist yet; .*baseline-mode write") as missing:
+    with pytest.raises(UsageError, match=r"does not exist yet; .*baseline-mode write") as missing:
         Baseline.at(path)
     assert not isinstance(missing.value, DataError)
     path.write_text(text)
