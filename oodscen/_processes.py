@@ -74,21 +74,20 @@ class Processes(ThreadPoolExecutor):
 
     Args:
         count: Maximum number of processes; one is started whenever a call finds none idle.
-        limit_s: Seconds after which a call that still runs is killed with its process; by default calls take as
-            long as they need.
 
     Raises:
         UsageError: Inside a worker process, if a module that it imports creates a pool.
     """
 
-    def __init__(self, count: int, *, limit_s: float | None = None) -> None:
+    def __init__(self, count: int) -> None:
         if _is_worker:
             raise UsageError(
                 "a module that a worker process imports starts work with processes; put that work "
                 "under: if __name__ == '__main__':"
             )
         super().__init__(count)
-        self._limit_s = limit_s
+        self.limit_s: float | None = None
+        """Seconds after which a call that still runs is killed with its process; `None` for no limit."""
         self._all: list[_Process] = []
         self._idle: list[_Process] = []
         self._starting = threading.Lock()
@@ -114,7 +113,7 @@ class Processes(ThreadPoolExecutor):
             process = self._idle.pop()
         except IndexError:
             process = self._start()
-        is_result, answer = process.call(data, self._limit_s)
+        is_result, answer = process.call(data, self.limit_s)
         self._idle.append(process)
         if not is_result:
             raise answer

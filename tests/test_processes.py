@@ -141,10 +141,12 @@ def is_gone(pid):
 
 
 def test_a_call_that_takes_too_long_is_ended():
-    with Processes(1, limit_s=0.5) as pool:
+    with Processes(1) as pool:
+        pool.limit_s = 0.5
         endless = pool.submit(exec, "import signal; signal.pause()")
         with pytest.raises(BrokenExecutor, match=r"longer than 0\.5 s"):
             endless.result()
+        pool.limit_s = None
         assert pool.submit(operator.add, 1, 2).result() == 3
 
 

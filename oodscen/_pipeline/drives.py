@@ -66,12 +66,13 @@ def drive_all(
         yield from _drive_here(job, turns)
         return
     check_workers(job.simulator, workers, None)
-    with Processes(workers, limit_s=time_limit_s) as pool:
+    with Processes(workers) as pool:
         try:
             pool.submit(_prepare, job).result()
         except BrokenExecutor as error:
             named = ", ".join(map(repr, job.drivers))
             raise UsageError(f"the driver {named} cannot be made: {error}") from None
+        pool.limit_s = time_limit_s
         futures = {pool.submit(_drive_one, job, *turn): turn for turn in turns}
         for future in as_completed(futures):
             try:

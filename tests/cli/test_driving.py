@@ -113,21 +113,17 @@ def test_a_stack_that_ends_its_process_when_it_is_made_is_refused(
     assert not (tmp_path / "out" / "drives.jsonl").exists()
 
 
-def test_a_stack_that_takes_too_long_fails_and_the_others_go_on(
-    small, tmp_path, monkeypatch
-) -> None:
+def test_a_stack_that_takes_too_long_fails(small, tmp_path, monkeypatch) -> None:
     shutil.copytree(small, tmp_path / "out")
     (tmp_path / "stack_hanging.py").write_text(
         "import signal\nclass Hanging:\n    act = lambda *_: signal.pause()\n"
     )
     monkeypatch.chdir(tmp_path)
-    command = ["drive", "out", "--driver", "stack_hanging:Hanging", "--time-limit", "3"]
-    found = CliRunner().invoke(main, [*command, "--driver", "rule-based"])
+    command = ["drive", "out", "--driver", "stack_hanging:Hanging", "--time-limit", "1"]
+    found = CliRunner().invoke(main, command)
     assert found.exit_code == 1
     lines = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
-    drives = {row["driver"]: row for row in map(json.loads, lines)}
-    assert drives["rule-based"]["status"] == "ok"
-    assert drives["stack_hanging:Hanging"]["error"] == "it took longer than 3 s"
+    assert {json.loads(line)["error"] for line in lines} == {"it took longer than 1 s"}
     refused = CliRunner().invoke(main, [*command, "--workers", "0"])
     assert refused.exit_code == 2
     assert "--workers" in refused.output
