@@ -5,11 +5,11 @@ nor the baseline.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, model_validator
 
 from oodscen import _paper as paper
 from oodscen._seeding import stream
@@ -128,6 +128,16 @@ class Measurements(Data):
     """Rarity of the simulatable texts by the study's `rarity_llm`, with tokens and cost; `None` without one."""
     made_from: str = ""
     """Digest of the texts, and of the diverse tree's labels."""
+
+    @model_validator(mode="after")
+    def _draws_every_set(self) -> Self:
+        for place, drawn, needed in (
+            ("pictures.detector.sets", self.pictures.detector.sets, {*self.sets}),
+            ("pictures.map.points", self.pictures.map.points, {*self.sets, "baseline"}),
+        ):
+            if lost := sorted(needed - {*drawn}):
+                raise ValueError(f"{place} lacks {lost[0]!r}")
+        return self
 
 
 def measurements(

@@ -2,6 +2,7 @@ import pytest
 
 from oodscen import Metrics
 from oodscen.data._scenario import Scenario
+from oodscen.errors import DataError
 from oodscen.metrics._detection.detectors import DETECTORS
 from oodscen.metrics._measurements import BEST, Measurements, measurements, picture_data
 from oodscen.testing._encoder import HashEncoder
@@ -31,6 +32,18 @@ def test_measurements_are_read_back_and_leave_out_empty_sets():
     assert set(found.sets) == set(found.pictures.detector.sets) == {"10"}
     assert found.sets["10"].groups["x"].n == 2
     assert Measurements.parse(found.to_json()) == found
+
+
+@pytest.mark.parametrize(
+    ("picture", "part", "name"),
+    [("map", "points", "baseline"), ("map", "points", "10"), ("detector", "sets", "10")],
+)
+def test_measurements_without_what_a_picture_draws_are_malformed(picture, part, name):
+    texts = [Scenario(id=f"s-{i}", text=text, leaf="x") for i, text in enumerate(SETS["10"])]
+    found = measurements(Metrics(HashEncoder(), ORDINARY), {"10": texts}).model_dump(mode="json")
+    del found["pictures"][picture][part][name]
+    with pytest.raises(DataError, match=f"{part} lacks '{name}'"):
+        Measurements.parse(found)
 
 
 def test_the_same_seed_gives_the_same_pictures():
