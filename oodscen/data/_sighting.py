@@ -9,6 +9,8 @@ LEAST_SIZE_PX = 24.0
 """Least size of a hazard at the decision, pixels of a picture with 480 rows."""
 LEAST_CONTRAST = 0.04
 """Least contrast of a hazard against its surroundings."""
+LEAST_SIGNAL = 1.2
+"""Least product of a hazard's contrast and the root of its visible pixels: the smaller, the more contrast it needs."""
 LEAST_BRIGHTNESS = 0.08
 """Least brightness of a hazard at night."""
 TO_NAME = "to name the hazard: "
@@ -42,8 +44,10 @@ class Sighting(Data):
     height_px: float
     """Height of its visible pixels, scaled to a picture with 480 rows."""
     size_px: float
-    """The measure of its size: its height, or for what is low and wide the side of a square of its area, but no
-    more than twice the height; see `apparent_size`."""
+    """The measure of its size: its height less the share that is hidden, or for what is low and wide the side of a
+    square of its area, but no more than twice the height; see `apparent_size`."""
+    area_px: float | None = None
+    """Number of its visible pixels, scaled to a picture with 480 rows; `None` without segmentation."""
     hidden: float = 0.0
     """Share of it behind other things, 0 to 1."""
     contrast: float | None = None
@@ -60,7 +64,14 @@ class Sighting(Data):
         found = {
             "small": self.size_px < LEAST_SIZE_PX,
             "hidden": self.hidden > MOST_HIDDEN,
-            "faint": self.contrast is not None and self.contrast < LEAST_CONTRAST,
+            "faint": self._is_faint,
             "dark": self.brightness is not None and self.brightness < LEAST_BRIGHTNESS,
         }
         return tuple(name for name, holds in found.items() if holds)
+
+    @property
+    def _is_faint(self) -> bool:
+        if self.contrast is None:
+            return False
+        signal = math.inf if self.area_px is None else self.contrast * math.sqrt(self.area_px)
+        return self.contrast < LEAST_CONTRAST or signal < LEAST_SIGNAL

@@ -50,7 +50,9 @@ def _measured(
 ) -> Sighting:
     """Measure actors of one asset, given by their rows in the state."""
     heights = {row: _extent(frame.ids == row + 1) for row in rows}
-    row = max(rows, key=lambda one: heights[one])
+    # Bollards before a refrigerator leave its outline, and nothing that a viewer could name.
+    free = {row: heights[row] * _visible_share(frame, row) for row in rows}
+    row = max(rows, key=lambda one: free[one])
     mask = np.isin(frame.ids, [one + 1 for one in rows])
     scale = SCALE_PX / frame.ids.shape[0]
     area = float(np.count_nonzero(mask))
@@ -62,11 +64,19 @@ def _measured(
         actor=cast[row].id,
         distance_m=round(eye.distance(cast[row].solid), 1),
         height_px=round(scale * heights[row], 1),
-        size_px=round(scale * apparent_size(heights[row], area), 1),
+        size_px=round(scale * apparent_size(free[row], area), 1),
+        area_px=round(scale * scale * area, 1),
         hidden=round(1.0 - min(1.0, area / whole), 3) if whole else 0.0,
         contrast=look[0],
         brightness=look[1],
     )
+
+
+def _visible_share(frame: Frame, row: int) -> float:
+    """Return the share of a body that nothing hides, by its row in the state."""
+    if frame.unhidden is None or not frame.unhidden[row]:
+        return 1.0
+    return min(1.0, np.count_nonzero(frame.ids == row + 1) / int(frame.unhidden[row]))
 
 
 def _extent(mask: NDArray[np.bool_]) -> int:

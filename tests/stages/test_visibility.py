@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._scene import Hazard, Weather
+from oodscen.data._sighting import apparent_size
 from oodscen.protocols import Camera, Frame
 from oodscen.stages._simulate import approach
 from oodscen.stages._visibility import sighting
@@ -53,7 +54,26 @@ def test_contrast_is_the_difference_from_the_surroundings(view, height, width, i
     assert found.height_px == 4.0 * height
     assert found.contrast == pytest.approx(abs(inside - around) / 255, abs=1e-4)
     assert found.brightness == pytest.approx(inside / 255, abs=1e-4)
-    assert ("faint" in found.faults) == (abs(inside - around) / 255 < 0.04)
+    assert found.area_px == 16.0 * height * width
+    signal = found.contrast * found.area_px**0.5
+    assert ("faint" in found.faults) == (found.contrast < 0.04 or signal < 1.2)
+
+
+@given(st.integers(1, 38))
+def test_what_is_hidden_takes_from_the_size(view, hidden):
+    catalogue, state, _, _ = view
+    ids = np.zeros((120, 160), np.int32)
+    ids[30:70, 50:54] = 2
+    # A post before it hides rows of its middle, and leaves its outline.
+    ids[31 : 31 + hidden, 50:54] = 0
+    rgb = np.zeros((120, 160, 3), np.uint8)
+    unhidden = np.array([0, 160], np.int32)
+    frame = Frame(rgb, np.ones((120, 160), np.float32), ids, unhidden)
+    found = sighting(SCENE, state, frame, catalogue, SMALL)
+    assert found.height_px == 160.0
+    assert found.hidden == pytest.approx(hidden / 40, abs=1e-3)
+    left = 40 - hidden
+    assert found.size_px == pytest.approx(apparent_size(4.0 * left, 64.0 * left), abs=0.1)
 
 
 def test_weather_that_is_the_hazard_may_fade_what_is_in_it(view):

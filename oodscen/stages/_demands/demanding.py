@@ -1,10 +1,13 @@
 """The ordinary demand of a scene: drawn, checked like a scene, and run."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import islice
 from typing import NamedTuple
 
 from pydantic import ValidationError
 
+from oodscen._jpeg import to_jpeg
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import demand_id
@@ -20,14 +23,20 @@ from oodscen.data._scene import (
     Weather,
 )
 from oodscen.driving import check_scene
+from oodscen.driving._base_simulator import render_checked
 from oodscen.errors import Issue, SceneError
+from oodscen.protocols import camera_for
 from oodscen.stages._demands.kinds import Candidate, ranked_candidates
 from oodscen.stages._demands.setting import Draft, Setting
 from oodscen.stages._rerun import Rerunner
-from oodscen.stages._simulate import VISIBLE_PX, Simulated
+from oodscen.stages._simulate import VISIBLE_PX, Simulated, approach
 
 _SEEN = 4.0
 """Multiple of the least visible pixels that a demand must show at the decision."""
+_COMPARED = 6
+"""Candidates at a time whose pictures are compared with that of the rare scene."""
+_FULLER = 4.0
+"""Weight of a difference in a picture that is fuller than the rare scene's: most are, so the others are preferred."""
 
 
 class Demanding(NamedTuple):
@@ -41,9 +50,9 @@ def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> Deman
     """Return the ordinary demand of a scene, and its run.
 
     It has the scene's map, ego and ordinary weather, and is decided at the same time. Kinds are tried in an
-    order drawn by their likeness to the hazard, until one is accepted by the checks of a scene, is seen, leaves
-    an action safe, and is unsafe for a driver who keeps the speed. One in which some or all drivers may keep the
-    speed is the last resort.
+    order drawn by their likeness to the hazard, of every few the one first whose picture holds about as much as the
+    scene's, until one is accepted by the checks of a scene, is seen, leaves an action safe, and is unsafe for a
+    driver who keeps the speed. One in which some or all drivers may keep the speed is the last resort.
 
     Args:
         scene: A scene that was run.
@@ -57,14 +66,9 @@ def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> Deman
     at = Setting.of(scene, catalogue, simulated.trace, simulated.episode.sketch)
     resort: Demanding | None = None
     calm: set[str] = set()
-    for candidate in ranked_candidates(scene, at, rerunner.seed, _company(scene)):
+    ranked = ranked_candidates(scene, at, rerunner.seed, _company(scene))
+    for candidate, one in _alike_first(_admitted(scene, at, ranked), simulated, rerunner):
         if candidate.kind.id in calm:
-            continue
-        one = _stage(scene, at, candidate)
-        if one is None or check_scene(one, catalogue):
-            continue
-        assert one.demand is not None
-        if mismatches(check_claims(one.demand.claims, one, catalogue)):
             continue
         try:
             run = rerunner.run(one, simulated)
@@ -80,6 +84,60 @@ def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> Deman
         fault = Issue("demand", "no kind of ordinary demand fits the scene")
         raise SceneError(demand_id(scene.id), [fault])
     return resort
+
+
+class _Staged(NamedTuple):
+    """A candidate and its scene."""
+
+    candidate: Candidate
+    scene: Scene
+
+
+def _admitted(scene: Scene, at: Setting, ranked: Iterable[Candidate]) -> Iterator[_Staged]:
+    """Yield the candidates that the checks of a scene accept, in their order."""
+    for candidate in ranked:
+        one = _stage(scene, at, candidate)
+        if one is None or one.demand is None or check_scene(one, at.catalogue):
+            continue
+        if not mismatches(check_claims(one.demand.claims, one, at.catalogue)):
+            yield _Staged(candidate, one)
+
+
+def _alike_first(
+    staged: Iterable[_Staged], simulated: Simulated, rerunner: Rerunner
+) -> Iterator[_Staged]:
+    """Yield candidates, of every few those first whose picture holds about as much as the rare scene's.
+
+    How much a picture holds is the size of its file. Stripes, lights and parked cars make pictures fuller than
+    what lies in the road does: without this, the fuller picture of two would be the ordinary one.
+    """
+    frame = simulated.frames.get("last")
+    if frame is None:
+        yield from staged
+        return
+    full = len(to_jpeg(frame.rgb))
+    rest = iter(staged)
+    while few := list(islice(rest, _COMPARED)):
+        unlike = [_difference(full, _fullness(one.scene, rerunner)) for one in few]
+        order = sorted(range(len(few)), key=unlike.__getitem__)
+        yield from (few[row] for row in order)
+
+
+def _difference(full: float, other: float) -> float:
+    """Return how much a picture differs in file size from the rare scene's, as a logarithm."""
+    difference = math.log(other / full)
+    return difference * _FULLER if difference > 0.0 else -difference
+
+
+def _fullness(scene: Scene, rerunner: Rerunner) -> float:
+    """Return the size of the picture file at a scene's decision, bytes; infinite where there is none."""
+    simulator = rerunner.simulator
+    try:
+        state = approach(scene, simulator, rerunner.seed)[0][-1]
+        camera = camera_for(simulator.catalogue(), rerunner.camera)
+        return float(len(to_jpeg(render_checked(simulator, camera, len(state.ids)).rgb)))
+    except SceneError:
+        return math.inf
 
 
 def _stage(scene: Scene, at: Setting, candidate: Candidate) -> Scene | None:

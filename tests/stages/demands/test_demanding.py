@@ -1,6 +1,7 @@
 """Demands: accepted like scenes, true to their texts, never like the hazard, the same again for the same seed."""
 
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -11,7 +12,14 @@ from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._scene import Scene
 from oodscen.driving import check_scene
-from oodscen.stages._demands.demanding import draw_demand
+from oodscen.stages._demands.demanding import (
+    _COMPARED,
+    _admitted,
+    _alike_first,
+    _difference,
+    _fullness,
+    draw_demand,
+)
 from oodscen.stages._demands.kinds import KINDS, ranked_candidates
 from oodscen.stages._demands.setting import Look, Setting
 from oodscen.stages._rerun import Rerunner
@@ -113,3 +121,40 @@ def test_a_demand_has_about_as_many_bodies_as_its_scene(simulator):
         return np.mean([len(ranked_candidates(scene, like, seed)[0].actors) for seed in range(30)])
 
     assert first_bodies(1) < first_bodies(10)
+
+
+def candidates_for(scene, run, rerunner, picture):
+    """Return the first few admitted candidates, and the same in the order for a rare picture."""
+    at = Setting.of(scene, rerunner.simulator.catalogue(), run.trace, run.episode.sketch)
+    ranked = ranked_candidates(scene, at, 0)
+    few = list(islice(_admitted(scene, at, ranked), _COMPARED))
+    frame = replace(run.frames["last"], rgb=picture)
+    return few, list(_alike_first(few, replace(run, frames={"last": frame}), rerunner))
+
+
+@pytest.mark.parametrize("road", MAPS[:3])
+def test_demands_whose_pictures_are_about_as_full_come_first(simulator, road):
+    scene, rerunner = placed(road), Rerunner(simulator)
+    run = simulate(scene, simulator)
+    shape = run.frames["last"].rgb.shape
+    noise = np.random.default_rng(0).integers(0, 256, shape, np.uint8)
+    few, for_full = candidates_for(scene, run, rerunner, noise)
+    _, for_empty = candidates_for(scene, run, rerunner, np.zeros(shape, np.uint8))
+    sizes = [_fullness(one.scene, rerunner) for one in few]
+    by_full, by_empty = (
+        [sizes[few.index(one)] for one in order] for order in (for_full, for_empty)
+    )
+    assert by_full == sorted(sizes, reverse=True)
+    assert by_empty == sorted(sizes)
+    assert by_full[0] > by_empty[0]
+
+
+SIZES = st.floats(1.0, 1e7)
+
+
+@given(SIZES, SIZES, st.floats(1.01, 10.0))
+def test_pictures_differ_more_the_less_alike_and_most_if_fuller(one, other, factor):
+    assert _difference(one, one) == 0.0
+    farther = other * factor if other >= one else other / factor
+    assert _difference(one, farther) > _difference(one, other)
+    assert _difference(one, one * factor) > _difference(one, one / factor)
