@@ -33,9 +33,9 @@ from oodscen.stages._simulate import VISIBLE_PX, Simulated, approach
 
 _SEEN = 4.0
 """Multiple of the least visible pixels that a demand must show at the decision."""
-_COMPARED = 6
+_COMPARED = 4
 """Candidates at a time whose pictures are compared with that of the rare scene."""
-_FULLER = 4.0
+_FULLER = 3.0
 """Weight of a difference in a picture that is fuller than the rare scene's: most are, so the others are preferred."""
 
 
