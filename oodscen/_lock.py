@@ -21,6 +21,8 @@ from oodscen.errors import InUse, StudyError
 NAME = ".oodscen.lock"
 """The lock file inside a locked folder. A file's lock file lies beside it and starts with its name."""
 
+_UNKNOWN = "another process", ""
+"""Holder and start time where a lock file does not record them."""
 _GRACE_S = 0.3
 """Default wait, in seconds, for a holder that is about to leave or has not yet written its name."""
 
@@ -92,6 +94,8 @@ def _taken(file: Path, path: Path, what: str, wait_s: float) -> FileLock:
     lock = FileLock(
         file, timeout=wait_s, poll_interval=0.02, fallback_to_soft=False, thread_local=False
     )
+    if os.path.isfile(file) and os.path.getsize(file) and _read(file) == _UNKNOWN:
+        raise StudyError(f"{file} is not a lock file of oodscen: move it away")
     try:
         lock.acquire()
         file.write_text(json.dumps(_holder()) + "\n", encoding="utf-8")
@@ -124,4 +128,4 @@ def _read(file: Path) -> tuple[str, str]:
         holder = f"process {said['pid']} on {said['host']} ({said['command']})"
         return holder, str(said["since"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return "another process", ""
+        return _UNKNOWN

@@ -299,7 +299,10 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
         try:
             signature.bind(*given, **settings)
         except TypeError as error:
-            hint = "it takes no argument after the colon" if given else f"try {name}:ARGUMENT"
+            hint = (
+                f"try {name}:ARGUMENT" if name in names(kind) else "it is called without arguments"
+            )
+            hint = "it takes no argument after the colon" if given else hint
             raise UsageError(f"the {kind} {name!r} cannot be made: {error}; {hint}") from None
     try:
         return factory(*given, **settings)

@@ -34,6 +34,13 @@ def holding(path):
     return process
 
 
+def test_a_file_of_somebody_else_where_the_lock_would_be_is_left_alone(tmp_path):
+    lock_file(tmp_path).write_text("a diary")
+    with pytest.raises(StudyError, match="not a lock file"), locked(tmp_path, "study"):
+        pass
+    assert lock_file(tmp_path).read_text() == "a diary"
+
+
 @pytest.mark.parametrize("kind", ["folder", "file", "link"])
 def test_another_process_is_named_and_nothing_changes(tmp_path, kind):
     place = tmp_path / "place"

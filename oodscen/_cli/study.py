@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -307,8 +308,9 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     if asked.required is not None:
         parse_requirement(asked.required)
     before = Study.open(out)
-    click.get_current_context().with_resource(before.store.writing())
     asked.check()
+    if not asked.dry_run:
+        click.get_current_context().with_resource(before.store.writing())
     for name, count in drop_models(before, asked.dropped).items() if asked.dropped else ():
         kept = "its answers stay in answers.jsonl, and judging it again uses them unless --retry-failed is given"
         say(f"{name} is taken out with {count} verdicts; {kept}", err=True)
@@ -338,7 +340,8 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
         say(line, err=True)
     if grades is not None:
         sys.exit(_exit_code(grades))
-    chosen = {name for vlm in asked.vlms for name in (vlm, named_without_pictures(vlm))}
+    chosen = {ledger.kept[vlm][0] if vlm in ledger.kept else vlm for vlm in asked.vlms}
+    chosen |= {*map(named_without_pictures, chosen)}
     again = known if asked.retry_failed and not asked.vlms else chosen
     verdicts = study.verdicts
     here = {verdict.model for verdict in verdicts} - (known - again)
@@ -439,7 +442,7 @@ def report(out: Path, required: str | None) -> None:
 
     bars = () if required is None else parse_requirement(required)
     study = Study.open(out)
-    click.echo(str(write_report(study, bars).resolve()))
+    click.echo(str(write_report(study, bars, warn=partial(say, err=True)).resolve()))
     if required is not None:
         grades = study.requirements(required)
         say(graded(grades))

@@ -4,7 +4,7 @@ import base64
 import hashlib
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -28,7 +28,9 @@ FILE = "report.html"
 """Name of the page in the study's folder."""
 
 
-def write_report(study: Study, bars: Sequence[Bar] = ()) -> Path:
+def write_report(
+    study: Study, bars: Sequence[Bar] = (), *, warn: Callable[[str], None] | None = None
+) -> Path:
     """Write `report.html` into a study's folder and return its path.
 
     The page needs only itself and, for the pictures, the folder `frames` beside it. Missing or broken
@@ -37,6 +39,7 @@ def write_report(study: Study, bars: Sequence[Bar] = ()) -> Path:
     Args:
         study: Finished, unfinished or partly broken.
         bars: A requirement on the judged models, whose grades the page shows.
+        warn: Called with every note on the page about a part that is missing or cannot be read.
 
     Raises:
         FolderTaken: If the folder holds no study, but a foreign file of this name.
@@ -46,8 +49,12 @@ def write_report(study: Study, bars: Sequence[Bar] = ()) -> Path:
     if FILE in study.own() and not study.store.has("study.json"):
         raise FolderTaken(str(study.folder), [FILE])
     with study.store.writing():
-        html = render(page.context(study, reading.read(study), bars))
+        found = reading.read(study)
+        html = render(page.context(study, found, bars))
         study.store.write(FILE, html.encode("utf-8"))
+    if warn is not None:
+        for note in found.gaps.values():
+            warn(note)
     return study.folder / FILE
 
 

@@ -44,7 +44,7 @@ _ADDRESSED = re.compile(
             # an order: "Ignore the above and ...", "Disregard your instructions", "forget
             # everything"
             rf"{_BEGINS}{_DROP}\s+{_DETERMINERS}{_EARLIER}(?=\s*(?:$|[^\w\s-]|and\b|or\b|then\b))",
-            rf"{_BEGINS}{_DROP}\s+{_DETERMINERS}(?:instructions?|prompts?|guidelines?)\b",
+            rf"{_BEGINS}{_DROP}\s+{_DETERMINERS}(?:(?:instructions?|prompts?|guidelines?)\b|rules?\s*(?:$|[.;:!?,]))",
             r"\b(?:ignore|disregard|forget)\s+everything\b",
             r"\b(?:do not|don't|stop|never)\s+(?:follow|obey)(?:ing)?\s+(?:\w+\s+){0,3}"
             r"(?:instructions|prompts?|guidelines)\b",
@@ -55,6 +55,9 @@ _ADDRESSED = re.compile(
             r"|split|keep|remove|keep speed|slow down|emergency brake|change lane|pull over|pwned"
             r"|(?:the|a|one|this) (?:single )?(?:word|answer|text|number|action|label|id|following)s?)\b",
             rf"{_BEGINS}(?:answer|reply|respond|output|print|return)\s*:?\s*[{{\[]",
+            rf"{_BEGINS}(?:choose|pick|select|prefer)\s+[\"'“‘`]?(?:yes|no|none|nothing|stop|safe|unsafe|ordinary|unusual|normal"
+            r"|keep speed|slow down|emergency brake|change lane|pull over|option \w+)\b",
+            r"[.,;:!]\s*(?:answer|reply|respond|say|output) so\b",
             rf"{_BEGINS}(?:answer|reply|respond)\s+(?:with|only|always|never|in|as|to (?:this|every|all|the question))\b",
             r"\b(?:in|as|to)\s+your\s+(?:\w+\s+)?(?:answer|response|reply|output)\b",
             r"\b(?:the|your) (?:correct|right|only|final|expected) (?:answer|response|output|decision)\b",
@@ -133,6 +136,10 @@ def _is_disguised(text: str) -> bool:
     """Return whether a word mixes alphabets, or is a look-alike of a Latin word among Latin words."""
     foreign, is_latin = [], False
     for word in _WORD.findall(text):
+        if any(
+            unicodedata.name(char, "").startswith("LATIN LETTER SMALL CAPITAL") for char in word
+        ):
+            return True
         scripts = {unicodedata.name(char, "").partition(" ")[0] for char in word} & _ALPHABETS
         if len(scripts) > 1:
             return True

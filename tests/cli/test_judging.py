@@ -36,6 +36,45 @@ def test_models_on_other_servers_than_the_author_s_are_judged(small, tmp_path, m
     assert len(judged) == 2 == asked / 3
 
 
+FAILING = """
+class Failing:
+    name = "one of mine"
+    def complete(self, request):
+        raise ValueError("no")
+"""
+
+
+def test_items_that_failed_before_count_as_long_as_their_model_is_named(
+    small, tmp_path, monkeypatch
+) -> None:
+    out = shutil.copytree(small, tmp_path / "out")
+    (tmp_path / "vlm_failing.py").write_text(FAILING)
+    monkeypatch.chdir(tmp_path)
+    order = ["evaluate", str(out), "--vlm", "vlm_failing:Failing"]
+    assert [CliRunner().invoke(main, order).exit_code for _ in range(2)] == [1, 1]
+    assert CliRunner().invoke(main, ["evaluate", str(out), "--vlm", "random"]).exit_code == 0
+
+
+def test_an_estimate_writes_nothing(small, tmp_path) -> None:
+    out = shutil.copytree(small, tmp_path / "out")
+    before = {path: path.stat().st_mtime_ns for path in (out, *out.rglob("*"))}
+    found = CliRunner().invoke(
+        main,
+        ["evaluate", str(out), "--vlm", "local", "--api-base", "http://127.0.0.1:9", "--dry-run"],
+    )
+    assert found.exit_code == 0, found.output
+    assert {path: path.stat().st_mtime_ns for path in (out, *out.rglob("*"))} == before
+
+
+def test_a_report_says_what_it_could_not_read(small, tmp_path) -> None:
+    out = shutil.copytree(small, tmp_path / "out")
+    (out / "pruned.jsonl").write_text("[1, 2]\n")
+    found = CliRunner().invoke(main, ["report", str(out)])
+    assert found.exit_code == 0
+    assert "pruned.jsonl" in found.stderr
+    assert found.stdout == f"{(out / 'report.html').resolve()}\n"
+
+
 def test_power_says_how_many_scenes_it_takes() -> None:
     found = CliRunner().invoke(main, ["power", "0.66", "0.51", "--per-path", "10", "--icc", "0.2"])
     assert found.exit_code == 0
