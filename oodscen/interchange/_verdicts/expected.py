@@ -1,6 +1,7 @@
-"""The courses that a scene gives its actors for the ego that was played, to compare a run with."""
+"""Expected courses of a scene's actors, given how the ego was driven."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,21 +17,44 @@ from oodscen.protocols import Control, State
 Floats = NDArray[np.float64]
 
 _LATEST_START_S = 1.0
-"""Time up to which a run may start as it is; others count from their start."""
-_NEAR_M, _LAG_S = 1.0, 0.1
-"""Distance of a body from its place at the start, m, and the way at an actor's speed allowed beside it, s."""
-_SETTLED_STEPS, _SPEED_S = 2, 0.15
-"""Steps after which the ego's first speed is measured, and for how long, s: some players move nothing at first."""
-_SPEED, _SPEED_SHARE, _EASY = 1.0, 0.1, 5.0
-"""By how much that speed may be off: m/s, as a share, and per second since the start, m/s^2."""
-_EGO_ACCELERATION = 10.0
+"""Time up to which a run may start as it is, s; a later one is counted from its start."""
+_AT_START_M = 1.0
+"""Distance of a body from its place at the start, m."""
+_LAG_S = 0.1
+"""Time that an actor may be ahead of or behind its course, s."""
+_EGO_ACCELERATION_M_S2 = 10.0
 """Acceleration by which the ego may differ from a blind one before the first pose, m/s^2."""
-_HIGH_M = 1.5
-"""Height above its place from which a body is elsewhere, m."""
-_BEFORE_M, _AFTER_M, _OTHERS_M = 2.0, 10.0, 20.0
-"""Distance of the hazard from its course before and after the decision, and of other actors from theirs, m: the
-reactions of players differ.
-"""
+_HIGH_AT_START_M = 1.5
+"""Height above its place from which a body is elsewhere at the start, m."""
+
+_SETTLED_STEPS = 2
+"""Steps after which the ego's first speed is measured: some players move nothing at first."""
+_SPEED_SPAN_S = 0.15
+"""Time over which it is measured, s."""
+_SPEED_TOLERANCE_M_S = 1.0
+"""Amount by which it may be off, m/s; the next two are added."""
+_SPEED_TOLERANCE_SHARE = 0.1
+"""The same as a share of the scene's speed."""
+_SPEED_TOLERANCE_M_S2 = 5.0
+"""The same per second since the start, m/s^2."""
+
+_HAZARD_BEFORE_M = 2.0
+"""Distance of the hazard from its course before the decision, m."""
+_HAZARD_AFTER_M = 10.0
+"""The same after the decision, m: the reactions of players differ."""
+_OTHERS_M = 20.0
+"""Distance of other actors from their courses, m."""
+_HIGH_M = 2.0
+"""Height above its course from which an actor has left it, m."""
+
+
+class _Pace(NamedTuple):
+    """The ego's speed soon after a run's start."""
+
+    speed: float
+    """Speed, m/s."""
+    since_s: float
+    """Time since the start, s."""
 
 
 def start_of(
@@ -52,52 +76,92 @@ def start_of(
     begun = float(time[0])
     is_early = 0.0 <= begun <= _LATEST_START_S
     world, driver = KinematicWorld(corridor, scene, catalogue, seed), Cruise()
-    first, pace = poses[0], _first_speed(time, poses[:, 0])
-    wrong = _misplaced(world, first, pace, 0.0)
-    if is_early:
-        for _ in range(round(begun / world.dt)):
-            world.step(driver.act(world.observe()))
-        at_start, wrong = wrong, _misplaced(world, first, pace, begun)
-        return (begun, "") if wrong and begun > 0.0 and not at_start else (0.0, wrong)
-    return begun, wrong
+    first, pace = poses[0], _first_pace(time, poses[:, 0])
+    fault_at_zero = _fault_at_start(world, first, pace, 0.0)
+    if not is_early:
+        return begun, fault_at_zero
+    for _ in range(round(begun / world.dt)):
+        world.step(driver.act(world.observe()))
+    fault_later = _fault_at_start(world, first, pace, begun)
+    # The bodies stand where the scene starts, not where it would be by then: only the clock is late.
+    if fault_later and begun > 0.0 and not fault_at_zero:
+        return begun, ""
+    return 0.0, fault_later
 
 
-def _first_speed(time: Floats, ego: Floats) -> tuple[float, float]:
-    """Return the ego's speed soon after the start, m/s, and the time since the start, s."""
+def _first_pace(time: Floats, ego: Floats) -> _Pace:
+    """Return the ego's speed soon after the start."""
     begin = min(_SETTLED_STEPS, len(time) - 2)
-    end = max(begin + 1, int(np.searchsorted(time, time[begin] + _SPEED_S + 1e-9)) - 1)
-    way = np.hypot(*(ego[end, :2] - ego[begin, :2]))
-    since = 0.5 * (time[begin] + time[end]) - time[0]
-    return float(way / (time[end] - time[begin])), float(since)
+    end = max(begin + 1, int(np.searchsorted(time, time[begin] + _SPEED_SPAN_S + 1e-9)) - 1)
+    distance = np.hypot(*(ego[end, :2] - ego[begin, :2]))
+    since_s = 0.5 * (time[begin] + time[end]) - time[0]
+    return _Pace(float(distance / (time[end] - time[begin])), float(since_s))
 
 
-def _misplaced(
-    world: KinematicWorld, poses: Floats, pace: tuple[float, float], since: float
-) -> str:
-    """Return the first body that is not in its place, or that the ego is too fast or slow, or an empty text."""
-    own, speeds = world.poses(), np.abs(world.speeds())
-    allowed = _NEAR_M + _LAG_S * speeds
-    allowed[0] = _NEAR_M + 0.5 * _EGO_ACCELERATION * since**2
+def _fault_at_start(world: KinematicWorld, poses: Floats, pace: _Pace, since_s: float) -> str:
+    """Return which body is not in its place, or that the ego's speed is wrong; empty if all is well.
+
+    Args:
+        world: The scene's world at the time of the poses.
+        poses: [bodies, 4] the run's first poses.
+        pace: The ego's speed soon after.
+        since_s: Time of the poses since the scene's start, s.
+
+    Raises:
+        DataError: If the headings are degrees.
+    """
+    return (
+        _misplaced(world, poses, since_s)
+        or _askew(world, poses)
+        or _wrong_speed(float(abs(world.speeds()[0])), pace, since_s)
+    )
+
+
+def _misplaced(world: KinematicWorld, poses: Floats, since_s: float) -> str:
+    """Return the first body that is not in its place, or an empty text."""
+    own = world.poses()
+    allowed = _AT_START_M + _LAG_S * np.abs(world.speeds())
+    allowed[0] = _AT_START_M + 0.5 * _EGO_ACCELERATION_M_S2 * since_s**2
     apart = np.hypot(*(poses[:, :2] - own[:, :2]).T)
     above = poses[:, 2] - own[:, 2]
-    far = np.flatnonzero((apart > allowed) | (above > _HIGH_M))
-    if len(far):
-        row = far[0]
-        distance = max(float(apart[row]), float(above[row]))
-        return f"{world.ids[row]} starts {distance:.1f} m from its place in the scene"
-    turned = _turn(poses[:, 3] - own[:, 3])
-    askew = np.flatnonzero(turned > ASKEW)
+    far = np.flatnonzero((apart > allowed) | (above > _HIGH_AT_START_M))
+    if not len(far):
+        return ""
+    row = far[0]
+    distance_m = max(float(apart[row]), float(above[row]))
+    return f"{world.ids[row]} starts {distance_m:.1f} m from its place in the scene"
+
+
+def _askew(world: KinematicWorld, poses: Floats) -> str:
+    """Return the first body that faces another way than in the scene, or an empty text.
+
+    Raises:
+        DataError: If the headings fit as degrees.
+    """
+    heading = world.poses()[:, 3]
+    off = _turn(poses[:, 3] - heading)
+    askew = np.flatnonzero(off > ASKEW)
     if not len(askew):
-        usual, (speed, later) = float(speeds[0]), pace
-        is_off = abs(speed - usual) > _SPEED + _SPEED_SHARE * usual + _EASY * (since + later)
-        return f"ego starts at {speed:.1f} m/s, not {usual:.1f} m/s" if is_off else ""
+        return ""
     row = askew[0]
-    if _turn(np.radians(poses[:, 3]) - own[:, 3]).max() <= ASKEW:
+    if _turn(np.radians(poses[:, 3]) - heading).max() <= ASKEW:
         raise unusable(world.ids[row], IN_DEGREES)
-    return f"{world.ids[row]} starts turned by {np.degrees(turned[row]):.0f} degrees"
+    return f"{world.ids[row]} starts turned by {np.degrees(off[row]):.0f} degrees"
+
+
+def _wrong_speed(usual: float, pace: _Pace, since_s: float) -> str:
+    """Return that the ego is not as fast as usual, m/s, or an empty text."""
+    tolerance = (
+        _SPEED_TOLERANCE_M_S
+        + _SPEED_TOLERANCE_SHARE * usual
+        + _SPEED_TOLERANCE_M_S2 * (since_s + pace.since_s)
+    )
+    is_off = abs(pace.speed - usual) > tolerance
+    return f"ego starts at {pace.speed:.1f} m/s, not {usual:.1f} m/s" if is_off else ""
 
 
 def _turn(angle: Floats) -> Floats:
+    """Return the sizes of angles, at most half a turn, rad."""
     return np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
@@ -124,34 +188,69 @@ def strayed(
         states: The states of the run up to the end of what is judged.
         decision_s: Time of the decision, s.
     """
-    world, driver = KinematicWorld(corridor, scene, catalogue, seed), Cruise()
-    begin = [world.motion(name).s for name in world.ids]
+    world = KinematicWorld(corridor, scene, catalogue, seed)
+    begin_s_m = [world.motion(name).s for name in world.ids]
     unusual = {world.ids.index(name) for name in world.ids if name in scene.hazard.actors}
-    rows = [row for row, s in enumerate(begin) if row and (s > begin[0] or row in unusual)]
+    rows = [
+        row for row, s_m in enumerate(begin_s_m) if row and (s_m > begin_s_m[0] or row in unusual)
+    ]
     if not rows:
         return ""
-    time = np.array([one.time for one in states])
-    poses = np.array([one.poses for one in states])
-    speeds = np.array([one.speeds[0] for one in states])
+    time = np.array([state.time for state in states])
+    poses = np.array([state.poses for state in states])
+    courses = _run_beside(world, states, time, poses)
+    for row in rows:
+        near_m = np.full(len(time), _OTHERS_M)
+        if row in unusual:
+            near_m = np.where(time > decision_s, _HAZARD_AFTER_M, _HAZARD_BEFORE_M)
+        lag_m = _LAG_S * np.abs([state.speeds[row] for state in states])
+        departure = _first_departure(poses[:, row], courses[:, row], near_m + lag_m)
+        if departure is not None:
+            step, distance_m = departure
+            return f"{world.ids[row]} is {distance_m:.1f} m from its course at {time[step]:g} s"
+    return ""
+
+
+def _run_beside(
+    world: KinematicWorld, states: Sequence[State], time: Floats, poses: Floats
+) -> Floats:
+    """Run a world with the played ego in it, and return its bodies' places at the run's times.
+
+    Before the run begins, its ego is a blind one.
+
+    Returns:
+        [n, bodies, 3], m.
+    """
+    driver = Cruise()
+    speeds = np.array([state.speeds[0] for state in states])
     ego = np.concatenate([poses[:, 0, :3], np.unwrap(poses[:, 0, 3])[:, None]], axis=1)
-    own, at = [world.poses()[rows]], [0.0]
+    own, at = [world.poses()], [0.0]
     while at[-1] < time[-1]:
         is_played = world.time >= time[0] - 1e-9
         world.step(Control(0.0, 0.0) if is_played else driver.act(world.observe()))
         if world.time >= time[0] - 1e-9:
             now = np.array([np.interp(world.time, time, column) for column in ego.T])
             world.set_pose(0, now, float(np.interp(world.time, time, speeds)))
-        own.append(world.poses()[rows])
+        own.append(world.poses())
         at.append(world.time)
-    course = np.array(own)
-    for index, row in enumerate(rows):
-        place = np.stack([np.interp(time, at, column) for column in course[:, index, :3].T], axis=1)
-        apart = np.hypot(*(poses[:, row, :2] - place[:, :2]).T)
-        above = poses[:, row, 2] - place[:, 2]
-        pace = np.abs([one.speeds[row] for one in states])
-        near = np.where(time > decision_s, _AFTER_M, _BEFORE_M) if row in unusual else _OTHERS_M
-        far = np.flatnonzero((apart > near + _LAG_S * pace) | (above > _BEFORE_M))
-        if len(far):
-            first = far[0]
-            return f"{world.ids[row]} is {max(apart[first], above[first]):.1f} m from its course at {time[first]:g} s"
-    return ""
+    places = np.array(own)[:, :, :3]
+    flat = places.reshape(len(places), -1)
+    columns = [np.interp(time, at, column) for column in flat.T]
+    return np.stack(columns, axis=1).reshape(len(time), *places.shape[1:])
+
+
+def _first_departure(places: Floats, course: Floats, allowed_m: Floats) -> tuple[int, float] | None:
+    """Return the first step in which a body is off its course, and how far, m; `None` if there is none.
+
+    Args:
+        places: [n, 3 or more] the played places, m.
+        course: [n, 3] the expected ones, m.
+        allowed_m: [n] distance along the ground that is allowed in each step, m.
+    """
+    apart = np.hypot(*(places[:, :2] - course[:, :2]).T)
+    above = places[:, 2] - course[:, 2]
+    far = np.flatnonzero((apart > allowed_m) | (above > _HIGH_M))
+    if not len(far):
+        return None
+    step = int(far[0])
+    return step, float(max(apart[step], above[step]))
