@@ -55,7 +55,7 @@ class Actor:
     """Acceleration along the heading, m/s^2."""
     control: VehicleControl | None = None
     walk: WalkerControl | None = None
-    constant: Vector | None = None
+    constant_velocity: Vector | None = None
     """A velocity in the body's axes that a client holds, m/s."""
     has_physics: bool = True
     lights: int = 0

@@ -21,12 +21,14 @@ CAMERAS = {
     "sensor.camera.instance_segmentation": "instance",
 }
 """Kind of picture by blueprint."""
+FRICTION_TRIGGER = "static.trigger.friction"
+"""Blueprint of the boxes in which clients change the friction."""
 OTHERS = (
     "sensor.other.collision",
     "sensor.other.lane_invasion",
     "sensor.other.imu",
     "sensor.other.gnss",
-    "static.trigger.friction",
+    FRICTION_TRIGGER,
     "controller.ai.walker",
 )
 """Blueprints without a body besides the cameras."""
@@ -160,7 +162,7 @@ def _is_no_traffic(asset: Asset) -> bool:
 
 def _sensor_attributes(name: str) -> tuple[Attribute, ...]:
     role: Attribute = ("role_name", STRING, "default", True)
-    if name == "static.trigger.friction":
+    if name == FRICTION_TRIGGER:
         sizes = ("friction", "extent_x", "extent_y", "extent_z")
         return role, *((one, FLOAT, "1.0", True) for one in sizes)
     if not name.startswith("sensor."):

@@ -1,6 +1,5 @@
 """The remote procedures of CARLA 0.9.16 that this server answers; all others are refused by name."""
 
-import math
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -145,10 +144,10 @@ class Calls:
             self._streams.drop(number)
 
     def rpc_get_episode_settings(self) -> list[Any]:
-        return self._world.settings
+        return self._world.settings.wire()
 
     def rpc_set_episode_settings(self, settings: Any) -> int:
-        self._world.settings = _settings(settings)
+        self._world.settings = read.world_settings(settings)
         return self._world.frame
 
     def rpc_tick_cue(self) -> int:
@@ -253,10 +252,10 @@ class Calls:
         self._own(number, "set target angular velocity").angular = read.vector(velocity)
 
     def rpc_enable_actor_constant_velocity(self, number: Any, velocity: Any) -> None:
-        self._own(number, "enable constant velocity").constant = read.vector(velocity)
+        self._own(number, "enable constant velocity").constant_velocity = read.vector(velocity)
 
     def rpc_disable_actor_constant_velocity(self, number: Any) -> None:
-        self._own(number, "disable constant velocity").constant = None
+        self._own(number, "disable constant velocity").constant_velocity = None
 
     def rpc_apply_control_to_vehicle(self, number: Any, control: Any) -> None:
         throttle, steer, brake, hand, reverse, manual, gear, *_ = [
@@ -334,21 +333,6 @@ def failed(message: str) -> list[Any]:
 
 def _share(value: Any, least: float) -> float:
     return max(least, min(1.0, read.number(value)))
-
-
-def _settings(value: Any) -> list[Any]:
-    given = read.items(value, "the settings", 11)
-    names = (0, 1, 3, 7, 10)
-    checked = [read.flag(one) if n in names else one for n, one in enumerate(given)]
-    fixed = read.optional(given[2], "fixed_delta_seconds")
-    if fixed is not None and not 0.0 <= read.number(fixed) <= 10.0:
-        raise CallError("fixed_delta_seconds must be at most 10 s")
-    for n in (4, 6, 8, 9):
-        if not math.isfinite(float(given[n]) if isinstance(given[n], (int, float)) else math.inf):
-            raise CallError("the settings must be numbers")
-    read.whole(given[5], "max_substeps")
-    checked[2] = [False] if fixed is None else [True, float(fixed)]
-    return checked
 
 
 def _physics(actor: Actor) -> list[Any]:

@@ -91,7 +91,7 @@ class MessageReader:
         """Add bytes and yield every message that is complete now.
 
         Raises:
-            ProtocolError: If the bytes are no message within the limits.
+            ProtocolError: If the bytes are not a message within the limits.
         """
         self._pool.take(len(data))
         self._data += data

@@ -34,6 +34,29 @@ class Description(NamedTuple):
     """Name, type code and value of each."""
 
 
+class WorldSettings(NamedTuple):
+    """`carla.WorldSettings` in the order of the wire."""
+
+    is_synchronous: bool = False
+    """True if only clients advance the world."""
+    is_not_rendering: bool = False
+    fixed_step_s: float | None = None
+    """Duration of a tick, s; `None` or 0 for the server's own."""
+    has_substeps: bool = True
+    longest_substep_s: float = 0.01
+    substeps: int = 10
+    culling_distance_m: float = 0.0
+    has_deterministic_ragdolls: bool = False
+    tile_distance_m: float = 3000.0
+    active_distance_m: float = 2000.0
+    spectator_as_ego: bool = True
+
+    def wire(self) -> list[Any]:
+        """Return the settings as clients read them."""
+        fixed = self.fixed_step_s
+        return [*self[:2], [False] if fixed is None else [True, fixed], *self[3:]]
+
+
 def number(value: Any, name: str = "a number") -> float:
     """Return a finite number."""
     if isinstance(value, (int, float)) and not isinstance(value, bool):
@@ -102,3 +125,33 @@ def description(value: Any) -> Description:
         name, kind, content = items(one, "an attribute", 3)
         attributes.append((text(name, "an attribute"), whole(kind), text(content, "an attribute")))
     return Description(whole(uid), text(type_id, "a blueprint"), tuple(attributes))
+
+
+def world_settings(value: Any) -> WorldSettings:
+    """Return the settings of a world."""
+    given = items(value, "the settings", len(WorldSettings._fields))
+    synchronous, blank, fixed, substepping, longest, substeps, culling, ragdolls, *rest = given
+    tiles, active, as_ego = rest
+    step = optional(fixed, "fixed_delta_seconds")
+    if step is not None and not 0.0 <= number(step) <= 10.0:
+        raise CallError("fixed_delta_seconds must be at most 10 s")
+    return WorldSettings(
+        is_synchronous=flag(synchronous),
+        is_not_rendering=flag(blank),
+        fixed_step_s=None if step is None else float(step),
+        has_substeps=flag(substepping),
+        longest_substep_s=_finite(longest),
+        substeps=whole(substeps, "max_substeps"),
+        culling_distance_m=_finite(culling),
+        has_deterministic_ragdolls=flag(ragdolls),
+        tile_distance_m=_finite(tiles),
+        active_distance_m=_finite(active),
+        spectator_as_ego=flag(as_ego),
+    )
+
+
+def _finite(value: Any) -> float:
+    """Return a number as it came, if it is finite."""
+    if isinstance(value, (int, float)) and math.isfinite(value):
+        return value
+    raise CallError("the settings must be numbers")

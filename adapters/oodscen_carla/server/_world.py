@@ -7,10 +7,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from oodscen.data import Actor as SceneActor
-from oodscen.data import Behaviour, Catalogue, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data import Behaviour, Catalogue, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving._roads.building import find_map
 from oodscen.errors import OodscenError
 from oodscen_carla._blueprints import own_id
@@ -18,25 +16,25 @@ from oodscen_carla._catalogue import load_catalogue
 from oodscen_carla._weather import WeatherParameters, from_carla, to_carla
 from oodscen_carla.server._actors import ZERO, Actor
 from oodscen_carla.server._blueprints import (
+    FRICTION_TRIGGER,
     SPECTATOR,
     STRING,
     Blueprint,
     BlueprintLibrary,
 )
 from oodscen_carla.server._cameras import Body
+from oodscen_carla.server._collisions import collide
 from oodscen_carla.server._geometry import mounted, overlap, rotated
+from oodscen_carla.server._kinematics import Surface, move
 from oodscen_carla.server._roads import ServedMap
 from oodscen_carla.server._staging import HERO, StagedScene, carla_place
-from oodscen_carla.server._values import CallError, Description, Transform
-from oodscen_carla.server._vehicles import drive
+from oodscen_carla.server._values import CallError, Description, Transform, WorldSettings
 
 STEP = 0.05
 """Duration of a tick without a fixed one, s."""
 MAX_ACTORS = 2_000
 SPECTATOR_ID = 23
 """Id of the spectator; actors follow."""
-DEFAULT_SETTINGS = [False, False, [False], True, 0.01, 10, 0.0, False, 3000.0, 2000.0, True]
-"""`carla.WorldSettings` in the order of the wire."""
 
 _LAMPS = 1 | 2 | 4
 """Position lamps, low and high beam of `carla.VehicleLightState`."""
@@ -77,7 +75,9 @@ class World:
         self._folder = tempfile.TemporaryDirectory(prefix="oodscen-carla-")
         self._received: ServedMap | None = None
         self._drawn: tuple[object, Scene] | None = None
-        self.settings: list[Any] = list(DEFAULT_SETTINGS)
+        self.settings = WorldSettings()
+        self.weather = WeatherParameters()
+        self._has_own_weather = True
         self.staged: StagedScene | None = None
         self.collisions: list[tuple[Actor, Actor]] = []
         """Pairs of a vehicle and what it touches in this tick."""
@@ -108,18 +108,19 @@ class World:
         except OodscenError as error:
             raise CallError(f"the OpenDRIVE map cannot be used: {error}") from None
 
-    def load(self, name: str, *, resets: bool = True) -> None:
+    def load(self, name: str | None = None, *, resets: bool = True) -> None:
         """Begin a new episode.
 
         Args:
-            name: Id of a scene or a map, `OpenDriveMap` for the received one; empty for the same.
+            name: Id of a scene or a map, `OpenDriveMap` for the received one; the same again by default, or if
+                it is empty.
             resets: Whether the settings return to the defaults.
 
         Raises:
             CallError: If there is no such map.
             SceneError: If the scene cannot be staged.
         """
-        short = name.rsplit("/", 1)[-1] or self.map.name
+        short = (name or "").rsplit("/", 1)[-1] or self.map.name
         staged = None
         if short in self.scenes:
             scene = self.scenes[short]
@@ -137,11 +138,11 @@ class World:
         self.weather = WeatherParameters() if staged is None else to_carla(staged.scene.weather)
         self._has_own_weather = staged is None
         if resets:
-            self.settings = list(DEFAULT_SETTINGS)
+            self.settings = WorldSettings()
         if staged is not None:
-            self._people(staged)
+            self._insert_bodies(staged)
 
-    def _people(self, staged: StagedScene) -> None:
+    def _insert_bodies(self, staged: StagedScene) -> None:
         """Insert the bodies of a staged scene."""
         for body in staged.bodies():
             role = HERO if body.name == "ego" else body.name
@@ -149,7 +150,7 @@ class World:
             attributes = (("role_name", role), ("state", body.state))
             actor = self._insert(blueprint, Transform(ZERO, ZERO), attributes)
             actor.staged = body.name
-        self._follow_scene()
+        self._sync_staged_actors()
 
     def leave(self) -> list[int]:
         """Return to the map's beginning after the last client has gone; return what is removed.
@@ -158,7 +159,7 @@ class World:
         """
         gone = list(self.actors)
         weather, is_own = self.weather, self._has_own_weather
-        self.load("")
+        self.load()
         if is_own:
             self.set_weather(weather)
         return gone
@@ -172,7 +173,13 @@ class World:
     @property
     def friction(self) -> float:
         """The road's friction: that of the scene, or that of the weather's wetness."""
-        return self.scene().weather.friction
+        return self._shown_weather().friction
+
+    def _shown_weather(self) -> Weather:
+        """Return the scene's weather until a client sets its own."""
+        if self.staged is not None and not self._has_own_weather:
+            return self.staged.scene.weather
+        return from_carla(self.weather)
 
     def scene(self) -> Scene:
         """Return the scene whose map, weather and lit vehicles the pictures show."""
@@ -184,11 +191,9 @@ class World:
 
     def _make_scene(self, lit: tuple[tuple[str, str], ...]) -> Scene:
         if self.staged is not None:
-            own = self.staged.scene
-            changed = {"weather": from_carla(self.weather)} if self._has_own_weather else {}
-            return own.model_copy(update=changed)
+            return self.staged.scene.model_copy(update={"weather": self._shown_weather()})
         road = self.map.road_map
-        known = {one.id for one in self.catalogue.maps}
+        known = {road_map.id for road_map in self.catalogue.maps}
         actors = {
             name: SceneActor(
                 id=name,
@@ -198,14 +203,15 @@ class World:
             )
             for name, asset in lit
         }
+        weather = self._shown_weather()
         return Scene(
             id="carla",
             scenario_id="carla",
             map=road.id if road.id in known else road.file,
             ego=Ego(speed=0.0),
-            weather=from_carla(self.weather),
+            weather=weather,
             actors=tuple(actors.values()),
-            hazard=Hazard(weather=from_carla(self.weather)),
+            hazard=Hazard(weather=weather),
             decision=Trigger(),
         )
 
@@ -259,7 +265,7 @@ class World:
             actor = self.actors.pop(waiting.pop(), None)
             if actor is not None:
                 gone.append(actor)
-                waiting += [one.id for one in self.actors.values() if one.parent == actor.id]
+                waiting += [child.id for child in self.actors.values() if child.parent == actor.id]
         return gone
 
     def actor(self, number: int, doing: str = "find actor") -> Actor:
@@ -327,20 +333,19 @@ class World:
 
     @property
     def is_synchronous(self) -> bool:
-        """Return whether only clients advance the world."""
-        return bool(self.settings[0])
+        """True if only clients advance the world."""
+        return self.settings.is_synchronous
 
     @property
     def step(self) -> float:
         """Duration of a tick, s."""
-        fixed = self.settings[2]
-        return float(fixed[1]) if fixed[0] and fixed[1] > 0.0 else STEP
+        return self.settings.fixed_step_s or STEP
 
     def picture_time(self, host: Actor | None) -> float:
         """Return the time since the scene began, or since the camera's vehicle was spawned, s.
 
-        A vehicle without physics has the time of the client that places it: ticks without a placement,
-        such as those that only wait for a picture, do not count. Rain and flashing lamps follow this time.
+        This clock drives rain and flashing lamps. For a vehicle that a client moves by hand, only the ticks
+        in which it was placed count.
         """
         if self.staged is not None:
             return self.staged.time
@@ -354,22 +359,26 @@ class World:
         self.frame += 1
         self.time += dt
         before = {}
+        triggers = [actor for actor in self.actors.values() if actor.type_id == FRICTION_TRIGGER]
+        surface = Surface(self.map, self.friction, triggers)
         for actor in self.actors.values():
-            actor.placings += actor.is_placed
-            actor.is_placed = False
+            if actor.is_placed:
+                actor.placings += 1
+                actor.is_placed = False
             if not actor.staged and actor.blueprint.is_solid:
                 before[actor.id] = actor.place
-                self._move(actor, dt)
+                move(actor, surface, dt)
         if self.staged is not None:
-            hero = next((one for one in self.actors.values() if one.staged == "ego"), None)
+            hero = next((body for body in self.actors.values() if body.staged == "ego"), None)
             control = hero.control if hero else None
             # A scene waits for its script: nothing happens until it ticks or drives.
             if self.is_synchronous or control is not None:
                 self.staged.advance(dt, control)
-                self._follow_scene()
-        self._collide(before)
+                self._sync_staged_actors()
+        touched = self.staged.touched() if self.staged else frozenset()
+        self.collisions = collide(self.actors.values(), before, touched)
 
-    def _follow_scene(self) -> None:
+    def _sync_staged_actors(self) -> None:
         rows = self._staged_rows()
         for actor in self.actors.values():
             if not actor.staged:
@@ -379,92 +388,6 @@ class World:
             actor.place = Transform((x, y, z), (0.0, yaw, 0.0))
             actor.velocity = rotated((actor.speed, 0.0, 0.0), yaw)
             actor.acceleration = rotated((actor.acceleration_along, 0.0, 0.0), yaw)
-
-    def _move(self, actor: Actor, dt: float) -> None:
-        if actor.parent:
-            return
-        if actor.constant is not None:
-            actor.velocity = rotated(actor.constant, actor.place.rotation[1])
-            self._shift(actor, dt)
-        elif actor.control is not None and actor.has_physics and actor.is_vehicle:
-            drive(actor, actor.control, self._friction_at(actor), dt)
-            self._stand(actor)
-        elif actor.walk is not None:
-            pace = actor.walk.speed
-            x, y, z = (pace * part for part in actor.walk.direction)
-            actor.velocity, actor.speed = (x, y, z), pace
-            self._shift(actor, dt)
-            if pace > 0.0 and math.hypot(x, y) > 1e-6:
-                pitch, _, roll = actor.place.rotation
-                turned = (pitch, math.degrees(math.atan2(y, x)), roll)
-                actor.place = Transform(actor.place.location, turned)
-            self._stand(actor)
-        elif actor.has_physics and any(actor.velocity):
-            self._shift(actor, dt)
-
-    def _shift(self, actor: Actor, dt: float) -> None:
-        x, y, z = (a + b * dt for a, b in zip(actor.place.location, actor.velocity, strict=True))
-        limit = 1e6
-        x, y, z = (max(-limit, min(limit, value)) for value in (x, y, z))
-        actor.place = Transform((x, y, z), actor.place.rotation)
-
-    def _stand(self, actor: Actor) -> None:
-        """Put an actor on the road, with the road's slope."""
-        x, y, _ = actor.place.location
-        found = self.map.ground(x, -y)
-        if found is None:
-            return
-        z, heading, slope = found
-        yaw = actor.place.rotation[1]
-        along = slope * math.cos(math.radians(-yaw) - heading)
-        pitch = math.degrees(math.atan(along)) if actor.is_vehicle else 0.0
-        actor.place = Transform((x, y, z), (pitch if abs(pitch) > 1e-4 else 0.0, yaw, 0.0))
-
-    def _friction_at(self, actor: Actor) -> float:
-        """Return the friction below a vehicle: a trigger's, or the road's."""
-        x, y, z = actor.place.location
-        for one in self.actors.values():
-            if one.type_id == "static.trigger.friction":
-                reach = [one.number(f"extent_{axis}", 1.0) / 100.0 for axis in "xyz"]
-                apart = [abs(a - b) for a, b in zip((x, y, z), one.place.location, strict=True)]
-                if all(a <= b for a, b in zip(apart, reach, strict=True)):
-                    return max(0.0, min(2.0, one.number("friction", 1.0)))
-        return self.friction
-
-    def _collide(self, before: dict[int, Transform]) -> None:
-        """Find what vehicles touch; a driven vehicle stops where it would run into something."""
-        self.collisions = []
-        solid = [one for one in self.actors.values() if one.is_obstacle and not one.parent]
-        if len(solid) < 2:
-            return
-        at = np.array([one.place.location for one in solid])
-        reach = np.array([math.hypot(*one.blueprint.extent[:2]) for one in solid])
-        cars = [row for row, one in enumerate(solid) if one.is_vehicle]
-        apart = np.hypot(*(at[cars, None, axis] - at[None, :, axis] for axis in (0, 1)))
-        near = apart <= reach[cars][:, None] + reach[None, :]
-        touched = self.staged.touched() if self.staged else frozenset()
-        for index, row in enumerate(cars):
-            car = solid[row]
-            if car.staged == "ego":
-                near[index] |= [one.staged in touched for one in solid]
-            now: set[int] = set()
-            for other in (solid[k] for k in np.flatnonzero(near[index]) if k != row):
-                if _touch(car, other, touched):
-                    now.add(other.id)
-                    self.collisions.append((car, other))
-            is_driven = car.control is not None and car.has_physics and car.id in before
-            if now - car.touching and is_driven:
-                car.place = before[car.id]
-                car.stop()
-            else:
-                car.touching = now
-
-
-def _touch(car: Actor, other: Actor, touched: frozenset[str]) -> bool:
-    """Return whether two bodies touch; in a scene, the scene says what the ego touches."""
-    if car.staged and other.staged and "ego" in (car.staged, other.staged):
-        return bool({car.staged, other.staged} & touched)
-    return overlap(car.place, car.blueprint.extent, other.place, other.blueprint.extent)
 
 
 def _spectator() -> Actor:

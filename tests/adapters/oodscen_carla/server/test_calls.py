@@ -165,7 +165,7 @@ def test_a_staged_scene_moves_its_actors_and_obeys_the_hero(staged):
     hero = next(one for one in world.actors.values() if one.attributes.get("role_name") == "hero")
     speed = hero.speed
     assert "staged" in staged.error("set_actor_transform", hero.id, [[0, 0, 0], [0, 0, 0]])
-    synchronous = [True, *staged.world.settings[1:]]
+    synchronous = [True, *staged.world.settings.wire()[1:]]
     staged.get("tick_cue")
     assert staged.world.staged.time == 0.0
     staged.get("set_episode_settings", synchronous)
@@ -183,7 +183,7 @@ def test_a_client_sets_the_heros_speed_and_the_friction_of_a_staged_scene(staged
     world = staged.world
     hero = next(one for one in world.actors.values() if one.attributes.get("role_name") == "hero")
     other = next(one for one in world.actors.values() if one.staged and one is not hero)
-    staged.get("set_episode_settings", [True, *world.settings[1:]])
+    staged.get("set_episode_settings", [True, *world.settings.wire()[1:]])
     assert "staged" in staged.error("set_actor_target_velocity", other.id, [1.0, 0.0, 0.0])
     yaw = math.radians(hero.place.rotation[1])
     ahead = [math.cos(yaw), math.sin(yaw), 0.0]
@@ -210,7 +210,7 @@ def test_a_client_sets_the_heros_speed_and_the_friction_of_a_staged_scene(staged
 
 def test_after_the_last_client_the_world_begins_again(staged):
     first = list(staged.world.actors.values())[1].place
-    settings_ = list(staged.world.settings)
+    settings_ = staged.world.settings.wire()
     settings_[0] = True
     staged.get("set_episode_settings", settings_)
     for _ in range(10):

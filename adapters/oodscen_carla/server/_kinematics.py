@@ -1,0 +1,81 @@
+"""The motion of a client's actors in one tick: driven vehicles, walkers, and bodies with a velocity."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from oodscen_carla.server._actors import Actor
+from oodscen_carla.server._geometry import rotated
+from oodscen_carla.server._roads import ServedMap
+from oodscen_carla.server._values import FARTHEST, Transform
+from oodscen_carla.server._vehicles import drive
+
+
+class Surface(NamedTuple):
+    """What actors move on."""
+
+    map: ServedMap
+    friction: float
+    """The road's friction."""
+    triggers: Sequence[Actor]
+    """The boxes with a friction of their own."""
+
+    def friction_below(self, actor: Actor) -> float:
+        """Return the friction below a vehicle: a trigger's, or the road's."""
+        for trigger in self.triggers:
+            reach = [trigger.number(f"extent_{axis}", 1.0) / 100.0 for axis in "xyz"]
+            pairs = zip(actor.place.location, trigger.place.location, strict=True)
+            apart = [abs(a - b) for a, b in pairs]
+            if all(a <= b for a, b in zip(apart, reach, strict=True)):
+                return max(0.0, min(2.0, trigger.number("friction", 1.0)))
+        return self.friction
+
+
+def move(actor: Actor, surface: Surface, dt: float) -> None:
+    """Move an actor by one tick of `dt`, s; what is attached to another moves with that."""
+    if actor.parent:
+        return
+    if actor.constant_velocity is not None:
+        actor.velocity = rotated(actor.constant_velocity, actor.place.rotation[1])
+        _shift(actor, dt)
+    elif actor.control is not None and actor.has_physics and actor.is_vehicle:
+        drive(actor, actor.control, surface.friction_below(actor), dt)
+        _stand(actor, surface.map)
+    elif actor.walk is not None:
+        _walk(actor, dt)
+        _stand(actor, surface.map)
+    elif actor.has_physics and any(actor.velocity):
+        _shift(actor, dt)
+
+
+def _walk(actor: Actor, dt: float) -> None:
+    """Move a walker, and turn it to where it goes."""
+    assert actor.walk is not None
+    pace = actor.walk.speed
+    x, y, z = (pace * part for part in actor.walk.direction)
+    actor.velocity, actor.speed = (x, y, z), pace
+    _shift(actor, dt)
+    if pace > 0.0 and math.hypot(x, y) > 1e-6:
+        pitch, _, roll = actor.place.rotation
+        turned = (pitch, math.degrees(math.atan2(y, x)), roll)
+        actor.place = Transform(actor.place.location, turned)
+
+
+def _shift(actor: Actor, dt: float) -> None:
+    """Move an actor by its velocity, within the world's limits."""
+    x, y, z = (a + b * dt for a, b in zip(actor.place.location, actor.velocity, strict=True))
+    x, y, z = (max(-FARTHEST, min(FARTHEST, value)) for value in (x, y, z))
+    actor.place = Transform((x, y, z), actor.place.rotation)
+
+
+def _stand(actor: Actor, road: ServedMap) -> None:
+    """Put an actor on the road, with the road's slope."""
+    x, y, _ = actor.place.location
+    found = road.ground(x, -y)
+    if found is None:
+        return
+    z, heading, slope = found
+    yaw = actor.place.rotation[1]
+    along = slope * math.cos(math.radians(-yaw) - heading)
+    pitch = math.degrees(math.atan(along)) if actor.is_vehicle else 0.0
+    actor.place = Transform((x, y, z), (pitch if abs(pitch) > 1e-4 else 0.0, yaw, 0.0))
