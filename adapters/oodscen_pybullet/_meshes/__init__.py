@@ -8,7 +8,7 @@ from oodscen.errors import UnknownComponent
 from oodscen_pybullet._meshes.atlas import LOOKS
 from oodscen_pybullet._meshes.builder import Lamp, Mesh, MeshBuilder, Point, Puff
 from oodscen_pybullet._meshes.designs import assemble, load_designs
-from oodscen_pybullet._meshes.detailed import detailed
+from oodscen_pybullet._meshes.detailed import build_detailed
 from oodscen_pybullet._meshes.living import people, roles
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.made import is_made, learned, made_mesh
@@ -96,7 +96,7 @@ def asset_mesh(
     paint = paint or paints_of(asset)[0]
     if details is not None:
         shown = Appearance(state, details.colour or paint, running, frame, details)
-        return detailed(asset, shown, _made, asset_mesh).build()
+        return build_detailed(asset, shown, _made, asset_mesh).build()
     shown = Appearance(state, paint, running, frame)
     return _made(asset, shown).shift(_rest(asset)).build()
 

@@ -5,16 +5,29 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Self
+from typing import Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.data._shapes import Caps
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
-from oodscen_pybullet._meshes.shapes import Array, Point, flat_normal, moved, ring, unit_rows
+from oodscen_pybullet._meshes.shapes import (
+    Array,
+    Point,
+    facet_rows,
+    flat_normal,
+    moved,
+    ring,
+    sphere_grid,
+    unit_rows,
+)
 
 __all__ = ["Array", "Lamp", "Mesh", "MeshBuilder", "Point", "Puff"]
+
+_BY_DAY = 0.22
+"""Share of a lamp's glow that is visible by day; light-emitting diodes have more."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +42,7 @@ class Lamp:
     """Direction of the beam in the mesh's frame; (0, 0, 0) shines in all directions."""
     power: float = 1.0
     """Relative power: 1 is a tail lamp; a headlamp on low beam is about 4."""
-    by_day: float = 0.22
+    by_day: float = _BY_DAY
     """Share of its glow that is visible by day."""
 
 
@@ -47,6 +60,21 @@ class Puff:
     """Opacity at the centre, 0 to 1."""
     is_bright: bool = False
     """True if it emits light, as fire does."""
+
+
+class _Rect(NamedTuple):
+    """A level rectangle, m."""
+
+    x0: float
+    x1: float
+    y0: float
+    y1: float
+    z: float
+
+    def corners(self) -> list[Point]:
+        """Return the corners, counter-clockwise seen from above."""
+        x0, x1, y0, y1, z = self
+        return [(x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +105,13 @@ class Mesh:
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
     @property
+    def size(self) -> Point:
+        """Length, width and height, m."""
+        low, high = self.bounds
+        length, width, height = (high - low).tolist()
+        return length, width, height
+
+    @property
     def classes(self) -> NDArray[np.uint8]:
         """Semantic class of each triangle, [m]; 0 leaves it to the colour."""
         return np.zeros(len(self.triangles), np.uint8) if self.tags is None else self.tags
@@ -97,7 +132,7 @@ class MeshBuilder:
         corners = np.asarray(points, dtype=np.float64)
         return self._add(corners, np.full((len(corners), 2), swatch_uv(colour)))
 
-    def picture(self, points: Sequence[Sequence[float]] | Array, region: str) -> Self:
+    def textured_quad(self, points: Sequence[Sequence[float]] | Array, region: str) -> Self:
         """Add a quad that shows a region of the atlas.
 
         Args:
@@ -106,23 +141,23 @@ class MeshBuilder:
         """
         return self._add(np.asarray(points, dtype=np.float64), region_uv(region))
 
-    def sticker(
+    def textured_polygon(
         self,
         points: Sequence[Sequence[float]] | Array,
-        shares: Sequence[tuple[float, float]],
+        uvs: Sequence[tuple[float, float]],
         region: str,
     ) -> Self:
         """Add a flat convex polygon that shows part of a region of the atlas.
 
         Args:
             points: Counter-clockwise seen from the side that shows.
-            shares: Position of each point in the region, from the bottom left, 0 to 1.
+            uvs: Position of each point in the region, from the bottom left, 0 to 1.
             region: Name of the region.
         """
         left, low = region_uv(region)[0]
         right, high = region_uv(region)[2]
-        uvs = np.array([(left + (right - left) * u, low + (high - low) * v) for u, v in shares])
-        return self._add(np.asarray(points, dtype=np.float64), uvs)
+        placed = np.array([(left + (right - left) * u, low + (high - low) * v) for u, v in uvs])
+        return self._add(np.asarray(points, dtype=np.float64), placed)
 
     def _add(self, corners: Array, uvs: Array, normals: Array | None = None) -> Self:
         if normals is None:
@@ -142,7 +177,7 @@ class MeshBuilder:
         top: tuple[float, float, float, float, float],
         colour: str,
         *,
-        caps: str = "bt",
+        caps: Caps = "bt",
         cap_colour: str = "",
         sides: Sequence[str] = (),
     ) -> Self:
@@ -156,9 +191,7 @@ class MeshBuilder:
             cap_colour: Colour of the ends, if different.
             sides: Colours of the sides right, front, left, back; empty strings leave a side open.
         """
-        (a0, a1, b0, b1, low), (c0, c1, d0, d1, high) = bottom, top
-        lower = [(a0, b0, low), (a1, b0, low), (a1, b1, low), (a0, b1, low)]
-        upper = [(c0, d0, high), (c1, d0, high), (c1, d1, high), (c0, d1, high)]
+        lower, upper = _Rect(*bottom).corners(), _Rect(*top).corners()
         for i in range(4):
             side = sides[i] if sides else colour
             if side:
@@ -170,12 +203,12 @@ class MeshBuilder:
             self.polygon(lower[::-1], cap_colour or colour)
         return self
 
-    def box(self, centre: Point, size: Point, colour: str, *, caps: str = "bt") -> Self:
+    def box(self, centre: Point, size: Point, colour: str, *, caps: Caps = "bt") -> Self:
         """Add an upright box, given its centre and full size."""
-        (x, y, z), (a, b, c) = centre, (size[0] / 2, size[1] / 2, size[2] / 2)
-        low = (x - a, x + a, y - b, y + b, z - c)
-        high = (x - a, x + a, y - b, y + b, z + c)
-        return self.hull(low, high, colour, caps=caps)
+        x, y, z = centre
+        half_length, half_width, half_height = size[0] / 2, size[1] / 2, size[2] / 2
+        sides = (x - half_length, x + half_length, y - half_width, y + half_width)
+        return self.hull((*sides, z - half_height), (*sides, z + half_height), colour, caps=caps)
 
     def beam(
         self, start: Point, end: Point, width: float, colour: str, *, end_width: float | None = None
@@ -241,36 +274,20 @@ class MeshBuilder:
             key: Seed of the shape.
             second_colour: Colour of the hollows, if given.
         """
-        rng = np.random.Generator(np.random.PCG64(key))
-        grid = np.zeros((down + 1, around, 3))
-        for i in range(down + 1):
-            polar = math.pi * i / down
-            for j in range(around):
-                turn = 2 * math.pi * j / around
-                grid[i, j] = (
-                    sin(polar) * cos(turn),
-                    sin(polar) * sin(turn),
-                    cos(polar),
-                )
-        smooth, dents = grid.copy(), np.zeros((down + 1, around))
+        sphere = sphere_grid(around, down)
+        grid, dents = sphere.copy(), np.zeros((down + 1, around))
         if jitter:
+            rng = np.random.Generator(np.random.PCG64(key))
             dents = rng.uniform(-1, 1, (down + 1, around))
             grid *= 1 + jitter * dents[..., None]
             grid[0], grid[-1] = grid[0, 0], grid[-1, 0]
         surface = grid * np.array(radii) + np.array(centre)
-        for i in range(down):
-            for j in range(around):
-                k = (j + 1) % around
-                rows = [(i, j), (i + 1, j), (i + 1, k), (i, k)]
-                if i == 0:
-                    rows = [(0, j), (1, j), (1, k)]
-                elif i == down - 1:
-                    rows = [(i, j), (down, j), (i, k)]
-                is_hollow = sum(float(dents[row]) for row in rows) < 0.0
-                shade = second_colour if second_colour and is_hollow else colour
-                normals = None if jitter else np.array([smooth[row] for row in rows])
-                corners = np.array([surface[row] for row in rows])
-                self._add(corners, np.tile(swatch_uv(shade), (len(rows), 1)), normals)
+        for rows in facet_rows(around, down):
+            is_hollow = sum(float(dents[row]) for row in rows) < 0.0
+            shade = second_colour if second_colour and is_hollow else colour
+            normals = None if jitter else np.array([sphere[row] for row in rows])
+            corners = np.array([surface[row] for row in rows])
+            self._add(corners, np.tile(swatch_uv(shade), (len(rows), 1)), normals)
         return self
 
     def column(
@@ -278,9 +295,9 @@ class MeshBuilder:
         rings: Sequence[tuple[Point, float, float]],
         colours: str | Sequence[str],
         *,
-        axis: str = "z",
+        axis: Literal["x", "z"] = "z",
         sides: int = 8,
-        caps: str = "bt",
+        caps: Caps = "bt",
     ) -> Self:
         """Add a smooth body that joins a sequence of elliptic rings.
 
@@ -295,13 +312,13 @@ class MeshBuilder:
         turns = [2 * math.pi * (i + 0.5) / sides for i in range(sides)]
         round_off = [(cos(turn), sin(turn)) for turn in turns]
         corners, outward = [], []
-        for (x, y, z), one, two in rings:
+        for (x, y, z), first, second in rings:
             if axis == "z":
-                row = [(x + one * c, y + two * s, z) for c, s in round_off]
-                way = [(c * two, s * one, 0.0) for c, s in round_off]
+                row = [(x + first * c, y + second * s, z) for c, s in round_off]
+                way = [(c * second, s * first, 0.0) for c, s in round_off]
             else:
-                row = [(x, y + one * c, z + two * s) for c, s in round_off]
-                way = [(0.0, c * two, s * one) for c, s in round_off]
+                row = [(x, y + first * c, z + second * s) for c, s in round_off]
+                way = [(0.0, c * second, s * first) for c, s in round_off]
             corners.append(np.array(row))
             rows = np.array(way)
             outward.append(unit_rows(rows, rows + np.array([0.0, 0.0, 1.0])))
@@ -325,13 +342,13 @@ class MeshBuilder:
         """Join a sequence of open outlines by panels.
 
         Args:
-            sections: Outlines of equal length; each is mirrored to the other side by the caller.
+            sections: Outlines of equal length.
             colours: One colour per edge of an outline; an empty string leaves the panel open.
         """
-        for one, two in itertools.pairwise(sections):
+        for near, far in itertools.pairwise(sections):
             for k, colour in enumerate(colours):
                 if colour:
-                    self.polygon([one[k], two[k], two[k + 1], one[k + 1]], colour)
+                    self.polygon([near[k], far[k], far[k + 1], near[k + 1]], colour)
         return self
 
     def wheel(self, x: float, y: float, radius: float, width: float, *, hub: str = "hub") -> Self:
@@ -349,7 +366,7 @@ class MeshBuilder:
         facing: Point,
         power: float = 1.0,
         *,
-        by_day: float = 0.22,
+        by_day: float = _BY_DAY,
     ) -> Self:
         """Declare a light that glows in the dark, and faintly by day."""
         self._lamps.append(Lamp(position, colour, facing, power, by_day))
@@ -368,22 +385,23 @@ class MeshBuilder:
         self._puffs.append(Puff(position, radius, colour, density, is_bright))
         return self
 
-    def add(
+    def add_surface(
         self,
         other: Mesh,
         at: Point = (0.0, 0.0, 0.0),
         yaw: float = 0.0,
         *,
-        upside_down: float | None = None,
+        roof_z: float | None = None,
         roll: float = 0.0,
     ) -> Self:
-        """Add a finished mesh, rotated and moved; its lamps are not added.
+        """Add the triangles of a finished mesh, rotated and moved, without its lamps, puffs and tags.
 
         Args:
             other: The mesh.
             at: New position of its origin.
             yaw: Counter-clockwise rotation, rad.
-            upside_down: Height that stays in place while the mesh is rotated about x by half a turn.
+            roof_z: Height of the point that ends up on z = 0 after half a turn about x; `None` leaves the mesh
+                upright.
             roll: Rotation about x before the others, rad.
         """
         points, normals = other.vertices.copy(), other.normals.copy()
@@ -392,9 +410,9 @@ class MeshBuilder:
             for rows in (points, normals):
                 y, z = rows[:, 1].copy(), rows[:, 2].copy()
                 rows[:, 1], rows[:, 2] = c * y - s * z, s * y + c * z
-        if upside_down is not None:
+        if roof_z is not None:
             points[:, 1] *= -1
-            points[:, 2] = upside_down - points[:, 2]
+            points[:, 2] = roof_z - points[:, 2]
             normals[:, 1:] *= -1
         c, s = cos(yaw), sin(yaw)
         for rows in (points, normals):
@@ -417,9 +435,10 @@ class MeshBuilder:
         ]
         return self
 
-    def __len__(self) -> int:
-        """Return the number of polygons and meshes added."""
-        return len(self._points)
+    @property
+    def is_empty(self) -> bool:
+        """True if there is nothing with a surface; lamps and puffs have none."""
+        return not self._points
 
     def flatten(self, ground: float) -> Self:
         """Flatten everything below a height onto that height."""
@@ -438,25 +457,19 @@ class MeshBuilder:
         rows = np.concatenate(self._points)
         return rows.min(axis=0), rows.max(axis=0)
 
-    def built(self) -> Mesh | None:
+    def build_or_none(self) -> Mesh | None:
         """Return the mesh, `None` if nothing was added; lamps and puffs alone make a mesh without triangles."""
-        if self._points:
-            return self.build()
-        if not (self._lamps or self._puffs):
+        if self.is_empty and not (self._lamps or self._puffs):
             return None
-        none = np.zeros((0, 3))
-        return Mesh(
-            none, none, np.zeros((0, 2)), np.zeros((0, 3), np.int64),
-            tuple(self._lamps), tuple(self._puffs),
-        )  # fmt: skip
+        return self.build()
 
     def build(self) -> Mesh:
         """Return the mesh."""
-        vertices = np.concatenate(self._points)
+        vertices = np.concatenate([np.zeros((0, 3)), *self._points])
         return Mesh(
             vertices=vertices,
-            normals=np.concatenate(self._normals),
-            uvs=np.concatenate(self._uvs),
+            normals=np.concatenate([np.zeros((0, 3)), *self._normals]),
+            uvs=np.concatenate([np.zeros((0, 2)), *self._uvs]),
             triangles=np.arange(len(vertices)).reshape(-1, 3),
             lamps=tuple(self._lamps),
             puffs=tuple(self._puffs),

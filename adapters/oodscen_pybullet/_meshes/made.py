@@ -18,8 +18,9 @@ from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.shapes import rotated
 
-__all__ = ["heaps", "insert", "is_made", "learned", "made_mesh", "rotated", "surfaces"]
+__all__ = ["heaps", "insert_at", "is_made", "learned", "made_mesh", "rotated", "surfaces"]
 
+_AS_IT_IS = Placing()
 _MARK = "@"
 _DESIGNS: dict[str, Prop] = {}
 """Every design that a scene of this process has brought along, by name and content."""
@@ -50,7 +51,7 @@ def made_mesh(asset: str, state: str, shipped: Callable[[str, str], Mesh]) -> Me
     _add_all(prop.parts, mesh, Appearance(state), Placing(), shipped)
     low, high, _ = prop.space(_sizes())
     x, y = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2
-    if not len(mesh):
+    if mesh.is_empty:
         # Dust alone has no surface; a speck on the road stands for it.
         mesh.box((x, y, 0.005), (0.06, 0.06, 0.01), "earth")
     return mesh.flatten(0.0).shift((-x, -y, 0.0)).build()
@@ -76,8 +77,8 @@ def _add_all(
     for part in parts:
         match part:
             case shapes.BothSidesOf():
-                for one in (place.mirrored(), place):
-                    inside(part.both_sides, one)
+                for side in (place.mirrored(), place):
+                    inside(part.both_sides, side)
             case shapes.RowOf():
                 x, y, z = part.step
                 for k in range(part.repeat):
@@ -91,32 +92,46 @@ def _add_all(
             case shapes.TurnedOf():
                 whole = MeshBuilder()
                 _add_all(part.turned, whole, shown, Placing(), shipped)
-                insert(mesh, whole.built(), part, 1.0, place)
+                _insert(mesh, whole.build_or_none(), part, 1.0, place)
             case shapes.AssetPart():
-                insert(mesh, shipped(part.asset, part.state), part, part.scale, place)
+                _insert(mesh, shipped(part.asset, part.state), part, part.scale, place)
             case _:
                 add(part, mesh, shown, place)
 
 
-def insert(
+def _insert(
     mesh: MeshBuilder,
     inner: Mesh | None,
     turn: shapes.TurnedOf | shapes.AssetPart,
     scale: float,
     place: Placing,
 ) -> None:
+    if inner is not None:
+        insert_at(
+            mesh, inner, turn.to, roll_deg=turn.roll, yaw_deg=turn.yaw, scale=scale, place=place
+        )
+
+
+def insert_at(
+    mesh: MeshBuilder,
+    inner: Mesh,
+    at: Point,
+    *,
+    roll_deg: float = 0.0,
+    yaw_deg: float = 0.0,
+    scale: float = 1.0,
+    place: Placing = _AS_IT_IS,
+) -> None:
     """Add a finished mesh with its lamps and puffs: scaled, turned, moved, then placed."""
-    if inner is None:
-        return
-    a, b = math.radians(turn.roll), math.radians(turn.yaw)
+    a, b = math.radians(roll_deg), math.radians(yaw_deg)
     c, s, k, m = cos(b), sin(b), cos(a), sin(a)
     rows = np.array([[c, -s * k, s * m], [s, c * k, -c * m], [0.0, m, k]])
     rows[1] *= place.side
-    x, y, z = place.point(turn.to)
+    x, y, z = place.point(at)
     shift = np.array([x, y, z])
     order = inner.triangles if place.side > 0 else inner.triangles[:, ::-1]
     if len(order):
-        mesh.add(
+        mesh.add_surface(
             replace(
                 inner,
                 vertices=rotated(inner.vertices * scale, rows) + shift,
@@ -125,13 +140,17 @@ def insert(
             )
         )
     for lamp in inner.lamps:
-        at = rotated(np.array([lamp.position]) * scale, rows)[0] + shift
-        way = rotated(np.array([lamp.facing]), rows)[0]
-        mesh.lamp(_point(at), lamp.colour, _point(way), lamp.power)
+        position = rotated(np.array([lamp.position]) * scale, rows)[0] + shift
+        facing = rotated(np.array([lamp.facing]), rows)[0]
+        mesh.lamp(_point(position), lamp.colour, _point(facing), lamp.power, by_day=lamp.by_day)
     for puff in inner.puffs:
-        at = rotated(np.array([puff.position]) * scale, rows)[0] + shift
+        position = rotated(np.array([puff.position]) * scale, rows)[0] + shift
         mesh.puff(
-            _point(at), puff.radius * scale, puff.colour, puff.density, is_bright=puff.is_bright
+            _point(position),
+            puff.radius * scale,
+            puff.colour,
+            puff.density,
+            is_bright=puff.is_bright,
         )
 
 

@@ -1,7 +1,7 @@
 """Basic geometry of corners, rings and boxes."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,3 +86,27 @@ def unit_rows(rows: Array, fallback: Array) -> Array:
     lengths = np.sqrt((rows * rows).sum(axis=1, keepdims=True))
     rows = np.where(lengths > 1e-9, rows, fallback)
     return np.asarray(rows / np.maximum(np.sqrt((rows * rows).sum(axis=1, keepdims=True)), 1e-9))
+
+
+def sphere_grid(around: int, down: int) -> Array:
+    """Return the corners of a unit sphere from pole to pole, [down + 1, around, 3]."""
+    grid = np.zeros((down + 1, around, 3))
+    for i in range(down + 1):
+        polar = math.pi * i / down
+        for j in range(around):
+            turn = 2 * math.pi * j / around
+            grid[i, j] = (sin(polar) * cos(turn), sin(polar) * sin(turn), cos(polar))
+    return grid
+
+
+def facet_rows(around: int, down: int) -> Iterator[list[tuple[int, int]]]:
+    """Yield the corners of every facet of a sphere's grid: triangles at the poles, quads between."""
+    for i in range(down):
+        for j in range(around):
+            k = (j + 1) % around
+            if i == 0:
+                yield [(0, j), (1, j), (1, k)]
+            elif i == down - 1:
+                yield [(i, j), (down, j), (i, k)]
+            else:
+                yield [(i, j), (i + 1, j), (i + 1, k), (i, k)]

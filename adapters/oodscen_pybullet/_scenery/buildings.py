@@ -53,7 +53,7 @@ def city_block(
             front = [(x0, -depth, low), (x1, -depth, low), (x1, -depth, high), (x0, -depth, high)]
             is_shop = floor == 0 and has_shop
             shop = (style + look + bay) % 4
-            mesh.picture(front, f"shop_{shop}" if is_shop else f"facade_{style}")
+            mesh.textured_quad(front, f"shop_{shop}" if is_shop else f"facade_{style}")
             if is_night:
                 _light(mesh, x0, -depth, low, rng, is_shop=is_shop)
             if is_shop and rng.uniform() < 0.6:
@@ -205,7 +205,9 @@ def house(kind: int, roof: int, look: int, *, is_night: bool) -> Mesh:
             ((-half, depth), (-half, -depth), tile),
         )
         for (ax, ay), (bx, by), region in sides:
-            mesh.picture([(ax, ay, low), (bx, by, low), (bx, by, high), (ax, ay, high)], region)
+            mesh.textured_quad(
+                [(ax, ay, low), (bx, by, low), (bx, by, high), (ax, ay, high)], region
+            )
         if is_night:
             for index, (a, b) in enumerate(((0.10, 0.36), (0.62, 0.88))):
                 is_door = floor == 0 and index == 1

@@ -100,5 +100,5 @@ def gantry(span: float) -> Mesh:
     for y in (-span * 0.32, -span * 0.72):
         mesh.box((0.0, y, 7.0), (0.1, 4.4, 1.9), "grey")
         board = [(y - 2.1, 6.15), (y + 2.1, 6.15), (y + 2.1, 7.85), (y - 2.1, 7.85)]
-        mesh.picture([(0.06, u, z) for u, z in board], "gantry")
+        mesh.textured_quad([(0.06, u, z) for u, z in board], "gantry")
     return on_posts(mesh.build(), Tag.TRAFFIC_SIGNS)

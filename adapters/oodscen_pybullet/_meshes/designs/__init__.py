@@ -208,4 +208,4 @@ def _(part: shapes.ConditionOf, mesh: MeshBuilder, shown: Appearance, place: Pla
 def _(part: shapes.TurnedOf, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
     whole = MeshBuilder()
     _add(part.turned, whole, shown, place)
-    mesh.add(whole.build(), part.to, math.radians(part.yaw), roll=math.radians(part.roll))
+    mesh.add_surface(whole.build(), part.to, math.radians(part.yaw), roll=math.radians(part.roll))

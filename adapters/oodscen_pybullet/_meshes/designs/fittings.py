@@ -312,7 +312,7 @@ class SidePrint(Fitting):
         """Add the prints."""
         (back, fore), y, (low, high) = self.x, self.y, self.z
         for one, two, side in ((back, fore, -y), (fore, back, y)):
-            mesh.picture(
+            mesh.textured_quad(
                 [(one, side, low), (two, side, low), (two, side, high), (one, side, high)],
                 self.side_print,
             )

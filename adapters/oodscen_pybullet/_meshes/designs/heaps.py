@@ -32,7 +32,7 @@ def _(part: shapes.Heap, mesh: MeshBuilder, shown: Appearance, place: Placing) -
             (x, y, high - tall), (lump / grown, lump / grown, tall / grown),
             colours[index % 3 == 0], around=7, down=4, jitter=part.rough, key=part.key + index,
         )  # fmt: skip
-    mesh.add(heap.flatten(0.0).build(), place.point((*part.heap, 0.0)))
+    mesh.add_surface(heap.flatten(0.0).build(), place.point((*part.heap, 0.0)))
 
 
 @add.register

@@ -225,7 +225,7 @@ class TailLift(Fitting):
         (x, z), half = self.tail_lift, self.half
         mesh.box((x - 0.8, 0.0, z), (1.5, 2 * half, 0.09), "metal")
         edge = [(x - 1.56, half), (x - 1.56, -half)]
-        mesh.picture(
+        mesh.textured_quad(
             [
                 (*edge[0], z - 0.05),
                 (*edge[1], z - 0.05),

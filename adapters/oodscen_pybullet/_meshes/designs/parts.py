@@ -81,7 +81,7 @@ class Picture(DrawnPart):
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
         """Add the quad; a mirrored one stays readable."""
         one, two, three, four = (place.point(point) for point in self.on)
-        mesh.picture(
+        mesh.textured_quad(
             [one, two, three, four] if place.side > 0 else [two, one, four, three], self.picture
         )
 
@@ -201,7 +201,7 @@ def _(part: shapes.Wheel, mesh: MeshBuilder, shown: Appearance, place: Placing) 
         mesh.wheel(x, y, part.radius, part.width, hub=part.hub)
     else:
         wheel = MeshBuilder().wheel(x, y, part.radius, part.width, hub=part.hub)
-        mesh.add(wheel.build(), (0.0, 0.0, z))
+        mesh.add_surface(wheel.build(), (0.0, 0.0, z))
 
 
 def _wheel_off(part: shapes.Wheel, mesh: MeshBuilder, at: Point) -> None:

@@ -1,4 +1,4 @@
-"""The parts of a person's body and what all people wear, facing x."""
+"""The parts of a person's body and what all people wear, facing x. All numbers are metres."""
 
 import math
 from dataclasses import dataclass
@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
 
-HIP = 0.90
-SHOULDER = 1.40
-"""Heights of the joints of an adult of 1.75 m, m."""
+HIP_M = 0.90
+"""Height of the hip joints of an adult 1.75 m tall, m."""
+SHOULDER_M = 1.40
+"""The same of the shoulder joints, m."""
 
 
 @dataclass(frozen=True)
@@ -27,11 +28,13 @@ class Clothes:
     """Colour of the shins below short trousers."""
     has_long_hair: bool = False
     skirt: str = ""
-    gloves: str = ""
+    gesture_gloves: str = ""
     """Colour of the hands in a gesture, if they are gloved."""
 
 
-def trunk(mesh: MeshBuilder, clothes: Clothes, hip: float, shoulder: float, lean: float) -> None:
+def add_trunk(
+    mesh: MeshBuilder, clothes: Clothes, hip: float, shoulder: float, lean: float
+) -> None:
     """Add hips, waist and chest; the shoulders are `lean` ahead of the hips, m."""
     waist = (0.4 * lean, 0.0, hip + 0.20)
     mesh.column(
@@ -47,38 +50,51 @@ def trunk(mesh: MeshBuilder, clothes: Clothes, hip: float, shoulder: float, lean
     )
 
 
-def skirt(mesh: MeshBuilder, clothes: Clothes, hip: float) -> None:
-    """Add the skirt of who wears one."""
+def add_skirt(mesh: MeshBuilder, clothes: Clothes, hip: float) -> None:
+    """Add a skirt, if the person wears one."""
     if clothes.skirt:
         mesh.column(
             [((0, 0, 0.48), 0.2, 0.26), ((0, 0, hip + 0.1), 0.12, 0.165)], clothes.skirt, caps="b"
         )
 
 
-def neck(mesh: MeshBuilder, clothes: Clothes, shoulder: float, lean: float) -> Point:
+def add_neck(mesh: MeshBuilder, clothes: Clothes, shoulder: float, lean: float) -> Point:
     """Add the neck, and return the centre of the head."""
     head = (lean + 0.02, 0.0, shoulder + 0.215)
     mesh.cylinder((lean, 0, shoulder + 0.05), (head[0], 0, head[2]), 0.05, clothes.skin, sides=6)
     return head
 
 
-def leg(
+def add_leg(
     mesh: MeshBuilder,
     clothes: Clothes,
     side: float,
     hip: float,
     phase: float,
-    half: float,
+    half_stride_m: float,
     *,
     moves: bool,
     runs: bool,
 ) -> None:
-    """Add a leg that stands, or is in a phase of a walk or a run."""
+    """Add a leg that stands, or is in a phase of a walk or a run.
+
+    Args:
+        mesh: The mesh.
+        clothes: The colours.
+        side: -1 for the right leg, 1 for the left one.
+        hip: Height of the hip.
+        phase: Completed fraction of the stride.
+        half_stride_m: Distance ahead of the hip at which a walking foot lands; a running one lands farther.
+        moves: Whether the leg is in motion.
+        runs: Whether that motion is a run.
+    """
     y, ankle = side * 0.095, 0.09
-    ahead, up = side * -0.03, 0.0
-    if moves:
-        half = 1.3 * half if runs else half
-        ahead, up = stride(phase, half, 0.42 if runs else 0.13, 0.42 if runs else 0.6)
+    if not moves:
+        ahead, up = side * -0.03, 0.0
+    elif runs:
+        ahead, up = stride(phase, 1.3 * half_stride_m, 0.42, 0.42)
+    else:
+        ahead, up = stride(phase, half_stride_m, 0.13, 0.6)
     foot = (ahead - 0.03, y, ankle + up)
     knee, foot = joint((0.0, y, hip), foot, 0.425, 0.41, (1.0, side * 0.05, 0.1))
     shin = clothes.shins or clothes.legs
@@ -93,13 +109,14 @@ def leg(
         mesh.beam((x - 0.02, y, z + 0.1), toe, 0.095, clothes.shoes)
 
 
-def arm(
+def add_arm(
     mesh: MeshBuilder,
     clothes: Clothes,
     side: float,
     shoulder: Point,
     hand: Point | None,
     phase: float,
+    *,
     moves: bool,
     runs: bool,
 ) -> None:
@@ -107,10 +124,10 @@ def arm(
     x, _, z = shoulder
     if hand is None:
         swing = -math.cos(2 * math.pi * phase) if moves else 0.0
-        reach = 0.42 if runs else 0.26
-        hand = (x + 0.05 + reach * swing, side * 0.27, z - 0.51 + 0.06 * abs(swing))
         if runs:
             hand = (x + 0.14 + 0.26 * swing, side * 0.2, z - 0.26 + 0.16 * swing)
+        else:
+            hand = (x + 0.05 + 0.26 * swing, side * 0.27, z - 0.51 + 0.06 * abs(swing))
     elbow, hand = joint(shoulder, hand, 0.28, 0.27, (-1.0, side * 0.5, -0.2))
     lower = clothes.sleeves or clothes.top
     limb(mesh, (shoulder, elbow, hand), (0.062, 0.048, 0.034), (clothes.top, lower))
@@ -146,7 +163,7 @@ def add_head(mesh: MeshBuilder, clothes: Clothes, head: Point) -> None:
         )
 
 
-def vest(mesh: MeshBuilder, colour: str, head: Point) -> None:
+def add_vest(mesh: MeshBuilder, colour: str, head: Point) -> None:
     """Add a high-visibility vest with two reflective bands around the chest, below a given head."""
     x, _, z = head
     rings = (

@@ -5,16 +5,16 @@ from dataclasses import dataclass, replace
 
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 from oodscen_pybullet._meshes.living.body import (
-    HIP,
-    SHOULDER,
+    HIP_M,
+    SHOULDER_M,
     Clothes,
+    add_arm,
     add_head,
-    arm,
-    leg,
-    neck,
-    skirt,
-    trunk,
-    vest,
+    add_leg,
+    add_neck,
+    add_skirt,
+    add_trunk,
+    add_vest,
 )
 from oodscen_pybullet._meshes.living.poses import pose_of
 from oodscen_pybullet._meshes.living.posing import posed_figure
@@ -79,18 +79,20 @@ def figure(
         posture = _reacting(posture, shown.warned)
     lean = posture.lean + (0.10 if runs else 0.0)
     drop = posture.crouch + (0.05 if runs else 0.03 if moves else 0.0)
-    hip, shoulder = HIP - drop, SHOULDER - drop
+    hip, shoulder = HIP_M - drop, SHOULDER_M - drop
     for side in (-1.0, 1.0):
         own = phase + (0.5 if side > 0 else 0.0)
-        leg(mesh, clothes, side, hip, own, posture.half_step, moves=moves, runs=runs)
+        add_leg(mesh, clothes, side, hip, own, posture.half_step, moves=moves, runs=runs)
         hand = posture.left_hand if side > 0 else posture.right_hand
-        arm(mesh, clothes, side, (lean, side * 0.225, shoulder), hand, own, moves, runs)
-    trunk(mesh, clothes, hip, shoulder, lean)
-    skirt(mesh, clothes, hip)
-    head = neck(mesh, clothes, shoulder, lean)
+        add_arm(
+            mesh, clothes, side, (lean, side * 0.225, shoulder), hand, own, moves=moves, runs=runs
+        )
+    add_trunk(mesh, clothes, hip, shoulder, lean)
+    add_skirt(mesh, clothes, hip)
+    head = add_neck(mesh, clothes, shoulder, lean)
     face = MeshBuilder()
     add_head(face, clothes, (0.0, 0.0, 0.0))
-    mesh.add(face.build(), head, yaw=_TURNS.get(shown.warned or "", 0.0))
+    mesh.add_surface(face.build(), head, yaw=_TURNS.get(shown.warned or "", 0.0))
     for extra in (worn, on_head):
         if extra is not None:
             extra(mesh, head)
@@ -166,7 +168,7 @@ def worker(mesh: MeshBuilder, shown: Appearance) -> None:
 
 def yellow_vest(body: MeshBuilder, head: Point) -> None:
     """Add a yellow high-visibility vest."""
-    vest(body, "fluor_yellow", head)
+    add_vest(body, "fluor_yellow", head)
 
 
 def has_free_hands(shown: Appearance) -> bool:
@@ -177,11 +179,11 @@ def has_free_hands(shown: Appearance) -> bool:
 def police_officer(mesh: MeshBuilder, shown: Appearance) -> None:
     """A police officer in a yellow vest, holding up a stop disc."""
     hold = replace(UPRIGHT, half_step=0.25, right_hand=(0.36, -0.30, 1.62))
-    clothes = Clothes("uniform", "uniform", hat="uniform", gloves="white")
+    clothes = Clothes("uniform", "uniform", hat="uniform", gesture_gloves="white")
 
     def worn(body: MeshBuilder, head: Point) -> None:
         x, _, z = head
-        vest(body, "fluor_yellow", (x, 0.0, z))
+        add_vest(body, "fluor_yellow", (x, 0.0, z))
         for side, at in ((-1.0, -0.175), (1.0, 0.135)):
             corners = [
                 (x + at, y, z - h)
@@ -189,7 +191,7 @@ def police_officer(mesh: MeshBuilder, shown: Appearance) -> None:
             ]
             if side < 0:
                 corners = [corners[1], corners[0], corners[3], corners[2]]
-            body.picture(corners, "police_back")
+            body.textured_quad(corners, "police_back")
 
     def on_head(body: MeshBuilder, head: Point) -> None:
         x, _, z = head

@@ -76,7 +76,7 @@ class Pose(KeyFrame):
     """Distance from the first key frame to the next one like it, m."""
     hands: Literal["fist", "flat", "finger"] = "fist"
     walks: bool = False
-    """True if the legs of the pose are those of who stands; in motion they walk."""
+    """True if the legs of the pose are those of a person who stands; in motion they walk."""
     backwards: bool = False
     rope: bool = False
     """True if a taut rope runs forward from the hands."""

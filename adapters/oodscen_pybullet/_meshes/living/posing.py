@@ -8,7 +8,7 @@ import numpy as np
 from oodscen.numerics._exact import PI
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
 from oodscen_pybullet._meshes.living import body
-from oodscen_pybullet._meshes.living.body import HIP, SHOULDER, Clothes
+from oodscen_pybullet._meshes.living.body import HIP_M, SHOULDER_M, Clothes
 from oodscen_pybullet._meshes.living.limbs import limb
 from oodscen_pybullet._meshes.living.poses import (
     HIP_Y,
@@ -49,7 +49,7 @@ def posed_figure(
     person = MeshBuilder()
     _add_person(person, clothes, shown, pose, half_step, extras)
     _add_things(mesh, pose, pose.at(shown.beat))
-    mesh.add(person.build(), yaw=PI if pose.backwards else 0.0)
+    mesh.add_surface(person.build(), yaw=PI if pose.backwards else 0.0)
 
 
 def _add_person(
@@ -67,31 +67,31 @@ def _add_person(
     worn, on_head = extras
     dressed = replace(clothes, legs=clothes.skirt or clothes.legs) if bends_legs else clothes
     drop = 0.0 if bends_legs or not moves else 0.05 if runs else 0.03
-    whole, hip = MeshBuilder(), HIP - drop
+    whole, hip = MeshBuilder(), HIP_M - drop
     for side in (-1.0, 1.0):
         if not bends_legs:
             own = phase + (0.5 if side > 0 else 0.0)
             own = -own if pose.backwards else own
-            body.leg(mesh, clothes, side, hip, own, half_step, moves=moves, runs=runs)
+            body.add_leg(mesh, clothes, side, hip, own, half_step, moves=moves, runs=runs)
         else:
             angles = frame.left_leg if side > 0 else frame.right_leg
             assert angles is not None
             _leg(whole, dressed, leg(angles, side, (0.0, side * HIP_Y, hip), frame.lean))
-        _arm(whole, dressed, side, frame, pose, SHOULDER - drop, phase if moves else None, runs)
-    body.trunk(whole, dressed, hip, SHOULDER - drop, 0.0)
-    head = body.neck(whole, clothes, SHOULDER - drop, 0.0)
+        _arm(whole, dressed, side, frame, pose, SHOULDER_M - drop, phase if moves else None, runs)
+    body.add_trunk(whole, dressed, hip, SHOULDER_M - drop, 0.0)
+    head = body.add_neck(whole, clothes, SHOULDER_M - drop, 0.0)
     face = MeshBuilder()
     body.add_head(face, clothes, (0.0, 0.0, 0.0))
     if on_head is not None:
         on_head(face, (0.0, 0.0, 0.0))
     nod, turn = frame.head
     look = rotation(pitch=PI * nod / 180.0, yaw=PI * turn / 180.0)
-    whole.add(turned(face.build(), look, head, shift=0.0))
+    whole.add_surface(turned(face.build(), look, head, shift=0.0))
     if worn is not None:
         worn(whole, head)
-    mesh.add(turned(whole.build(), trunk(frame), (0.0, 0.0, hip)))
+    mesh.add_surface(turned(whole.build(), trunk(frame), (0.0, 0.0, hip)))
     if not bends_legs:
-        body.skirt(mesh, clothes, hip)
+        body.add_skirt(mesh, clothes, hip)
 
 
 def turned(mesh: Mesh, rows: Array, about: Point, shift: float = 1.0) -> Mesh:
@@ -127,12 +127,12 @@ def _arm(
     if angles is None:
         own = (phase or 0.0) + (0.5 if side > 0 else 0.0)
         own = -own if pose.backwards else own
-        body.arm(mesh, clothes, side, shoulder, None, own, phase is not None, runs)
+        body.add_arm(mesh, clothes, side, shoulder, None, own, moves=phase is not None, runs=runs)
         return
     joints = arm(angles, side, shoulder)
     lower = clothes.sleeves or clothes.top
     limb(mesh, joints[:3], (0.062, 0.048, 0.034), (clothes.top, lower))
-    colour = clothes.gloves or clothes.skin
+    colour = clothes.gesture_gloves or clothes.skin
     mesh.ball(joints.end, (0.045, 0.045, 0.06), colour, around=6, down=4)
     if pose.hands == "flat":
         mesh.beam(joints.end, _along(joints.end, joints.way, 0.2), 0.11, colour, end_width=0.08)
@@ -141,10 +141,10 @@ def _arm(
 
 
 def hands(frame: KeyFrame) -> tuple[Point, Point]:
-    """Return the right and the left hand of who stands; those without angles hang."""
-    at, points = np.array([0.0, 0.0, HIP]), []
+    """Return the right and the left hand of a person who stands; those without angles hang."""
+    at, points = np.array([0.0, 0.0, HIP_M]), []
     for side, angles in ((-1.0, frame.right_arm), (1.0, frame.left_arm)):
-        shoulder = (0.0, side * SHOULDER_Y, SHOULDER)
+        shoulder = (0.0, side * SHOULDER_Y, SHOULDER_M)
         points.append(arm(angles or (6, 60, 4, 0), side, shoulder).end)
     rows = rotated(np.array(points) - at, trunk(frame)) + at
     (a, b, c), (d, e, f) = rows.tolist()

@@ -199,7 +199,7 @@ def _placard(mesh: MeshBuilder) -> None:
     mesh.cylinder((0.25, 0.13, 0.98), (0.25, -0.05, 1.95), 0.018, "wood", sides=6)
     y, low, high = -0.08, 1.8, 2.36
     for x, sign in ((0.235, -1.0), (0.265, 1.0)):
-        mesh.picture(
+        mesh.textured_quad(
             [
                 (x, y - sign * 0.38, low),
                 (x, y + sign * 0.38, low),
@@ -215,8 +215,8 @@ def person_lying(mesh: MeshBuilder) -> None:
     body = MeshBuilder()
     clothes = Clothes("shirt", "jeans", sleeves="skin")
     figure(body, clothes, Appearance(), Posture((0.06, 0.62, 1.5), (0.06, -0.62, 1.08)))
-    facing_left = MeshBuilder().add(body.build(), yaw=math.pi / 2).build()
-    mesh.add(facing_left, (0.0, 0.0, 0.14), roll=math.pi / 2).flatten(0.0)
+    facing_left = MeshBuilder().add_surface(body.build(), yaw=math.pi / 2).build()
+    mesh.add_surface(facing_left, (0.0, 0.0, 0.14), roll=math.pi / 2).flatten(0.0)
 
 
 STILL = (person_lying,)

@@ -33,7 +33,7 @@ def mannequin(mesh: MeshBuilder) -> None:
     doll.cylinder((-0.14, 0, 0.04), (-0.14, 0, 0.9), 0.02, "metal", sides=6)
     for z in (0.86, 1.2):
         doll.column([((0, 0, z), 0.125, 0.172), ((0, 0, z + 0.015), 0.125, 0.172)], "grey", caps="")
-    mesh.add(doll.build(), yaw=math.pi)
+    mesh.add_surface(doll.build(), yaw=math.pi)
 
 
 def drone(mesh: MeshBuilder) -> None:

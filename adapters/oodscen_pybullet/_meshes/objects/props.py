@@ -72,7 +72,7 @@ def tyre(mesh: MeshBuilder) -> None:
     lean = MeshBuilder()
     _torus(lean, (0, 0, 0), 0.36, 0.14, "tyre")
     _torus(lean, (0, 0, 0.1), 0.25, 0.03, "grey")
-    mesh.add(lean.build(), (0.0, 0.36, 0.60), roll=math.radians(62))
+    mesh.add_surface(lean.build(), (0.0, 0.36, 0.60), roll=math.radians(62))
 
 
 def mattress(mesh: MeshBuilder) -> None:

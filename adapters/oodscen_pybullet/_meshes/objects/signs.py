@@ -40,7 +40,7 @@ def face(
     x, y, z = centre
     out = -1.0 if is_forward else 1.0
     points = [(x, y + out * half * (1 - 2 * u), z + half * (2 * v - 1)) for u, v in shares]
-    mesh.sticker(points, shares, region)
+    mesh.textured_polygon(points, shares, region)
 
 
 def _plate(
@@ -126,10 +126,10 @@ def sign_fallen(mesh: MeshBuilder) -> None:
     turned = MeshBuilder()
     for part in (plain, base):
         # A rotation about y is a rotation about x between two quarter turns about z.
-        side = MeshBuilder().add(part.build(), yaw=math.pi / 2).build()
-        lean = MeshBuilder().add(side, roll=tilt).build()
-        turned.add(lean, yaw=-math.pi / 2)
-    mesh.add(turned.build(), (-0.62, 0, 0.36))
+        side = MeshBuilder().add_surface(part.build(), yaw=math.pi / 2).build()
+        lean = MeshBuilder().add_surface(side, roll=tilt).build()
+        turned.add_surface(lean, yaw=-math.pi / 2)
+    mesh.add_surface(turned.build(), (-0.62, 0, 0.36))
 
 
 # ------------------------------------------------------------------ lights
@@ -215,7 +215,7 @@ def pedestrian_light(mesh: MeshBuilder, shown: Appearance) -> None:
             (-0.245, 0.14, z + 0.15),
         ]
         if is_lit:
-            mesh.picture(corners, region)
+            mesh.textured_quad(corners, region)
             mesh.lamp(
                 (-0.25, 0, z), RED if region == "sign_man" else GREEN, (-1, 0, 0), 0.8, by_day=_LED
             )

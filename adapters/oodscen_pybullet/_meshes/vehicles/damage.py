@@ -40,7 +40,7 @@ def altered(mesh: MeshBuilder, shown: Appearance) -> MeshBuilder:
     whole = mesh.build()
     for change in changes:
         whole = change(whole)
-    built = MeshBuilder().add(whole)
+    built = MeshBuilder().add_surface(whole)
     for lamp in whole.lamps:
         built.lamp(lamp.position, lamp.colour, lamp.facing, lamp.power, by_day=lamp.by_day)
     return built

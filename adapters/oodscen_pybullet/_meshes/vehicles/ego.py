@@ -19,7 +19,7 @@ def ego_car(mesh: MeshBuilder, shown: Appearance) -> None:
         uvs=built.uvs,
         triangles=built.triangles,
     )
-    mesh.add(scaled)
+    mesh.add_surface(scaled)
 
 
 def bonnet(paint: str) -> MeshBuilder:

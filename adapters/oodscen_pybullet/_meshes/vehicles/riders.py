@@ -183,7 +183,7 @@ def motorcycle(mesh: MeshBuilder, shown: Appearance) -> None:
         mesh.lamp((0.74, 0, 0.92), WHITE, (1, 0, 0), 4.0)
     _signals(mesh, lights, -1.0, 0.72)
     _signals(mesh, lights, 0.72, 0.92)
-    mesh.picture(
+    mesh.textured_quad(
         [(-1.05, 0.1, 0.52), (-1.05, -0.1, 0.52), (-1.05, -0.1, 0.64), (-1.05, 0.1, 0.64)],
         "plate_rear",
     )

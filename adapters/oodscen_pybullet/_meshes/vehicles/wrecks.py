@@ -10,7 +10,7 @@ from oodscen_pybullet._meshes.look import AMBER, Appearance
 
 def overturned_car(mesh: MeshBuilder, shown: Appearance) -> None:
     """A car on its crushed roof, wheels up, with glass and parts around it."""
-    mesh.add(assemble("car", shown).build(), upside_down=1.44)
+    mesh.add_surface(assemble("car", shown).build(), roof_z=1.44)
     for index, (x, y) in enumerate(((1.9, 0.5), (-1.7, 0.6), (1.75, -0.7), (-1.2, -0.8))):
         mesh.box((x, y, 0.02 + 0.01 * index), (0.14, 0.1, 0.03), "glass_light")
     mesh.beam((1.5, 0.75, 0.04), (2.05, 0.5, 0.06), 0.08, shown.paint)
@@ -20,7 +20,7 @@ def overturned_car(mesh: MeshBuilder, shown: Appearance) -> None:
 
 def overturned_truck(mesh: MeshBuilder, shown: Appearance) -> None:
     """The lorry on its right side, with its wheels towards the viewer's left."""
-    mesh.add(assemble("truck", shown).build(), roll=math.pi / 2).centred()
+    mesh.add_surface(assemble("truck", shown).build(), roll=math.pi / 2).centred()
     _hazard_lamps(mesh, shown, 4.0, 0.9, 0.5)
 
 
@@ -34,7 +34,7 @@ def _hazard_lamps(mesh: MeshBuilder, shown: Appearance, x: float, y: float, z: f
 
 def burning_car(mesh: MeshBuilder, shown: Appearance) -> None:
     """A burnt-out car in flames under a column of black smoke."""
-    mesh.add(assemble("car", Appearance(paint="char")).build())
+    mesh.add_surface(assemble("car", Appearance(paint="char")).build())
     seats = (
         (1.3, 0.0, 0.9),
         (0.3, 0.3, 1.35),

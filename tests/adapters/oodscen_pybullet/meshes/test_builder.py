@@ -52,7 +52,7 @@ def test_puffs_and_lamps_move_with_the_mesh(scale: float, away: float) -> None:
 def test_a_sticker_shows_only_its_region(axis: str) -> None:
     square = [(0, 0, 0), (0, 1, 0), (0, 1, 1), (0, 0, 1)]
     shares = [(0.1, 0.1), (0.9, 0.1), (0.9, 0.9), (0.1, 0.9)]
-    mesh = MeshBuilder().sticker(square, shares, "sign_stop").build()
+    mesh = MeshBuilder().textured_polygon(square, shares, "sign_stop").build()
     x, y, width, height = REGIONS["sign_stop"]
     columns, rows = mesh.uvs[:, 0] * SIZE, (1 - mesh.uvs[:, 1]) * SIZE
     assert ((columns > x) & (columns < x + width)).all()

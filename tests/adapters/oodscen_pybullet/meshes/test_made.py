@@ -84,3 +84,11 @@ def test_the_authors_designs_can_be_drawn(name: str) -> None:
     prop = load_designs()[name]
     assert not check_prop(prop, load_catalogue().assets)
     assert len(mesh_of(prop).triangles) <= MOST_TRIANGLES
+
+
+def test_a_lamp_shines_as_much_by_day_in_a_design_as_alone() -> None:
+    part = {"asset": "traffic_light", "to": [0, 0, 0], "yaw": 90}
+    design = mesh_of(Prop.parse({**WALL, "parts": [*WALL["parts"], part]}))
+    alone = {lamp.by_day for lamp in asset_mesh("traffic_light").lamps}
+    assert alone
+    assert alone <= {lamp.by_day for lamp in design.lamps}

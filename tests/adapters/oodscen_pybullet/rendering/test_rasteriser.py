@@ -35,7 +35,7 @@ def scenery(rng: np.random.Generator) -> Mesh:
     mesh = MeshBuilder()
     for x in range(-20, 200, 10):
         corners = [(x, -30, 0), (x + 10, -30, 0), (x + 10, 30, 0), (x, 30, 0)]
-        mesh.picture(corners, "asphalt")
+        mesh.textured_quad(corners, "asphalt")
     for x, y, a, b, c in rng.uniform((10, -25, 1, 1, 1), (150, 25, 6, 6, 12), (12, 5)):
         y += 8.0 if y > 0 else -8.0
         mesh.box((x, y, c / 2), (a, b, c), "wall_cream")
@@ -98,7 +98,7 @@ from oodscen_pybullet._rendering.view import CameraView
 from oodscen.protocols import Camera
 
 def render(stage):
-    mesh = MeshBuilder().picture([(-9, -9, 0), (90, -9, 0), (90, 9, 0), (-9, 9, 0)], "paving")
+    mesh = MeshBuilder().textured_quad([(-9, -9, 0), (90, -9, 0), (90, 9, 0), (-9, 9, 0)], "paving")
     stage.show_scenery([mesh.build()])
     stage.show_actors([Look("ego_car"), Look("cow")])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.1), (9.0, 1.0, 0.0, 2.0)])

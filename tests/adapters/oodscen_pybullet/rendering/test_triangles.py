@@ -42,7 +42,7 @@ def test_joining_keeps_every_chunk() -> None:
 
 def test_colours_and_textures_are_told_apart() -> None:
     square = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
-    mesh = MeshBuilder().polygon(square, "red").picture(square, "limit").build()
+    mesh = MeshBuilder().polygon(square, "red").textured_quad(square, "limit").build()
     some = Triangles.of(mesh, draw_atlas(), is_chunked=False)
     limit = list(REGIONS).index("limit")
     assert some.regions.tolist() == [-1, -1, limit, limit]
