@@ -10,7 +10,8 @@ Ints = NDArray[np.int64]
 
 REACH = 2.5
 """Upper limit of measured distances, m."""
-_CELL = 2.5
+_CELL_M = 2.5
+"""Side of a grid cell, m; any length will do, and it need not be `REACH`."""
 _BATCH = 150_000
 """Largest number of point-triangle pairs per batch."""
 
@@ -24,18 +25,26 @@ class Cover:
         Args:
             triangles: [n, 3, 2] corners in either orientation, m; degenerate triangles are ignored.
         """
-        one, two, three = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-        a, b = two - one, three - one
-        area = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-        turned = np.where((area < 0.0)[:, None, None], triangles[:, [0, 2, 1]], triangles)
-        self._corners = turned[np.abs(area) > 1e-6]
+        self._corners = _oriented(triangles)
         self._sides = np.roll(self._corners, -1, axis=1) - self._corners
         square = (self._sides**2).sum(axis=2)
         self._inverse = 1.0 / np.maximum(square, 1e-12)
-        low = np.floor((self._corners.min(axis=1) - REACH) / _CELL).astype(np.int64)
-        high = np.floor((self._corners.max(axis=1) + REACH) / _CELL).astype(np.int64)
+        low = np.floor((self._corners.min(axis=1) - REACH) / _CELL_M).astype(np.int64)
+        high = np.floor((self._corners.max(axis=1) + REACH) / _CELL_M).astype(np.int64)
         self._low = low.min(axis=0) if len(low) else np.zeros(2, np.int64)
         self._rows = int(high[:, 1].max() - self._low[1] + 1) if len(low) else 1
+        self._bucket(low, high)
+
+    def _bucket(self, low: Ints, high: Ints) -> None:
+        """List the triangles of every cell within reach of one.
+
+        `_cells` are the numbers of those cells, ascending. The triangles of the k-th of them are `_counts[k]`
+        entries of `_members`, from `_starts[k]` on.
+
+        Args:
+            low: [n, 2] column and row of the first cell within reach of each triangle.
+            high: [n, 2] the same of the last one.
+        """
         wide, tall = (high - low + 1).T if len(low) else np.zeros((2, 0), np.int64)
         owner, rank = _expanded(wide * tall)
         column = low[owner, 0] + rank % wide[owner] - self._low[0]
@@ -49,13 +58,16 @@ class Cover:
     def distance(self, x: Array, y: Array) -> Array:
         """Return the distance of points from the covered area: negative inside, at most `REACH`, m.
 
+        It is exact outside, up to `REACH`. Inside, only the sign is meaningful, and it is 0 on edges between
+        triangles.
+
         Args:
             x: [n], m
             y: [n], m
         """
         found = np.full(len(x), REACH)
-        i = np.floor(x / _CELL).astype(np.int64) - self._low[0]
-        j = np.floor(y / _CELL).astype(np.int64) - self._low[1]
+        i = np.floor(x / _CELL_M).astype(np.int64) - self._low[0]
+        j = np.floor(y / _CELL_M).astype(np.int64) - self._low[1]
         inside = (j >= 0) & (j < self._rows)
         cell = i * self._rows + j
         if not len(self._cells):
@@ -74,6 +86,7 @@ class Cover:
         return found
 
     def _measured(self, x: Array, y: Array, first: Ints, count: Ints) -> Array:
+        """Return the least signed distance per point, over its candidate triangles, m."""
         point, rank = _expanded(count)
         member = self._members[first[point] + rank]
         corner, side = self._corners[member], self._sides[member]
@@ -100,6 +113,16 @@ def strips(edges: Sequence[tuple[Array, Array]]) -> Array:
         parts.append(np.stack([right[:-1], right[1:], left[1:]], axis=1))
         parts.append(np.stack([right[:-1], left[1:], left[:-1]], axis=1))
     return np.concatenate(parts) if parts else np.zeros((0, 3, 2))
+
+
+def _oriented(triangles: Array) -> Array:
+    """Return triangles counter-clockwise, without degenerate ones."""
+    origin = triangles[:, 0]
+    edge_ab, edge_ac = triangles[:, 1] - origin, triangles[:, 2] - origin
+    area = edge_ab[:, 0] * edge_ac[:, 1] - edge_ab[:, 1] * edge_ac[:, 0]
+    turned = np.where((area < 0.0)[:, None, None], triangles[:, [0, 2, 1]], triangles)
+    oriented: Array = turned[np.abs(area) > 1e-6]
+    return oriented
 
 
 def _expanded(count: Ints) -> tuple[Ints, Ints]:
