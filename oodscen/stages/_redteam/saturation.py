@@ -13,8 +13,8 @@ from oodscen.data._base import Data
 from oodscen.stages._redteam.rounds import NEW, Round
 from oodscen.statistics._intervals import wilson
 
-Z = 1.959964
-"""Normal quantile of a 95 % interval."""
+_Z = 1.959964
+"""Normal quantile of a 95 % interval; its digits are part of the estimates of old studies."""
 
 
 class SaturationPoint(Data):
@@ -112,7 +112,7 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
             )
         )
     n, once, twice = tally.observations, tally.once, tally.twice
-    spread = Z * math.sqrt(max(once + 2 * twice - once * once / n, 0.0)) / n if n else 0.0
+    coverage, coverage_low, coverage_high = good_turing(n, once, twice)
     unseen, low, high = chao1(n, tally.kinds, once, twice)
     recent = played[-patience:]
     news = sum(item.decision in NEW for item in recent)
@@ -124,9 +124,9 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
         kinds=tally.kinds,
         once=once,
         twice=twice,
-        coverage=round(tally.coverage, 6),
-        coverage_low=round(max(tally.coverage - spread, 0.0), 6),
-        coverage_high=round(min(tally.coverage + spread, 1.0), 6),
+        coverage=round(coverage, 6),
+        coverage_low=round(coverage_low, 6),
+        coverage_high=round(coverage_high, 6),
         unseen=round(unseen, 6),
         unseen_low=round(low, 6),
         unseen_high=round(high, 6),
@@ -186,6 +186,26 @@ class KindTally:
             self._kinds_met[times - 1] -= 1
 
 
+def good_turing(n: int, once: int, twice: int) -> tuple[float, float, float]:
+    """Estimate the probability that the next observation is of a known or met kind, with its 95 % interval.
+
+    Source: I. J. Good, Biometrika 40 (1953); the variance is that of W. W. Esty, Annals of Statistics 11 (1983).
+
+    Args:
+        n: Observations.
+        once: Kinds that were met once.
+        twice: Kinds that were met twice.
+
+    Returns:
+        Estimate, lower and upper bound; three zeros before the first observation.
+    """
+    if not n:
+        return 0.0, 0.0, 0.0
+    coverage = 1.0 - once / n
+    spread = _Z * math.sqrt(max(once + 2 * twice - once * once / n, 0.0)) / n
+    return coverage, max(coverage - spread, 0.0), min(coverage + spread, 1.0)
+
+
 def chao1(n: int, seen: int, once: int, twice: int) -> tuple[float, float, float]:
     """Estimate the number of unseen kinds, with its 95 % interval.
 
@@ -196,7 +216,7 @@ def chao1(n: int, seen: int, once: int, twice: int) -> tuple[float, float, float
         twice: Kinds that were met twice.
 
     Returns:
-        Estimate, lower and upper bound; three zeros if every kind was met again.
+        Estimate, lower and upper bound; three zeros if the estimate is 0.
     """
     scale = (n - 1) / n if n else 0.0
     if twice:
@@ -210,5 +230,5 @@ def chao1(n: int, seen: int, once: int, twice: int) -> tuple[float, float, float
         variance = unseen + bulk - scale**2 * once**4 / (4 * max(seen + unseen, 1.0))
     if unseen <= 0.0:
         return 0.0, 0.0, 0.0
-    factor = math.exp(Z * math.sqrt(math.log1p(max(variance, 0.0) / unseen**2)))
+    factor = math.exp(_Z * math.sqrt(math.log1p(max(variance, 0.0) / unseen**2)))
     return unseen, unseen / factor, unseen * factor
