@@ -14,22 +14,24 @@ _KINDS = {
     "pedestrian": "pedestrians",
     "animal": "animals",
     "object": "loose objects",
-    "work_zone": "things of road works",
+    "work_zone": "roadwork equipment",
     "vegetation": "plants or fallen trees",
     "signal": "signals",
 }
 """Names of the kinds that a catalogue lacks entirely."""
-_FATES = {"full": "yes", "substitute": "with stand-ins", "part": "in part", "none": "no"}
+_MATCH_WORDS = {"full": "yes", "substitute": "with stand-ins", "part": "in part", "none": "no"}
+"""How the page answers whether a path can be simulated."""
 
 
 def simulators(study: Study, found: Material) -> Mapping[str, Any] | None:
-    """Return which paths of the diverse tree each simulator can simulate, from `catalogues.json`.
+    """Return the template's variables for the comparison of simulators; `None` if the study has no pruned tree.
 
+    They say which paths of the diverse tree each simulator can simulate, from `catalogues.json`.
     `oodscen prune TREE --catalogue A --catalogue B --json` prints that file. If a study lacks it, the page
     explains how to get it.
 
     Raises:
-        DataError: If the file holds something else.
+        DataError: If `catalogues.json` is malformed.
     """
     if study.store.has(CATALOGUES):
         return _compared(CatalogueComparison.load(study.folder / CATALOGUES))
@@ -48,10 +50,10 @@ def _compared(compared: CatalogueComparison) -> dict[str, Any]:
         "compared": True,
         "tallies": compared.tallies,
         "absent": {tally.catalogue: _absent(tally) for tally in compared.tallies},
+        # The first catalogue is that of the study's own simulator.
         "dropped": {
             name: make_printable(_dropped(compared, number))
-            for number, name in enumerate(compared.catalogues)
-            if number
+            for number, name in enumerate(compared.catalogues[1:], start=1)
         },
         "everything": make_printable(compared.rows()),
     }
@@ -65,9 +67,10 @@ def _absent(tally: CatalogueTally) -> str:
 
 def _kind(name: str, tally: CatalogueTally) -> str:
     ranking = tally.restoration
-    needed = sum(one.helps for one in ranking.categories if one.category == name)
-    for one in ranking.single:
-        needed += sum(a.kind == "weather" and a.name == name for a in one.additions) and one.helps
+    needed = sum(whole.helps for whole in ranking.categories if whole.category == name)
+    for addition in ranking.single:
+        if any(added.kind == "weather" and added.name == name for added in addition.additions):
+            needed += addition.helps
     text = f"no {_KINDS.get(name, name)}"
     return f"{text} (needed by {needed} of the dropped)" if needed else text
 
@@ -78,7 +81,7 @@ def _dropped(compared: CatalogueComparison, number: int) -> list[dict[str, str]]
         {
             "path": " › ".join(line.path[1:]),
             "reason": line.sides[number].reason,
-            "first": _fate(line.sides[0]),
+            "study_decision": _fate(line.sides[0]),
         }
         for line in compared.lines
         if not line.sides[number].keep
@@ -86,5 +89,5 @@ def _dropped(compared: CatalogueComparison, number: int) -> list[dict[str, str]]
 
 
 def _fate(side: Side) -> str:
-    text = _FATES[side.match] if side.match else "not judged"
+    text = _MATCH_WORDS[side.match] if side.match else "not judged"
     return f"{text}: {side.label}" if side.label else text
