@@ -28,9 +28,9 @@ PICTURE_S = 0.5
 """Time between two pictures of the camera, s."""
 _TIME = "time"
 _FARTHEST_M = 600.0
-"""Depth beyond which a pixel has none, m."""
-_METRE = 100.0
-"""Units of depth in a metre."""
+"""Greater depths are written as 0 (unknown), m."""
+_DEPTH_UNITS_PER_M = 100.0
+"""Units of written depths in a metre."""
 _LINE_M = 2.0
 """Distance between two points of a lane's edge, m."""
 _EGO, _HAZARD, _OTHER = (40, 120, 240), (230, 60, 40), (150, 150, 150)
@@ -49,8 +49,8 @@ def write_rerun(
     """Write a scene's run as a Rerun recording (`.rrd`).
 
     `world` has the lanes and the boxes of all bodies, and the ego's camera with picture and depth; `plan` has the same
-    from above, with the ego's way by every action; `actions` has the ego's speed, acceleration and nearest distance by
-    every action. Time is simulation time.
+    from above, with the ego's path by every action; `actions` has the ego's speed, acceleration and distance to the
+    nearest body, from centre to centre, by every action. Time is simulation time.
 
     Args:
         scene: The scene or ordinary drive.
@@ -104,7 +104,7 @@ def _film(
 
 
 def _states(scene: Scene, simulator: Simulator, action: str, seed: int) -> Iterator[State]:
-    """Yield the states of the approach and one action; the simulator is at each when it is yielded."""
+    """Yield the states of the approach and one action; the simulator is in the yielded state."""
     _, controls, _ = approach(scene, simulator, seed)
     state = simulator.reset(scene, seed)
     yield state
@@ -165,14 +165,17 @@ class _Log:
         """Write the boxes of all bodies and their courses."""
         rerun, times = self.rerun, self._times(run)
         colours = [
-            _EGO if one.name == "ego" else _HAZARD if one.name in scene.hazard.actors else _OTHER
-            for one in bodies
+            _EGO if body.name == "ego" else _HAZARD if body.name in scene.hazard.actors else _OTHER
+            for body in bodies
         ]
-        for row, one in enumerate(bodies):
-            size, poses, name = one.asset, run.poses[:, row], f"world/{one.name}"
+        for row, body in enumerate(bodies):
+            size, poses, name = body.asset, run.poses[:, row], f"world/{body.name}"
             half = 0.5 * np.array([size.length, size.width, size.height])
             box = rerun.Boxes3D(
-                half_sizes=[half], centers=[[0, 0, half[2]]], labels=one.name, colors=[colours[row]]
+                half_sizes=[half],
+                centers=[[0, 0, half[2]]],
+                labels=body.name,
+                colors=[colours[row]],
             )
             self.stream.log(f"{name}/box", box, static=True)
             turned = np.zeros((len(poses), 4))
@@ -180,19 +183,19 @@ class _Log:
             course = rerun.Transform3D.columns(translation=poses[:, :3], quaternion=turned)
             self.stream.send_columns(name, [times], course)
         outlines = np.stack(
-            [_outlines(run.poses[:, row], one) for row, one in enumerate(bodies)], 1
+            [_outlines(run.poses[:, row], body) for row, body in enumerate(bodies)], 1
         )
-        names = [one.name for one in bodies]
+        names = [body.name for body in bodies]
         for time, shapes in zip(run.time.tolist(), outlines, strict=True):
             self.stream.set_time(_TIME, duration=time)
             strips = rerun.LineStrips2D(list(shapes), colors=colours, labels=names)
             self.stream.log("plan/bodies", strips)
 
     def action(self, name: str, run: Recording) -> None:
-        """Write the ego's way, speed, acceleration and nearest distance by one action."""
+        """Write the ego's path, speed, acceleration and distance to the nearest body, centre to centre, by one action."""
         rerun, times = self.rerun, self._times(run)
-        way = rerun.LineStrips2D([_plan(run.poses[:, 0])], labels=name)
-        self.stream.log(f"plan/actions/{name}", way, static=True)
+        path = rerun.LineStrips2D([_plan(run.poses[:, 0])], labels=name)
+        self.stream.log(f"plan/actions/{name}", path, static=True)
         speeds = run.speeds[:, 0]
         apart = run.poses[:, 1:, :2] - run.poses[:, :1, :2]
         values = {"speed": speeds, "acceleration": np.gradient(speeds, run.dt)}
@@ -205,12 +208,13 @@ class _Log:
     def camera(self, camera: Camera) -> None:
         """Write the camera's place on the ego and its lens."""
         rerun, name = self.rerun, "world/ego/camera"
-        yaw, pitch = 0.5 * math.radians(camera.yaw_deg), 0.5 * math.radians(camera.pitch_deg)
+        half_yaw = 0.5 * math.radians(camera.yaw_deg)
+        half_pitch = 0.5 * math.radians(camera.pitch_deg)
         turned = (
-            -math.sin(yaw) * math.sin(pitch),
-            math.cos(yaw) * math.sin(pitch),
-            math.sin(yaw) * math.cos(pitch),
-            math.cos(yaw) * math.cos(pitch),
+            -math.sin(half_yaw) * math.sin(half_pitch),
+            math.cos(half_yaw) * math.sin(half_pitch),
+            math.sin(half_yaw) * math.cos(half_pitch),
+            math.cos(half_yaw) * math.cos(half_pitch),
         )
         place = rerun.Transform3D(
             translation=(camera.x, camera.y, camera.z), quaternion=rerun.Quaternion(xyzw=turned)
@@ -229,23 +233,23 @@ class _Log:
         frame, name = render_checked(simulator, camera, len(state.ids)), "world/ego/camera"
         self.stream.set_time(_TIME, duration=state.time)
         self.stream.log(f"{name}/picture", self.rerun.Image(frame.rgb).compress())
-        far = np.where(frame.depth < _FARTHEST_M, frame.depth, 0.0)
-        depth = np.round(far * _METRE).astype(np.uint16)
-        self.stream.log(f"{name}/depth", self.rerun.DepthImage(depth, meter=_METRE))
+        near = np.where(frame.depth < _FARTHEST_M, frame.depth, 0.0)
+        depth = np.round(near * _DEPTH_UNITS_PER_M).astype(np.uint16)
+        self.stream.log(f"{name}/depth", self.rerun.DepthImage(depth, meter=_DEPTH_UNITS_PER_M))
 
     def _times(self, run: Recording) -> Any:
         return self.rerun.TimeColumn(_TIME, duration=run.time)
 
 
 def _plan(points: Floats) -> Floats:
-    """Return points from above: to the right and downwards, as pictures count."""
+    """Return points from above, with y downwards, as in images."""
     return points[:, :2] * (1.0, -1.0)
 
 
-def _outlines(poses: Floats, one: Entity) -> Floats:
+def _outlines(poses: Floats, body: Entity) -> Floats:
     """Return the closed outline of a footprint at every step: [n, 5, 2]."""
-    ahead = 0.5 * one.asset.length * np.array([1, 1, -1, -1, 1])
-    aside = 0.5 * one.asset.width * np.array([1, -1, -1, 1, 1])
+    ahead = 0.5 * body.asset.length * np.array([1, 1, -1, -1, 1])
+    aside = 0.5 * body.asset.width * np.array([1, -1, -1, 1, 1])
     cos, sin = np.cos(poses[:, 3:4]), np.sin(poses[:, 3:4])
     x = poses[:, 0:1] + ahead * cos - aside * sin
     y = poses[:, 1:2] + ahead * sin + aside * cos
