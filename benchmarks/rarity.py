@@ -26,7 +26,7 @@ import numpy as np
 
 from oodscen import Metrics, make_encoder
 from oodscen.baselines import load_controls
-from oodscen.metrics._rarity.anchors import Rate, calibrate, left_out, published_rates
+from oodscen.metrics._rarity.anchors import PublishedRate, calibrate, left_out, published_rates
 from oodscen.metrics._rarity.estimates import POPULATION, anchor_estimates
 from oodscen.metrics._rarity.head import estimated, load_head
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
@@ -183,7 +183,7 @@ def anchors(bench: Bench) -> list[Row]:
     return rows + _calibrated("model", rates, said)
 
 
-def _calibrated(who: str, rates: Sequence[Rate], said: Sequence[float]) -> list[Row]:
+def _calibrated(who: str, rates: Sequence[PublishedRate], said: Sequence[float]) -> list[Row]:
     """Return the errors of one estimate per rate; those of rates graded A and B are the headline."""
     graded = [place for place, rate in enumerate(rates) if rate.grade in "AB"]
     few, few_said = [rates[place] for place in graded], [said[place] for place in graded]

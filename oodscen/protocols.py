@@ -1,15 +1,15 @@
 """The four protocols that an adapter implements: `LLM`, `Encoder`, `Simulator` and `Driver`.
 
-An `LLM` turns a request into text, an `Encoder` turns texts into vectors, a `Simulator` turns a
-scene into states and frames, and a `Driver` turns observations into controls. Implementations are
-plain classes with these members; no base class is required. Simulators are shorter as subclasses of
-`oodscen.driving.DynamicSimulator`, if they own motion, or of `MirrorSimulator`, if they only draw.
+An `LLM` turns a request into text, an `Encoder` turns texts into vectors, a `Simulator` turns a scene into states and
+frames, and a `Driver` turns observations into controls. Implementations are plain classes with these members; no base
+class is required. Simulators are shorter as subclasses of `oodscen.driving.DynamicSimulator`, if they own motion, or of
+`MirrorSimulator`, if they only draw. An adapter may import this module, `oodscen.driving`, `oodscen.data`,
+`oodscen.errors`, and the other public names that docs/api.md lists.
 
-What a simulator or driver may be able to do in addition has a protocol of its own: `Snapshots`,
-`Rehearses`, `ChecksScenes`, `Looks`, `WantsFrames`, `MountsCamera`. An object has the ability if it has the members.
-
-Units are SI: metres, seconds, radians, unless a name ends in `_deg`. Axes are those of ISO 8855: x
-forward, y to the left, z up; angles and curvatures are positive to the left (counter-clockwise).
+What a simulator or driver may be able to do in addition has a protocol of its own: `Snapshots`, `Rehearses`,
+`ChecksScenes`, `Looks`, `WantsFrames`, `MountsCamera`. An object has the ability if it has the members. Units are SI:
+metres, seconds, radians, unless a name ends in `_deg`. Axes are those of ISO 8855: x forward, y to the left, z up;
+angles and curvatures are positive to the left (counter-clockwise).
 """
 
 import math

@@ -30,7 +30,7 @@ from oodscen.metrics._comparison import Comparison, SetDistance, compare, distan
 from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
-from oodscen.metrics._rarity.anchors import Rate, load_rates, published_rates
+from oodscen.metrics._rarity.anchors import PublishedRate, load_rates, published_rates
 from oodscen.metrics._rarity.asking import ask_rarity
 from oodscen.metrics._rarity.estimates import Rarity, estimate_rarity
 from oodscen.metrics._rarity.exposure import Exposure, exposure
@@ -96,7 +96,7 @@ class Metrics(Brief):
         texts: Texts,
         llm: LLM | None = None,
         *,
-        anchors: Sequence[Rate] | str | Path | None = None,
+        anchors: Sequence[PublishedRate] | str | Path | None = None,
         draws: int = 3,
     ) -> Rarity:
         """Return the expected kilometres between two meetings with each kind of situation, with intervals.
@@ -126,7 +126,7 @@ class Metrics(Brief):
         chosen: Sequence[bool],
         llm: LLM | None = None,
         *,
-        anchors: Sequence[Rate] | str | Path | None = None,
+        anchors: Sequence[PublishedRate] | str | Path | None = None,
     ) -> Exposure | None:
         """Return the share of all meetings with the texts' kinds that the chosen ones make up.
 
@@ -474,7 +474,9 @@ def _paths(texts: Texts) -> tuple[str, ...] | None:
     return tuple(paths) if len(paths) == len(texts) else None
 
 
-def _rates(anchors: Sequence[Rate] | str | Path | None) -> tuple[Rate, ...] | None:
+def _rates(
+    anchors: Sequence[PublishedRate] | str | Path | None,
+) -> tuple[PublishedRate, ...] | None:
     if anchors is None:
         return None
     if anchors == "published":

@@ -26,7 +26,7 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 from oodscen.protocols import LLM, Encoder
-from oodscen.stages._visible import visible_of, visible_of_map
+from oodscen.stages._hazard_words import visible_of, visible_of_map
 
 
 class Augmenter(Brief):

@@ -11,7 +11,7 @@ from oodscen.data._claim import Claim
 from oodscen.data._map_state import MapState
 from oodscen.driving import check_scene
 from oodscen.errors import DataError
-from oodscen.stages._visible import visible_of_map
+from oodscen.stages._hazard_words import visible_of_map
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.testing._scenes import example_scene
 

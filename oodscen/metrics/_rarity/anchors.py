@@ -27,7 +27,7 @@ _LEAST_KM, _MOST_KM = 0.001, 1e15
 """Range of published rates, km; all that was ever driven on roads is less than 1e15 km."""
 
 
-class Rate(Data):
+class PublishedRate(Data):
     """One published or own rate of an event."""
 
     noun: ClassVar[str] = "rate"
@@ -44,7 +44,7 @@ class Rate(Data):
     """Wordings of the event."""
 
     @model_validator(mode="after")
-    def _is_ordered(self) -> "Rate":
+    def _is_ordered(self) -> "PublishedRate":
         if not _LEAST_KM <= self.km[0] <= self.km[1] <= self.km[2] <= _MOST_KM:
             raise ValueError(
                 f"km: three numbers in order, least, best, most, from {_LEAST_KM} to {_MOST_KM:.0e}"
@@ -78,12 +78,12 @@ class Calibration(Data):
         return offset + self.slope * value
 
 
-def published_rates() -> tuple[Rate, ...]:
+def published_rates() -> tuple[PublishedRate, ...]:
     """Return the shipped rates."""
     return _rates(bundled("anchors.toml", "oodscen.metrics._rarity"), "anchors.toml")
 
 
-def load_rates(path: str | Path) -> tuple[Rate, ...]:
+def load_rates(path: str | Path) -> tuple[PublishedRate, ...]:
     """Read rates from a TOML file with one `[[rate]]` each: `event`, `km`, `source`, `texts`, and `kind` if not met.
 
     Raises:
@@ -92,7 +92,7 @@ def load_rates(path: str | Path) -> tuple[Rate, ...]:
     return _rates(read_utf8(path, "file of rates"), str(path))
 
 
-def _rates(content: str, source: str) -> tuple[Rate, ...]:
+def _rates(content: str, source: str) -> tuple[PublishedRate, ...]:
     try:
         rows = tomllib.loads(content).get("rate")
     except (ValueError, RecursionError) as error:
@@ -102,7 +102,8 @@ def _rates(content: str, source: str) -> tuple[Rate, ...]:
     if not isinstance(rows, list) or not rows:
         raise DataError("file of rates", [Issue("rate", "holds no [[rate]]")], source=source)
     rates = tuple(
-        Rate.parse(row, source=f"{source}, rate {number}") for number, row in enumerate(rows, 1)
+        PublishedRate.parse(row, source=f"{source}, rate {number}")
+        for number, row in enumerate(rows, 1)
     )
     counts = Counter(rate.number for rate in rates if rate.number)
     if twice := [number for number, count in counts.items() if count > 1]:
@@ -111,7 +112,7 @@ def _rates(content: str, source: str) -> tuple[Rate, ...]:
     return rates
 
 
-def calibrate(rates: Sequence[Rate], estimates: Sequence[float]) -> Calibration:
+def calibrate(rates: Sequence[PublishedRate], estimates: Sequence[float]) -> Calibration:
     """Return the calibration of estimates, one per rate, and its error leave-one-out."""
     fitted = _fit(rates, np.asarray(estimates, np.float64))
     before = [abs(x - rate.log10_km) for x, rate in zip(estimates, rates, strict=True)]
@@ -125,7 +126,7 @@ def calibrate(rates: Sequence[Rate], estimates: Sequence[float]) -> Calibration:
     )
 
 
-def left_out(rates: Sequence[Rate], estimates: Sequence[float]) -> NDArray[np.float64]:
+def left_out(rates: Sequence[PublishedRate], estimates: Sequence[float]) -> NDArray[np.float64]:
     """Return the error of each rate by a calibration on all others, in decades; empty below three rates."""
     if len(rates) < 3:
         return np.empty(0)
@@ -139,7 +140,9 @@ def left_out(rates: Sequence[Rate], estimates: Sequence[float]) -> NDArray[np.fl
     return np.array(found)
 
 
-def _fit(rates: Sequence[Rate], values: NDArray[np.float64]) -> tuple[float, dict[Kind, float]]:
+def _fit(
+    rates: Sequence[PublishedRate], values: NDArray[np.float64]
+) -> tuple[float, dict[Kind, float]]:
     kinds = list(dict.fromkeys(rate.kind for rate in rates))
     own = np.array([[rate.kind == kind for kind in kinds] for rate in rates], np.float64)
     wanted = np.array([rate.log10_km for rate in rates])

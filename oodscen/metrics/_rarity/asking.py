@@ -7,7 +7,7 @@ import numpy as np
 from oodscen.errors import AnswerError, ContentFiltered
 from oodscen.llm._ask import ask, speaker
 from oodscen.llm._call_log import Call, LoggedLLM
-from oodscen.metrics._rarity.anchors import Rate
+from oodscen.metrics._rarity.anchors import PublishedRate
 from oodscen.metrics._rarity.estimates import (
     POPULATION,
     UNTOLD,
@@ -29,7 +29,7 @@ def ask_rarity(
     llm: LLM,
     texts: Sequence[str],
     *,
-    anchors: Sequence[Rate] | None = None,
+    anchors: Sequence[PublishedRate] | None = None,
     draws: int = DRAWS,
     per_call: int = PER_CALL,
     population: str = POPULATION,

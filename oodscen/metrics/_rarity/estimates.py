@@ -12,7 +12,7 @@ from oodscen.data._base import Data
 from oodscen.encoders._check import encode
 from oodscen.encoders._similarity import Vectors, unit
 from oodscen.errors import DataError, Issue
-from oodscen.metrics._rarity.anchors import Calibration, Rate, calibrate
+from oodscen.metrics._rarity.anchors import Calibration, PublishedRate, calibrate
 from oodscen.metrics._rarity.head import Estimates, Head, estimated, load_head
 from oodscen.metrics._rarity.plausibility import is_impossible, names_event, parts
 from oodscen.metrics._rarity.subject import is_number, names_road, repeats_word
@@ -119,7 +119,10 @@ class Rarity(Data):
 
 
 def gather_rarity(
-    per_text: Sequence[TextRarity], by: str, anchors: Sequence[Rate] | None, own: Sequence[float]
+    per_text: Sequence[TextRarity],
+    by: str,
+    anchors: Sequence[PublishedRate] | None,
+    own: Sequence[float],
 ) -> Rarity:
     """Return the rarity of a set, calibrated if there are anchors.
 
@@ -143,7 +146,7 @@ def gather_rarity(
 
 
 def estimate_rarity(
-    space: "Space", texts: Sequence[str], anchors: Sequence[Rate] | None = None
+    space: "Space", texts: Sequence[str], anchors: Sequence[PublishedRate] | None = None
 ) -> Rarity:
     """Return the offline estimate for texts; see `oodscen.metrics._rarity.head`."""
     name = space.encoder.name
@@ -183,7 +186,7 @@ def estimated_km(encoder: Encoder | None, text: str) -> float | None:
     return float(f"{10.0 ** found.best[0]:.1e}")
 
 
-def anchor_estimates(space: "Space", anchors: Sequence[Rate]) -> list[float]:
+def anchor_estimates(space: "Space", anchors: Sequence[PublishedRate]) -> list[float]:
     """Return the head's estimate of each anchor, the mean over its wordings.
 
     Raises:

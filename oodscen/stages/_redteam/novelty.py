@@ -1,4 +1,4 @@
-"""Similarity of a proposal to the labels of the leaves and to earlier proposals."""
+"""Near-duplicates of a proposal among the labels of the leaves and among earlier proposals."""
 
 from collections.abc import Sequence
 from typing import Literal, NamedTuple

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from oodscen.errors import DataError
 from oodscen.metrics._rarity.anchors import (
-    Rate,
+    PublishedRate,
     calibrate,
     left_out,
     load_rates,
@@ -16,7 +16,9 @@ from oodscen.metrics._rarity.anchors import (
 
 def rate(log10_km, kind="met"):
     km = 10.0**log10_km
-    return Rate(event="event", kind=kind, km=(km, km, km), source="own fleet", texts=("A deer.",))
+    return PublishedRate(
+        event="event", kind=kind, km=(km, km, km), source="own fleet", texts=("A deer.",)
+    )
 
 
 @settings(deadline=None)

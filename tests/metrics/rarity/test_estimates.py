@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from oodscen import Metrics
 from oodscen.errors import DataError
-from oodscen.metrics._rarity.anchors import Rate
+from oodscen.metrics._rarity.anchors import PublishedRate
 from oodscen.metrics._rarity.estimates import UNTOLD, Rarity, TextRarity
 from oodscen.testing._encoder import HashEncoder
 
@@ -99,7 +99,9 @@ def test_what_is_no_set_of_texts_is_refused(texts):
     "wording", ["12345", "A unicorn stands in the lane of the road.", "ein Reh"]
 )
 def test_rates_of_what_cannot_be_estimated_are_refused(wording):
-    rate = Rate(event="x", km=(1.0, 2.0, 3.0), source="fleet", texts=("A red light.", wording))
+    rate = PublishedRate(
+        event="x", km=(1.0, 2.0, 3.0), source="fleet", texts=("A red light.", wording)
+    )
     with pytest.raises(DataError):
         METRICS.rarity(["A red light."], anchors=[rate])
 

@@ -3,7 +3,7 @@
 from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.data._scene import Actor
-from oodscen.stages._visible import visible_of
+from oodscen.stages._hazard_words import visible_of
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 

@@ -108,7 +108,7 @@ def _bare(description: str) -> str:
 
 
 def _described(actor: Actor, known: Mapping[str, Asset], kinds: DetailKinds) -> str:
-    """Return an asset's description, with the details that are no pose."""
+    """Return an asset's description, with the details other than its pose."""
     description = known[actor.asset].description
     if actor.details is None:
         return description

@@ -18,7 +18,7 @@ from oodscen.data._episode import (
 )
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving._sight.placement import check_scene
-from oodscen.judging._safe_sets import safety_figures
+from oodscen.judging._safety_figures import safety_figures
 from oodscen.stages._rerun import Rerunner
 from oodscen.stages._restage import restage, variants
 from oodscen.testing._scenes import example_scene
