@@ -6,8 +6,34 @@ from lxml import etree
 Element = etree._Element
 Value = str | int | float | bool
 
+_DATE = "2026-01-01T00:00:00"
+"""Date in every header: the same scene gives the same bytes."""
 _DECIMALS = 6
 """Decimals of a number: micrometres and microradians."""
+
+
+def document(road: str) -> Element:
+    """Return a document that refers to the file of a road, without its header."""
+    root = etree.Element("OpenSCENARIO")
+    child(root, "CatalogLocations")
+    child(child(root, "RoadNetwork"), "LogicFile", filepath=road)
+    return root
+
+
+def file_header(root: Element, minor: int, description: str) -> Element:
+    """Insert the header of version 1.`minor` before everything else, and return it."""
+    header = etree.Element("FileHeader")
+    values = (("revMajor", 1), ("revMinor", minor), ("date", _DATE), ("description", description))
+    for name, value in (*values, ("author", "oodscen")):
+        header.set(name, written(value))
+    root.insert(0, header)
+    return header
+
+
+def to_bytes(root: Element) -> bytes:
+    """Return a document as an indented file; the document is indented in place."""
+    etree.indent(root)
+    return etree.tostring(root, encoding="UTF-8", xml_declaration=True)
 
 
 def child(parent: Element, tag: str, **attributes: Value) -> Element:

@@ -22,7 +22,7 @@ _VEHICLES = (
 """Categories of vehicles by words of their assets, the first match wins; others are cars."""
 _OBJECTS = {"work_zone": "barrier", "vegetation": "vegetation", "signal": "pole"}
 """Categories of objects by the asset's category; others are obstacles."""
-_MASS_KG = {"Vehicle": 1500.0, "Pedestrian": 75.0, "MiscObject": 50.0}
+MASS_KG = {"Vehicle": 1500.0, "Pedestrian": 75.0, "MiscObject": 50.0}
 """Masses by kind: a catalogue has none, and the standard asks for one; things made to order have their own."""
 
 
@@ -55,14 +55,14 @@ def _entity(name: str, asset: Asset, state: str, mass: float | None) -> Entity:
         ahead = _EGO_AXLE_M
     elif kind == "Vehicle" and category != "trailer":
         ahead = round(_AXLE_SHARE * asset.length, 3)
-    return Entity(name, asset, state, kind, category, ahead, mass or _MASS_KG[kind])
+    return Entity(name, asset, state, kind, category, ahead, mass or MASS_KG[kind])
 
 
 def classified(asset: Asset) -> tuple[Kind, str]:
     """Return the kind of scenario object and its category for an asset."""
     words = set(" ".join([asset.id, asset.description, *asset.tags]).replace("_", " ").split())
     if asset.category == "vehicle":
-        found = (one for names, one in _VEHICLES if words.intersection(names))
+        found = (category for names, category in _VEHICLES if words.intersection(names))
         return "Vehicle", next(found, "car")
     if asset.category == "cyclist":
         return "Vehicle", "bicycle"
@@ -73,27 +73,27 @@ def classified(asset: Asset) -> tuple[Kind, str]:
     return "MiscObject", _OBJECTS.get(asset.category, "obstacle")
 
 
-def write_entity(parent: Element, one: Entity) -> Element:
+def write_entity(parent: Element, entity: Entity) -> Element:
     """Append a scenario object and return its properties, which are empty."""
-    asset = one.asset
-    category = f"{one.kind[0].lower()}{one.kind[1:]}Category"
-    holder = child(parent, "ScenarioObject", name=one.name)
-    attributes: dict[str, Value] = {category: one.category, "mass": one.mass_kg}
-    body = child(holder, one.kind, name=asset.id, **attributes)
+    asset = entity.asset
+    category = f"{entity.kind[0].lower()}{entity.kind[1:]}Category"
+    holder = child(parent, "ScenarioObject", name=entity.name)
+    attributes: dict[str, Value] = {category: entity.category, "mass": entity.mass_kg}
+    body = child(holder, entity.kind, name=asset.id, **attributes)
     box = child(body, "BoundingBox")
-    child(box, "Center", x=one.ahead_m, y=0.0, z=0.5 * asset.height)
+    child(box, "Center", x=entity.ahead_m, y=0.0, z=0.5 * asset.height)
     child(box, "Dimensions", width=asset.width, length=asset.length, height=asset.height)
-    if one.kind == "Vehicle":
-        _write_chassis(body, one)
+    if entity.kind == "Vehicle":
+        _write_chassis(body, entity)
     return child(body, "Properties")
 
 
-def _write_chassis(body: Element, one: Entity) -> None:
+def _write_chassis(body: Element, entity: Entity) -> None:
     """Append performance and axles of a vehicle; the rear axle is the reference point."""
     child(body, "Performance", maxSpeed=70.0, maxAcceleration=12.0, maxDeceleration=12.0)
     axles = child(body, "Axles")
-    wheelbase = 2.0 * (one.ahead_m or _AXLE_SHARE * one.asset.length)
-    track = max(0.3, one.asset.width - 0.2)
+    wheelbase = 2.0 * (entity.ahead_m or _AXLE_SHARE * entity.asset.length)
+    track = max(0.3, entity.asset.width - 0.2)
     for tag, steering, x in (("FrontAxle", 0.6, wheelbase), ("RearAxle", 0.0, 0.0)):
         child(
             axles,

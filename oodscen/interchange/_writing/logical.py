@@ -10,15 +10,21 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene
 from oodscen.interchange._ranges import ParameterRange, ranges
-from oodscen.interchange._writing.elements import Element, child
-from oodscen.interchange._writing.scenario import DATE, ScenarioFile, to_openscenario
+from oodscen.interchange._writing.elements import Element, child, file_header, to_bytes
+from oodscen.interchange._writing.scenario import ScenarioFile, to_openscenario
 from oodscen.interchange._writing.storyboard import strip_ego
 
 _STEPS = 4
 """Number of steps across a range in a deterministic distribution."""
 _RUNS = 100
+"""Number of runs that a stochastic distribution asks for."""
 _TIED = 2e-4
-"""Amount by which a condition may differ from its trigger where a tie was undone, m or s."""
+"""Conditions are written up to this far from the trigger's value, to avoid ties (see docs/interchange.md); m or s."""
+_ATTRIBUTES = {
+    "friction": ("RoadCondition", "frictionScaleFactor"),
+    "fog_visual_range": ("Fog", "visualRange"),
+}
+"""Element and attribute that hold a parameter, wherever the element is."""
 
 
 def write_logical(
@@ -50,76 +56,83 @@ def write_logical(
     file = file or to_openscenario(scene, catalogue, mode="reactive", ego=False, seed=seed)
     root = etree.fromstring(file.xosc, etree.XMLParser(remove_blank_text=True))
     strip_ego(root)
-    used = [one for one in ranges(scene, catalogue, claims) if _declare(root, one)]
+    found = [
+        (parameter, _places(root, parameter)) for parameter in ranges(scene, catalogue, claims)
+    ]
+    used = [parameter for parameter, places in found if places]
     if not used:
         return ()
+    for parameter, places in found:
+        for element, attribute in places:
+            element.set(attribute, f"${parameter.name}")
     declared = etree.Element("ParameterDeclarations")
-    for one in used:
+    for parameter in used:
         child(
-            declared, "ParameterDeclaration", name=one.name, parameterType="double", value=one.value
+            declared,
+            "ParameterDeclaration",
+            name=parameter.name,
+            parameterType="double",
+            value=parameter.value,
         )
-    root.insert(1, declared)
-    etree.indent(root)
-    name = f"{scene.id}.logical"
-    text = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
-    place = ScenarioFile(name, text, file.road).save(folder)
-    paths = [place]
-    for kind in ("deterministic", "stochastic"):
-        path = place.with_name(f"{scene.id}.{kind}.xosc")
-        replace(path, _distribution(place.name, kind, used, seed))
-        paths.append(path)
-    return tuple(paths)
+    root.insert(1, declared)  # after FileHeader
+    place = ScenarioFile(f"{scene.id}.logical", to_bytes(root), file.road).save(folder)
+    deterministic = place.with_name(f"{scene.id}.deterministic.xosc")
+    replace(deterministic, _deterministic(place.name, used))
+    stochastic = place.with_name(f"{scene.id}.stochastic.xosc")
+    replace(stochastic, _stochastic(place.name, used, seed))
+    return place, deterministic, stochastic
 
 
-def _declare(root: Element, one: ParameterRange) -> bool:
-    """Replace a value by its parameter wherever the file has it; return false if it has not."""
-    places = _places(root, one)
-    for element, attribute in places:
-        element.set(attribute, f"${one.name}")
-    return bool(places)
-
-
-def _places(root: Element, one: ParameterRange) -> list[tuple[Element, str]]:
+def _places(root: Element, parameter: ParameterRange) -> list[tuple[Element, str]]:
     """Return the attributes that hold a parameter."""
-    if one.name == "friction":
-        return [(found, "frictionScaleFactor") for found in root.iter("RoadCondition")]
-    if one.name == "fog_visual_range":
-        return [(found, "visualRange") for found in root.iter("Fog")]
-    if one.name == "ego_speed":
+    if parameter.name in _ATTRIBUTES:
+        tag, attribute = _ATTRIBUTES[parameter.name]
+        return [(element, attribute) for element in root.iter(tag)]
+    if parameter.name == "ego_speed":
         starts = (node for node in root.iter("Private") if node.get("entityRef") == "ego")
         return [(speed, "value") for node in starts for speed in node.iter("AbsoluteTargetSpeed")]
-    if not one.name.startswith("trigger_"):
+    if not parameter.name.startswith("trigger_"):
         return []
     return [
         (measured, "value")
         for condition in root.iter("Condition")
-        if condition.get("name", "").replace("-", "_") == one.name
+        if condition.get("name", "").replace("-", "_") == parameter.name
         for measured in condition.iter("DistanceCondition", "TimeToCollisionCondition")
-        if abs(float(measured.get("value", "nan")) - one.value) <= _TIED
+        if abs(float(measured.get("value", "nan")) - parameter.value) <= _TIED
     ]
 
 
-def _distribution(scenario: str, kind: str, used: Sequence[ParameterRange], seed: int) -> bytes:
-    """Return a file of values for the parameters of a scenario."""
+def _deterministic(scenario: str, used: Sequence[ParameterRange]) -> bytes:
+    """Return a file of evenly spaced values for the parameters of a scenario."""
+    root, holder = _distribution(scenario)
+    group = child(holder, "Deterministic")
+    for parameter in used:
+        single = child(
+            group, "DeterministicSingleParameterDistribution", parameterName=parameter.name
+        )
+        width = (parameter.high - parameter.low) / _STEPS
+        _add_range(child(single, "DistributionRange", stepWidth=width), parameter)
+    return to_bytes(root)
+
+
+def _stochastic(scenario: str, used: Sequence[ParameterRange], seed: int) -> bytes:
+    """Return a file of uniform distributions for the parameters of a scenario."""
+    root, holder = _distribution(scenario)
+    group = child(holder, "Stochastic", numberOfTestRuns=_RUNS, randomSeed=float(seed))
+    for parameter in used:
+        single = child(group, "StochasticDistribution", parameterName=parameter.name)
+        _add_range(child(single, "UniformDistribution"), parameter)
+    return to_bytes(root)
+
+
+def _distribution(scenario: str) -> tuple[Element, Element]:
+    """Return a document of values for a scenario, and the element that holds them."""
     root = etree.Element("OpenSCENARIO")
-    header = child(root, "FileHeader", revMajor=1, revMinor=2, date=DATE)
-    header.set("description", f"Values for the parameters of {scenario}")
-    header.set("author", "oodscen")
+    file_header(root, 2, f"Values for the parameters of {scenario}")
     holder = child(root, "ParameterValueDistribution")
     child(holder, "ScenarioFile", filepath=scenario)
-    if kind == "deterministic":
-        group = child(holder, "Deterministic")
-    else:
-        group = child(holder, "Stochastic", numberOfTestRuns=_RUNS, randomSeed=float(seed))
-    for one in used:
-        if kind == "deterministic":
-            single = child(
-                group, "DeterministicSingleParameterDistribution", parameterName=one.name
-            )
-            spread = child(single, "DistributionRange", stepWidth=(one.high - one.low) / _STEPS)
-        else:
-            single = child(group, "StochasticDistribution", parameterName=one.name)
-            spread = child(single, "UniformDistribution")
-        child(spread, "Range", lowerLimit=one.low, upperLimit=one.high)
-    etree.indent(root)
-    return etree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return root, holder
+
+
+def _add_range(spread: Element, parameter: ParameterRange) -> None:
+    child(spread, "Range", lowerLimit=parameter.low, upperLimit=parameter.high)

@@ -1,6 +1,6 @@
 """Scenes as OpenSCENARIO XML files."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -15,7 +15,7 @@ from oodscen.driving import load_corridor
 from oodscen.driving._roads.building import find_map
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
-from oodscen.interchange._writing.elements import Element, child
+from oodscen.interchange._writing.elements import Element, child, document, file_header, to_bytes
 from oodscen.interchange._writing.entities import Entity, entities, write_entity
 from oodscen.interchange._writing.properties import (
     DIGEST,
@@ -27,7 +27,7 @@ from oodscen.interchange._writing.properties import (
     write_properties,
 )
 from oodscen.interchange._writing.roads import RoadFile, road_file
-from oodscen.interchange._writing.scenario_runner import empty_document, write_for_scenario_runner
+from oodscen.interchange._writing.scenario_runner import write_for_scenario_runner
 from oodscen.interchange._writing.storyboard import (
     approximate,
     strip_ego,
@@ -41,10 +41,10 @@ Target = Literal["generic", "esmini", "carla-scenario-runner"]
 MODES: tuple[Mode, ...] = ("replay", "reactive")
 TARGETS: tuple[Target, ...] = ("generic", "esmini", "carla-scenario-runner")
 
-DATE = "2026-01-01T00:00:00"
-"""Date in every header: the same scene gives the same bytes."""
-_ESMINI_LINES = ("plineInterpolation", "segment")
-"""The property by which esmini follows polylines straight from vertex to vertex."""
+_ESMINI_PROPERTY = "plineInterpolation"
+"""The property that says how esmini follows polylines."""
+_ESMINI_STRAIGHT = "segment"
+"""Its value for straight from vertex to vertex."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -62,7 +62,7 @@ class ScenarioFile(Brief):
         """Write both files into a folder and return the path of the scenario.
 
         Raises:
-            UsageError: If the folder's name cannot be one.
+            UsageError: If `folder` is not a usable path.
         """
         check_name(folder)
         place = Path(folder)
@@ -98,50 +98,59 @@ def to_openscenario(
         mode: `replay` or `reactive`.
         target: The player: `esmini` adds the property by which it follows polylines exactly;
             `carla-scenario-runner` gives version 1.0 with named actions, in mode `reactive` only.
-        action: The ego's action after the decision, in a replay.
-        ego: Write the ego's course; without it, the ego only stands at its start.
+        action: The ego's action after the decision; only a replay has one.
+        ego: Write the ego's course; without it, the ego only stands at its start. Files for
+            `carla-scenario-runner` never have the course.
         seed: Seed of the scene's random streams.
-        properties: Further facts about the scene, by name, besides its ids and hazard.
-        simulator: The simulator whose run is replayed; by default the kinematic world of the catalogue.
+        properties: Further facts about the scene, by name, besides its ids and hazard; files for
+            `carla-scenario-runner` have no properties.
+        simulator: The simulator whose run is replayed, by default the kinematic world of the catalogue; mode
+            `reactive` always uses that world.
 
     Raises:
         UnknownComponent: If there is no such mode, target or action.
         SceneError: If the catalogue, the road or the player refuses the scene.
         UsageError: If the player has no such mode.
     """
-    for kind, name, offered in (("mode", mode, MODES), ("target", target, TARGETS)):
-        if name not in offered:
-            raise UnknownComponent(kind, str(name), offered)
-    issues = catalogue.check(scene)
-    if issues:
-        raise SceneError(scene.id, issues)
+    _check_request(scene, catalogue, mode, target)
     if target == "carla-scenario-runner":
-        return _for_scenario_runner(scene, catalogue, mode, seed)
+        return _for_scenario_runner(scene, catalogue, seed)
     road = road_file(scene, catalogue)
-    root = etree.Element("OpenSCENARIO")
-    header = child(root, "FileHeader")
-    child(root, "CatalogLocations")
-    child(child(root, "RoadNetwork"), "LogicFile", filepath=road.name)
+    root = document(road.name)
     bodies = entities(scene, catalogue)
     holder = child(root, "Entities")
-    for one in bodies:
-        _add_properties(write_entity(holder, one), one.state, target)
+    for body in bodies:
+        _add_properties(write_entity(holder, body), body.state, target)
     if mode == "replay":
         notes = _write_replay(root, scene, bodies, simulator, catalogue, action, seed)
     else:
         notes = _write_reactive(root, scene, bodies, catalogue, seed)
     if not ego:
         strip_ego(root)
+    notes = (*notes, *_player_notes(scene, target))
+    known = {**facts(scene), **(properties or {}), "seed": str(seed), "mode": mode}
+    _add_header(root, scene, known, described(scene, mode, notes))
+    return ScenarioFile(scene.id, to_bytes(root), road, notes)
+
+
+def _check_request(scene: Scene, catalogue: Catalogue, mode: Mode, target: Target) -> None:
+    """Refuse what cannot be written; `to_openscenario` lists the errors."""
+    for kind, name, offered in (("mode", mode, MODES), ("target", target, TARGETS)):
+        if name not in offered:
+            raise UnknownComponent(kind, str(name), offered)
+    if issues := catalogue.check(scene):
+        raise SceneError(scene.id, issues)
+    if target == "carla-scenario-runner" and mode != "reactive":
+        raise UsageError("ScenarioRunner follows no recorded courses; write mode reactive for it")
+
+
+def _player_notes(scene: Scene, target: Target) -> Iterator[str]:
+    """Yield what a user of a file must know about its player."""
     if scene.map_state is not None:
         faults = ", ".join(f"{part} {state}" for part, state in scene.map_state.faults())
-        notes = (*notes, f"Players show the map in order, not: {faults}.")
+        yield f"Players show the map in order, not: {faults}."
     if target == "esmini":
-        notes = (*notes, "Play it in esmini with --traj_filter 0.")
-    known = {**facts(scene), **(properties or {}), "seed": str(seed), "mode": mode}
-    _complete_header(header, root, scene, known, described(scene, mode, notes))
-    etree.indent(root)
-    text = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
-    return ScenarioFile(scene.id, text, road, notes)
+        yield "Play it in esmini with --traj_filter 0."
 
 
 def _write_replay(
@@ -179,45 +188,31 @@ def _write_reactive(
     )
 
 
-def _for_scenario_runner(scene: Scene, catalogue: Catalogue, mode: Mode, seed: int) -> ScenarioFile:
-    if mode != "reactive":
-        raise UsageError("ScenarioRunner follows no recorded courses; write mode reactive for it")
+def _for_scenario_runner(scene: Scene, catalogue: Catalogue, seed: int) -> ScenarioFile:
     run, road = reactions(scene, catalogue, seed), road_file(scene, catalogue)
     notes = (
         "Version 1.0 with named actions for CARLA's ScenarioRunner: speeds change at once, and lanes by a straight "
         "line.",
     )
-    root = empty_document(described(scene, mode, notes), "oodscen", DATE, road.name)
+    root = document(road.name)
     corridor = load_corridor(find_map(scene.map, catalogue))
-    bodies = entities(scene, catalogue)
-    write_for_scenario_runner(root, scene, bodies, run, corridor)
-    etree.indent(root)
-    text = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
-    return ScenarioFile(scene.id, text, road, notes)
+    write_for_scenario_runner(root, scene, entities(scene, catalogue), run, corridor)
+    file_header(root, 0, described(scene, "reactive", notes))
+    return ScenarioFile(scene.id, to_bytes(root), road, notes)
 
 
 def _add_properties(holder: Element, state: str, target: Target) -> None:
     if state:
         write_properties(holder, {"state": state})
     if target == "esmini":
-        child(holder, "Property", name=_ESMINI_LINES[0], value=_ESMINI_LINES[1])
+        child(holder, "Property", name=_ESMINI_PROPERTY, value=_ESMINI_STRAIGHT)
 
 
-def _complete_header(
-    header: Element, root: Element, scene: Scene, known: Mapping[str, str], description: str
-) -> None:
-    """Fill in the header, with the scene itself and the digest of it and of the file."""
-    for name, value in (
-        ("revMajor", "1"),
-        ("revMinor", "2"),
-        ("date", DATE),
-        ("description", description),
-        ("author", "oodscen"),
-    ):
-        header.set(name, value)
-    etree.indent(root)
-    holder = child(header, "Properties")
+def _add_header(root: Element, scene: Scene, known: Mapping[str, str], description: str) -> None:
+    """Insert the header, with the scene itself and the digest of it and of the file."""
+    holder = child(file_header(root, 2, description), "Properties")
     write_properties(holder, known)
     text = ascii_json(scene)
     child(holder, "Property", name=SCENE, value=text)
+    etree.indent(root)
     child(holder, "Property", name=DIGEST, value=content_digest(root, text))

@@ -1,12 +1,10 @@
 """Scenes as OpenSCENARIO XML 1.0 for CARLA's ScenarioRunner, with the named actions that it plays.
 
-ScenarioRunner follows no trajectory in time. A scene can be said only if each of its actors stands, drives in its lane,
-brakes, changes lanes, or walks straight on; changes of speed are at once there.
+ScenarioRunner follows no trajectory in time. A scene can be expressed only if each of its actors stands, drives in its
+lane, brakes, changes lanes, or walks straight on. Speed changes take effect instantly.
 """
 
 import math
-
-from lxml import etree
 
 from oodscen._registry import make_catalogue
 from oodscen.data._catalogue import Asset, Catalogue
@@ -16,7 +14,7 @@ from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import Issue, SceneError
 from oodscen.interchange._recording import Reactions
 from oodscen.interchange._writing.elements import Element, Value, child, within
-from oodscen.interchange._writing.entities import Entity, classified
+from oodscen.interchange._writing.entities import MASS_KG, Entity, Kind, classified
 from oodscen.interchange._writing.storyboard import event, followers, write_speed
 
 BLUEPRINTS = "carla-0.9.16"
@@ -27,7 +25,11 @@ _EGO_BLUEPRINT = "vehicle.lincoln.mkz_2017"
 _CLOUDS = ((0.25, "free"), (0.75, "cloudy"), (1.01, "overcast"))
 """Cloud states by the cloud cover below which they hold."""
 _HEAVIEST_MM_H = 50.0
+"""Precipitation that version 1.0 calls an intensity of 1, mm/h."""
 _END_S = 60.0
+"""Time at which the storyboard ends, s."""
+_WALK_M_S = 1.4
+"""Speed of an actor whose behaviour gives none, m/s."""
 
 
 def unplayable(scene: Scene, run: Reactions) -> list[Issue]:
@@ -39,9 +41,10 @@ def unplayable(scene: Scene, run: Reactions) -> list[Issue]:
         if name not in _ACTIONS:
             issues.append(Issue(where, f"ScenarioRunner has no action for {name!r}"))
         elif actor.id in behind:
-            issues.append(Issue(where, f"{actor.id!r} follows the ego, which it cannot do"))
+            issues.append(Issue(where, f"ScenarioRunner cannot make {actor.id!r} follow the ego"))
         elif _ACTIONS[name] == "walk" and actor.behaviour.other is not None:
-            issues.append(Issue(where, f"{actor.id!r} belongs to another actor"))
+            message = f"{actor.id!r} is attached to another actor, which ScenarioRunner cannot play"
+            issues.append(Issue(where, message))
     return issues
 
 
@@ -55,31 +58,33 @@ def write_for_scenario_runner(
     """Complete a document with entities and storyboard.
 
     Raises:
-        SceneError: If the scene cannot be said.
+        SceneError: If the scene cannot be expressed.
     """
     if issues := unplayable(scene, run):
         raise SceneError(scene.id, issues)
     holder = child(root, "Entities")
     known = make_catalogue(BLUEPRINTS)
-    for one in entities:
-        _write_entity(holder, one, known)
+    for entity in entities:
+        _write_entity(holder, entity, known)
     board = child(root, "Storyboard")
     actions = within(board, "Init", "Actions")
     _write_environment(actions, scene.weather)
     act = child(child(board, "Story", name="scene"), "Act", name="act")
-    for row, one in enumerate(entities):
-        x, y, z, heading = map(float, run.nominal.poses[0, row])
-        private = child(actions, "Private", entityRef=one.name)
+    walkers = {actor.id for actor in scene.actors if _ACTIONS[actor.behaviour.name] == "walk"}
+    starts = zip(entities, run.nominal.poses[0], run.nominal.speeds[0], strict=True)
+    for entity, pose, speed in starts:
+        x, y, z, heading = map(float, pose)
+        private = child(actions, "Private", entityRef=entity.name)
         place = within(private, "PrivateAction", "TeleportAction", "Position")
         child(place, "WorldPosition", x=x, y=y, z=z, h=heading)
-        moves = row == 0 or _ACTIONS[scene.actors[row - 1].behaviour.name] != "walk"
-        if moves and (speed := float(run.nominal.speeds[0, row])) > 0.0:
-            write_speed(child(private, "PrivateAction"), speed)
+        if entity.name not in walkers and speed > 0.0:
+            write_speed(child(private, "PrivateAction"), float(speed))
     for actor in scene.actors:
         if _ACTIONS[actor.behaviour.name] != "none":
             _write_actor(act, actor, run, corridor)
     if not len(act):
-        _maneuver(act, "ego")
+        # An Act must have a group.
+        _maneuver_group(act, "ego")
     _at_time(act, "StartTrigger", "act_start", 0.0)
     _at_time(board, "StopTrigger", "end", _END_S)
 
@@ -87,21 +92,22 @@ def write_for_scenario_runner(
 # ------------------------------------------------------------------ entities and environment
 
 
-def _write_entity(parent: Element, one: Entity, known: Catalogue) -> None:
-    kind = f"{one.kind[0].lower()}{one.kind[1:]}Category"
-    blueprint = _EGO_BLUEPRINT if one.name == "ego" else _blueprint(one.asset, known)
-    attributes: dict[str, Value] = {kind: one.category}
-    if one.kind == "Pedestrian":
-        attributes |= {"model": blueprint, "mass": 75.0}
-    elif one.kind == "MiscObject":
-        attributes["mass"] = 50.0
-    holder = child(parent, "ScenarioObject", name=one.name)
-    body = child(holder, one.kind, name=blueprint, **attributes)
-    size = one.asset
+def _write_entity(parent: Element, entity: Entity, known: Catalogue) -> None:
+    category = f"{entity.kind[0].lower()}{entity.kind[1:]}Category"
+    blueprint = _EGO_BLUEPRINT if entity.name == "ego" else _blueprint(entity.asset, known)
+    further: dict[Kind, dict[str, Value]] = {
+        "Vehicle": {},
+        "Pedestrian": {"model": blueprint, "mass": MASS_KG["Pedestrian"]},
+        "MiscObject": {"mass": MASS_KG["MiscObject"]},
+    }
+    attributes = {category: entity.category, **further[entity.kind]}
+    holder = child(parent, "ScenarioObject", name=entity.name)
+    body = child(holder, entity.kind, name=blueprint, **attributes)
+    size = entity.asset
     box = child(body, "BoundingBox")
     child(box, "Center", x=0.0, y=0.0, z=0.5 * size.height)
     child(box, "Dimensions", width=size.width, length=size.length, height=size.height)
-    if one.kind == "Vehicle":
+    if entity.kind == "Vehicle":
         child(body, "Performance", maxSpeed=70.0, maxAcceleration=12.0, maxDeceleration=12.0)
         axles, half = child(body, "Axles"), 0.3 * size.length
         for tag, steering, x in (("FrontAxle", 0.6, half), ("RearAxle", 0.0, -half)):
@@ -115,24 +121,24 @@ def _write_entity(parent: Element, one: Entity, known: Catalogue) -> None:
                 positionZ=0.3,
             )
     properties = child(body, "Properties")
-    role = "ego_vehicle" if one.name == "ego" else "simulation"
+    role = "ego_vehicle" if entity.name == "ego" else "simulation"
     child(properties, "Property", name="type", value=role)
 
 
 def _blueprint(asset: Asset, known: Catalogue) -> str:
     """Return the blueprint that is an asset, or is nearest to it in kind and size."""
-    ids = {one.id for one in known.assets}
+    ids = {candidate.id for candidate in known.assets}
     for name in (asset.id, *asset.names):
         if name in ids:
             return name
     kind, category = classified(asset)
-    kin = [one for one in known.assets if classified(one)[0] == kind]
+    candidates = [other for other in known.assets if classified(other)[0] == kind]
     nearest = min(
-        kin,
-        key=lambda one: (
-            classified(one)[1] != category,
-            abs(one.length - asset.length) + abs(one.width - asset.width),
-            one.id,
+        candidates,
+        key=lambda other: (
+            classified(other)[1] != category,
+            abs(other.length - asset.length) + abs(other.width - asset.width),
+            other.id,
         ),
     )
     return nearest.id
@@ -158,7 +164,7 @@ def _write_environment(actions: Element, weather: Weather) -> None:
 # ------------------------------------------------------------------ what actors do
 
 
-def _maneuver(act: Element, name: str) -> Element:
+def _maneuver_group(act: Element, name: str) -> Element:
     group = child(act, "ManeuverGroup", name=f"group_{name}", maximumExecutionCount=1)
     actors = child(group, "Actors", selectTriggeringEntities=False)
     child(actors, "EntityRef", entityRef=name)
@@ -167,35 +173,35 @@ def _maneuver(act: Element, name: str) -> Element:
 
 def _write_actor(act: Element, actor: Actor, run: Reactions, corridor: Corridor) -> None:
     """Append the group of one actor: its action at its trigger, and its rest where it has one."""
-    does, plain = actor.behaviour, _ACTIONS[actor.behaviour.name]
-    maneuver = child(_maneuver(act, actor.id), "Maneuver", name=f"maneuver_{actor.id}")
+    behaviour, action_name = actor.behaviour, _ACTIONS[actor.behaviour.name]
+    maneuver = child(_maneuver_group(act, actor.id), "Maneuver", name=f"maneuver_{actor.id}")
     starting, action = event(maneuver, f"react_{actor.id}_0")
     starting.set("priority", "overwrite")
-    if plain == "lane_change":
+    if action_name == "lane_change":
         speed = float(run.nominal.speeds[0, run.nominal.ids.index(actor.id)])
         _write_lane_change(action, actor, speed)
     else:
-        target = 0.0 if plain == "stop" else does.parameters.get("speed", 1.4)
+        target = 0.0 if action_name == "stop" else behaviour.parameters.get("speed", _WALK_M_S)
         write_speed(child(action, "PrivateAction"), target)
     _write_trigger(starting, actor, run, corridor)
-    if plain == "walk" and "distance" in does.parameters:
+    if action_name == "walk" and "distance" in behaviour.parameters:
         resting, action = event(maneuver, f"rest_{actor.id}_0")
         resting.set("priority", "overwrite")
         write_speed(child(action, "PrivateAction"), 0.0)
         condition = _entity_condition(resting, f"there_{actor.id}", actor.id)
-        child(condition, "TraveledDistanceCondition", value=does.parameters["distance"])
+        child(condition, "TraveledDistanceCondition", value=behaviour.parameters["distance"])
 
 
 def _write_lane_change(action: Element, actor: Actor, speed: float) -> None:
     lanes = round(actor.behaviour.parameters.get("lanes", 1.0))
-    way = max(5.0, speed * actor.behaviour.parameters.get("duration", 2.0))
+    distance_m = max(5.0, speed * actor.behaviour.parameters.get("duration", 2.0))
     change = within(action, "PrivateAction", "LateralAction", "LaneChangeAction")
     child(
         change,
         "LaneChangeActionDynamics",
         dynamicsShape="linear",
         dynamicsDimension="distance",
-        value=way,
+        value=distance_m,
     )
     target = child(change, "LaneChangeTarget")
     child(target, "RelativeTargetLane", entityRef=actor.id, value=lanes)
@@ -220,7 +226,7 @@ def _write_trigger(parent: Element, actor: Actor, run: Reactions, corridor: Corr
             rule="lessThan",
         )
         return
-    soon = child(
+    ttc = child(
         condition,
         "TimeToCollisionCondition",
         value=trigger.value,
@@ -228,7 +234,7 @@ def _write_trigger(parent: Element, actor: Actor, run: Reactions, corridor: Corr
         alongRoute=False,
         rule="lessThan",
     )
-    target = child(soon, "TimeToCollisionConditionTarget")
+    target = child(ttc, "TimeToCollisionConditionTarget")
     row = run.nominal.ids.index(measured)
     s, t = map(float, run.nominal.places[0, row])
     if run.nominal.speeds[0, row] > 0.0:
@@ -240,8 +246,8 @@ def _write_trigger(parent: Element, actor: Actor, run: Reactions, corridor: Corr
 
 def _entity_condition(parent: Element, name: str, entity: str) -> Element:
     holder = child(_condition(parent, "StartTrigger", name), "ByEntityCondition")
-    who = child(holder, "TriggeringEntities", triggeringEntitiesRule="any")
-    child(who, "EntityRef", entityRef=entity)
+    triggering = child(holder, "TriggeringEntities", triggeringEntitiesRule="any")
+    child(triggering, "EntityRef", entityRef=entity)
     return child(holder, "EntityCondition")
 
 
@@ -253,20 +259,3 @@ def _condition(parent: Element, tag: str, name: str) -> Element:
 def _at_time(parent: Element, tag: str, name: str, time_s: float) -> None:
     holder = child(_condition(parent, tag, name), "ByValueCondition")
     child(holder, "SimulationTimeCondition", value=time_s, rule="greaterThan")
-
-
-def empty_document(description: str, author: str, date: str, road: str) -> Element:
-    """Return a document of version 1.0 with its header and road."""
-    root = etree.Element("OpenSCENARIO")
-    child(
-        root,
-        "FileHeader",
-        revMajor=1,
-        revMinor=0,
-        date=date,
-        description=description,
-        author=author,
-    )
-    child(root, "CatalogLocations")
-    child(child(root, "RoadNetwork"), "LogicFile", filepath=road)
-    return root

@@ -56,8 +56,8 @@ class Storyboard:
 
 def event(maneuver: Element, name: str) -> tuple[Element, Element]:
     """Append an event, and return it and its action."""
-    one = child(maneuver, "Event", name=name, priority="override", maximumExecutionCount=1)
-    return one, child(one, "Action", name=f"action_{name}")
+    started = child(maneuver, "Event", name=name, priority="override", maximumExecutionCount=1)
+    return started, child(started, "Action", name=f"action_{name}")
 
 
 def write_start(actions: Element, name: str, pose: NDArray[np.float64], speed: float) -> None:
@@ -88,9 +88,11 @@ def write_replay(
 ) -> None:
     """Append a storyboard that repeats a recording; the ego's group is the last."""
     board = Storyboard(parent, scene, "replay")
-    courses = [reference_poses(recording, row, one, corridor) for row, one in enumerate(entities)]
-    for row, one in enumerate(entities):
-        write_start(board.actions, one.name, courses[row][0], float(recording.speeds[0, row]))
+    courses = [
+        reference_poses(recording, row, entity, corridor) for row, entity in enumerate(entities)
+    ]
+    for row, entity in enumerate(entities):
+        write_start(board.actions, entity.name, courses[row][0], float(recording.speeds[0, row]))
     for row in [*range(1, len(entities)), 0]:
         if spans := phases(courses[row]):
             maneuver = board.maneuver(entities[row].name)
@@ -132,10 +134,10 @@ def write_reactive(
     board = Storyboard(parent, scene, "reactive")
     writer = _ReactionWriter(scene, entities, run, corridor)
     behind = followers(scene, run)
-    for row, one in enumerate(entities):
+    for row, entity in enumerate(entities):
         source = run.nominal if row == 0 else run.quiet
-        pose = reference_poses(source, row, one, corridor)[0]
-        write_start(board.actions, one.name, pose, float(source.speeds[0, row]))
+        pose = reference_poses(source, row, entity, corridor)[0]
+        write_start(board.actions, entity.name, pose, float(source.speeds[0, row]))
     for row, actor in enumerate(scene.actors, start=1):
         if actor.id in behind:
             _write_following(board.maneuver(actor.id), actor.id, _gap(entities, run, row))
@@ -155,7 +157,7 @@ def followers(scene: Scene, run: Reactions) -> frozenset[str]:
         for name, (s, t) in zip(run.quiet.ids, places.tolist(), strict=True)
         if s < places[0, 0] and abs(t - places[0, 1]) < _BESIDE_M
     }
-    drivers = {one.id for one in scene.actors if one.behaviour.name in MOVES_BEFORE_TRIGGER}
+    drivers = {actor.id for actor in scene.actors if actor.behaviour.name in MOVES_BEFORE_TRIGGER}
     return frozenset(run.mindful & behind & drivers)
 
 
@@ -218,54 +220,56 @@ class _ReactionWriter:
 
     def write(self, make: Callable[[], Element], row: int, actor: Actor) -> None:
         """Append the maneuver of one actor, unless it never moves."""
-        one, run = self.entities[row], self.run
+        entity, run = self.entities[row], self.run
         timed = actor.behaviour.trigger.kind == "time"
         reacts = actor.behaviour.name not in WITHOUT_TRIGGER and not timed
         source = run.quiet if reacts else run.nominal
-        before = reference_poses(source, row, one, self.corridor)
+        before = reference_poses(source, row, entity, self.corridor)
         spans = phases(before)
-        step = run.triggered.get(one.name) if reacts else None
-        after = None if step is None else self._reaction(row, one, step)
+        step = run.triggered.get(entity.name) if reacts else None
+        after = None if step is None else self._reaction(row, entity, step)
         if not spans and after is None:
             return
         maneuver = make()
-        write_course(maneuver, one.name, source.time, before, spans)
+        write_course(maneuver, entity.name, source.time, before, spans)
         if after is not None and step is not None:
-            self._write_reaction(maneuver, actor, one, step, after)
+            self._write_reaction(maneuver, actor, entity, step, after)
 
-    def _reaction(self, row: int, one: Entity, step: int) -> Floats | None:
-        poses = reference_poses(self.run.nominal, row, one, self.corridor)[step:]
+    def _reaction(self, row: int, entity: Entity, step: int) -> Floats | None:
+        poses = reference_poses(self.run.nominal, row, entity, self.corridor)[step:]
         return poses if phases(poses) else None
 
     def _write_reaction(
-        self, maneuver: Element, actor: Actor, one: Entity, step: int, poses: Floats
+        self, maneuver: Element, actor: Actor, entity: Entity, step: int, poses: Floats
     ) -> None:
         time = self.run.nominal.time[step:] - self.run.nominal.time[step]
         moves = actor.behaviour.name in MOVES_BEFORE_TRIGGER or actor.behaviour.name == "fall"
         moves = moves or actor.behaviour.name in self.coming
-        opening = f"react_{one.name}_0"
+        opening = f"react_{entity.name}_0"
         for number, (first, last) in enumerate(phases(poses)):
             first = 0 if number == 0 else first
-            label = f"react_{one.name}_{number}"
+            label = f"react_{entity.name}_{number}"
             reacting, action = event(maneuver, label)
             part = slice(first, last + 1)
             write_trajectory(
                 action,
-                f"reaction_{one.name}_{number}",
+                f"reaction_{entity.name}_{number}",
                 time[part] - time[first],
                 poses[part],
                 relative=True,
-                place=own_position(one.name, poses[first]) if moves else None,
+                place=own_position(entity.name, poses[first]) if moves else None,
             )
             if number == 0:
                 trigger = actor.behaviour.trigger
-                self.conditions.write(reacting, f"trigger_{one.name}", trigger, one.name, step)
+                self.conditions.write(
+                    reacting, f"trigger_{entity.name}", trigger, entity.name, step
+                )
             else:
                 after_event(
                     reacting, f"start_{label}", opening, "startTransition", float(time[first])
                 )
             if last < len(time) - 1:
-                resting, action = event(maneuver, f"end_{one.name}_{number}")
+                resting, action = event(maneuver, f"end_{entity.name}_{number}")
                 write_speed(child(action, "PrivateAction"), 0.0)
                 after_event(resting, f"done_{label}", label)
 

@@ -23,7 +23,7 @@ _TURN_M = 2e-5
 """Distance by which a body that turns on the spot moves to and fro: players follow by arc length, m."""
 
 
-def reference_poses(recording: Recording, row: int, one: Entity, corridor: Corridor) -> Floats:
+def reference_poses(recording: Recording, row: int, entity: Entity, corridor: Corridor) -> Floats:
     """Return x, y, z, heading and pitch of an entity's reference point: [n, 5].
 
     The heading is continuous. A vehicle on a slope is pitched about its rear axle such that the centre of
@@ -33,20 +33,20 @@ def reference_poses(recording: Recording, row: int, one: Entity, corridor: Corri
     poses = np.zeros((len(centre), 5))
     poses[:, :4] = centre
     poses[:, 3] = np.unwrap(centre[:, 3])
-    if one.ahead_m == 0.0:
+    if entity.ahead_m == 0.0:
         return poses
     cos, sin = np.cos(poses[:, 3]), np.sin(poses[:, 3])
     grade = np.zeros(len(poses))
     if np.ptp(corridor.z) > 0.0:
         behind = corridor.locate_all(
-            centre[:, 0] - one.ahead_m * cos, centre[:, 1] - one.ahead_m * sin
+            centre[:, 0] - entity.ahead_m * cos, centre[:, 1] - entity.ahead_m * sin
         )
         here = recording.places[:, row, 0]
         rise = np.interp(here, corridor.s, corridor.z) - np.interp(
             behind[0], corridor.s, corridor.z
         )
-        grade = rise / one.ahead_m
-    level = one.ahead_m / np.sqrt(1.0 + grade * grade)
+        grade = rise / entity.ahead_m
+    level = entity.ahead_m / np.sqrt(1.0 + grade * grade)
     poses[:, 0] -= level * cos
     poses[:, 1] -= level * sin
     poses[:, 2] -= level * grade

@@ -68,7 +68,7 @@ class EgoConditions:
     """
 
     def __init__(self, entities: list[Entity], nominal: Recording, corridor: Corridor) -> None:
-        self.rows = {one.name: row for row, one in enumerate(entities)}
+        self.rows = {entity.name: row for row, entity in enumerate(entities)}
         self.entities = entities
         self.nominal = nominal
         self.corridor = corridor
