@@ -21,7 +21,7 @@ _KINDS = {
     stat.S_IFBLK: "a device",
     stat.S_IFSOCK: "a socket",
 }
-"""Words for what is no regular file."""
+"""Words for what is not a regular file."""
 
 MAX_BYTES = 1 << 30
 """Maximum number of bytes read from one file. The largest public data set of driving texts has about 300 MB."""

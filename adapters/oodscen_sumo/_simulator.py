@@ -169,7 +169,7 @@ class SumoSimulator(DynamicSimulator):
         self._sumo.vehicle.moveToXY(body.id, "", -1, x, y, 90.0 - math.degrees(yaw), keepRoute=2)
 
     def _guide(self) -> None:
-        """Put the ego and all bodies that are no drivers where the library has moved them."""
+        """Put the ego and all bodies that are not drivers where the library has moved them."""
         poses, speeds = self._guided.poses()[:, [0, 1, 3]], self._guided.speeds()
         for name, place, speed in zip(self._guided.ids, poses, speeds, strict=True):
             row = self.staged.ids.index(name)

@@ -450,7 +450,7 @@ def report(out: Path, required: str | None) -> None:
 
 
 def _exit_code(grades: Sequence["RequirementResult"]) -> int:
-    """Return 0 if all models meet, 4 if one fails, and 5 if that cannot be told or there is none."""
+    """Return 0 if all models meet, 4 if one fails, and 5 if that is unknown or there is no model."""
     found = {one.grade for one in grades}
     return 4 if "fails" in found else 0 if found == {"meets"} else 5
 

@@ -1,4 +1,4 @@
-"""The options of a run that are no part of its study's identity."""
+"""The options of a run that do not belong to its study's identity."""
 
 from collections.abc import Mapping
 from concurrent.futures import Executor

@@ -317,7 +317,7 @@ class Episode(Data):
 
 
 def _without(value: dict[str, Any], name: str) -> dict[str, Any]:
-    """Remove an entry that tells nothing."""
+    """Remove an entry that says nothing."""
     if not value.get(name):
         value.pop(name, None)
     return value

@@ -1,6 +1,6 @@
 """The shapes of which things are made.
 
-A part is one small mapping; a key tells its kind: `{"box": [0, 0, 0.5], "size": [1, 1, 1], "colour": "red"}` is
+A part is one small mapping; a key names its kind: `{"box": [0, 0, 0.5], "size": [1, 1, 1], "colour": "red"}` is
 a red cube on the ground. Lengths are in metres, x forward, y left, z up; angles are in degrees.
 """
 

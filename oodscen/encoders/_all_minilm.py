@@ -9,7 +9,7 @@ from oodscen.encoders._onnx import OnnxMiniLM
 def all_minilm() -> MiniLM:
     """Return all-MiniLM-L6-v2, in ONNX Runtime if the extra `onnx` is installed, else in torch.
 
-    The two differ by about 1e-6; the encoder's `name` tells which one it is.
+    The two differ by about 1e-6; the encoder's `name` says which one it is.
     """
     parts = ("onnxruntime", "onnx", "tokenizers")
     return OnnxMiniLM() if all(find_spec(part) for part in parts) else MiniLM()

@@ -1,7 +1,7 @@
 """Centred embeddings of labels: the part common to all labels is subtracted before they are compared.
 
 Texts about driving share a frame ("a vehicle on the road ...") that brings all of them close to each
-other. Without it the cosine of two labels tells whether they mean the same kind of scenario.
+other. Without it the cosine of two labels shows whether they mean the same kind of scenario.
 """
 
 from collections.abc import Iterable, Sequence

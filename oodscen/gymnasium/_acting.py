@@ -67,7 +67,7 @@ def read_discrete(action: Any, source: str) -> str:
         source: The method that took or returned it, for the error.
 
     Raises:
-        UsageError: If it is no whole number, or no such action exists.
+        UsageError: If it is not a whole number, or no such action exists.
     """
     try:
         number = np.asarray(action)

@@ -344,7 +344,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         return f"render() of the simulator {self.simulator.name!r}"
 
     def _prepare(self, name: str) -> _Prepared:
-        """Return a scene or twin with its duration, which one blind drive tells."""
+        """Return a scene or twin with its duration, found by one blind drive."""
         if name in self._prepared:
             return self._prepared[name]
         scene = self._scenes.get(name) or self._scenes.get(scene_of(name))

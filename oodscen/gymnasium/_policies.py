@@ -89,7 +89,7 @@ class PolicyDriver(Brief):
         return self._steerer.control(observation)
 
     def _is_due(self, time: float) -> bool:
-        """Return whether the last action is over; by default, the second time tells how long it holds."""
+        """Return whether the last action is over; by default, the second time says how long it holds."""
         if self._begun is None:
             return True
         since = round(time - self._begun, 6)

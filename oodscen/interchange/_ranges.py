@@ -114,7 +114,7 @@ def is_sound(scene: Scene | None, catalogue: Catalogue, claims: Sequence[Claim])
 
 
 def changed(scene: Scene, values: dict[Path, float], name: str | None = None) -> Scene | None:
-    """Return a scene with some values replaced, or `None` if that is no scene."""
+    """Return a scene with some values replaced, or `None` if that is not a scene."""
     data = scene.model_dump(mode="json")
     for path, value in values.items():
         _at(data, path[:-1])[path[-1]] = value

@@ -58,7 +58,7 @@ class QuizAnswers(Data):
 
 
 def token(episode: Episode) -> str:
-    """Return the name of a drive in a quiz, which tells nothing about what the drive shows."""
+    """Return the name of a drive in a quiz, which reveals nothing about what the drive shows."""
     pictures = [episode.file_sha256.get(file, "") for file in sorted(episode.frames.values())]
     return digest(["quiz", episode.scene_id, pictures])[:16]
 

@@ -10,7 +10,7 @@ from oodscen.protocols import LLM, Completion, Request
 
 
 class CappedLLM(Wrapper):
-    """Holds another model to the caps of a run; a call counts as one request, or as many as it tells.
+    """Holds another model to the caps of a run; a call counts as one request, or as many as it reports.
 
     Args:
         llm: The wrapped model; its other attributes are reachable through this object.

@@ -39,7 +39,7 @@ def rounded(values: Floats) -> Floats:
     with np.errstate(over="ignore", invalid="ignore"):
         scaled = values * 1e6
         found = np.rint(scaled) / 1e6
-        # The product is inexact: near a tie only Python's own rounding tells on which side it is.
+        # The product is inexact: near a tie only Python's own rounding shows on which side it is.
         is_clear = np.abs(scaled - np.floor(scaled) - 0.5) > _TIE * np.abs(scaled)
     for index in np.flatnonzero(~is_clear):
         found[index] = round(float(values[index]), 6)

@@ -262,7 +262,7 @@ def _seen_along(road: RoadMap, catalogue: Catalogue) -> tuple[tuple[Landmark, ..
 def _described_road(
     corridor: Corridor, traits: tuple[str, ...]
 ) -> tuple[tuple[Landmark, ...], str]:
-    """Return the landmarks and layout of a road, which every question about its map tells again."""
+    """Return the landmarks and layout of a road, which every question about its map repeats."""
     return landmarks(corridor, traits), layout(corridor)
 
 

@@ -76,7 +76,7 @@ def publish(
         InUse: If another process writes the folder.
         MissingExtra: If pyarrow is not installed.
         StudyError: If a file cannot be written.
-        UsageError: If the share, the licence or the name of the folder is none.
+        UsageError: If `validation`, `licence` or `out` is invalid.
     """
     finite_number("validation", validation, 0.0, 0.9)
     check_name(out)

@@ -79,7 +79,7 @@ class Scenes:
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Driven:
-    """One drive of a stack in a scene or twin; its representation tells what happened."""
+    """One drive of a stack in a scene or twin; its representation shows what happened."""
 
     result: DriveResult
     """All figures of the drive."""
@@ -326,7 +326,7 @@ def _maker(driver: MakeDriver | str) -> tuple[MakeDriver, str]:
     """Return the factory of a driver, and its name.
 
     Raises:
-        UsageError: If it is no factory.
+        UsageError: If it is not a factory.
     """
     if driver == "rule-based":
         return RuleBasedDriver, "rule-based"

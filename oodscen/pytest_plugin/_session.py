@@ -412,7 +412,7 @@ def _count(text: str | None) -> int | None:
     """Return the number of scenes per path.
 
     Raises:
-        UsageError: If it is no positive number.
+        UsageError: If it is not a positive number.
     """
     if text is None:
         return None

@@ -38,7 +38,7 @@ def write_quiz(
     """Write the quiz of a study, and return the file's path.
 
     The page holds the pictures and the questions as models get them, in the same order, and neither an answer
-    nor an id that tells one. It needs no network.
+    nor an id that reveals one. It needs no network.
 
     Args:
         study: The study.

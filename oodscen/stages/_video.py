@@ -134,7 +134,7 @@ def record(
         UnknownComponent: When the view or the action is unknown.
         MissingExtra: When OpenCV is not installed.
         SceneError: When the simulator refuses the scene.
-        UsageError: When the driver is none, or returns no control; the frame rate or the file's name is none.
+        UsageError: When `driver` is not a driver, or returns no control; `fps` or `path` is invalid.
         OodscenError: When the file cannot be written. An earlier file of that name stays then.
     """
     if view not in VIEWS:

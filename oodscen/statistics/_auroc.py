@@ -1,6 +1,6 @@
 """The area under the ROC curve: how well scores separate two sets.
 
-auroc   share of pairs (x, y) with x < y, ties half. In [0, 1]; 0.5 is no separation, 1 is a perfect order.
+auroc   share of pairs (x, y) with x < y, ties half. In [0, 1]; 0.5 means no separation, 1 is a perfect order.
 The Mann-Whitney statistic over n m. Misled by sets that also differ in something irrelevant:
 style, length.
 """
@@ -22,7 +22,7 @@ class Auroc(Data):
     noun: ClassVar[str] = "AUROC"
 
     value: float
-    """In [0, 1]; 0.5 is no separation, 1 puts every text of the second set above all of the first."""
+    """In [0, 1]; 0.5 means no separation, 1 puts every text of the second set above all of the first."""
     interval: Interval | None
     """`None` if either set has fewer than two units."""
     n_ordinary: int

@@ -181,7 +181,7 @@ def _probe(
     """Return what a part is given.
 
     Raises:
-        UsageError: If the object is no simulator, or its catalogue is empty.
+        UsageError: If the object is not a simulator, or its catalogue is empty.
     """
     missing = [name for name in _members() if not hasattr(simulator, name)]
     if missing:

@@ -183,7 +183,7 @@ def nouns_of(text: str) -> tuple[list[Noun], list[Subject]]:
 
 
 def _is_oblique(at: NounInContext) -> bool:
-    """Return whether a noun phrase follows a preposition and therefore is no subject."""
+    """Return whether a noun phrase follows a preposition and therefore is not a subject."""
     lead = at.before[-_NEAR:]
     if (
         not phrases.OBLIQUE.search(lead)

@@ -8,7 +8,7 @@ from oodscen.author._knowledge.base import HazardKind, Recipe, RecipeActor
 from oodscen.prompts._digest import AssetLine
 
 SHARE = 0.9
-"""Share of the events that can be told beside the lane that are."""
+"""Of the events that could be set beside the lane, the share that is."""
 _IN_LANE = re.compile(
     r"\b(?:right )?(?:in|across|over|on|into) (?:the middle of )?(?:the ego's lane|the path of the ego vehicle)\b"
 )

@@ -12,7 +12,7 @@ _HEAVY = frozenset(
     "garbage_truck fire_truck scaffolding school_bus tractor tow_truck".split()
 )
 _WALKS = 0.55
-"""Share of the twins on streets in which someone walks along the pavement, if the hazard is no vehicle."""
+"""Share of the twins on streets in which someone walks along the pavement, if the hazard is not a vehicle."""
 
 
 class StandIn(NamedTuple):

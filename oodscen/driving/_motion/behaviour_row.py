@@ -38,7 +38,7 @@ class BehaviourRow:
     """The whole motion for readers of a report; its id if empty."""
     effect: Effect = ""
     tags: tuple[str, ...] = ()
-    """Its tags in ASAM OpenLABEL's ontology; empty if it is no motion of a road user."""
+    """Its tags in ASAM OpenLABEL's ontology; empty if it is not a motion of a road user."""
     plain_action: PlainAction = ""
     """The action that says all of it, `none` if it does nothing unusual; empty if no single action does."""
     course: Course = ""

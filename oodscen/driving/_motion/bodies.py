@@ -101,7 +101,7 @@ def within_grip(control: Control, speed: float, friction: float) -> Control:
         friction: Friction scale of the road; 1 is dry asphalt.
 
     Raises:
-        UsageError: If speed or friction is no finite number.
+        UsageError: If speed or friction is not a finite number.
     """
     speed = finite_number("speed", speed, -1e6, 1e6)
     friction = finite_number("friction", friction, 0.0, 100.0)

@@ -149,7 +149,7 @@ def _state(world: KinematicWorld) -> State:
 class AdvisingCheck:
     """`check_scene`, the simulator's own check, and once per scene the advice of `visibility_issues`.
 
-    A hazard that cannot be named is no reason to refuse a scene for good: the first valid staging of every
+    A hazard that cannot be named is not a reason to refuse a scene for good: the first valid staging of every
     scene is told of it, later ones are accepted.
     """
 

@@ -81,7 +81,7 @@ class _Substitution:
 
 
 def _computed(text: str) -> str:
-    """Return the value of an expression; text that is no arithmetic stays as it is."""
+    """Return the value of an expression; text that is not arithmetic stays as it is."""
     if len(text) > _MOST:
         raise ValueError(f"an expression has more than {_MOST} characters")
     try:

@@ -30,7 +30,7 @@ def read_osi_trace(data: bytes, source: str) -> Iterator[Row]:
         source: Its name; that of an MCAP file ends in `.mcap`.
 
     Raises:
-        DataError: If the bytes are no trace of ground truth.
+        DataError: If the bytes are not a trace of ground truth.
         MissingExtra: If it is an MCAP file, and the packages for those are not installed.
     """
     if source.endswith(".mcap"):

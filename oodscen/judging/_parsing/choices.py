@@ -29,7 +29,7 @@ def read_action(text: str, offered: Sequence[str] = ACTIONS) -> ParsedAnswer[str
         offered: Ids of the actions; all of them by default.
 
     Raises:
-        UsageError: When an id is empty, or the answer is no text.
+        UsageError: When an id is empty, or the answer is not a text.
     """
     if "" in offered:
         raise UsageError("the id of an action is empty")

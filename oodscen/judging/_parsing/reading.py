@@ -69,7 +69,7 @@ def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
     """Parse an answer from its JSON, else from its prose.
 
     Raises:
-        UsageError: If the answer is no text.
+        UsageError: If the answer is not a text.
     """
     instance_of("text", text, str)
     if len(text) > LONGEST:

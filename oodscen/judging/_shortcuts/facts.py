@@ -90,7 +90,7 @@ def ground_truth(episodes: Sequence[Episode]) -> dict[str, Floats]:
 
 
 def exact_places(episodes: Sequence[Episode]) -> Floats:
-    """Return the places of the three nearest bodies ahead, exact as no picture tells them: [n, 6], m."""
+    """Return the places of the three nearest bodies ahead, exact as no picture shows them: [n, 6], m."""
     return np.array([nearest_places(one.sketch) for one in episodes], np.float64)
 
 

@@ -61,7 +61,7 @@ class Price(NamedTuple):
 
 
 def check_price(model: str, price: Any) -> Price:
-    """Return a price, or raise `UsageError` if it is no pair of numbers from 0 to `DEAREST_USD`."""
+    """Return a price, or raise `UsageError` if it is not a pair of numbers from 0 to `DEAREST_USD`."""
     try:
         asked, answered = (finite_number("a price", value, 0.0, DEAREST_USD) for value in price)
     except (UsageError, TypeError, ValueError):

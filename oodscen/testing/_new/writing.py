@@ -25,7 +25,7 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
         The written files.
 
     Raises:
-        UsageError: If the name is no such name, or the files cannot be written or exist.
+        UsageError: If `name` is not a lower-case identifier, or the files cannot be written or exist.
     """
     if not _NAME.fullmatch(name) or keyword.iskeyword(name):
         raise UsageError(
