@@ -8,7 +8,7 @@ from oodscen.author._knowledge.base import HazardKind, Recipe, RecipeActor
 from oodscen.prompts._digest import AssetLine
 
 SHARE = 0.9
-"""Of the events that could be set beside the lane, the share that is."""
+"""Share of the events set beside the lane, of those that could be."""
 _IN_LANE = re.compile(
     r"\b(?:right )?(?:in|across|over|on|into) (?:the middle of )?(?:the ego's lane|the path of the ego vehicle)\b"
 )
