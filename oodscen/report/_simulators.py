@@ -20,7 +20,7 @@ _KINDS = {
 }
 """Names of the kinds that a catalogue lacks entirely."""
 _MATCH_WORDS = {"full": "yes", "substitute": "with stand-ins", "part": "in part", "none": "no"}
-"""How the page answers whether a path can be simulated."""
+"""Answers of the page to whether a path can be simulated."""
 
 
 def simulators(study: Study, found: Material) -> Mapping[str, Any] | None:

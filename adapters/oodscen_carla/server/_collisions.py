@@ -1,4 +1,4 @@
-"""What vehicles touch in one tick, and what that does to them."""
+"""Collisions: everything that vehicles touch in one tick, and its effect on them."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence

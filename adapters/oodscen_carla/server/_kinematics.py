@@ -12,7 +12,7 @@ from oodscen_carla.server._vehicles import drive
 
 
 class Surface(NamedTuple):
-    """What actors move on."""
+    """The ground that actors move on."""
 
     map: ServedMap
     friction: float
