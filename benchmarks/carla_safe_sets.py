@@ -22,7 +22,7 @@ from typing import Any
 from oodscen_carla.server import CarlaTestServer
 
 from oodscen import Episode, Scene, Study, make_simulator, simulate
-from oodscen.stages._rollouts import FRICTIONS, SPEEDS, Trials
+from oodscen.stages._safe_actions import FRICTIONS, SPEEDS, Trials
 
 SCRIPT = Path(__file__).parents[1] / "examples" / "carla" / "actions.py"
 Row = dict[str, Any]

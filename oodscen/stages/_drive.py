@@ -33,7 +33,7 @@ from oodscen.protocols import (
     State,
     camera_for,
 )
-from oodscen.stages._rollouts import peak_deceleration, peak_jerk
+from oodscen.stages._safe_actions import peak_deceleration, peak_jerk
 from oodscen.stages._steering import Steering
 
 MakeDriver = Callable[[], Driver]

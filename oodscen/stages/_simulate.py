@@ -40,7 +40,7 @@ from oodscen.protocols import (
     camera_for,
 )
 from oodscen.stages._birds_eye import birds_eye
-from oodscen.stages._rollouts import Rollouts, Trials, fingerprint
+from oodscen.stages._safe_actions import Rollouts, Trials, fingerprint
 from oodscen.stages._visibility import sighting
 
 if TYPE_CHECKING:

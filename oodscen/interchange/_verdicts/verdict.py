@@ -22,7 +22,7 @@ from oodscen.interchange._verdicts.plausibility import check_motion, check_steps
 from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
 from oodscen.protocols import State
 from oodscen.stages._drive import drive_result, inconclusive_drive
-from oodscen.stages._rollouts import judge_outcome, runs_red
+from oodscen.stages._safe_actions import judge_outcome, runs_red
 
 Floats = NDArray[np.float64]
 

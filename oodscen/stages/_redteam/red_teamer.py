@@ -21,7 +21,7 @@ from oodscen.stages._options import RedTeamOptions, with_changes
 from oodscen.stages._redteam.changes import edits_of, misfits, resolve_decision, runners_up
 from oodscen.stages._redteam.excerpt import corner, excerpt, list_leaves, thin
 from oodscen.stages._redteam.naming import Names
-from oodscen.stages._redteam.novelty import ClosestText, NoveltyFilter
+from oodscen.stages._redteam.near_duplicates import ClosestText, NoveltyFilter
 from oodscen.stages._redteam.rarity import Rarity
 from oodscen.stages._redteam.rounds import Round, RunnerUp
 from oodscen.stages._redteam.saturation import Saturation, saturation

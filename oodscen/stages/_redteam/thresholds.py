@@ -1,6 +1,6 @@
 """Defaults of closed-loop red teaming.
 
-The similarities are centred cosines of MiniLM (`oodscen.stages._redteam.novelty`). Measured on texts of the
+The similarities are centred cosines of MiniLM (`oodscen.stages._redteam.near_duplicates`). Measured on texts of the
 built-in author, nine out of ten refused proposals are already covered.
 """
 

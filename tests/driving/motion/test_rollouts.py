@@ -11,7 +11,7 @@ from oodscen.driving._motion.actions import Cruise, is_available
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._trace import Course
-from oodscen.stages._rollouts import runs_red
+from oodscen.stages._safe_actions import runs_red
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
 HORIZON_S = 4.0

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from oodscen import ScenarioTree
 from oodscen.encoders._centring import unit_rows
-from oodscen.stages._redteam.novelty import NoveltyFilter
+from oodscen.stages._redteam.near_duplicates import NoveltyFilter
 from oodscen.stages._redteam.rounds import Round
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit

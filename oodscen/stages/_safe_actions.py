@@ -1,4 +1,4 @@
-"""Rollouts of the actions from a decision, by drivers who react sooner or later."""
+"""Which actions are safe from a decision on: rollouts by drivers who react sooner or later."""
 
 import hashlib
 from collections.abc import Iterator, Sequence
