@@ -17,7 +17,7 @@ from oodscen.author._knowledge.designs import design
 from oodscen.author._knowledge.loading import load_knowledge, stamp_of
 from oodscen.author._knowledge.motions import design_motion
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.author._showable import Scope, Showable
+from oodscen.author._settings import Scope, Showable
 from oodscen.author._staging.drafting import Stager
 from oodscen.author._taxonomy import TreeAuthor
 from oodscen.author._writing.compose import Composer

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from oodscen.author._knowledge.base import Counterpart, HazardKind, Knowledge, RecipeActor
 from oodscen.author._reading.label_reading import Alternative, LabelReading, RequiredThing
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.author._showable import Showable
+from oodscen.author._settings import Showable
 from oodscen.author._staging.anchors import has_landmarks, landmarks_needed
 from oodscen.data._additions import Addition, map_with
 from oodscen.data._scene import is_weather_kind

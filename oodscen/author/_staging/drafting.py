@@ -16,7 +16,7 @@ from oodscen.author._knowledge.base import (
     RoadKind,
 )
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.author._showable import roads_for
+from oodscen.author._settings import roads_for
 from oodscen.author._staging import decision_timing as timing
 from oodscen.author._staging.actors import SceneDraftState, cast, named_traffic
 from oodscen.author._staging.anchors import LANDMARKS, root

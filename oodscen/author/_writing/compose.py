@@ -9,7 +9,7 @@ import numpy as np
 
 from oodscen.author._knowledge.base import BackgroundTraffic, HazardKind, Knowledge, RoadKind
 from oodscen.author._reading.ego_naming import Name, named
-from oodscen.author._showable import Scope, every_setting
+from oodscen.author._settings import Scope, every_setting
 from oodscen.author._staging.aside import SHARE, may_be_aside, told_aside
 from oodscen.author._staging.decision_timing import approach
 from oodscen.author._writing.agreement import Agreement, Setting
