@@ -47,7 +47,7 @@ def adapter(name: str, into: str) -> None:
 @click.argument("what", required=False)
 @click.argument("name", required=False)
 @click.option("--api-base", help="Address of an OpenAI-compatible server, for llm NAME.")
-@click.option("--quick", is_flag=True, help="Run only the checks of a simulator that take seconds.")
+@click.option("--quick", is_flag=True, help="Run only the quicker checks of a simulator.")
 @click.option("--states-only", is_flag=True, help="Allow pixels that differ from run to run.")
 @json_option
 def doctor(

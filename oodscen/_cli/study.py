@@ -167,7 +167,7 @@ if TYPE_CHECKING:
     help="Frames of a drive, at even distances in time.  [default: 3]",
 )
 @seed_option
-@click.option("--quick", is_flag=True, help="Run a small but complete study in seconds.")
+@click.option("--quick", is_flag=True, help="Run a small but complete study, in a minute or two.")
 @click.option("--retry-failed", is_flag=True, help="Also redo items whose answers were invalid.")
 @click.option(
     "--dry-run",

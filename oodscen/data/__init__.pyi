@@ -1,4 +1,5 @@
 from ._catalogue import Asset as Asset
+from ._catalogue import BehaviourKind as BehaviourKind
 from ._catalogue import Catalogue as Catalogue
 from ._catalogue import RoadMap as RoadMap
 from ._catalogue import WeatherRange as WeatherRange

@@ -74,6 +74,8 @@ class OnnxMiniLM(MiniLM):
     def _read(self) -> Any:
         folder = self._folder or packaged()
         verified(folder)
+        # ONNX Runtime reports to its maker otherwise, also through proxies; it reads this when it is imported.
+        os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
         try:
             import onnxruntime
             from tokenizers import Tokenizer

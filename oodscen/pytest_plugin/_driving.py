@@ -21,7 +21,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
 from oodscen.errors import OodscenError, UsageError
-from oodscen.protocols import Camera, Driver, Simulator, State
+from oodscen.protocols import Camera, Driver, Simulator, State, camera_for
 from oodscen.stages._drive import (
     DrivePlan,
     MakeDriver,
@@ -231,7 +231,7 @@ class Drive:
             driver: A class or function that makes a driver, or its name: `rule-based`, `module:attr`.
             scene: The scene to drive, by default the test's; `twin` drives its ordinary twin.
             name: The stack's name in the report; by default the name of the class or function.
-            camera: Camera for drivers that want frames; by default the ego's dash camera.
+            camera: Camera for drivers that want frames; by default the ego's dash camera, or the view from above.
 
         Raises:
             UsageError: If the driver is an object that already exists, or returns no control.
@@ -246,9 +246,10 @@ class Drive:
         label = name or label
         braking: _Pictures | None = None
         states: list[State] = []
+        seen_by = camera_for(self._simulator.catalogue(), camera)
         try:
             for state in drive_states(
-                item, make(), self._simulator, self._scenes.seed, plan.steps, camera or Camera()
+                item, make(), self._simulator, self._scenes.seed, plan.steps, seen_by
             ):
                 if is_clear and braking is None and states and brakes_hard(states[-1], state):
                     braking = self._pictures(state, item, camera)
@@ -283,7 +284,7 @@ class Drive:
         """Save the frame and the plan view of the last drive's shown moment, and return it with them.
 
         Args:
-            camera: Camera of the frame; by default the ego's dash camera.
+            camera: Camera of the frame; by default the ego's dash camera, or the view from above.
         """
         for place, pictures in self._braking.items():
             self._save(place, pictures)
@@ -301,7 +302,8 @@ class Drive:
 
         try:
             above = birds_eye(state, scene, self._simulator.catalogue())
-            frame = render_checked(self._simulator, camera or Camera(), len(state.ids))
+            seen_by = camera_for(self._simulator.catalogue(), camera)
+            frame = render_checked(self._simulator, seen_by, len(state.ids))
         except OodscenError:
             return {}
         return {"frame": frame.rgb, "plan": above}

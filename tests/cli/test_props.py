@@ -15,7 +15,7 @@ def test_a_design_has_a_line_with_its_size_and_mass(tmp_path):
     (tmp_path / "wall.json").write_text(json.dumps(WALL))
     shown = invoke(tmp_path)
     assert shown.exit_code == 0
-    assert shown.output.startswith("low_wall")
+    assert shown.stdout.startswith("low_wall")
     assert f"{WALL['mass_kg']:g} kg" in shown.output
     assert json.loads(invoke(tmp_path, "--json").stdout)[0]["id"] == "low_wall"
 

@@ -308,7 +308,7 @@ def test_an_interruption_that_a_finaliser_swallows_comes_again(tmp_path, monkeyp
         def __del__(self) -> None:
             signal.raise_signal(signal.SIGTERM)
 
-    def swallow(study, bars):
+    def swallow(study, bars, **more):
         with monkeypatch.context() as patch:
             patch.setattr(sys, "unraisablehook", lambda raised: None)
             Last()
@@ -320,7 +320,7 @@ def test_an_interruption_that_a_finaliser_swallows_comes_again(tmp_path, monkeyp
 
 
 def test_a_signal_that_shall_be_ignored_is(tmp_path, monkeypatch) -> None:
-    def hang_up(study, bars):
+    def hang_up(study, bars, **more):
         os.kill(os.getpid(), signal.SIGHUP)
         return tmp_path
 

@@ -1,3 +1,5 @@
+import os
+
 import numpy as np
 import pytest
 
@@ -86,6 +88,12 @@ def test_eight_bits_say_how_far_off_they_are(caplog):
     assert small.name.endswith("+onnx-int8")
     assert 0.0 < small.error < 0.2
     assert "cosine to torch" in caplog.text
+
+
+def test_the_runtime_is_told_not_to_report_to_its_maker(encoder, monkeypatch):
+    monkeypatch.delenv("ORT_DISABLE_TELEMETRY", raising=False)
+    type(encoder)().encode(["A red light."])
+    assert os.environ["ORT_DISABLE_TELEMETRY"] == "1"
 
 
 def test_a_missing_runtime_names_the_extra(monkeypatch):
