@@ -20,6 +20,9 @@ from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.protocols import Simulator
 from oodscen.stages._drive import MakeDriver, drive, failed_drive
 
+MAKING_S = 60.0
+"""Seconds in which a limited drive must at least be able to make its drivers and simulator."""
+
 Results = list[DriveResult]
 """The drives of one driver in a scene and in its twin."""
 
@@ -52,7 +55,7 @@ def drive_all(
         scenes: The scenes to drive.
         workers: Processes; 0 drives in this process, where debuggers work and a stack can end everything.
         time_limit_s: Seconds after which a scene whose drives have not ended fails; by default drives take as
-            long as they need.
+            long as they need. With it, the making of drivers and simulator may take `MAKING_S`, or as long.
 
     Raises:
         UsageError: If there is no such driver or simulator, a driver cannot be made, or there is a time limit but
@@ -67,6 +70,8 @@ def drive_all(
         return
     check_workers(job.simulator, workers, None)
     with Processes(workers) as pool:
+        if time_limit_s is not None:
+            pool.limit_s = max(time_limit_s, MAKING_S)
         try:
             pool.submit(_prepare, job).result()
         except BrokenExecutor as error:

@@ -10,6 +10,7 @@ from pydantic import ConfigDict
 
 from oodscen.data._base import Data
 from oodscen.data._claim import Claim
+from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
@@ -112,8 +113,9 @@ LINES: Mapping[str, type[Data]] = {
     "opinions.jsonl": Opinion,
     PEOPLE: QuizAnswers,
     "calls.jsonl": Call,
+    "drives.jsonl": DriveResult,
 }
-"""Types of the lines of every file that a run resumes from, besides the text sets."""
+"""Types of the lines of every file that a run resumes from or reports on, besides the text sets."""
 
 VALUES: Mapping[str, type[Data]] = {"metrics.json": Measurements, CATALOGUES: CatalogueComparison}
 """Types of the files of one value that a run resumes from, besides trees."""
@@ -125,7 +127,6 @@ _OTHERS = (
     "leaderboard.json",
     "metrics.json",
     AUDIT,
-    "drives.jsonl",
     "answers.jsonl",
     "report.html",
     QUIZ,

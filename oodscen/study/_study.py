@@ -143,6 +143,7 @@ class Study(Brief):
         if names and not self.store.has("study.json"):
             raise FolderTaken(str(self.folder), names)
         self._check_kinds(names)
+        self._check_links(names)
         for name in names:
             kind = Scenario if TEXT_SETS.fullmatch(name) else LINES.get(name)
             if kind is not None:
@@ -166,6 +167,14 @@ class Study(Brief):
                 source = f"{self.store.path('scenes.jsonl')}, line {number}"
                 raise DataError(Scene.noun, [issue], source=source)
             found.add(line["id"])
+
+    def _check_links(self, names: Iterable[str]) -> None:
+        """Check that no folder, nor what lies directly in it, is a link that leads outside the study."""
+        for name in sorted({*FOLDERS} & {*names}):
+            within = (f"{name}/{one.name}" for one in os.scandir(self.folder / name))
+            for place in (name, *within):
+                if self.store.path(place).is_symlink():
+                    self.store.inside(place)
 
     def _check_kinds(self, names: Iterable[str]) -> None:
         """Check that files are regular files, and folders are folders."""

@@ -102,6 +102,20 @@ def test_a_study_with_a_pipe_in_it_is_refused_by_every_reader(tmp_path, name):
         Study.open(tmp_path)
 
 
+@pytest.mark.parametrize("name", ["frames", "frames/some-scene"])
+def test_frames_that_lie_elsewhere_are_found_before_anything_is_written(study, tmp_path, name):
+    (study.folder / name).parent.mkdir(exist_ok=True)
+    (study.folder / name).symlink_to(tmp_path.parent)
+    with pytest.raises(DataError, match="leads outside"):
+        study.check()
+
+
+def test_a_drive_that_is_none_is_found_before_anything_is_written(study):
+    study.store.write_lines("drives.jsonl", [{"id": "a", "driver": 1}])
+    with pytest.raises(DataError, match="drives"):
+        study.check()
+
+
 @pytest.mark.parametrize("name", ["metrics.json", "catalogues.json"])
 @pytest.mark.parametrize("content", [b"null", b"[]", b'{"lines":1}', b"\xef\xbb\xbf{}", b"\xff"])
 def test_a_broken_file_of_one_value_is_found_before_anything_is_written(study, name, content):
