@@ -1,4 +1,4 @@
-"""Which actions are safe from a decision on: rollouts by drivers who react sooner or later."""
+"""Safe actions from a decision on, found by rollouts with drivers who react sooner or later."""
 
 import hashlib
 from collections.abc import Iterator, Sequence
