@@ -199,14 +199,9 @@ class EgoIgnoresGrip(MySimulator):
         return kept.model_copy(update={"weather": dry})
 
     def _drive(self, ego: Mover, control: Control) -> None:
-        slip = math.atan(0.5 * math.tan(control.steering))
-        after = max(0.0, ego.speed + control.acceleration * self.dt)
-        way = 0.5 * (ego.speed + after) * self.dt
-        turn = way * math.sin(slip) / (0.5 * self.wheelbase)
-        ego.x += way * math.cos(ego.yaw + 0.5 * turn + slip)
-        ego.y += way * math.sin(ego.yaw + 0.5 * turn + slip)
-        ego.yaw += turn
-        ego.speed = after
+        friction, self.friction = self.friction, 100.0
+        super()._drive(ego, control)
+        self.friction = friction
 
 
 class DriversIgnoreBends(MySimulator):

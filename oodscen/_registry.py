@@ -299,10 +299,11 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
         try:
             signature.bind(*given, **settings)
         except TypeError as error:
-            hint = (
-                f"try {name}:ARGUMENT" if name in names(kind) else "it is called without arguments"
-            )
-            hint = "it takes no argument after the colon" if given else hint
+            hint = "it is called without arguments"
+            if given:
+                hint = "it takes no argument after the colon"
+            elif name in names(kind):
+                hint = f"try {name}:ARGUMENT"
             raise UsageError(f"the {kind} {name!r} cannot be made: {error}; {hint}") from None
     try:
         return factory(*given, **settings)

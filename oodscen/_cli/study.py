@@ -321,8 +321,7 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
         rows = estimate(out, wanted, RunOptions(limits=limits))
         click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
-    calls = [one for one in before.store.lines("calls.jsonl") if one.get("stage") == "evaluate"]
-    asked_at = {one.get("model", ""): one.get("time", "") for one in calls}
+    asked_at = _asked_at(before) if asked.vlms else {}
     if asked.has_questions:
         with bars(ledger) as progress:
             study = run_study(
@@ -346,6 +345,14 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     verdicts = study.verdicts
     here = {verdict.model for verdict in verdicts} - (known - again)
     sys.exit(any(one.status == "failed" and one.model in here for one in verdicts))
+
+
+def _asked_at(study: "Study") -> dict[str, str]:
+    """Return when each judged model was last asked, by its name in verdicts; empty if not recorded."""
+    calls = study.store.lines("calls.jsonl")
+    return {
+        one.get("model", ""): one.get("time", "") for one in calls if one.get("stage") == "evaluate"
+    }
 
 
 @dataclass(frozen=True)

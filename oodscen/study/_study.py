@@ -171,10 +171,10 @@ class Study(Brief):
     def _check_links(self, names: Iterable[str]) -> None:
         """Check that no folder, nor what lies directly in it, is a link that leads outside the study."""
         for name in sorted({*FOLDERS} & {*names}):
-            within = (f"{name}/{one.name}" for one in os.scandir(self.folder / name))
-            for place in (name, *within):
-                if self.store.path(place).is_symlink():
-                    self.store.inside(place)
+            with os.scandir(self.store.inside(name)) as within:
+                links = sorted(one.name for one in within if one.is_symlink())
+            for link in links:
+                self.store.inside(f"{name}/{link}")
 
     def _check_kinds(self, names: Iterable[str]) -> None:
         """Check that files are regular files, and folders are folders."""

@@ -8,7 +8,7 @@ import numpy as np
 from oodscen.author._knowledge.base import AmbientTraffic, BackgroundTraffic, Recipe
 from oodscen.author._staging.actors import SceneDraftState
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
-from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.behaviours import DRIVES_IN_LANE
 from oodscen.prompts._digest import CatalogueDigest, MapLine
 
 _MOST_AHEAD = 280.0
@@ -23,7 +23,6 @@ _PACE = (0.86, 0.94)
 """Speed of a vehicle beside the ego relative to the ego's: it passes through the picture while the ego overtakes it."""
 _BUMPERS = 9.0
 """Distance between the centres of a car and a lorry close behind it, m."""
-_DRIVES = having(lambda row: row.moves_before_trigger and not row.keeps_heading)
 
 
 def on_offer(kinds: Sequence[AmbientTraffic], digest: CatalogueDigest) -> list[AmbientTraffic]:
@@ -206,6 +205,6 @@ def along(actor: Actor) -> float:
     own = actor.behaviour.parameters.get("speed", 0.0)
     if actor.behaviour.name == "walk_along":
         return own * math.cos(math.radians(actor.placement.heading_deg))
-    if actor.behaviour.name not in _DRIVES:
+    if actor.behaviour.name not in DRIVES_IN_LANE:
         return 0.0
     return -own if actor.behaviour.name == "wrong_way" else own

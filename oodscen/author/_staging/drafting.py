@@ -36,7 +36,7 @@ from oodscen.claims._roads import is_so
 from oodscen.claims._things import Thing, may_be, mentions
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Ego, Hazard, Trigger
-from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.behaviours import STAYS
 from oodscen.driving._motion.off_centre import off_centre
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest, MapLine
@@ -56,8 +56,6 @@ _HURRIED = 0.7
 """The same share for scenes in which someone crosses, or a group blocks the road."""
 _EVADING_S = 2.2
 """Time before a head-on collision at which evasion is still possible, s."""
-_IN_PLACE = having(lambda row: row.course == "place")
-"""Behaviours that do not change the actor's distance along the road."""
 _CLEAR_PX = 400.0
 """Area in the dash camera's image below which an actor is not recognised at a glance, square pixels."""
 _WINDOW_M = 0.8
@@ -347,7 +345,7 @@ def _hurried(scene: SceneDraftState, actor: RecipeActor, friction: float, second
         away *= 0.95
     if away < calm:
         scene.is_followed = False
-    if actor.behaviour in _IN_PLACE and not scene.is_followed and draw < _HURRIED:
+    if actor.behaviour in STAYS and not scene.is_followed and draw < _HURRIED:
         late = timing.too_late_to_stop(closing, friction) + reach
         if late > hard:
             away = min(away, hard + 0.8 * share * (late - hard))

@@ -433,6 +433,10 @@ def having(fits: Callable[[BehaviourRow], bool]) -> tuple[str, ...]:
 
 
 MOVES_BEFORE_TRIGGER = frozenset(having(lambda row: row.moves_before_trigger))
+DRIVES_IN_LANE = frozenset(having(lambda row: row.moves_before_trigger and not row.keeps_heading))
+"""Behaviours that drive along their lane until their trigger, if they have one."""
+STAYS = frozenset(having(lambda row: row.course == "place"))
+"""Behaviours that keep an actor at its place along the road."""
 WITHOUT_TRIGGER = frozenset(having(lambda row: not row.has_trigger))
 USUAL = frozenset(having(lambda row: row.plain_action == "none"))
 """Behaviours that are nothing unusual."""

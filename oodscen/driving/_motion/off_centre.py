@@ -3,11 +3,10 @@
 import numpy as np
 
 from oodscen.data._scene import Actor
-from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.behaviours import DRIVES_IN_LANE
 
 OFF_CENTRE_M = 0.3
 """Most that a road user drives beside the middle of its lane, m."""
-_DRIVES = having(lambda row: row.moves_before_trigger and not row.keeps_heading)
 
 
 def off_centre(one: Actor, rng: np.random.Generator) -> Actor:
@@ -19,6 +18,6 @@ def off_centre(one: Actor, rng: np.random.Generator) -> Actor:
     """
     offset = round(float(rng.uniform(-OFF_CENTRE_M, OFF_CENTRE_M)), 2)
     place = one.placement
-    if place.offset_m or one.behaviour.other or one.behaviour.name not in _DRIVES:
+    if place.offset_m or one.behaviour.other or one.behaviour.name not in DRIVES_IN_LANE:
         return one
     return one.model_copy(update={"placement": place.model_copy(update={"offset_m": offset})})

@@ -13,7 +13,7 @@ from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._claim import Claim, Kind
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
 from oodscen.driving import load_corridor
-from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.behaviours import STAYS
 from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._trace import Trace
@@ -32,8 +32,6 @@ _LANE_M = 3.5
 """Usual width of a lane, m."""
 _NEAREST_M = 5.0
 """Distance ahead up to which a body counts as beside the ego, m."""
-_IN_PLACE = having(lambda row: row.course == "place")
-"""Behaviours that keep an actor at its place along the road."""
 _HARDLY = 2e-4
 """Extent of a body that is hardly seen."""
 
@@ -134,7 +132,7 @@ class Setting:
 
     def _foreseen(self, one: Actor) -> tuple[float, float, float]:
         place, does = one.placement, one.behaviour
-        speed = 0.0 if does.name in _IN_PLACE else does.parameters.get("speed", 0.0)
+        speed = 0.0 if does.name in STAYS else does.parameters.get("speed", 0.0)
         ahead = place.ahead_m + speed * self.decision_s - self.decision_m
         return ahead, _LANE_M * place.lane + place.offset_m, _frontal_area(self.assets[one.asset])
 

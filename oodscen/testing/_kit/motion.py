@@ -11,7 +11,7 @@ import numpy as np
 
 from oodscen.data._catalogue import BehaviourKind, RoadMap
 from oodscen.data._scene import Actor, Scene, Trigger
-from oodscen.driving._motion.behaviours import BUILT_IN, having
+from oodscen.driving._motion.behaviours import BUILT_IN, DRIVES_IN_LANE, having
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.placement import staging_issues
@@ -45,8 +45,6 @@ _LAST_S = 3.5
 _CHANCE = ("amplitude", "radius", "lift")
 _LOOSE = having(lambda row: row.has_chance or row.needs_other)
 """Behaviours whose headings and momentary speeds differ with chance or with the body that they belong to."""
-_IN_LANE = having(lambda row: row.moves_before_trigger and not row.keeps_heading)
-"""Behaviours that drive along their lane until their trigger, if they have one."""
 _CALM = 2.0
 """Acceleration towards the inside of a bend that no driver minds, m/s^2."""
 _FASTEST = 14.0
@@ -161,7 +159,7 @@ def _check_bends(probe: Probe) -> None:
     speed = min(0.8 * road.speed_limit, math.sqrt(_CALM / max(sharpness, 1e-9)), _FASTEST)
     if 0.5 * sharpness * (speed * SECONDS) ** 2 < 2.0 * ACROSS_M:
         raise NotApplicable("no map has a bend within 150 m of the ego's start")
-    names = [kind.id for kind in probe.catalogue.behaviours if kind.id in _IN_LANE]
+    names = [kind.id for kind in probe.catalogue.behaviours if kind.id in DRIVES_IN_LANE]
     if not names:
         raise NotApplicable("no behaviour drives along its lane")
     sides = [("", 0, -1.0)]
