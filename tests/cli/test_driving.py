@@ -3,6 +3,7 @@ import os
 import shutil
 import sys
 
+import pytest
 from click.testing import CliRunner
 
 from oodscen._cli import main
@@ -20,10 +21,20 @@ class Broken:
 """
 
 
-def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch, capfd) -> None:
+@pytest.fixture
+def with_stack(small, tmp_path, monkeypatch):
+    """Return a function that puts a module beside a study `out`, in the working folder."""
     shutil.copytree(small, tmp_path / "out")
-    (tmp_path / "stack_beside.py").write_text(STACK)
     monkeypatch.chdir(tmp_path)
+
+    def put(module, code):
+        (tmp_path / f"{module}.py").write_text(code)
+
+    return put
+
+
+def test_a_stack_in_the_current_folder_drives(with_stack, tmp_path, capfd) -> None:
+    with_stack("stack_beside", STACK)
     paths = list(sys.path)
     run = CliRunner().invoke
     found = run(main, ["drive", "out", "--driver", "stack_beside:make", "--json"])
@@ -62,10 +73,8 @@ def test_a_stack_in_the_current_folder_drives(small, tmp_path, monkeypatch, capf
     assert "stack_beside" not in sys.modules
 
 
-def test_a_driver_runs_in_this_process_for_debuggers(small, tmp_path, monkeypatch) -> None:
-    shutil.copytree(small, tmp_path / "out")
-    (tmp_path / "stack_here.py").write_text(STACK)
-    monkeypatch.chdir(tmp_path)
+def test_a_driver_runs_in_this_process_for_debuggers(with_stack, tmp_path) -> None:
+    with_stack("stack_here", STACK)
     found = CliRunner().invoke(
         main, ["drive", "out", "--driver", "stack_here:make", "--workers", "0", "--json"]
     )
@@ -75,14 +84,8 @@ def test_a_driver_runs_in_this_process_for_debuggers(small, tmp_path, monkeypatc
     assert "a stack talks" in found.stderr
 
 
-def test_a_stack_that_ends_its_process_fails_and_the_others_go_on(
-    small, tmp_path, monkeypatch
-) -> None:
-    shutil.copytree(small, tmp_path / "out")
-    (tmp_path / "stack_dying.py").write_text(
-        "import os\nclass Dying:\n    act = lambda *_: os._exit(0)\n"
-    )
-    monkeypatch.chdir(tmp_path)
+def test_a_stack_that_ends_its_process_fails_and_the_others_go_on(with_stack, tmp_path) -> None:
+    with_stack("stack_dying", "import os\nclass Dying:\n    act = lambda *_: os._exit(0)\n")
     found = CliRunner().invoke(
         main, ["drive", "out", "--driver", "stack_dying:Dying", "--driver", "rule-based"]
     )
@@ -101,24 +104,18 @@ def test_a_stack_that_ends_its_process_fails_and_the_others_go_on(
     assert "its process died (" in drives[2][2]
 
 
-def test_a_stack_that_ends_its_process_when_it_is_made_is_refused(
-    small, tmp_path, monkeypatch
-) -> None:
-    shutil.copytree(small, tmp_path / "out")
-    (tmp_path / "stack_stillborn.py").write_text("import os\nos._exit(0)\n")
-    monkeypatch.chdir(tmp_path)
+def test_a_stack_that_ends_its_process_when_it_is_made_is_refused(with_stack, tmp_path) -> None:
+    with_stack("stack_stillborn", "import os\nos._exit(0)\n")
     found = CliRunner().invoke(main, ["drive", "out", "--driver", "stack_stillborn:Driver"])
     assert found.exit_code == 2
     assert "cannot be made: its process died (exit code 0)" in found.output
     assert not (tmp_path / "out" / "drives.jsonl").exists()
 
 
-def test_a_stack_that_takes_too_long_fails(small, tmp_path, monkeypatch) -> None:
-    shutil.copytree(small, tmp_path / "out")
-    (tmp_path / "stack_hanging.py").write_text(
-        "import signal\nclass Hanging:\n    act = lambda *_: signal.pause()\n"
+def test_a_stack_that_takes_too_long_fails(with_stack, tmp_path) -> None:
+    with_stack(
+        "stack_hanging", "import signal\nclass Hanging:\n    act = lambda *_: signal.pause()\n"
     )
-    monkeypatch.chdir(tmp_path)
     command = ["drive", "out", "--driver", "stack_hanging:Hanging", "--time-limit", "1"]
     found = CliRunner().invoke(main, command)
     assert found.exit_code == 1
@@ -129,14 +126,11 @@ def test_a_stack_that_takes_too_long_fails(small, tmp_path, monkeypatch) -> None
     assert "--workers" in refused.output
 
 
-def test_an_interrupted_command_keeps_the_drives_that_have_ended(
-    small, tmp_path, monkeypatch
-) -> None:
-    shutil.copytree(small, tmp_path / "out")
-    (tmp_path / "stack_interrupting.py").write_text(
-        "class Interrupting:\n    def act(self, _):\n        raise KeyboardInterrupt\n"
+def test_an_interrupted_command_keeps_the_drives_that_have_ended(with_stack, tmp_path) -> None:
+    with_stack(
+        "stack_interrupting",
+        "class Interrupting:\n    def act(self, _):\n        raise KeyboardInterrupt\n",
     )
-    monkeypatch.chdir(tmp_path)
     names = ("rule-based", "stack_interrupting:Interrupting")
     drivers = [option for name in names for option in ("--driver", name)]
     found = CliRunner().invoke(main, ["drive", "out", *drivers, "--workers", "0"])
@@ -145,20 +139,17 @@ def test_an_interrupted_command_keeps_the_drives_that_have_ended(
     assert [json.loads(line)["driver"] for line in lines] == ["rule-based"] * 2
 
 
-def test_a_stack_may_change_the_working_folder_and_leave_a_thread(
-    small, tmp_path, monkeypatch
-) -> None:
-    shutil.copytree(small, tmp_path / "out")
+def test_a_stack_may_change_the_working_folder_and_leave_a_thread(with_stack, tmp_path) -> None:
     (tmp_path / "elsewhere").mkdir()
-    (tmp_path / "stack_moving.py").write_text(
+    with_stack(
+        "stack_moving",
         "import os, threading\n"
         "from oodscen.driving._motion.actions import Cruise\n"
         "threading.Thread(target=threading.Event().wait).start()\n"
         "def make():\n"
         "    os.chdir(os.path.join(os.path.dirname(__file__), 'elsewhere'))\n"
-        "    return Cruise()\n"
+        "    return Cruise()\n",
     )
-    monkeypatch.chdir(tmp_path)
     found = CliRunner().invoke(main, ["drive", "out", "--driver", "stack_moving:make"])
     assert os.path.samefile(os.curdir, tmp_path)
     assert found.exit_code == 0
