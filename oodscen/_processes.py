@@ -36,6 +36,8 @@ _START = (
 )
 
 _is_worker = False
+_is_abandoned = False
+"""True in a worker whose owner is gone."""
 
 
 def is_worker() -> bool:
@@ -234,21 +236,25 @@ class _Process:
 
 def serve(connection: Connection) -> None:
     """Answer calls inside a worker process until it is told to leave or its owner is gone."""
-    global _is_worker
+    global _is_worker, _is_abandoned
     _is_worker = True
-    atexit.register(_end_group, os.getppid())  # The first to be registered is the last to run.
+    atexit.register(_end_group)  # The first to be registered is the last to run.
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    with suppress(KeyboardInterrupt, OSError):
+    try:
         signal.signal(signal.SIGTERM, _leave)
         threading.Thread(target=_listen, args=(connection, calls), daemon=True).start()
         connection.send(None)
         while True:
             connection.send_bytes(_answer(calls.get()))
+    except KeyboardInterrupt:
+        pass
+    except OSError:  # Nobody takes the answer.
+        _is_abandoned = True
 
 
-def _end_group(owner: int) -> None:
-    """End what calls have started and left behind, where there is no owner left to do it."""
-    if os.getppid() != owner and os.getpid() == os.getpgrp():
+def _end_group() -> None:
+    """End what calls have started and left behind, where there is no owner left to do it; a fork leaves it alone."""
+    if _is_abandoned and os.getpid() == os.getpgrp():
         os.killpg(0, signal.SIGKILL)
 
 
@@ -263,6 +269,9 @@ def _listen(connection: Connection, calls: "queue.SimpleQueue[bytes]") -> None:
     with suppress(EOFError, OSError):
         while True:
             calls.put(connection.recv_bytes())
+    # A dying owner closes its end before it stops being the parent.
+    global _is_abandoned
+    _is_abandoned = True
     os.kill(os.getpid(), signal.SIGTERM)
     time.sleep(GRACE_S)
     os.killpg(0, signal.SIGKILL)
