@@ -89,11 +89,7 @@ def find(kind: str, name: str) -> Callable[..., Any]:
     elif _is_reference(name):
         point = EntryPoint(name, name, KINDS[kind])
     elif reads_as_reference(name):
-        module = name.partition(":")[0]
-        raise UsageError(
-            f"the {kind} {name!r} cannot be imported: there is no module {module!r}; "
-            "is its folder on PYTHONPATH?"
-        )
+        raise _no_module(kind, name)
     else:
         raise UnknownComponent(kind, name, registered)
     try:
@@ -109,6 +105,13 @@ def find(kind: str, name: str) -> Callable[..., Any]:
     if not callable(factory):
         raise UsageError(f"the {kind} {name!r} ({point.value}) is neither a class nor a function")
     return cast(Callable[..., Any], factory)
+
+
+def _no_module(kind: str, name: str) -> UsageError:
+    module = name.partition(":")[0]
+    return UsageError(
+        f"the {kind} {name!r} cannot be imported: there is no module {module!r}; is its folder on PYTHONPATH?"
+    )
 
 
 def make_simulator(simulator: str | Simulator) -> Simulator:
@@ -261,6 +264,8 @@ def _named_llm(
     _refuse_long("llm", llm)
     if not llm.strip():
         raise UsageError("the name of a model is empty")
+    if not llm.isprintable():
+        raise UsageError(f"the name of a model holds a control character: {llm[:80]!r}")
     registered = names("llm")
     head = llm.partition(":")[0]
     if head != "litellm" and (head in registered or _is_reference(llm)):
@@ -276,6 +281,8 @@ def _named_llm(
         known = error.known if isinstance(error, UnknownComponent) else ()
         if close_matches(llm, registered):
             raise UnknownComponent("llm", llm, [*registered, *known]) from None
+        if reads_as_reference(llm):
+            raise _no_module("llm", llm) from None
         raise
 
 

@@ -5,6 +5,8 @@ import types
 from importlib.metadata import EntryPoint
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from oodscen import _registry as registry
 from oodscen._registry import (
@@ -165,6 +167,18 @@ def test_nonsense_is_an_unknown_name(name):
     for make in (make_encoder, make_simulator, make_llm):
         with pytest.raises(UsageError):
             make(name)
+
+
+@pytest.mark.parametrize("make", [make_encoder, make_simulator, make_llm])
+def test_a_module_that_is_missing_is_named(make):
+    with pytest.raises(UsageError, match="no module 'gone_astray'"):
+        make("gone_astray:Thing")
+
+
+@given(st.characters(categories=["Cc"]))
+def test_the_name_of_a_model_is_one_line_of_text(character):
+    with pytest.raises(UsageError, match="control character"):
+        make_llm(f"openai/gpt{character}4o", api_base="http://localhost:1")
 
 
 def test_a_catalogue_is_found_by_name_by_file_and_by_its_simulator(tmp_path):

@@ -331,7 +331,7 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
 
 @contextmanager
 def bars(note: object = "") -> Iterator[Progress]:
-    """Show progress on standard error: a bar per stage in a terminal, elsewhere a line when a stage has ended.
+    """Show progress on standard error: a bar per stage in a terminal, elsewhere a line at its end and every half minute.
 
     Args:
         note: Shown after a bar as text.
@@ -348,11 +348,14 @@ def bars(note: object = "") -> Iterator[Progress]:
 
 
 class _StageLines:
-    """Prints a line per stage of a long work, with its items and seconds, for a log."""
+    """Prints lines for a log: the items and seconds of each stage that ends, and every 30 s those done so far."""
+
+    _INTERVAL_S = 30.0
 
     def __init__(self) -> None:
         self._since = time.monotonic()
         """The end of the stage before."""
+        self._printed = self._since
         self._counts: dict[str, tuple[int, int]] = {}
         """Items done and in all, by stage."""
         self._told: set[tuple[str, int]] = set()
@@ -362,6 +365,9 @@ class _StageLines:
         self._counts[stage] = done, total
         if done >= total:
             self._print(stage)
+        elif time.monotonic() - self._printed >= self._INTERVAL_S:
+            self._printed = time.monotonic()
+            say(f"{stage}: {done} of {total} so far", err=True)
 
     def end(self) -> None:
         """Print the lines of the stages that ended early."""
@@ -374,6 +380,7 @@ class _StageLines:
             return
         self._told.add((stage, done))
         before, self._since = self._since, time.monotonic()
+        self._printed = self._since
         count = f"{done}" if done >= total else f"{done} of {total}"
         say(f"{stage}: {count} in {self._since - before:.1f} s", err=True)
 

@@ -16,6 +16,6 @@ def complete(llm: LLM, request: Request) -> Completion:
     with working("llm", name):
         completion = llm.complete(request)
     if not isinstance(completion, Completion):
-        fault = f"{name} returned what is {described(completion)}, not a Completion"
+        fault = f"{name} must return a Completion; its answer is {described(completion)}"
         raise LLMError(fault, model=name)
     return completion

@@ -105,6 +105,8 @@ class ScenarioTree:
             DataError: With one issue per fault of the data and per edit that does not fit.
         """
         file = TreeFile.parse(value, source=source)
+        if not file.model_fields_set & {"nodes", "edits"}:
+            raise DataError(cls.noun, [Issue("", "has neither nodes nor edits")], source=source)
         is_bare = bool(file.nodes) and not file.edits
         edits = tuple(adding(node, stage="file") for node in file.nodes) if is_bare else file.edits
         index, issues = EditLog().extend(0, edits, where="nodes" if is_bare else "edits")

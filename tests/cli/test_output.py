@@ -234,3 +234,16 @@ def test_a_stage_that_ends_early_is_a_line_too():
         gc.collect()
     ((line,), _) = said.call_args
     assert re.fullmatch(r"redteam: 3 of 9 in \d+\.\d s", line)
+
+
+def test_a_long_stage_has_a_line_every_half_minute():
+    with (
+        mock.patch("oodscen._cli.output.say") as said,
+        mock.patch("sys.stderr", io.StringIO()),
+        mock.patch("oodscen._cli.output.time.monotonic", side_effect=range(0, 1000, 7)),
+    ):
+        assert len([*tracked(range(20), "vary", 20)]) == 20
+    *between, end = (call.args[0] for call in said.call_args_list)
+    assert re.fullmatch(r"vary: 20 in \d+\.\d s", end)
+    assert 3 <= len(between) <= 5
+    assert all(re.fullmatch(r"vary: \d+ of 20 so far", line) for line in between)

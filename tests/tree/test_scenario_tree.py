@@ -485,3 +485,10 @@ def test_a_move_below_itself_and_no_other_is_a_cycle(steps, data):
         assert node in above
     else:
         assert node not in above
+
+
+def test_an_object_without_nodes_and_edits_is_no_tree():
+    for value in ({}, "{}", {"schema_version": 1}):
+        with pytest.raises(DataError, match="neither nodes nor edits"):
+            ScenarioTree.parse(value)
+    assert len(ScenarioTree.parse(ScenarioTree().to_json())) == 0
