@@ -120,6 +120,12 @@ def graded(found: "Sequence[RequirementResult]") -> str:
     return "\n".join(map(str, found)) or "no model was judged, so none can meet the requirement"
 
 
+def exit_code(grades: Sequence["RequirementResult"]) -> int:
+    """Return 0 if all models meet, 4 if one fails, and 5 if that is unknown or there is no model."""
+    found = {one.grade for one in grades}
+    return 4 if "fails" in found else 0 if found == {"meets"} else 5
+
+
 def _notes(board: "Leaderboard") -> list[str]:
     """State what "both" means, who scored the open aspects, and in how many of the paper's items the hazard is visible."""
     notes = ["both: right about the scene and about every ordinary drive that goes with it"]

@@ -1,10 +1,8 @@
-"""Commands about a whole study: run it, judge models on it, report on it."""
+"""Commands about a whole study: run it, report on it, put its questions to a person."""
 
 import json
 import os
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,22 +33,17 @@ from oodscen._cli.options import (
 from oodscen._cli.output import (
     bars,
     estimated,
+    exit_code,
     graded,
-    kept_verdicts,
     left_out,
     say,
-    standings,
     summary,
 )
 from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
-from oodscen.data._verdict import without_pictures as named_without_pictures
-from oodscen.errors import UsageError
 
 if TYPE_CHECKING:
-    from oodscen.judging._leaderboard.requirements import RequirementResult
-    from oodscen.study._config import StudyConfig
-    from oodscen.study._study import Study
+    pass
 
 
 @click.command(cls=SectionedCommand, sections=RUN_SECTIONS)
@@ -258,188 +251,6 @@ def _tell_outlook(simulator: str) -> None:
 
 @click.command()
 @click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
-@click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
-@click.option(
-    "--drop",
-    "dropped",
-    multiple=True,
-    metavar="MODEL",
-    help="Remove a judged model from the study first; repeatable.",
-)
-@judging_options
-@click.option(
-    "--answers",
-    type=READABLE,
-    help="File of a person's answers, as `oodscen quiz` pages save it; adds the row human:NAME.",
-)
-@click.option(
-    "--api-base",
-    help="Address of an OpenAI-compatible server for the models named here.  [default: the study's]",
-)
-@click.option(
-    "--retry-failed",
-    is_flag=True,
-    help="Ask again where the last answer was unusable or the model's own code failed.",
-)
-@click.option(
-    "--dry-run", is_flag=True, help="Estimate calls, tokens and cost, without asking a model."
-)
-@require_option
-@limit_options
-@json_option
-def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
-    """Judge more vision-language models on the study in the folder OUT.
-
-    Prints the leaderboard, or leaderboard.json with --json. New items are asked first, then unanswered items
-    of all models. If a model is given up, only its own items are lost. --drop alone asks no model. --judge scores
-    the open answers of all models, including earlier ones. --without-pictures and --retry-failed go for all judged
-    models if no --vlm names one. The exit code is 1 if a model judged here left an item without a usable answer.
-    --require alone asks no model; the exit code is then 4 if a model fails, 5 if no
-    model fails but the scenes are too few to tell of one, and 0 if all meet. With --json the grades are the member
-    `requirements`.
-    """
-    from oodscen._pipeline import RunOptions, estimate, run_study
-    from oodscen._pipeline.dropping import drop_models
-    from oodscen.judging._leaderboard.requirements import parse_requirement
-    from oodscen.llm._accounting import Ledger
-    from oodscen.study._study import Study
-
-    asked = _Evaluation(**{one.name: choices.pop(one.name) for one in fields(_Evaluation)})
-    if asked.required is not None:
-        parse_requirement(asked.required)
-    before = Study.open(out)
-    asked.check()
-    if not asked.dry_run:
-        click.get_current_context().with_resource(before.store.writing())
-    for name, count in drop_models(before, asked.dropped).items() if asked.dropped else ():
-        kept = "its answers stay in answers.jsonl, and judging it again uses them unless --retry-failed is given"
-        say(f"{name} is taken out with {count} verdicts; {kept}", err=True)
-    known = {verdict.model for verdict in before.verdicts}
-    wanted, study = asked.configuration(before), before
-    limits, ledger = limits_from(choices), Ledger()
-    if asked.dry_run:
-        rows = estimate(out, wanted, RunOptions(limits=limits))
-        click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
-        return
-    asked_at = _asked_at(before) if asked.vlms else {}
-    if asked.has_questions:
-        with bars(ledger) as progress:
-            study = run_study(
-                out,
-                wanted,
-                progress=progress,
-                ledger=ledger,
-                limits=limits,
-                workers=os.cpu_count() or 1,
-                retry=asked.retry_failed,
-            )
-    grades = None if asked.required is None else study.requirements(asked.required)
-    _show_board(study, grades, as_json=as_json)
-    for line in kept_verdicts(asked.vlms, ledger, asked_at):
-        say(line, err=True)
-    if grades is not None:
-        sys.exit(_exit_code(grades))
-    chosen = {ledger.kept[vlm][0] if vlm in ledger.kept else vlm for vlm in asked.vlms}
-    chosen |= {*map(named_without_pictures, chosen)}
-    again = known if asked.retry_failed and not asked.vlms else chosen
-    verdicts = study.verdicts
-    here = {verdict.model for verdict in verdicts} - (known - again)
-    sys.exit(any(one.status == "failed" and one.model in here for one in verdicts))
-
-
-def _asked_at(study: "Study") -> dict[str, str]:
-    """Return when each judged model was last asked, by its name in verdicts; empty if not recorded."""
-    calls = study.store.lines("calls.jsonl")
-    return {
-        one.get("model", ""): one.get("time", "") for one in calls if one.get("stage") == "evaluate"
-    }
-
-
-@dataclass(frozen=True)
-class _Evaluation:
-    """The options of `evaluate` that say who is judged, and how."""
-
-    vlms: tuple[str, ...]
-    dropped: tuple[str, ...]
-    protocol: str
-    chain: bool | None
-    rear_view: bool | None
-    without_pictures: bool
-    ordinary: int | None
-    answers: Path | None
-    judge: str | None
-    api_base: str | None
-    retry_failed: bool
-    dry_run: bool
-    required: str | None
-
-    @property
-    def has_questions(self) -> bool:
-        """True if there is more to do than to remove models and to grade."""
-        settings = (self.chain, self.rear_view, self.ordinary)
-        is_wider = self.without_pictures or self.retry_failed or settings != (None, None, None)
-        named = (self.vlms, self.judge, self.answers, self.protocol == "paper")
-        return is_wider or any(named)
-
-    def check(self) -> None:
-        """Refuse options that ask for nothing, or that contradict each other."""
-        if not (self.has_questions or self.dropped or self.required is not None):
-            raise UsageError(
-                "name a model to judge (--vlm MODEL), to remove (--drop MODEL), or to score open answers "
-                "(--judge MODEL), or give a person's answers (--answers FILE) or a requirement (--require)"
-            )
-        if self.dry_run and (self.dropped or self.answers or self.required):
-            raise UsageError(
-                "--dry-run estimates what models would be asked: it goes without --drop, "
-                "--answers and --require"
-            )
-
-    def configuration(self, before: "Study") -> "StudyConfig":
-        """Return the configuration of a study that judges so too; a person's answers are added to the study."""
-        from oodscen._pipeline.answering import add_answers
-        from oodscen.study._config import StudyConfig
-
-        config, is_paper = before.config, self.protocol == "paper"
-        models = filter(None, (*self.vlms, self.judge)) if self.api_base else ()
-        changes = {
-            "vlms": self.vlms or (config.vlms if is_paper else ()),
-            "protocols": (self.protocol,),
-            "asked": {},
-            "chain": bool(self.chain),
-            "rear_view": bool(self.rear_view),
-            "withheld": (self.vlms or config.vlms) if self.without_pictures else (),
-            "ordinary": self.ordinary or 1,
-            "people": (add_answers(before, self.answers),) if self.answers else (),
-            "judge": self.judge,
-            "servers": dict.fromkeys(models, self.api_base),
-        }
-        return StudyConfig.parse(config.model_dump() | changes).judging_too(config)
-
-
-def _show_board(
-    study: "Study", grades: Sequence["RequirementResult"] | None, *, as_json: bool
-) -> None:
-    """Print the leaderboard with the grades of a requirement, and the items left out."""
-    from oodscen.judging._aspects.labelled import agreement_in_words
-    from oodscen.judging._leaderboard.leaderboard import Leaderboard
-
-    board = Leaderboard.load(study.folder / "leaderboard.json")
-    if as_json:
-        shown = board.model_dump(mode="json")
-        if grades is not None:
-            shown["requirements"] = [one.model_dump(mode="json") for one in grades]
-        click.echo(json.dumps(shown, indent=2, ensure_ascii=False))
-    else:
-        say("\n".join(filter(None, (standings(board), agreement_in_words(study.info)))))
-        if grades is not None:
-            say(graded(grades))
-        click.echo(f"report: {(study.folder / 'report.html').resolve()}")
-    for line in left_out(study.verdicts):
-        say(line, err=True)
-
-
-@click.command()
-@click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
 @require_option
 def report(out: Path, required: str | None) -> None:
     """Rewrite the report of the study in the folder OUT, with the grades of a requirement if one is given."""
@@ -453,13 +264,7 @@ def report(out: Path, required: str | None) -> None:
     if required is not None:
         grades = study.requirements(required)
         say(graded(grades))
-        sys.exit(_exit_code(grades))
-
-
-def _exit_code(grades: Sequence["RequirementResult"]) -> int:
-    """Return 0 if all models meet, 4 if one fails, and 5 if that is unknown or there is no model."""
-    found = {one.grade for one in grades}
-    return 4 if "fails" in found else 0 if found == {"meets"} else 5
+        sys.exit(exit_code(grades))
 
 
 @click.command()

@@ -1,9 +1,9 @@
 """The models of one run: made by name, metered, recorded and accounted for."""
 
 from oodscen._pipeline.options import RunOptions
-from oodscen._registry import is_builtin, make_llm, reads_as_reference
+from oodscen._registry import is_builtin, make_llm
 from oodscen.data._verdict import without_pictures
-from oodscen.errors import MissingExtra, UnknownComponent, UsageError
+from oodscen.errors import UsageError
 from oodscen.judging._people import person
 from oodscen.judging._references import ALWAYS, is_reference, takes_cases
 from oodscen.llm._call_log import Call, LoggedLLM
@@ -117,13 +117,11 @@ class Models:
                 api_base=self._config.servers.get(name, self._config.api_base),
                 limits=self.limits,
             )
-        except (UnknownComponent, MissingExtra):
-            if not (reads_as_reference(name) and name in self._judged_before()):
+        except UsageError as error:
+            if name not in self._judged_before():
                 raise
             raise UsageError(
-                f"{name!r} was judged in this study before, and the model cannot be made again, since there is no "
-                f"module {name.partition(':')[0]!r} here: put its folder on PYTHONPATH, or take the model out with "
-                f"oodscen evaluate --drop {name}"
+                f"{error}; it was judged in this study before, and oodscen evaluate --drop {name} takes it out"
             ) from None
 
     def _judged_before(self) -> tuple[str, ...]:
