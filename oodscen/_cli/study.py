@@ -30,15 +30,7 @@ from oodscen._cli.options import (
     simulator_option,
     style_option,
 )
-from oodscen._cli.output import (
-    bars,
-    estimated,
-    exit_code,
-    graded,
-    left_out,
-    say,
-    summary,
-)
+from oodscen._cli.output import bars, estimated, exit_code, graded, left_out, say, summary
 from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 

@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from oodscen._pipeline.steps.judge import OPINIONS, judged, outcomes
+from oodscen._pipeline.steps.aspects import OPINIONS, judged
+from oodscen._pipeline.steps.judge import outcomes
 from oodscen._registry import make_llm
 from oodscen.data._base import canonical_json
 from oodscen.data._verdict import without_pictures

@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
+from oodscen._pipeline.steps.aspects import OPINIONS, judged
 from oodscen._pipeline.steps.compare import compare_catalogues
-from oodscen._pipeline.steps.judge import OPINIONS, evaluate, judged, outcomes
+from oodscen._pipeline.steps.judge import evaluate, outcomes
 from oodscen._pipeline.steps.measure import measure
 from oodscen._pipeline.steps.scenes import augment, simulate
 from oodscen._pipeline.steps.texts import describe, describe_sets

@@ -2,20 +2,21 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.models import is_asked
+from oodscen._pipeline.steps.aspects import judge_aspects
+from oodscen._pipeline.steps.questioner import Item, Questioner
 from oodscen._pipeline.steps.scenes import simulate_behind, simulate_whole
 from oodscen.data._base import canonical_json, digest
-from oodscen.data._episode import MOMENTS, Episode, moments
-from oodscen.data._messages import Image
+from oodscen.data._episode import Episode
 from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
-from oodscen.data._scene import Scene, Visible
+from oodscen.data._scene import Scene
 from oodscen.data._verdict import (
     Protocol,
     Verdict,
@@ -23,20 +24,9 @@ from oodscen.data._verdict import (
     verdict_id,
     without_pictures,
 )
-from oodscen.errors import DataError, Issue
-from oodscen.judging._aspects.labelled import agreement, labelled_answers
-from oodscen.judging._aspects.opinions import (
-    Opinion,
-    is_open,
-    judge_label,
-    opinion,
-    opinion_id,
-    rescore_verdict,
-)
-from oodscen.judging._kinds import Kinds
+from oodscen.errors import DataError
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._people import PersonAnswers, person
-from oodscen.judging._questions import Shown, aspect_options
 from oodscen.judging._references import (
     NAMED,
     Blind,
@@ -53,22 +43,7 @@ from oodscen.llm._remote.limits import JUDGING
 from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._versions import prompt_versions
 from oodscen.protocols import LLM
-from oodscen.stages._evaluate import evaluate as judge_episode
-from oodscen.stages._evaluate import unjudged_verdict
 from oodscen.study._config import StudyConfig
-
-OPINIONS = "opinions.jsonl"
-"""File with one line per distinct pair of open aspect and path that a judge model was asked about."""
-
-
-class Item(NamedTuple):
-    """One episode to show to one model."""
-
-    episode: Episode
-    model: str
-    protocol: Protocol
-    is_withheld: bool = False
-    """True if the model is asked without the pictures."""
 
 
 def evaluate(
@@ -99,7 +74,7 @@ def evaluate(
     items = _items(run, models, shown)
     is_rear = run.config.rear_view and bool(run.config.vlms)
     rears = simulate_behind(run, judged_ones) if is_rear else {}
-    questioner = _Questioner(run, scenarios, scenes, episodes, rears)
+    questioner = Questioner(run, scenarios, scenes, episodes, rears)
     truths = _truths(shown, scenarios, scenes, run.config)
 
     def made_from(name: str) -> str:
@@ -128,7 +103,7 @@ def evaluate(
 
     rows = run.each("evaluate", "verdicts.jsonl", items, work, made_from=made_from)
     kept = [Verdict.parse(row) for row in rows]
-    verdicts = [_mark_outdated(verdict) for verdict in _judge_aspects(run, kept, scenarios, scenes)]
+    verdicts = [_mark_outdated(verdict) for verdict in judge_aspects(run, kept, scenarios, scenes)]
     if verdicts != kept:
         run.store.write_lines("verdicts.jsonl", verdicts)
     board = leaderboard(
@@ -219,40 +194,6 @@ def _turn(line: Mapping[str, Any] | None) -> str:
     return "unasked" if line.get("outcome") == "unasked" else "failed"
 
 
-def outcomes(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
-    """Count the outcomes by model; `outdated` counts answers to other versions of the prompts."""
-    counts: dict[str, Counter[str]] = {}
-    for verdict in verdicts:
-        if verdict.kind == "model":
-            count = counts.setdefault(verdict.model, Counter())
-            count[verdict.outcome] += 1
-            count["outdated"] += verdict.is_outdated
-    return {name: dict(sorted((+count).items())) for name, count in counts.items()}
-
-
-def judged(
-    verdicts: Sequence[Verdict], opinions: Iterable[Mapping[str, Any]] = ()
-) -> dict[str, dict[str, int]]:
-    """Count the open aspects scored by a judge model, and those left to the matcher after it failed.
-
-    `labelled` counts the labelled answers that the judge was measured by, `agrees` those on which it agrees
-    with the person who labelled them.
-
-    Args:
-        verdicts: The verdicts of a study.
-        opinions: The lines of `opinions.jsonl`.
-    """
-    counts = {
-        "judged": sum(bool(verdict.judge) for verdict in verdicts),
-        "matched": sum(bool(verdict.judge_error) for verdict in verdicts),
-    }
-    label = next((verdict.judge for verdict in verdicts if verdict.judge), "")
-    if label:
-        parsed = [Opinion.parse(line) for line in opinions]
-        counts["agrees"], counts["labelled"] = agreement(parsed, label)
-    return {"judged": counts} if any(counts.values()) else {}
-
-
 def _models(
     run: Context,
     episodes: Sequence[Episode],
@@ -299,145 +240,6 @@ def _protocols(run: Context, name: str, model: LLM) -> tuple[Protocol, ...]:
     return ("ours",) if is_without_pictures(name) else ("ours", "paper")
 
 
-class _Questioner:
-    """Asks answerers about items."""
-
-    def __init__(
-        self,
-        run: Context,
-        scenarios: Sequence[Scenario],
-        scenes: Sequence[Scene],
-        episodes: Sequence[Episode],
-        rears: Mapping[str, str],
-    ) -> None:
-        """Collect what the questions need.
-
-        Args:
-            run: The run, with its configuration and files.
-            scenarios: The texts.
-            scenes: The scenes of the texts.
-            episodes: All drives up to the decision.
-            rears: Files of the views to the rear, by drive.
-        """
-        self._config, self._store = run.config, run.store
-        self._scenarios = {scenario.id: scenario for scenario in scenarios}
-        self._scenes = {scene.id: scene for scene in scenes}
-        self._up_to_decision = {episode.scene_id: episode for episode in episodes}
-        self._rears = rears
-        maps = {scene.id: scene.map for scene in scenes}
-        self._kinds = Kinds.of(scenarios, maps, seed=run.config.seed)
-
-    def verdict(self, item: Item, model: LLM) -> Verdict:
-        """Return an answerer's verdict on an item; a failed one if there is nothing to show."""
-        episode, protocol = item.episode, item.protocol
-        if episode.status == "failed" or not episode.frames:
-            why, kind = f"it did not run: {episode.error}", episode.error_type or ""
-            return unjudged_verdict(episode, model, why, kind, protocol, withheld=item.is_withheld)
-        frames: dict[str, Image] = {}
-        before = rear = None
-        if not takes_cases(model):
-            try:
-                frames = self._images(episode, protocol)
-                if self._config.rear_view and protocol == "ours":
-                    rear = self._rear_view(episode)
-                earlier = self._up_to_decision.get(episode.scene_id)
-                if protocol == "paper" and earlier is not None:
-                    before = Shown.of(earlier, self._images(earlier))
-            except (OSError, DataError) as error:
-                why, kind = str(error), type(error).__name__
-                return unjudged_verdict(
-                    episode, model, why, kind, protocol, withheld=item.is_withheld
-                )
-        scenario = self._scenarios.get(scene_of(episode.scene_id))
-        scene = self._scenes.get(scene_of(episode.scene_id))
-        leaf = scenario.leaf if scenario else ""
-        kinds = self._kinds.offered(leaf, scene.map if scene else "")
-        return judge_episode(
-            episode,
-            frames,
-            model,
-            path=scenario.path if scenario else (),
-            leaf=leaf,
-            options=aspect_options(kinds, seed=self._config.seed, item=episode.scene_id),
-            protocol=protocol,
-            chain=self._config.chain,
-            before=before,
-            visible=scene.visible if scene else (),
-            rear=rear,
-            withheld=item.is_withheld,
-        )
-
-    def _images(self, episode: Episode, protocol: Protocol = "ours") -> dict[str, Image]:
-        """Return the frames; raises `DataError` if one cannot be shown."""
-        frames = {
-            moment: Image.from_file(self._store.inside(file), file)
-            for moment, file in episode.frames.items()
-        }
-        wanted = moments(self._config.frames) if protocol == "ours" else MOMENTS
-        faults = [f"there is no {moment} frame" for moment in wanted if moment not in frames]
-        faults += [fault for image in frames.values() if (fault := image.fault())]
-        if faults:
-            raise DataError("frames", [Issue("", fault) for fault in faults])
-        return frames
-
-    def _rear_view(self, episode: Episode) -> Image:
-        """Return the view to the rear; raises `DataError` if it cannot be shown."""
-        file = self._rears.get(episode.scene_id, "")
-        image = Image.from_file(self._store.inside(file), file) if file else None
-        fault = image.fault() if image else "there is no view to the rear"
-        if image is None or fault:
-            raise DataError("frames", [Issue("", fault)])
-        return image
-
-
-def _judge_aspects(
-    run: Context,
-    verdicts: Sequence[Verdict],
-    scenarios: Sequence[Scenario],
-    scenes: Sequence[Scene],
-) -> list[Verdict]:
-    """Score every open aspect with the judge, or with the matcher if there is no judge."""
-    paths = {scenario.id: scenario.path for scenario in scenarios}
-    shown = {scene.id: scene.visible for scene in scenes}
-
-    def truth(verdict: Verdict) -> tuple[tuple[str, ...], tuple[Visible, ...]]:
-        scene = scene_of(verdict.scene_id)
-        return paths.get(scene, ()), shown.get(scene, ())
-
-    label, opinions = "", dict[str, Opinion]()
-    if run.config.judge:
-        judge = CircuitBreakerLLM(run.models.get(run.config.judge))
-        label = judge_label(judge)
-        items = {
-            opinion_id(label, one.aspect, *truth(one)): (one.aspect, *truth(one))
-            for one in verdicts
-            if is_open(one)
-        }
-        items |= {
-            opinion_id(label, one.answer, one.path): (one.answer, one.path, ())
-            for one in labelled_answers()
-        }
-
-        def work(
-            todo: Mapping[str, tuple[str, tuple[str, ...], tuple[Visible, ...]]],
-        ) -> Iterator[Opinion]:
-            threads = run.models.threads(run.config.judge or "")
-            limits = run.models.limits
-            with limits.lenient(JUDGING):
-                for _, found in as_finished(
-                    lambda item: opinion(judge, *item),
-                    todo.values(),
-                    threads=threads,
-                    cancel=run.cancel,
-                ):
-                    yield found
-
-        rows = run.each("judge", OPINIONS, items, work)
-        opinions = {row["id"]: Opinion.parse(row) for row in rows}
-    rescore = [(verdict, *truth(verdict)) for verdict in verdicts]
-    return [rescore_verdict(one, path, opinions, label, visible) for one, path, visible in rescore]
-
-
 def _mark_outdated(verdict: Verdict) -> Verdict:
     """Mark a verdict whose answers belong to other versions of the prompts than this run's."""
     is_outdated = not verdict.prompts.items() <= prompt_versions().items()
@@ -445,3 +247,14 @@ def _mark_outdated(verdict: Verdict) -> Verdict:
     if verdict.is_outdated is is_outdated:
         return verdict
     return verdict.model_copy(update={"is_outdated": is_outdated})
+
+
+def outcomes(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
+    """Count the outcomes by model; `outdated` counts answers to other versions of the prompts."""
+    counts: dict[str, Counter[str]] = {}
+    for verdict in verdicts:
+        if verdict.kind == "model":
+            count = counts.setdefault(verdict.model, Counter())
+            count[verdict.outcome] += 1
+            count["outdated"] += verdict.is_outdated
+    return {name: dict(sorted((+count).items())) for name, count in counts.items()}

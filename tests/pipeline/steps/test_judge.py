@@ -14,7 +14,7 @@ from oodscen._pipeline import RunOptions, run_study
 from oodscen._pipeline.answering import rear_views
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.dropping import drop_models
-from oodscen._pipeline.steps.judge import OPINIONS
+from oodscen._pipeline.steps.aspects import OPINIONS
 from oodscen.data._episode import ACTIONS
 from oodscen.data._pairing import scene_of
 from oodscen.errors import BudgetExceeded, DataError, LLMError, UsageError
