@@ -15,8 +15,9 @@ from oodscen._cli.options import (
     things_encoder,
     things_option,
 )
-from oodscen._cli.output import say, tracked
+from oodscen._cli.output import say
 from oodscen._cli.paths import READABLE
+from oodscen._cli.progress import tracked
 from oodscen._files import read_utf8
 from oodscen.data._base import Data, canonical_json
 from oodscen.errors import AnswerError, DataError, Issue, LLMError

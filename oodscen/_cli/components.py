@@ -6,7 +6,8 @@ import sys
 import click
 
 from oodscen._cli.options import json_option
-from oodscen._cli.output import bars, say
+from oodscen._cli.output import say
+from oodscen._cli.progress import bars
 
 
 @click.command()

@@ -9,8 +9,9 @@ import click
 
 from oodscen._cli.numbers import FiniteRange
 from oodscen._cli.options import json_option
-from oodscen._cli.output import say, tracked
+from oodscen._cli.output import say
 from oodscen._cli.paths import PathName
+from oodscen._cli.progress import tracked
 
 if TYPE_CHECKING:
     from oodscen.judging._drive_board import DriveRate, DriveRow

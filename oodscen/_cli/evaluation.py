@@ -17,17 +17,10 @@ from oodscen._cli.options import (
     limits_from,
     require_option,
 )
-from oodscen._cli.output import (
-    bars,
-    estimated,
-    exit_code,
-    graded,
-    kept_verdicts,
-    left_out,
-    say,
-    standings,
-)
+from oodscen._cli.output import say
 from oodscen._cli.paths import READABLE, PathName
+from oodscen._cli.progress import bars
+from oodscen._cli.summaries import estimated, exit_code, graded, kept_verdicts, left_out, standings
 from oodscen.data._verdict import without_pictures as named_without_pictures
 from oodscen.errors import UsageError
 

@@ -15,9 +15,10 @@ import click
 from oodscen._cli.completion import ComponentName
 from oodscen._cli.exporting import claim_folder
 from oodscen._cli.options import json_option, seed_option, simulator_option
-from oodscen._cli.output import say, tracked, write
+from oodscen._cli.output import say, write
 from oodscen._cli.paths import READABLE, PathName
 from oodscen._cli.places import KnownFacts, scenes_of, simulator_of
+from oodscen._cli.progress import tracked
 from oodscen._members import using
 from oodscen._processes import Processes
 from oodscen._text import one_line, plain

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import click
 
 from oodscen._cli.options import json_option, simulator_option
-from oodscen._cli.output import say, tracked, write_bytes
+from oodscen._cli.output import say, write_bytes
 from oodscen._cli.paths import FileCommand, OutputName, PathName
+from oodscen._cli.progress import tracked
 from oodscen._members import using
 from oodscen.errors import MissingExtra, UsageError
 

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 import click
 
 from oodscen._cli.options import json_option, llm_options, out_option, seed_option, simulator_option
-from oodscen._cli.output import say, tracked, write, write_lines
+from oodscen._cli.output import say, write, write_lines
 from oodscen._cli.paths import READABLE, FileCommand, OutputName
+from oodscen._cli.progress import tracked
 from oodscen.errors import UsageError
 
 if TYPE_CHECKING:

@@ -23,8 +23,10 @@ from oodscen._cli.options import (
     things_encoder,
     things_option,
 )
-from oodscen._cli.output import bars, read_lines, rounds_in_words, say, tracked, write, write_lines
+from oodscen._cli.output import read_lines, say, write, write_lines
 from oodscen._cli.paths import READABLE, FileCommand, OutputName, PathName
+from oodscen._cli.progress import bars, tracked
+from oodscen._cli.summaries import rounds_in_words
 from oodscen._members import close
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._base import canonical_json

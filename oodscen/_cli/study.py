@@ -30,8 +30,10 @@ from oodscen._cli.options import (
     simulator_option,
     style_option,
 )
-from oodscen._cli.output import bars, estimated, exit_code, graded, left_out, say, summary
+from oodscen._cli.output import say
 from oodscen._cli.paths import READABLE, OutputName, PathName
+from oodscen._cli.progress import bars
+from oodscen._cli.summaries import estimated, exit_code, graded, left_out, summary
 from oodscen._registry import DEFAULT_ENCODER
 
 if TYPE_CHECKING:

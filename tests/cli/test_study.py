@@ -11,8 +11,6 @@ from click.testing import CliRunner
 
 from oodscen import Study
 from oodscen._cli import EXIT_CODES, main
-from oodscen._cli.output import left_out
-from oodscen.data._verdict import Verdict
 from tests.pipeline.quick import SMALL
 
 ORDER = (
@@ -76,25 +74,6 @@ def test_a_dry_run_opens_the_texts_of_ordinary_driving(tmp_path, content) -> Non
 def test_the_help_lists_the_exit_codes() -> None:
     words = invoke("--help").output
     assert all(f"{code}  {said}" in words for code, said in EXIT_CODES.items())
-
-
-def test_items_without_a_whole_answer_are_told_per_model() -> None:
-    verdict = Verdict(
-        id="x@m",
-        scene_id="x",
-        model="m",
-        status="failed",
-        outcome="unasked",
-        error="not asked: down",
-    )
-    others = ("answered", "unavailable", "error", "unparsed")
-    rest = [verdict.model_copy(update={"outcome": outcome}) for outcome in others]
-    assert left_out([verdict, verdict, *rest]) == [
-        "m: 2 items not asked: down; the same command asks them, --drop m takes the model out of "
-        "the study",
-        "m: 1 items failed, e.g. not asked: down; --retry-failed asks them again",
-        "m: 1 items got an answer that cannot be read, e.g. not asked: down; --retry-failed asks them again",
-    ]
 
 
 @pytest.mark.parametrize("command", ["evaluate", "report"])

@@ -1,0 +1,226 @@
+"""Results in words, as the commands print them."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from oodscen.data._verdict import Verdict
+    from oodscen.judging._leaderboard.board import Leaderboard
+    from oodscen.judging._leaderboard.requirements import RequirementResult
+    from oodscen.judging._leaderboard.scores import Estimate, Rate
+    from oodscen.llm._accounting import Account, Ledger
+    from oodscen.stages._redteam.saturation import Saturation
+
+
+def summary(info: dict[str, Any]) -> str:
+    """Summarise the results of a study in a few lines."""
+    counts = info["counts"]
+    nodes = counts["nodes"]
+    lines = [
+        f"{info['status']} in {info['seconds']['total']:.0f} s (seed {info['config']['seed']}); "
+        f"texts by {info['authors']['llm']}",
+        f"trees: {nodes['initial']} -> {nodes['diverse']} -> {nodes['simulatable']} nodes, "
+        f"{counts['paths']} paths, {counts['attested']} of them attested by the paper",
+        f"{counts['scenarios']} scenarios, {counts['scenes']} scenes, {counts['episodes']} episodes, "
+        f"{counts['verdicts']} verdicts",
+    ]
+    if below := counts.get("below_floor"):
+        lines.append(
+            f"{below} scenes are not judged: at the decision their hazard is too small, faint, dark or hidden to "
+            "be named"
+        )
+    failures = {name: number for name, number in info["failures"].items() if number}
+    if failures:
+        listed = ", ".join(f"{number} in {name}" for name, number in failures.items())
+        lines.append(
+            f"failed items (each line has its error): {listed}; the same command does those again that "
+            "got no answer, --retry-failed all of them"
+        )
+    return "\n".join(lines)
+
+
+def estimated(rows: Sequence["Account"]) -> str:
+    """List the model calls that a run would make, one line per stage and model."""
+    if not rows:
+        return "nothing is left to be asked of a model"
+    lines = []
+    for row in rows:
+        cost = "price not known" if row.cost_usd is None else f"${row.cost_usd:.2f}"
+        lines.append(
+            f"{row.group[0]:10} {row.group[1]:28} {row.calls:6} calls  about {row.input_tokens:9,} tokens "
+            f"in {row.output_tokens:8,} out  {cost}  {_cacheable([row])} cacheable"
+        )
+    costs = [row.cost_usd for row in rows]
+    known = sum(cost for cost in costs if cost is not None)
+    rest = "" if None not in costs else " and what has no known price (give one with --price)"
+    total = f"{sum(row.calls for row in rows)} calls, about ${known:.2f}{rest}"
+    return "\n".join(
+        [
+            *lines,
+            f"together {total}; repairs and retries come on top",
+            f"{_cacheable(rows)} of the input tokens are a prefix that other calls share, which providers with a "
+            "prompt cache charge less for; the cost above is without a cache",
+        ]
+    )
+
+
+def _cacheable(rows: Sequence["Account"]) -> str:
+    asked = sum(row.input_tokens for row in rows)
+    return f"{sum(row.cacheable_tokens for row in rows) / asked:.0%}" if asked else "0%"
+
+
+def standings(board: "Leaderboard") -> str:
+    """Tabulate the results, one line per model and protocol, with the floor and ceiling references below."""
+    head = ("", "notices, both", "acts, both", "safe", "false alarms", "names it", "incomplete")
+    rows = [head]
+    for one in board.standings:
+        if one.kind == "reference" and (one.protocol == "paper" or one.model not in _BESIDE):
+            continue
+        safe = one.control.safe if one.protocol == "ours" else one.control.collision_free
+        rows.append(
+            (
+                one.model + (" (paper)" if one.protocol == "paper" else ""),
+                _share(one.paired.notice),
+                _share(one.paired.act),
+                _share(safe),
+                _share(one.detection.alarms),
+                _share(one.identification.open),
+                f"{one.asked - one.outcomes.get('answered', 0) - one.outcomes.get('unavailable', 0)} of {one.asked}",
+            )
+        )
+    widths = [max(len(row[place]) for row in rows) for place in range(len(head))]
+    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    chance = "" if board.chance is None else f"; a random action is safe in {board.chance:.0%}"
+    return "\n".join(
+        [f"{board.scenes} scenes of {board.paths} paths{chance}", *lines, *_notes(board)]
+    )
+
+
+def graded(found: "Sequence[RequirementResult]") -> str:
+    """List the grade of every model against a requirement."""
+    return "\n".join(map(str, found)) or "no model was judged, so none can meet the requirement"
+
+
+def exit_code(grades: Sequence["RequirementResult"]) -> int:
+    """Return 0 if all models meet, 4 if one fails, and 5 if that is unknown or there is no model."""
+    found = {one.grade for one in grades}
+    return 4 if "fails" in found else 0 if found == {"meets"} else 5
+
+
+def _notes(board: "Leaderboard") -> list[str]:
+    """State what "both" means, who scored the open aspects, and in how many of the paper's items the hazard is visible."""
+    notes = ["both: right about the scene and about every ordinary drive that goes with it"]
+    for row in board.standings:
+        gains = [one for one in row.paired.over_withheld if one.difference.value is not None]
+        told = [f"{_points(one.difference)} {_FIGURES[one.figure]}" for one in gains]
+        notes += [f"{row.model} over itself without pictures: {', '.join(told)}"] if told else []
+    if board.judge:
+        unjudged = sum(row.identification.unjudged for row in board.standings)
+        rest = (
+            f"; it gave no usable answer about {unjudged}, which the matcher scored"
+            if unjudged
+            else ""
+        )
+        notes.append(f"names it: judged by {board.judge.rpartition('@')[0]}, in every row{rest}")
+    if board.whole:
+        notes.append(
+            f"paper: the hazard can be seen in a frame of {board.whole_shown} of {board.whole} scenes"
+        )
+    return notes
+
+
+def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
+    """State, one line per model and cause, how many items have no whole answer, and how to ask again."""
+    found: dict[tuple[str, str], list[Verdict]] = {}
+    for verdict in verdicts:
+        if verdict.outcome in _INCOMPLETE:
+            found.setdefault((verdict.model, verdict.outcome), []).append(verdict)
+    return [
+        f"{model}: {len(rows)} items {_INCOMPLETE[outcome].format(error=rows[0].error, model=model)}"
+        for (model, outcome), rows in found.items()
+    ]
+
+
+def kept_verdicts(vlms: Iterable[str], ledger: "Ledger", asked_at: Mapping[str, str]) -> list[str]:
+    """State, one line per model judged again, how many of its verdicts are kept from when, and how to ask again.
+
+    Args:
+        vlms: The models to judge, as they are named in the configuration.
+        ledger: The totals of the run.
+        asked_at: When each model was last asked before the run, by its name in verdicts; empty if not recorded.
+    """
+    lines = []
+    for vlm in vlms:
+        name, count = ledger.kept.get(vlm, ("", 0))
+        if count:
+            when = asked_at.get(name, "").replace("T", " ").replace("+00:00", " UTC")
+            lines.append(
+                f"{vlm}: {count} verdicts are kept as they were{f', last asked {when}' if when else ''}, whatever has "
+                f"changed in the model since; to ask again, add --drop {vlm} --retry-failed"
+            )
+    return lines
+
+
+_INCOMPLETE = {
+    "unasked": "{error}; the same command asks them, --drop {model} takes the model out of the study",
+    "timeout": "got no answer in time, e.g. {error}; the same command asks them again",
+    "error": "failed, e.g. {error}; --retry-failed asks them again",
+    "unparsed": "got an answer that cannot be read, e.g. {error}; --retry-failed asks them again",
+    "refused": "got a refusal, e.g. {error}; --retry-failed asks them again",
+}
+"""Words about items without a whole answer, by their outcome."""
+
+_FIGURES = {"notice": "noticing (both halves)", "act": "acting (both halves)"}
+
+
+def _points(found: "Estimate") -> str:
+    """Return a difference of shares in points, with its interval."""
+    between = found.interval
+    spread = f" [{100 * between.low:+.0f}, {100 * between.high:+.0f}]" if between else ""
+    return f"{100 * (found.value or 0.0):+.0f}{spread} points in"
+
+
+_BESIDE = (
+    *(f"constant:{action}" for action in ("stop", "emergency_brake", "keep_speed")),
+    "random",
+    "blind",
+    "novelty",
+    "oracle",
+)
+
+
+def _share(found: "Rate | Estimate") -> str:
+    if found.value is None:
+        return "-"
+    between = found.interval
+    return f"{found.value:.0%}" + (f" [{between.low:.0%}, {between.high:.0%}]" if between else "")
+
+
+def rounds_in_words(found: "Saturation", stop: str | None, *, closed: bool = False) -> str:
+    """Summarise the results of red teaming, and how much it has left to find, in a few lines.
+
+    Args:
+        found: The saturation of its rounds.
+        stop: The rule that ended it.
+        closed: True if the loop was closed, in which case the estimates are biased.
+    """
+    rule = {
+        "rounds": "all rounds are played",
+        "budget": "the budget is spent",
+        "patience": "nothing new came for too long",
+        "coverage": "the coverage is reached",
+    }
+    last = f"the last in round {found.last_new}" if found.kinds else "none"
+    lines = [
+        f"{found.rounds} rounds, {found.calls} model calls; {rule.get(stop or '', 'stopped')}",
+        f"{found.kinds} new kinds, {last}; of the last {found.recent_rounds} rounds {found.recent:.0%} "
+        f"brought one [{found.recent_low:.0%}, {found.recent_high:.0%}]",
+        f"Good-Turing coverage {found.coverage:.2f} [{found.coverage_low:.2f}, {found.coverage_high:.2f}]; "
+        f"unseen kinds (Chao1) about {found.unseen:.0f} [{found.unseen_low:.0f}, {found.unseen_high:.0f}]",
+    ]
+    if closed:
+        lines.append(
+            "in a closed loop kinds are seldom met twice: that coverage is too low, the unseen too many; "
+            "go by the share of new kinds"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,21 @@
+from oodscen._cli.summaries import left_out
+from oodscen.data._verdict import Verdict
+
+
+def test_items_without_a_whole_answer_are_told_per_model() -> None:
+    verdict = Verdict(
+        id="x@m",
+        scene_id="x",
+        model="m",
+        status="failed",
+        outcome="unasked",
+        error="not asked: down",
+    )
+    others = ("answered", "unavailable", "error", "unparsed")
+    rest = [verdict.model_copy(update={"outcome": outcome}) for outcome in others]
+    assert left_out([verdict, verdict, *rest]) == [
+        "m: 2 items not asked: down; the same command asks them, --drop m takes the model out of "
+        "the study",
+        "m: 1 items failed, e.g. not asked: down; --retry-failed asks them again",
+        "m: 1 items got an answer that cannot be read, e.g. not asked: down; --retry-failed asks them again",
+    ]
