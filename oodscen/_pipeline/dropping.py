@@ -1,12 +1,13 @@
 """Removing judged models from a study."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from typing import Any
 
 from oodscen._pipeline.steps.aspects import OPINIONS, judged
 from oodscen._pipeline.steps.judge import outcomes
 from oodscen._registry import make_llm
 from oodscen.data._base import canonical_json
-from oodscen.data._verdict import without_pictures
+from oodscen.data._verdict import Verdict, without_pictures
 from oodscen.errors import OodscenError, UnknownComponent
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._people import person
@@ -19,9 +20,9 @@ from oodscen.study._study import Study
 def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
     """Remove judged models: their verdicts, and their place in the configuration and the leaderboard.
 
-    A model takes its answers without pictures with it. No model is asked. Answers stay in `answers.jsonl`, so judging a dropped model again asks only what it has
-    not answered; calls stay in `calls.jsonl`, since they were paid for. The reference answerers of every
-    study keep their verdicts.
+    A model takes its answers without pictures with it. No model is asked. Answers stay in `answers.jsonl`, so
+    judging a dropped model again asks only what it has not answered; calls stay in `calls.jsonl`, since they were
+    paid for. The reference answerers of every study keep their verdicts.
 
     Args:
         study: The study on disk.
@@ -66,37 +67,9 @@ def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
         name: sum(one.model in models and one.model == called.get(name, name) for one in verdicts)
         for name in names
     }
-    asked = config.model_copy(update={"vlms": ()}).models
-    config = config.model_copy(
-        update={
-            "vlms": tuple(name for name in config.vlms if name not in dropped),
-            "withheld": tuple(
-                name
-                for name in config.withheld
-                if dropped.isdisjoint((name, without_pictures(name)))
-            ),
-            "people": tuple(name for name in config.people if person(name) not in models),
-            "asked": {name: found for name, found in config.asked.items() if name not in dropped},
-            "servers": {
-                name: address
-                for name, address in config.servers.items()
-                if name not in dropped or name in asked
-            },
-        }
-    )
-    info = {**study.info, "config": config.model_dump(mode="json")}
-    if "counts" in info:
-        numbers = {
-            "verdicts": len(kept),
-            "outcomes": outcomes(kept),
-            **judged(kept, study.store.lines(OPINIONS)),
-        }
-        info["counts"] = info["counts"] | numbers
-    if "failures" in info:
-        failed = sum(one.status == "failed" for one in kept)
-        info["failures"] = info["failures"] | {"verdicts": failed}
-        if info.get("status") == "incomplete" and not any(info["failures"].values()):
-            info["status"] = "success"
+    people = tuple(name for name in config.people if person(name) not in models)
+    config = _remaining(config, dropped).model_copy(update={"people": people})
+    info = _recounted(study, config, kept)
     study.check()
     board = leaderboard(kept, study.episodes, study.scenarios, seed=config.seed)
     study.store.write("study.json", canonical_json(info) + "\n")
@@ -104,6 +77,41 @@ def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
     study.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
     write_report(study)
     return counts
+
+
+def _remaining(config: StudyConfig, dropped: Collection[str]) -> StudyConfig:
+    """Return a configuration without the dropped models, nor the servers that nobody else is asked on."""
+    asked = config.model_copy(update={"vlms": ()}).models
+    withheld = (name for name in config.withheld if not {name, without_pictures(name)} & {*dropped})
+    changes = {
+        "vlms": tuple(name for name in config.vlms if name not in dropped),
+        "withheld": tuple(withheld),
+        "asked": {name: found for name, found in config.asked.items() if name not in dropped},
+        "servers": {
+            name: address
+            for name, address in config.servers.items()
+            if name not in dropped or name in asked
+        },
+    }
+    return config.model_copy(update=changes)
+
+
+def _recounted(study: Study, config: StudyConfig, kept: Sequence[Verdict]) -> dict[str, Any]:
+    """Return the content of `study.json` for the remaining verdicts."""
+    info = {**study.info, "config": config.model_dump(mode="json")}
+    if "counts" in info:
+        info["counts"] = {
+            **info["counts"],
+            "verdicts": len(kept),
+            "outcomes": outcomes(kept),
+            **judged(kept, study.store.lines(OPINIONS)),
+        }
+    if "failures" in info:
+        failed = sum(one.status == "failed" for one in kept)
+        info["failures"] = {**info["failures"], "verdicts": failed}
+        if info.get("status") == "incomplete" and not any(info["failures"].values()):
+            info["status"] = "success"
+    return info
 
 
 def _name_in_verdicts(name: str, config: StudyConfig) -> str | None:

@@ -369,53 +369,54 @@ def _decision(scene: Scene | None, episode: Episode | None, names: Mapping[str, 
 
 
 def _facts(episode: Episode | None, names: Mapping[str, str]) -> list[list[str]]:
+    """Return the facts about a run that were noted, each with its name."""
     if episode is None:
         return []
-    facts = []
-    if not episode.is_deterministic:
-        facts.append(
-            ["Determinism", "replaying the approach gave another trace; no action is called safe"]
-        )
-    if episode.restaged:
-        facts.append(["Re-staged", episode.restaged])
-    if (look := episode.sighting) is not None:
-        what = f"{names.get(look.actor, words.plain(look.actor))}, {look.height_px:g} pixels high in a picture of 480 rows, {look.distance_m:g} m away"
-        if look.faults:
-            what += f"; not judged, since it is {' and '.join(look.faults)}"
-        facts.append(["Hazard at the decision", what])
-    if episode.followers:
-        facts.append(
-            [
-                "Behind the ego",
-                ", ".join(names.get(name, words.plain(name)) for name in episode.followers)
-                + (
-                    f"; the nearest {near.gap_m:.1f} m behind at {near.speed_mps:.1f} m/s"
-                    if (near := episode.follower)
-                    else ""
-                ),
-            ]
-        )
-    if episode.ego_speed_mps is not None:
-        facts.append(["Speed at the decision", f"{episode.ego_speed_mps:.1f} m/s"])
-    if episode.reaction_s:
-        times = ", ".join(f"{one:g}" for one in episode.reaction_s)
-        watched = "" if episode.horizon_s is None else f", each watched for {episode.horizon_s:g} s"
-        facts.append(["Drivers of every action", f"they react after {times} s{watched}"])
-    last = episode.visible.get("last", {})
-    if last:
-        seen = sorted(last.items(), key=lambda item: (-item[1], item[0]))
-        facts.append(
-            [
-                "Seen in the last frame",
-                ", ".join(
-                    f"{names.get(name, words.plain(name))} {pixels} pixels" for name, pixels in seen
-                ),
-            ]
-        )
-    if episode.simulator:
-        facts.append(
-            ["Run", f"{episode.simulator}, seed {episode.seed}, step {words.amount(episode.dt)} s"]
-        )
-    if episode.trace_sha256:
-        facts.append(["Trace", episode.trace_sha256[:16]])
-    return facts
+    facts = {
+        "Determinism": ""
+        if episode.is_deterministic
+        else "replaying the approach gave another trace; no action is called safe",
+        "Re-staged": episode.restaged,
+        "Hazard at the decision": _sighting(episode, names),
+        "Behind the ego": _followers(episode, names),
+        "Speed at the decision": ""
+        if episode.ego_speed_mps is None
+        else f"{episode.ego_speed_mps:.1f} m/s",
+        "Drivers of every action": _reactions(episode),
+        "Seen in the last frame": _seen(episode, names),
+        "Run": episode.simulator
+        and f"{episode.simulator}, seed {episode.seed}, step {words.amount(episode.dt)} s",
+        "Trace": episode.trace_sha256[:16],
+    }
+    return [[name, fact] for name, fact in facts.items() if fact]
+
+
+def _sighting(episode: Episode, names: Mapping[str, str]) -> str:
+    if (look := episode.sighting) is None:
+        return ""
+    name = names.get(look.actor, words.plain(look.actor))
+    faults = f"; not judged, since it is {' and '.join(look.faults)}" if look.faults else ""
+    return f"{name}, {look.height_px:g} pixels high in a picture of 480 rows, {look.distance_m:g} m away{faults}"
+
+
+def _followers(episode: Episode, names: Mapping[str, str]) -> str:
+    listed = ", ".join(names.get(name, words.plain(name)) for name in episode.followers)
+    near = episode.follower
+    if not listed or near is None:
+        return listed
+    return f"{listed}; the nearest {near.gap_m:.1f} m behind at {near.speed_mps:.1f} m/s"
+
+
+def _reactions(episode: Episode) -> str:
+    if not episode.reaction_s:
+        return ""
+    times = ", ".join(f"{one:g}" for one in episode.reaction_s)
+    watched = "" if episode.horizon_s is None else f", each watched for {episode.horizon_s:g} s"
+    return f"they react after {times} s{watched}"
+
+
+def _seen(episode: Episode, names: Mapping[str, str]) -> str:
+    last = sorted(episode.visible.get("last", {}).items(), key=lambda item: (-item[1], item[0]))
+    return ", ".join(
+        f"{names.get(name, words.plain(name))} {pixels} pixels" for name, pixels in last
+    )

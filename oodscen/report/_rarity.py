@@ -1,6 +1,7 @@
 """Rarity of a study's texts: figures by set, the distribution, and the ends of each set."""
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +10,6 @@ import numpy as np
 from oodscen.data._scenario import Scenario
 from oodscen.metrics._measurements import Measurements
 from oodscen.report._charts import sets as charts
-from oodscen.report._charts.canvas import Canvas
 
 _ENDS = 4
 _MOST = 400
@@ -57,57 +57,49 @@ def context(
         labels: The displayed name of every set, in the order of display.
         texts: The texts of the sets.
     """
-    known = {
-        name: rarity
-        for name in labels
-        if metrics is not None and (rarity := metrics.sets[name].rarity) is not None
-    }
     rows, boxes, ends, clouds = [], [], [], []
     families: list[RarityFamily] = []
-    for name, rarity in known.items():
-        estimated = [
-            (place, one) for place, one in enumerate(rarity.per_text) if one.best is not None
-        ]
-        values = [one.best for _, one in estimated if one.best is not None]
-        if not values or rarity.median is None:
+    for name, label in labels.items():
+        if metrics is None:
+            break
+        measured = metrics.sets[name]
+        estimates = () if measured.rarity is None else measured.rarity.per_text
+        values = {place: one.best for place, one in enumerate(estimates) if one.best is not None}
+        if not values:
             continue
-        low, high = np.quantile(values, [0.1, 0.9])
-        middle = f"{_power(low)} to {_power(high)}"
-        median = _power(rarity.median)
-        rows.append(RarityRow(labels[name], len(rarity.per_text), median, middle, rarity.untold))
-        boxes.append((name, values))
-        oodness = metrics.sets[name].oodness.per_text if metrics is not None else ()
-        step = max(1, len(estimated) // _MOST)
-        points = [
-            (one.best, oodness[place]) for place, one in estimated[::step] if one.best is not None
-        ]
-        clouds.append(charts.Cloud(labels[name], points))
-        own = texts.get(name, ())
-        if len(own) == len(rarity.per_text):
-            if name == "simulatable":
-                families = _families([(own[place], one.best or 0.0) for place, one in estimated])
-            order = sorted(estimated, key=lambda item: (-(item[1].best or 0.0), item[0]))
-            shown = [
-                (f"{_power(one.best)} ({one.low:.1f} to {one.high:.1f})", own[place].text)
-                for place, one in order
-            ]
-            ends.append(RarityEnds(labels[name], tuple(shown[:_ENDS]), tuple(shown[-_ENDS:])))
-    chart: Canvas | None = charts.boxes(boxes) if boxes else None
-    against = (
-        charts.scatter(
-            clouds,
-            "Rarity and OOD-ness of every text",
-            ("rarity, decimal logarithm of kilometres", "OOD-ness"),
+        rows.append(
+            RarityRow(
+                label, len(estimates), *_spread(values.values()), len(estimates) - len(values)
+            )
         )
-        if clouds
-        else None
+        boxes.append((name, list(values.values())))
+        drawn = itertools.islice(values.items(), None, None, max(1, len(values) // _MOST))
+        oodness = measured.oodness.per_text
+        clouds.append(charts.Cloud(label, [(value, oodness[place]) for place, value in drawn]))
+        own = texts.get(name, ())
+        if len(own) != len(estimates):
+            continue
+        if name == "simulatable":
+            families = _families([(own[place], value) for place, value in values.items()])
+        order = sorted(values, key=lambda place: (-values[place], place))
+        shown = [
+            (
+                f"{_power(values[place])} ({estimates[place].low:.1f} to {estimates[place].high:.1f})",
+                own[place].text,
+            )
+            for place in order
+        ]
+        ends.append(RarityEnds(label, tuple(shown[:_ENDS]), tuple(shown[-_ENDS:])))
+    title, axes = (
+        "Rarity and OOD-ness of every text",
+        ("rarity, decimal logarithm of kilometres", "OOD-ness"),
     )
     return {
         "rarity_rows": rows,
-        "rarity_chart": chart,
+        "rarity_chart": charts.boxes(boxes) if boxes else None,
         "rarity_ends": ends,
         "rarity_families": families,
-        "rarity_against": against,
+        "rarity_against": charts.scatter(clouds, title, axes) if clouds else None,
         "rarity_model": metrics.asked if metrics is not None else None,
     }
 
@@ -118,13 +110,15 @@ def _families(texts: Sequence[tuple[Scenario, float]]) -> list[RarityFamily]:
     for text, value in texts:
         if len(text.path) > 2:
             known.setdefault(text.path[2], []).append(value)
-    found = []
-    for label, values in sorted(known.items(), key=lambda item: -float(np.median(item[1]))):
-        low, high = np.quantile(values, [0.1, 0.9])
-        middle = f"{_power(low)} to {_power(high)}"
-        found.append(RarityFamily(label, len(values), _power(float(np.median(values))), middle))
-    return found
+    ranked = sorted(known.items(), key=lambda item: -float(np.median(item[1])))
+    return [RarityFamily(label, len(values), *_spread(values)) for label, values in ranked]
 
 
-def _power(value: float | None) -> str:
-    return "\u2013" if value is None else f"10^{value:.1f} km"
+def _spread(values: Collection[float]) -> tuple[str, str]:
+    """Return the median and the range of the middle 80 % in words."""
+    low, median, high = np.quantile([*values], [0.1, 0.5, 0.9])
+    return _power(median), f"{_power(low)} to {_power(high)}"
+
+
+def _power(value: float) -> str:
+    return f"10^{value:.1f} km"
