@@ -80,7 +80,7 @@ def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
 
 
 def _remaining(config: StudyConfig, dropped: Collection[str]) -> StudyConfig:
-    """Return a configuration without the dropped models, nor the servers that nobody else is asked on."""
+    """Return a configuration without the dropped models and the servers that only they use."""
     asked = config.model_copy(update={"vlms": ()}).models
     withheld = (name for name in config.withheld if not {name, without_pictures(name)} & {*dropped})
     changes = {
