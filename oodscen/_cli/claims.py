@@ -1,9 +1,9 @@
 """The command that compares scenes with their texts."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
@@ -21,6 +21,9 @@ from oodscen._cli.progress import tracked
 from oodscen._files import read_utf8
 from oodscen.data._base import Data, canonical_json
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
+
+if TYPE_CHECKING:
+    from oodscen.claims._faithfulness import Faithfulness, Unjudged
 
 Value = TypeVar("Value", bound=Data)
 
@@ -66,7 +69,7 @@ def check_claims(
     model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
     catalogue = make_simulator(simulator).catalogue()
     measure = things_encoder(encoder)
-    rows: list[Data] = [*faulty]
+    rows: list[Faithfulness | Unjudged] = [*faulty]
     staged = list(_values(Scene, scenes))
     for number, scene in tracked(staged, "check-claims", len(staged), ledger):
         if not isinstance(scene, Scene):
@@ -83,25 +86,30 @@ def check_claims(
             rows.append(compare_text(model, text, scene, catalogue, encoder=measure))
         except (AnswerError, LLMError) as error:
             rows.append(Unjudged(id=scene.id, faults=(str(error),)))
+    sys.exit(bool(_print(rows, as_json=as_json)))
+
+
+def _print(rows: "Sequence[Faithfulness | Unjudged]", *, as_json: bool) -> int:
+    """Print what was found, and return the number of scenes that are unfaithful or could not be checked."""
+    from oodscen.claims._faithfulness import Faithfulness, Unjudged
+
     judged = [row for row in rows if isinstance(row, Faithfulness)]
-    claims = sum(len(row.findings) for row in judged)
     unjudged = [row for row in rows if isinstance(row, Unjudged)]
+    claims = sum(len(row.findings) for row in judged)
     unfaithful = len(unjudged) + sum(not row.is_faithful for row in judged)
     if as_json:
         lines = [row.model_dump(mode="json") for row in rows]
         say(canonical_json({"scenes": lines, "claims": claims, "unfaithful": unfaithful}))
-    else:
-        for row in judged:
-            for one in row.mismatches:
-                say(f"{row.id}: the text says {one.claim}, but {one.found}")
-        for failed in unjudged:
-            for fault in failed.faults:
-                say(f"{failed.id}: {fault}")
-        say(
-            f"{len(rows)} scenes, {claims} claims, {unfaithful} unfaithful scenes"
-            + (f", {len(unjudged)} of them could not be checked" if unjudged else "")
-        )
-    sys.exit(bool(unfaithful))
+        return unfaithful
+    for row in judged:
+        for one in row.mismatches:
+            say(f"{row.id}: the text says {one.claim}, but {one.found}")
+    for failed in unjudged:
+        for fault in failed.faults:
+            say(f"{failed.id}: {fault}")
+    unchecked = f", {len(unjudged)} of them could not be checked" if unjudged else ""
+    say(f"{len(rows)} scenes, {claims} claims, {unfaithful} unfaithful scenes{unchecked}")
+    return unfaithful
 
 
 def _values(kind: type[Value], path: Path) -> Iterator[tuple[int, Value | tuple[str, ...]]]:
