@@ -153,9 +153,11 @@ def replace(target: Path, data: bytes) -> None:
             file.flush()
             os.fsync(file.fileno())
         part.replace(target)
-    except BaseException:
+    except BaseException as error:
         with suppress(OSError):
             part.unlink(missing_ok=True)
+        if isinstance(error, OSError):  # Name the file that was asked for, not its part.
+            raise type(error)(error.errno, error.strerror, str(target)) from None
         raise
 
 

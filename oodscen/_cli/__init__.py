@@ -62,7 +62,8 @@ class _CommandGroup(click.Group):
             if "--debug" in (sys.argv if args is None else args):
                 raise
             with suppress(OSError):
-                say(f"oodscen: cannot write the output: {error.strerror or error}", err=True)
+                where = f" {error.filename}" if error.filename else ""
+                say(f"oodscen: cannot write the output{where}: {error.strerror or error}", err=True)
             drop_output()
             sys.exit(1)
 

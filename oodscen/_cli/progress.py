@@ -19,7 +19,7 @@ def bars(note: object = "") -> Iterator[Progress]:
     Args:
         note: Shown after a bar as text.
     """
-    if sys.stderr.isatty():
+    if sys.stderr is not None and sys.stderr.isatty():
         with reporting(True, note) as progress:
             yield progress
         return

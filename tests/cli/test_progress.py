@@ -45,3 +45,8 @@ def test_a_long_stage_has_a_line_every_half_minute():
     assert re.fullmatch(r"vary: 20 in \d+\.\d s", end)
     assert 3 <= len(between) <= 5
     assert all(re.fullmatch(r"vary: \d+ of 20 so far", line) for line in between)
+
+
+def test_a_closed_standard_error_costs_the_progress_only(monkeypatch):
+    monkeypatch.setattr("sys.stderr", None)
+    assert [*tracked(range(3), "redteam", 3)] == [0, 1, 2]

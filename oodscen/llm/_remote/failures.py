@@ -7,6 +7,7 @@ from email.utils import parsedate_to_datetime
 from typing import Any, Literal
 
 from oodscen._redaction import redact_start
+from oodscen._text import one_line
 from oodscen.llm._remote.call_bounds import KEPT, CallBounds
 
 Kind = Literal["item", "filtered", "limit", "late", "unreachable", "erring", "denied"]
@@ -20,6 +21,9 @@ bodies). `denied`: every call will be refused (no valid key, no quota).
 
 _SHOWN = 500
 """Maximum length of an error text, in characters; some servers answer with whole web pages."""
+
+_QUOTED = 100
+"""Number of characters of an unusable response that its message quotes."""
 
 _RAW = 4_000
 """Number of characters of an unusable response that are kept."""
@@ -101,13 +105,15 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
     from litellm.exceptions import ContextWindowExceededError  # Late: only its errors come here.
 
     status = bounds.status if bounds.is_sent else getattr(error, "status_code", None)
-    text = str(error).partition("Traceback (most recent call last)")[0]
-    text = " ".join(redact_start(text, _RAW).split())
-    text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
+    text = _short(str(error).partition("Traceback (most recent call last)")[0])
+    if (cause := _cause(error)) not in text:
+        text = f"{text} ({cause})"
     kind, reason = _meaning(status, text, error, bounds)
     is_unreadable = kind == "erring" and (status is None or status < 400)
-    if is_unreadable and bounds.broken is None and not bounds.head.strip() and bounds.is_sent:
-        reason = "the response is empty"
+    raw = _start(bounds) if is_unreadable else ""
+    if is_unreadable and bounds.broken is None and bounds.is_sent:
+        begins = f"{reason}; it begins: {_short(raw)[:_QUOTED]}"
+        reason = begins if raw.strip() else "the response is empty"
     is_final = bounds.broken in ("redirect", "proxy", "offline") or status in (403, 404)
     is_final = is_final or isinstance(error, ImportError)
     is_too_long = isinstance(error, ContextWindowExceededError)
@@ -118,7 +124,7 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
         may_refuse_form=status in (400, 422) and kind == "item" and not is_too_long,
         retry_after=retry_after(error),
         status=status,
-        raw=_start(bounds) if is_unreadable else "",
+        raw=raw,
     )
 
 
@@ -140,6 +146,21 @@ def _meaning(
     if kind == "filtered":
         return kind, f"the provider's content filter declined it: {text}"
     return kind, f"{type(error).__name__}: {text}" if text else type(error).__name__
+
+
+def _short(text: str) -> str:
+    """Return a text on one line, without credentials and cut to a length that fits into a message."""
+    text = one_line(redact_start(text, _RAW))
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
+
+
+def _cause(error: BaseException) -> str:
+    """Return the first cause of an error in words; litellm's own words leave it out."""
+    while (before := error.__cause__ or error.__context__) is not None:
+        error = before
+    if isinstance(error, UnicodeEncodeError) or type(error).__name__ == "LocalProtocolError":
+        return "a key or a name in the environment holds characters that a request cannot carry"
+    return _short(str(error))
 
 
 def _start(bounds: CallBounds) -> str:

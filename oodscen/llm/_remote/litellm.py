@@ -1,6 +1,7 @@
 """Any language model that litellm reaches: hosted, local, or behind an OpenAI-compatible address."""
 
 import base64
+import logging
 import os
 import re
 import threading
@@ -14,9 +15,11 @@ from urllib.parse import urlsplit
 
 from oodscen._display import Brief
 from oodscen._files import MAX_BYTES
+from oodscen._members import reason
 from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._redaction import hide, redact, redact_keys, secrets_in, secrets_of
 from oodscen._seeding import stream
+from oodscen._text import plain
 from oodscen.data._messages import Image, Message
 from oodscen.errors import (
     ContentFiltered,
@@ -27,7 +30,7 @@ from oodscen.errors import (
     UnknownComponent,
     UsageError,
 )
-from oodscen.llm._remote.call_bounds import CallBounds, apply_bounds
+from oodscen.llm._remote.call_bounds import CallBounds, active, apply_bounds
 from oodscen.llm._remote.failures import FailedAttempt, Filtered, NoAnswer, diagnose
 from oodscen.llm._remote.limits import LONGEST_S, Limits, Price, Spent, check_seconds
 from oodscen.llm._remote.offline import SWITCH, enforce, is_loopback, is_offline
@@ -46,6 +49,7 @@ LOOKUP_S = 10.0
 LATE_RETRIES = 1
 """Retries after a timeout; a call that hangs once usually hangs again."""
 
+_LOGGERS = ("LiteLLM", "LiteLLM Router", "LiteLLM Proxy")
 _import_lock = threading.Lock()
 
 
@@ -342,6 +346,7 @@ def load_litellm() -> ModuleType:
             warnings.filterwarnings(
                 "ignore", message=message, category=UserWarning, module=r"pydantic\."
             )
+        _check_environment()
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
@@ -354,20 +359,53 @@ def load_litellm() -> ModuleType:
                 from oodscen.llm._remote.transport import guard, install
         except ImportError:
             raise MissingExtra("language models through litellm", "llm", "litellm") from None
-        except OSError as error:
-            reason = error.strerror or str(error)
-            raise UsageError(
-                f"litellm cannot be loaded: {reason}; it needs a temporary folder that it can write, such as "
-                "TMPDIR may name"
-            ) from None
+        except Exception as error:
+            needs = "; it needs a temporary folder that it can write, such as TMPDIR may name"
+            more = needs if isinstance(error, OSError) else ""
+            raise UsageError(f"litellm cannot be loaded: {reason(error)}{more}") from None
         litellm.suppress_debug_info = True
         litellm.telemetry = False
+        for name in _LOGGERS:
+            logging.getLogger(name).addFilter(_quiet)
         install(http_handler, common_utils)
         # litellm keeps one client that it made on import.
         if (handler := getattr(litellm, "module_level_client", None)) is not None:
             guard(handler.client)
         module: ModuleType = litellm
         return module
+
+
+def _check_environment() -> None:
+    """Check the proxies and certificates that the environment names: litellm fails on them at any time.
+
+    Raises:
+        UsageError: If httpx cannot use them.
+    """
+    try:
+        import httpx
+    except ImportError:
+        return  # litellm brings it, and is missing as well.
+    try:
+        httpx.Client().close()
+    except OSError as error:
+        raise UsageError(
+            f"the certificates that SSL_CERT_FILE or SSL_CERT_DIR names cannot be read: {reason(error)}"
+        ) from None
+    except (ImportError, ValueError, httpx.InvalidURL) as error:
+        raise UsageError(
+            f"a proxy that the environment names cannot be used: {reason(error)}; mend or unset HTTPS_PROXY, "
+            "HTTP_PROXY, ALL_PROXY or NO_PROXY"
+        ) from None
+
+
+def _quiet(record: logging.LogRecord) -> bool:
+    """Redact a log line of litellm; drop it during a call, whose errors say what it does, unless LITELLM_LOG is set.
+
+    litellm quotes what a server sent, which may hold a key or steer a terminal.
+    """
+    record.msg, record.args = plain(redact(record.getMessage())), ()
+    record.exc_info = record.exc_text = None
+    return active() is None or "LITELLM_LOG" in os.environ
 
 
 def known_price(sdk: ModuleType, model: str) -> Price | None:

@@ -408,3 +408,34 @@ def test_a_model_shows_neither_its_key_nor_the_password_in_its_address() -> None
     assert shown.startswith("LiteLLM(name='gpt-4o', api_base='http://")
     assert "swordfish" not in shown
     assert KEY not in shown
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("ALL_PROXY", "socks5h://127.0.0.1:9"),
+        ("ALL_PROXY", "garbage:::/"),
+        ("HTTPS_PROXY", "http://[::1"),
+        ("SSL_CERT_FILE", "/nowhere/certificates.pem"),
+    ],
+)
+def test_an_environment_that_httpx_cannot_use_is_named(monkeypatch, name, value):
+    monkeypatch.setitem(sys.modules, "socksio", None)
+    monkeypatch.setenv(name, value)
+    with pytest.raises(UsageError, match=name):
+        LiteLLM("openai/m", api_base="http://127.0.0.1:1/v1")
+
+
+@pytest.mark.parametrize("key", ["sk-line-break-12\n", "sk-\u00e4\u00f6\u00fc-not-ascii"])
+def test_a_key_that_no_request_can_carry_is_named(monkeypatch, key):
+    monkeypatch.setenv("OPENAI_API_KEY", key)
+    with serving() as server, pytest.raises(LLMError, match="cannot carry") as caught:
+        server.client("openai/m", retries=0).complete(request())
+    assert key.strip() not in str(caught.value)
+    assert not server.received
+
+
+def test_a_connection_that_is_refused_is_called_that():
+    llm = LiteLLM("openai/m", api_base="http://127.0.0.1:1/v1", retries=0)
+    with pytest.raises(LLMError, match="refused"):
+        llm.complete(request())

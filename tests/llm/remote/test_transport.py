@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import logging
 import socket
 import time
 import tracemalloc
@@ -196,3 +197,19 @@ def test_time_is_counted_from_the_beginning_and_not_from_the_last_byte():
     now = 10.0
     assert bounds.seconds_left(3.0) == 0.0
     assert bounds.broken == "time"
+
+
+@pytest.mark.parametrize("reason", ["sk-echoed-0123456789", "\x1b[31mzap", "nonsense"])
+def test_what_a_server_sends_is_not_logged(monkeypatch, capfd, reason):
+    monkeypatch.setenv("OPENAI_API_KEY", "sk-echoed-0123456789")
+    answer = {"choices": [{"finish_reason": reason, "message": {"content": '{"text": "A sofa."}'}}]}
+    body = json.dumps(answer).encode()
+    head = f"HTTP/1.1 200 OK\r\nconnection: close\r\ncontent-length: {len(body)}\r\n\r\n".encode()
+    with talking(saying(head + body)) as rogue:
+        LiteLLM("openai/m", api_base=rogue.address, retries=0).complete(REQUEST)
+    assert capfd.readouterr().err == ""
+    logging.getLogger("LiteLLM").error("outside of a call: %s", reason)
+    logged = capfd.readouterr().err
+    assert "outside of a call" in logged
+    assert "sk-echoed" not in logged.replace("\n", "")
+    assert "\x1b[31m" not in logged
