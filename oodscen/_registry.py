@@ -5,8 +5,8 @@ import inspect
 import os
 import sys
 import warnings
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from functools import lru_cache
 from importlib import metadata
 from importlib.metadata import EntryPoint, EntryPoints
@@ -313,7 +313,8 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
                 hint = f"try {name}:ARGUMENT"
             raise UsageError(f"the {kind} {name!r} cannot be made: {error}; {hint}") from None
     try:
-        return factory(*given, **settings)
+        with _same_folder():
+            return factory(*given, **settings)
     except OodscenError:
         raise
     except BaseException as error:
@@ -322,6 +323,21 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
         is_refused = given and isinstance(error, TypeError | ValueError)
         fault = f"{head!r} does not take {argument!r}" if is_refused else f"{name!r} cannot be made"
         raise UsageError(f"the {kind} {fault}: {reason(error)}") from error
+
+
+@contextmanager
+def _same_folder() -> Iterator[None]:
+    """Go back to the working folder at the end: paths that a user named are relative to it."""
+    try:
+        here = os.getcwd()
+    except FileNotFoundError:
+        yield
+        return
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            os.chdir(here)
 
 
 def _refuse_settings(name: str, factory: Callable[..., Any], settings: Mapping[str, Any]) -> None:

@@ -1,8 +1,10 @@
 """Components by name: entry points, `module:attr`, objects as they are."""
 
+import os
 import sys
 import types
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -179,6 +181,20 @@ def test_a_module_that_is_missing_is_named(make):
 def test_the_name_of_a_model_is_one_line_of_text(character):
     with pytest.raises(UsageError, match="control character"):
         make_llm(f"openai/gpt{character}4o", api_base="http://localhost:1")
+
+
+def test_a_component_does_not_take_the_command_elsewhere(monkeypatch, tmp_path):
+    class Wanderer(FlatSimulator):
+        def __init__(self):
+            super().__init__()
+            os.chdir("/")
+
+    module = types.ModuleType("wandering")
+    module.Wanderer = Wanderer
+    monkeypatch.setitem(sys.modules, "wandering", module)
+    monkeypatch.chdir(tmp_path)
+    make_simulator("wandering:Wanderer").close()
+    assert Path.cwd() == tmp_path
 
 
 def test_a_catalogue_is_found_by_name_by_file_and_by_its_simulator(tmp_path):
