@@ -11,13 +11,14 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import partial
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
+from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, ParamSpec, TypeVar
 
@@ -61,6 +62,30 @@ def is_script(name: str) -> bool:
     except (ImportError, ValueError):
         return False
     return spec is not None and spec.origin == os.path.abspath(script)
+
+
+def children() -> set[int]:
+    """Return the ids of this process's children; none if the system does not list them."""
+    found: set[int] = set()
+    for tasks in Path("/proc/self/task").glob("*/children"):
+        with suppress(OSError):  # The thread has ended.
+            found.update(map(int, tasks.read_text().split()))
+    tracker = sys.modules.get("multiprocessing.resource_tracker")
+    # The standard library's own helper, which ends by itself.
+    return found - {getattr(getattr(tracker, "_resource_tracker", None), "_pid", None)}
+
+
+@contextmanager
+def ending_children() -> Iterator[None]:
+    """Kill the child processes that were started meanwhile and are left at the end."""
+    before = children()
+    try:
+        yield
+    finally:
+        for child in children() - before:
+            with suppress(OSError):
+                os.kill(child, signal.SIGKILL)
+                os.waitpid(child, 0)
 
 
 class Processes(ThreadPoolExecutor):

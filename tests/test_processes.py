@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from oodscen._processes import Processes
+from oodscen._processes import Processes, children, ending_children
 from oodscen._registry import make_simulator
 from oodscen.errors import RunStopped, UnknownComponent, UsageError
 
@@ -159,7 +159,7 @@ def test_an_interruption_that_a_call_raises_itself_is_its_own(pool):
 KILLED = """
 import os, signal
 from pathlib import Path
-from oodscen._processes import Processes
+from oodscen._processes import Processes, children, ending_children
 
 with Processes(2) as pool:
     pool.submit(os.getpid).result()
@@ -188,3 +188,14 @@ def test_a_process_that_does_not_start_stops_the_run(monkeypatch):
 def test_processes_of_processes_are_refused(pool):
     with pytest.raises(UsageError, match="__main__"):
         pool.submit(Processes, 1).result()
+
+
+def test_children_that_are_left_are_ended_and_earlier_ones_are_not():
+    with subprocess.Popen(["sleep", "60"]) as earlier:
+        with ending_children():
+            later = subprocess.Popen(["sleep", "60"], start_new_session=True)
+            assert {earlier.pid, later.pid} <= children()
+        later.wait()
+        assert later.pid not in children()
+        assert earlier.poll() is None
+        earlier.kill()

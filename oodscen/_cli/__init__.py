@@ -37,6 +37,7 @@ from oodscen._cli import (
 )
 from oodscen._cli.help import COMMANDS, sections_of
 from oodscen._cli.output import drop_output, say, shortened
+from oodscen._processes import ending_children
 from oodscen._redaction import redact
 from oodscen._text import one_line, plain, whole
 from oodscen._version import __version__
@@ -87,7 +88,7 @@ class _CommandGroup(click.Group):
         try:
             if sys.stdout is None:
                 raise UsageError("standard output is closed; send it to a file or to /dev/null")
-            with _interruptible():
+            with ending_children(), _interruptible():
                 return super().invoke(ctx)
         except click.ClickException as error:
             vars(error)["message"] = shortened(error.message)  # click declares it final.

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from contextlib import redirect_stdout
 
 import click
 
@@ -80,7 +81,8 @@ def doctor(
     elif what is None:
         findings = examine()
     else:
-        with bars() as progress:
+        # What an adapter prints is not part of the findings.
+        with bars() as progress, redirect_stdout(sys.stderr):
             findings = examine_simulator(
                 what, is_quick=quick, states_only=states_only, progress=progress
             )
