@@ -12,12 +12,15 @@ from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
 from oodscen.data._episode import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.errors import UsageError
-from oodscen.llm._remote.limits import LONGEST_S, PATIENCE_S, TIMEOUT_S, check_price
+from oodscen.llm._remote.budget import check_price
+from oodscen.llm._remote.endpoint import PATIENCE_S
+from oodscen.llm._remote.limits import LONGEST_S, TIMEOUT_S
 from oodscen.protocols import Camera
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 
 if TYPE_CHECKING:
-    from oodscen.llm._remote.limits import Limits, Price
+    from oodscen.llm._remote.budget import Price
+    from oodscen.llm._remote.limits import Limits
     from oodscen.protocols import Encoder
 
 Command = Callable[..., Any]
@@ -276,7 +279,7 @@ def limits_from(choices: dict[str, Any]) -> "Limits":
 
 
 def _price(text: str) -> "tuple[str, Price]":
-    from oodscen.llm._remote.limits import Price
+    from oodscen.llm._remote.budget import Price
 
     model, _, values = text.rpartition("=")
     try:

@@ -3,7 +3,8 @@
 from contextlib import suppress
 
 from oodscen.errors import UsageError
-from oodscen.llm._remote.limits import Limits, Price, Spent, check_price
+from oodscen.llm._remote.budget import Price, Spent, check_price
+from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.usage import estimate_tokens, plausible_usage
 from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request

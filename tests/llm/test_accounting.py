@@ -11,7 +11,8 @@ from oodscen.llm._ask import ask
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.llm._capped import CappedLLM
 from oodscen.llm._fallback import FallbackLLM
-from oodscen.llm._remote.limits import Limits, Price
+from oodscen.llm._remote.budget import Price
+from oodscen.llm._remote.limits import Limits
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Completion, Usage
 from oodscen.testing import ScriptedLLM

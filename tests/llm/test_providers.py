@@ -9,7 +9,8 @@ import pytest
 from oodscen.data._messages import Image
 from oodscen.errors import LLMError
 from oodscen.llm._ask import ask
-from oodscen.llm._remote.limits import Limits, Price
+from oodscen.llm._remote.budget import Price
+from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.prompts._judging.describe_frame import DescribeFrame
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario

@@ -13,7 +13,8 @@ from oodscen import Study, make_llm
 from oodscen._cli import main
 from oodscen._pipeline import RunOptions, estimate, run_study
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError
-from oodscen.llm._remote.limits import Limits, Price
+from oodscen.llm._remote.budget import Price
+from oodscen.llm._remote.limits import Limits
 from oodscen.llm._wrapper import Wrapper
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.llm.rogue import dripping, talking

@@ -30,9 +30,10 @@ from oodscen.errors import (
     UnknownComponent,
     UsageError,
 )
+from oodscen.llm._remote.budget import Price, Spent
 from oodscen.llm._remote.call_bounds import CallBounds, active, apply_bounds
 from oodscen.llm._remote.failures import FailedAttempt, Filtered, NoAnswer, diagnose
-from oodscen.llm._remote.limits import LONGEST_S, Limits, Price, Spent, check_seconds
+from oodscen.llm._remote.limits import LONGEST_S, Limits, check_seconds
 from oodscen.llm._remote.offline import SWITCH, enforce, is_loopback, is_offline
 from oodscen.llm._remote.usage import count, estimate_tokens, plausible_usage
 from oodscen.protocols import Completion, Request, Usage

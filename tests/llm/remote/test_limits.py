@@ -10,20 +10,10 @@ from hypothesis import strategies as st
 
 from oodscen._concurrency import as_finished
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, RunStopped, UsageError
+from oodscen.llm._remote.budget import ANSWER_TOKENS, Budget, Caps, Price, Spent
+from oodscen.llm._remote.endpoint import JUDGING, PATIENCE_S, STRIKES, Endpoint
 from oodscen.llm._remote.failures import FailedAttempt
-from oodscen.llm._remote.limits import (
-    ANSWER_TOKENS,
-    GRACE_S,
-    JUDGING,
-    PATIENCE_S,
-    STRIKES,
-    Budget,
-    Caps,
-    Endpoint,
-    Limits,
-    Price,
-    Spent,
-)
+from oodscen.llm._remote.limits import GRACE_S, Limits
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.usage import estimate_tokens
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario

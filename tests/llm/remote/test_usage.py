@@ -11,7 +11,8 @@ from oodscen.errors import BudgetExceeded, UsageError
 from oodscen.llm._accounting import Ledger, accounts
 from oodscen.llm._call_log import LoggedLLM
 from oodscen.llm._capped import CappedLLM
-from oodscen.llm._remote.limits import ANSWER_TOKENS, Limits, Price
+from oodscen.llm._remote.budget import ANSWER_TOKENS, Price
+from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.usage import (
     MOST_ANSWERED,
