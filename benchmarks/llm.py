@@ -29,7 +29,9 @@ from oodscen.driving import check_scene  # noqa: E402
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError  # noqa: E402
 from oodscen.llm._ask import ask  # noqa: E402
 from oodscen.llm._remote.limits import Limits  # noqa: E402
-from oodscen.llm._remote.litellm import LiteLLM, load_litellm, wire_message  # noqa: E402
+from oodscen.llm._remote.litellm import LiteLLM  # noqa: E402
+from oodscen.llm._remote.sdk import load_litellm  # noqa: E402
+from oodscen.llm._remote.wire import wire_message  # noqa: E402
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario  # noqa: E402
 from oodscen.testing import AnsweringServer, ScriptedLLM  # noqa: E402
 

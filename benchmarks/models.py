@@ -26,7 +26,7 @@ from oodscen.data._claim import Claim
 from oodscen.errors import AnswerError
 from oodscen.llm._ask import read_answer
 from oodscen.llm._prefix import LEAST_TOKENS
-from oodscen.llm._remote.litellm import load_litellm
+from oodscen.llm._remote.sdk import load_litellm
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.describe_path import DescribePath

@@ -267,7 +267,7 @@ def _simulator() -> str:
 
 
 def _litellm() -> str:
-    from oodscen.llm._remote.litellm import load_litellm
+    from oodscen.llm._remote.sdk import load_litellm
 
     load_litellm()
     return "litellm is installed; keys are read from the environment when a model is asked"

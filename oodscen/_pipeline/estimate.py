@@ -23,7 +23,7 @@ from oodscen.judging._selection import ordinary_drives
 from oodscen.llm._accounting import Account, accounts
 from oodscen.llm._prefix import cacheable_share
 from oodscen.llm._remote.budget import Price
-from oodscen.llm._remote.litellm import known_price, load_litellm
+from oodscen.llm._remote.sdk import known_price, load_litellm
 from oodscen.llm._remote.usage import IMAGE_TOKENS
 from oodscen.metrics._rarity.asking import DRAWS, questions
 from oodscen.prompts._base import Prompt

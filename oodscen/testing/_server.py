@@ -13,7 +13,8 @@ from typing import Any, Literal, Self, get_args
 
 from oodscen._display import Brief
 from oodscen.errors import LLMError
-from oodscen.llm._remote.litellm import LiteLLM, provider_seed
+from oodscen.llm._remote.litellm import LiteLLM
+from oodscen.llm._remote.wire import provider_seed
 from oodscen.protocols import LLM, Completion, Request
 
 ResponseFault = Literal[

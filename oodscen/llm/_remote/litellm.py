@@ -1,41 +1,27 @@
 """Any language model that litellm reaches: hosted, local, or behind an OpenAI-compatible address."""
 
-import base64
-import logging
 import os
 import re
-import threading
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
-from types import ModuleType
 from typing import Any
 from urllib.parse import urlsplit
 
 from oodscen._display import Brief
 from oodscen._files import MAX_BYTES
-from oodscen._members import reason
 from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._redaction import hide, redact, redact_keys, secrets_in, secrets_of
 from oodscen._seeding import stream
-from oodscen._text import plain
-from oodscen.data._messages import Image, Message
-from oodscen.errors import (
-    ContentFiltered,
-    LLMError,
-    LLMTimeout,
-    MissingExtra,
-    ResponseError,
-    UnknownComponent,
-    UsageError,
-)
+from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ResponseError, UsageError
 from oodscen.llm._remote.budget import Price, Spent
-from oodscen.llm._remote.call_bounds import CallBounds, active, apply_bounds
+from oodscen.llm._remote.call_bounds import CallBounds, apply_bounds
 from oodscen.llm._remote.failures import FailedAttempt, Filtered, NoAnswer, diagnose
 from oodscen.llm._remote.limits import LONGEST_S, Limits, check_seconds
-from oodscen.llm._remote.offline import SWITCH, enforce, is_loopback, is_offline
+from oodscen.llm._remote.offline import SWITCH, is_loopback, is_offline
+from oodscen.llm._remote.sdk import json_ability, known_price, load_litellm, own_settings, resolve
 from oodscen.llm._remote.usage import count, estimate_tokens, plausible_usage
+from oodscen.llm._remote.wire import provider_seed, wire_message
 from oodscen.protocols import Completion, Request, Usage
 
 NO_KEY = "none"
@@ -49,9 +35,6 @@ LOOKUP_S = 10.0
 
 LATE_RETRIES = 1
 """Retries after a timeout; a call that hangs once usually hangs again."""
-
-_LOGGERS = ("LiteLLM", "LiteLLM Router", "LiteLLM Proxy")
-_import_lock = threading.Lock()
 
 
 class LiteLLM(Brief):
@@ -128,10 +111,10 @@ class LiteLLM(Brief):
         self._sdk = sdk = load_litellm()
         if api_base is not None:
             _check_address(api_base)
-        hide([*secrets_in({**_own_settings(sdk), **(options or {})}), *secrets_of(api_base or "")])
+        hide([*secrets_in({**own_settings(sdk), **(options or {})}), *secrets_of(api_base or "")])
         # litellm asks some models' servers what they can do.
         with apply_bounds(CallBounds(LOOKUP_S, max_bytes)):
-            self._model, provider, address = _resolve(sdk, model, api_base)
+            self._model, provider, address = resolve(sdk, model, api_base)
             _permit(model, api_base, address)
             self.price = self.limits.prices.get(model) or known_price(sdk, self._model)
             """`None` where it is not known."""
@@ -315,7 +298,7 @@ class LiteLLM(Brief):
     def _ability(self) -> str:
         """The answer formats that litellm says the model has; it asks some models' servers."""
         with apply_bounds(CallBounds(LOOKUP_S, self.max_bytes)):
-            return _json_ability(self._sdk, self._model)
+            return json_ability(self._sdk, self._model)
 
     def _wait(self, failure: FailedAttempt, tries: int, request: Request) -> float | None:
         """Return the seconds to wait before the next attempt, or `None` to give up."""
@@ -331,96 +314,6 @@ class LiteLLM(Brief):
         return min(float(2**tries), self.max_wait_s) * jitter
 
 
-def load_litellm() -> ModuleType:
-    """Import litellm without output and without its download of a price list.
-
-    Raises:
-        MissingExtra: When litellm is not installed.
-        UsageError: When litellm is installed but cannot be loaded.
-    """
-    enforce()
-    with _import_lock:
-        os.environ.setdefault("LITELLM_LOCAL_MODEL_COST_MAP", "True")
-        # litellm's type definitions make pydantic warn, some of them only on first use; so do
-        # responses whose fields have other types than the API's.
-        for message in (r".*ReadOnly. qualifier", "Pydantic serializer warnings"):
-            warnings.filterwarnings(
-                "ignore", message=message, category=UserWarning, module=r"pydantic\."
-            )
-        _check_environment()
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                import litellm
-
-                litellm.ModelResponse()
-                from litellm.llms.custom_httpx import http_handler
-                from litellm.llms.openai import common_utils
-
-                from oodscen.llm._remote.transport import guard, install
-        except ImportError:
-            raise MissingExtra("language models through litellm", "llm", "litellm") from None
-        except Exception as error:
-            needs = "; it needs a temporary folder that it can write, such as TMPDIR may name"
-            more = needs if isinstance(error, OSError) else ""
-            raise UsageError(f"litellm cannot be loaded: {reason(error)}{more}") from None
-        litellm.suppress_debug_info = True
-        litellm.telemetry = False
-        for name in _LOGGERS:
-            logging.getLogger(name).addFilter(_quiet)
-        install(http_handler, common_utils)
-        # litellm keeps one client that it made on import.
-        if (handler := getattr(litellm, "module_level_client", None)) is not None:
-            guard(handler.client)
-        module: ModuleType = litellm
-        return module
-
-
-def _check_environment() -> None:
-    """Check the proxies and certificates that the environment names: litellm fails on them at any time.
-
-    Raises:
-        UsageError: If httpx cannot use them.
-    """
-    try:
-        import httpx
-    except ImportError:
-        return  # litellm brings it, and is missing as well.
-    try:
-        httpx.Client().close()
-    except OSError as error:
-        raise UsageError(
-            f"the certificates that SSL_CERT_FILE or SSL_CERT_DIR names cannot be read: {reason(error)}"
-        ) from None
-    except (ImportError, ValueError, httpx.InvalidURL) as error:
-        raise UsageError(
-            f"a proxy that the environment names cannot be used: {reason(error)}; mend or unset HTTPS_PROXY, "
-            "HTTP_PROXY, ALL_PROXY or NO_PROXY"
-        ) from None
-
-
-def _quiet(record: logging.LogRecord) -> bool:
-    """Redact a log line of litellm; drop it during a call, whose errors say what it does, unless LITELLM_LOG is set.
-
-    litellm quotes what a server sent, which may hold a key or steer a terminal.
-    """
-    record.msg, record.args = plain(redact(record.getMessage())), ()
-    record.exc_info = record.exc_text = None
-    return active() is None or "LITELLM_LOG" in os.environ
-
-
-def known_price(sdk: ModuleType, model: str) -> Price | None:
-    """Return litellm's price of a model, or `None` if it knows none."""
-    try:
-        asked, answered = sdk.cost_per_token(
-            model=model, prompt_tokens=1_000_000, completion_tokens=1_000_000
-        )
-    # litellm raises a bare Exception for a model without a price.
-    except Exception:
-        return None
-    return Price(float(asked), float(answered))
-
-
 def _afford(model: str, price: Price | None, limits: Limits) -> None:
     """Refuse a model without a price if the cost is capped."""
     if limits.budget.caps.cost_usd is not None and price is None:
@@ -431,72 +324,10 @@ def _afford(model: str, price: Price | None, limits: Limits) -> None:
         )
 
 
-def provider_seed(seed: int, sample: int, attempt: int = 1) -> int:
-    """Return the seed for one call to a provider: below 2**31, as some require.
-
-    A repair has another seed than the question, since a model might otherwise repeat its fault word for word.
-    """
-    return (seed * 1_000_003 + sample + (attempt - 1) * 500_000_003) % 2**31
-
-
-_MARKS_CACHE = re.compile(r"anthropic|claude", re.IGNORECASE)
-"""Models whose providers cache a prefix only where a request marks its end."""
-
-
-def wire_message(message: Message, model: str = "") -> dict[str, Any]:
-    """Return a message in OpenAI's format; pictures become base64 data URLs.
-
-    Raises:
-        LLMError: When a picture cannot be read.
-    """
-    parts: list[dict[str, Any]] = [{"type": "text", "text": message.text}]
-    if message.role == "system" and _MARKS_CACHE.search(model):
-        # Other providers find repeated prefixes by themselves.
-        parts[0]["cache_control"] = {"type": "ephemeral"}
-    elif not message.images:
-        return {"role": message.role, "content": message.text}
-    for image in message.images:
-        try:
-            url = data_url(image)
-        except OSError as error:
-            reason = error.strerror or str(error)
-            raise LLMError(f"cannot read the image {image.name}: {reason}", model=model) from error
-        parts.append({"type": "image_url", "image_url": {"url": url}})
-    return {"role": message.role, "content": parts}
-
-
-def data_url(image: Image) -> str:
-    """Return a picture as a data URL in its own format (JPEG or PNG)."""
-    data = image.read()
-    kind = "png" if data.startswith(b"\x89PNG") else "jpeg"
-    return f"data:image/{kind};base64,{base64.b64encode(data).decode('ascii')}"
-
-
-def _resolve(sdk: ModuleType, model: str, api_base: str | None) -> tuple[str, str, str | None]:
-    """Return the name for litellm, the provider, and the provider's address if litellm knows it."""
-    providers = [str(getattr(name, "value", name)) for name in sdk.provider_list]
-    head, slash, rest = model.partition("/")
-    if api_base is not None:
-        named = model if slash and head in providers else f"openai/{model}"
-        return named, named.partition("/")[0], api_base
-    try:
-        _, provider, _, address = sdk.get_llm_provider(model=model)
-    except sdk.exceptions.BadRequestError:
-        known = {*sdk.model_cost, *providers, *(f"{name}/{rest}" for name in providers if rest)}
-        raise UnknownComponent("llm", model, known) from None
-    return model, provider, address
-
-
 def _responds(url: str, timeout_s: float) -> bool:
     from oodscen.llm._remote.transport import responds
 
     return responds(url, timeout_s)
-
-
-def _own_settings(sdk: Any) -> dict[str, Any]:
-    """Return the settings of litellm that can hold a user's credentials."""
-    found = {name: value for name, value in vars(sdk).items() if isinstance(value, str)}
-    return found | {"headers": sdk.headers or {}}
 
 
 def _check_address(api_base: str) -> None:
@@ -522,11 +353,3 @@ def _permit(model: str, api_base: str | None, address: str | None) -> None:
         f"{SWITCH} is set, and {model!r} would be asked at {where}; only addresses on this "
         f"machine are allowed (127.0.0.1, localhost), or unset {SWITCH}"
     )
-
-
-def _json_ability(sdk: ModuleType, model: str) -> str:
-    """Return `schema` if a model takes a JSON schema, `mode` if it has a JSON mode, else an empty string."""
-    if sdk.supports_response_schema(model=model):
-        return "schema"
-    parameters = sdk.get_supported_openai_params(model=model) or ()
-    return "mode" if "response_format" in parameters else ""

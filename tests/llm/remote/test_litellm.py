@@ -28,8 +28,10 @@ from oodscen.llm._remote.call_bounds import CallBounds
 from oodscen.llm._remote.failures import diagnose
 from oodscen.llm._remote.failures import retry_after as seconds_to_wait
 from oodscen.llm._remote.limits import Limits
-from oodscen.llm._remote.litellm import LiteLLM, load_litellm, provider_seed, wire_message
+from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.offline import is_loopback
+from oodscen.llm._remote.sdk import load_litellm
+from oodscen.llm._remote.wire import provider_seed, wire_message
 from oodscen.prompts._judging.describe_frame import DescribeFrame
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import LLM, Request

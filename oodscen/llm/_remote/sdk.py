@@ -1,0 +1,138 @@
+"""litellm: loaded without noise, and what it knows about a model."""
+
+import logging
+import os
+import threading
+import warnings
+from types import ModuleType
+from typing import Any
+
+from oodscen._members import reason
+from oodscen._redaction import redact
+from oodscen._text import plain
+from oodscen.errors import MissingExtra, UnknownComponent, UsageError
+from oodscen.llm._remote.budget import Price
+from oodscen.llm._remote.call_bounds import active
+from oodscen.llm._remote.offline import enforce
+
+_LOGGERS = ("LiteLLM", "LiteLLM Router", "LiteLLM Proxy")
+_import_lock = threading.Lock()
+
+
+def load_litellm() -> ModuleType:
+    """Import litellm without output and without its download of a price list.
+
+    Raises:
+        MissingExtra: When litellm is not installed.
+        UsageError: When litellm is installed but cannot be loaded.
+    """
+    enforce()
+    with _import_lock:
+        os.environ.setdefault("LITELLM_LOCAL_MODEL_COST_MAP", "True")
+        # litellm's type definitions make pydantic warn, some of them only on first use; so do
+        # responses whose fields have other types than the API's.
+        for message in (r".*ReadOnly. qualifier", "Pydantic serializer warnings"):
+            warnings.filterwarnings(
+                "ignore", message=message, category=UserWarning, module=r"pydantic\."
+            )
+        _check_environment()
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                import litellm
+
+                litellm.ModelResponse()
+                from litellm.llms.custom_httpx import http_handler
+                from litellm.llms.openai import common_utils
+
+                from oodscen.llm._remote.transport import guard, install
+        except ImportError:
+            raise MissingExtra("language models through litellm", "llm", "litellm") from None
+        except Exception as error:
+            needs = "; it needs a temporary folder that it can write, such as TMPDIR may name"
+            more = needs if isinstance(error, OSError) else ""
+            raise UsageError(f"litellm cannot be loaded: {reason(error)}{more}") from None
+        litellm.suppress_debug_info = True
+        litellm.telemetry = False
+        for name in _LOGGERS:
+            logging.getLogger(name).addFilter(_quiet)
+        install(http_handler, common_utils)
+        # litellm keeps one client that it made on import.
+        if (handler := getattr(litellm, "module_level_client", None)) is not None:
+            guard(handler.client)
+        module: ModuleType = litellm
+        return module
+
+
+def _check_environment() -> None:
+    """Check the proxies and certificates that the environment names: litellm fails on them at any time.
+
+    Raises:
+        UsageError: If httpx cannot use them.
+    """
+    try:
+        import httpx
+    except ImportError:
+        return  # litellm brings it, and is missing as well.
+    try:
+        httpx.Client().close()
+    except OSError as error:
+        raise UsageError(
+            f"the certificates that SSL_CERT_FILE or SSL_CERT_DIR names cannot be read: {reason(error)}"
+        ) from None
+    except (ImportError, ValueError, httpx.InvalidURL) as error:
+        raise UsageError(
+            f"a proxy that the environment names cannot be used: {reason(error)}; mend or unset HTTPS_PROXY, "
+            "HTTP_PROXY, ALL_PROXY or NO_PROXY"
+        ) from None
+
+
+def _quiet(record: logging.LogRecord) -> bool:
+    """Redact a log line of litellm; drop it during a call, whose errors say what it does, unless LITELLM_LOG is set.
+
+    litellm quotes what a server sent, which may hold a key or steer a terminal.
+    """
+    record.msg, record.args = plain(redact(record.getMessage())), ()
+    record.exc_info = record.exc_text = None
+    return active() is None or "LITELLM_LOG" in os.environ
+
+
+def known_price(sdk: ModuleType, model: str) -> Price | None:
+    """Return litellm's price of a model, or `None` if it knows none."""
+    try:
+        asked, answered = sdk.cost_per_token(
+            model=model, prompt_tokens=1_000_000, completion_tokens=1_000_000
+        )
+    # litellm raises a bare Exception for a model without a price.
+    except Exception:
+        return None
+    return Price(float(asked), float(answered))
+
+
+def resolve(sdk: ModuleType, model: str, api_base: str | None) -> tuple[str, str, str | None]:
+    """Return the name for litellm, the provider, and the provider's address if litellm knows it."""
+    providers = [str(getattr(name, "value", name)) for name in sdk.provider_list]
+    head, slash, rest = model.partition("/")
+    if api_base is not None:
+        named = model if slash and head in providers else f"openai/{model}"
+        return named, named.partition("/")[0], api_base
+    try:
+        _, provider, _, address = sdk.get_llm_provider(model=model)
+    except sdk.exceptions.BadRequestError:
+        known = {*sdk.model_cost, *providers, *(f"{name}/{rest}" for name in providers if rest)}
+        raise UnknownComponent("llm", model, known) from None
+    return model, provider, address
+
+
+def own_settings(sdk: Any) -> dict[str, Any]:
+    """Return the settings of litellm that can hold a user's credentials."""
+    found = {name: value for name, value in vars(sdk).items() if isinstance(value, str)}
+    return found | {"headers": sdk.headers or {}}
+
+
+def json_ability(sdk: ModuleType, model: str) -> str:
+    """Return `schema` if a model takes a JSON schema, `mode` if it has a JSON mode, else an empty string."""
+    if sdk.supports_response_schema(model=model):
+        return "schema"
+    parameters = sdk.get_supported_openai_params(model=model) or ()
+    return "mode" if "response_format" in parameters else ""
