@@ -88,13 +88,8 @@ class Ribbons:
 
     def mesh(self) -> Mesh:
         """Return the mesh of everything added."""
-        vertices = np.concatenate(self._vertices)
-        return Mesh(
-            vertices=vertices,
-            normals=np.concatenate(self._normals),
-            uvs=np.concatenate(self._uvs),
-            triangles=np.arange(len(vertices)).reshape(-1, 3),
-        )
+        vertices, normals, uvs = map(np.concatenate, (self._vertices, self._normals, self._uvs))
+        return Mesh.loose(vertices, normals, uvs)
 
 
 def strip_edges(corridor: Corridor, course: RoadCourse, strip: LaneStrip) -> tuple[Array, Array]:
@@ -128,19 +123,7 @@ def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
     paint = Ribbons(ground.ego.course)
     _lay_floors(ground, paint)
     _paint_crossings(ground, paint)
-    return joined([part.mesh() for part in [*parts, paint] if part._vertices])
-
-
-def joined(meshes: Sequence[Mesh]) -> Mesh:
-    """Merge several meshes into one."""
-    vertices = np.concatenate([mesh.vertices[mesh.triangles.reshape(-1)] for mesh in meshes])
-    return Mesh(
-        vertices=vertices,
-        normals=np.concatenate([mesh.normals[mesh.triangles.reshape(-1)] for mesh in meshes]),
-        uvs=np.concatenate([mesh.uvs[mesh.triangles.reshape(-1)] for mesh in meshes]),
-        triangles=np.arange(len(vertices)).reshape(-1, 3),
-        tags=np.concatenate([mesh.classes for mesh in meshes]),
-    )
+    return Mesh.joined([part.mesh() for part in [*parts, paint] if part._vertices])
 
 
 def _lay(way: Way, ribbons: Ribbons, theme: Theme, layer: float, rng: np.random.Generator) -> None:

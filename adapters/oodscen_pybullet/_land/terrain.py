@@ -339,12 +339,10 @@ def _mesh(vertices: Array, uvs: Array) -> Mesh:
     length = np.sqrt((normal * normal).sum(axis=1))
     keep = length > 1e-4
     normal = normal[keep] / length[keep, None]
-    points = three[keep].reshape(-1, 3)
-    return Mesh(
-        vertices=points,
-        normals=np.repeat(normal, 3, axis=0),
-        uvs=uvs.reshape(-1, 3, 2)[keep].reshape(-1, 2),
-        triangles=np.arange(len(points)).reshape(-1, 3),
+    return Mesh.loose(
+        three[keep].reshape(-1, 3),
+        np.repeat(normal, 3, axis=0),
+        uvs.reshape(-1, 3, 2)[keep].reshape(-1, 2),
     )
 
 

@@ -15,7 +15,6 @@ _DEGREE = 0.017453292519943295
 
 _DAYLIGHT = ((-18.0, 0.06), (-6.0, 0.14), (0.0, 0.42), (8.0, 0.92), (15.0, 1.0))
 """Sun elevation, degrees, and brightness of the day."""
-STREET_LAMP: Point = (1.0, 0.82, 0.55)
 GLARE_DEG = 12.0
 """Elevation below which a sun ahead of the ego dazzles, degrees."""
 
@@ -98,20 +97,6 @@ class Light:
         boost = min(max(self.shadow / max(level, 0.02), 1.0), 4.0)
         most = np.maximum(share, np.float32(self.shadow))
         return np.minimum(share * np.float32(boost), most).astype(np.float32)
-
-
-@dataclass(frozen=True)
-class Glow:
-    """A lit lamp in world coordinates."""
-
-    position: Point
-    colour: Point
-    facing: Point
-    """Direction of its beam; (0, 0, 0) shines in all directions."""
-    power: float
-    is_street: bool = False
-    by_day: float = 0.22
-    """Share of its halo that is visible by day."""
 
 
 def _between(table: Sequence[tuple[float, float]], value: float) -> float:

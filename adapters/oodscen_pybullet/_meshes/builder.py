@@ -14,17 +14,21 @@ from oodscen.data._shapes import Caps
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet._meshes.shapes import (
+    ORIGIN,
     Array,
+    Heading,
     Point,
     facet_rows,
     flat_normal,
     moved,
+    placed,
     ring,
+    rotated,
     sphere_grid,
     unit_rows,
 )
 
-__all__ = ["Array", "Lamp", "Mesh", "MeshBuilder", "Point", "Puff"]
+__all__ = ["Array", "Heading", "Lamp", "Mesh", "MeshBuilder", "Point", "Puff"]
 
 _BY_DAY = 0.22
 """Share of a lamp's glow that is visible by day; light-emitting diodes have more."""
@@ -44,6 +48,13 @@ class Lamp:
     """Relative power: 1 is a tail lamp; a headlamp on low beam is about 4."""
     by_day: float = _BY_DAY
     """Share of its glow that is visible by day."""
+    is_street: bool = False
+    """True if it lights the road below it, as a street lamp does."""
+
+    def placed(self, at: Point, heading: Heading) -> Self:
+        """Return the lamp of a mesh that stands at a point and faces along a heading."""
+        position, facing = placed(self.position, at, heading), placed(self.facing, ORIGIN, heading)
+        return replace(self, position=position, facing=facing)
 
 
 @dataclass(frozen=True)
@@ -60,6 +71,10 @@ class Puff:
     """Opacity at the centre, 0 to 1."""
     is_bright: bool = False
     """True if it emits light, as fire does."""
+
+    def placed(self, at: Point, heading: Heading) -> Self:
+        """Return the puff of a mesh that stands at a point and faces along a heading."""
+        return replace(self, position=placed(self.position, at, heading))
 
 
 class _Rect(NamedTuple):
@@ -98,6 +113,60 @@ class Mesh:
     tags: NDArray[np.uint8] | None = None
     """[m] semantic class of each triangle: `oodscen_pybullet._meshes.tags.Tag`; 0 and `None` leave it
     to the colour."""
+
+    @classmethod
+    def loose(
+        cls, vertices: Array, normals: Array, uvs: Array, tags: NDArray[np.uint8] | None = None
+    ) -> Self:
+        """Return a mesh of triangles that share no vertices: three rows are one triangle."""
+        triangles = np.arange(len(vertices)).reshape(-1, 3)
+        return cls(vertices, normals, uvs, triangles, tags=tags)
+
+    @classmethod
+    def joined(cls, meshes: Sequence["Mesh"]) -> Self:
+        """Merge the surfaces of several meshes, without their lamps and puffs."""
+        corners = [mesh.triangles.reshape(-1) for mesh in meshes]
+        parts = list(zip(meshes, corners, strict=True))
+        return cls.loose(
+            np.concatenate([mesh.vertices[rows] for mesh, rows in parts]),
+            np.concatenate([mesh.normals[rows] for mesh, rows in parts]),
+            np.concatenate([mesh.uvs[rows] for mesh, rows in parts]),
+            np.concatenate([mesh.classes for mesh in meshes]),
+        )
+
+    def moved(
+        self, turn: Array, *, about: Point = ORIGIN, to: Point = ORIGIN, scale: float = 1.0
+    ) -> Self:
+        """Return the mesh scaled and turned about a point that then lies elsewhere.
+
+        Args:
+            turn: [3, 3] rows of the rotation.
+            about: The point.
+            to: Its new place.
+            scale: The factor.
+        """
+
+        def point(one: Point) -> Point:
+            x, y, z = (rotated((np.array([one]) - about) * scale, turn)[0] + to).tolist()
+            return x, y, z
+
+        def direction(way: Point) -> Point:
+            x, y, z = rotated(np.array([way]), turn)[0].tolist()
+            return x, y, z
+
+        return replace(
+            self,
+            vertices=rotated((self.vertices - about) * scale, turn) + to,
+            normals=rotated(self.normals, turn),
+            lamps=tuple(
+                replace(lamp, position=point(lamp.position), facing=direction(lamp.facing))
+                for lamp in self.lamps
+            ),
+            puffs=tuple(
+                replace(puff, position=point(puff.position), radius=puff.radius * scale)
+                for puff in self.puffs
+            ),
+        )
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -424,6 +493,14 @@ class MeshBuilder:
         self._uvs.append(other.uvs[order])
         return self
 
+    def insert(self, other: Mesh) -> Self:
+        """Add a finished mesh with its lamps and puffs."""
+        if len(other.triangles):
+            self.add_surface(other)
+        self._lamps += other.lamps
+        self._puffs += other.puffs
+        return self
+
     def shift(self, offset: Point, *, scale: float = 1.0) -> Self:
         """Scale everything added so far about the origin, then move it."""
         move = np.array(offset)
@@ -465,15 +542,12 @@ class MeshBuilder:
 
     def build(self) -> Mesh:
         """Return the mesh."""
-        vertices = np.concatenate([np.zeros((0, 3)), *self._points])
-        return Mesh(
-            vertices=vertices,
-            normals=np.concatenate([np.zeros((0, 3)), *self._normals]),
-            uvs=np.concatenate([np.zeros((0, 2)), *self._uvs]),
-            triangles=np.arange(len(vertices)).reshape(-1, 3),
-            lamps=tuple(self._lamps),
-            puffs=tuple(self._puffs),
+        surface = Mesh.loose(
+            np.concatenate([np.zeros((0, 3)), *self._points]),
+            np.concatenate([np.zeros((0, 3)), *self._normals]),
+            np.concatenate([np.zeros((0, 2)), *self._uvs]),
         )
+        return replace(surface, lamps=tuple(self._lamps), puffs=tuple(self._puffs))
 
 
 @cache

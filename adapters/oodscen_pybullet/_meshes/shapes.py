@@ -10,6 +10,9 @@ from oodscen.numerics._exact import cos, sin
 
 Point = tuple[float, float, float]
 Array = NDArray[np.float64]
+Heading = tuple[float, float]
+"""Cosine and sine of a direction on the ground."""
+ORIGIN: Point = (0.0, 0.0, 0.0)
 
 
 def rotation(*, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> Array:
@@ -48,6 +51,12 @@ def moved(point: Point, scale: float, offset: Point) -> Point:
         point[1] * scale + offset[1],
         point[2] * scale + offset[2],
     )
+
+
+def placed(point: Point, at: Point, heading: Heading) -> Point:
+    """Return a point of what stands at a place and faces along a heading."""
+    (x, y, z), (c, s) = point, heading
+    return at[0] + c * x - s * y, at[1] + s * x + c * y, at[2] + z
 
 
 def ring(

@@ -10,7 +10,6 @@ from oodscen.data._details import Details
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._sight.lamps import STANDING, has_lamps_on, is_braking, waits_in_traffic
 from oodscen.numerics import _exact as exact
-from oodscen_pybullet._lighting.light import Glow
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
 from oodscen_pybullet._meshes.living.poses import pose_of
 from oodscen_pybullet._meshes.look import BEATS, STEPS, Direction, beating, reacting
@@ -77,10 +76,6 @@ class SceneBodies:
         self._triggers: list[Trigger] = []
         self._given = {actor.id: actor.behaviour.trigger for actor in scene.actors}
 
-    def __len__(self) -> int:
-        """Return the number of bodies."""
-        return len(self._members)
-
     @property
     def assets(self) -> list[Asset]:
         """The assets of all bodies, the ego's first."""
@@ -140,18 +135,6 @@ class SceneBodies:
                 frame = beating(frame, beat_of(details, pose, speed, time))
             looks.append(Look(asset.id, shown, paint, runs, frame, details))
         return looks
-
-    def glows(self, looks: Sequence[Look], poses: Sequence[Pose]) -> list[Glow]:
-        """Return every lit lamp in world coordinates, except the ego's."""
-        glows = []
-        for look, (x, y, z, yaw) in zip(looks[1:], poses[1:], strict=True):
-            s, c = exact.sincos(yaw)
-            for lamp in mesh_of(look).lamps:
-                (px, py, pz), (fx, fy, fz) = lamp.position, lamp.facing
-                place = (x + c * px - s * py, y + s * px + c * py, z + pz)
-                facing = (c * fx - s * fy, s * fx + c * fy, fz)
-                glows.append(Glow(place, lamp.colour, facing, lamp.power, by_day=lamp.by_day))
-        return glows
 
 
 def phase_of(state: str, trigger: Trigger, fired: float, time: float) -> str:

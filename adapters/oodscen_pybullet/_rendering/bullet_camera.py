@@ -183,12 +183,7 @@ class BulletRenderer:
 def _piece(mesh: Mesh, start: int) -> Mesh:
     """Return a part of a mesh's triangles as a mesh."""
     rows = mesh.triangles[start : start + _MOST_TRIANGLES].reshape(-1)
-    return Mesh(
-        vertices=mesh.vertices[rows],
-        normals=mesh.normals[rows],
-        uvs=mesh.uvs[rows],
-        triangles=np.arange(len(rows)).reshape(-1, 3),
-    )
+    return Mesh.loose(mesh.vertices[rows], mesh.normals[rows], mesh.uvs[rows])
 
 
 def _smooth(rgb: NDArray[np.uint8], depth: NDArray[np.float32]) -> NDArray[np.uint8]:

@@ -1,17 +1,19 @@
-"""The interface of the cameras: the bodies that they show and the raw picture that they take."""
+"""The interface of the cameras: the bodies that they show, and the raw pictures that they take."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.data._scene import Weather
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shadows import Shade
-from oodscen_pybullet._lighting.shelter import Shelter
+from oodscen_pybullet._lighting.shelter import Portal, Shelter
 from oodscen_pybullet._meshes import Mesh
 from oodscen_pybullet._meshes.atlas import Snow
+from oodscen_pybullet._meshes.builder import Lamp, Puff
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.view import CameraView
 
@@ -40,6 +42,38 @@ class Shot:
     """[height, width] semantic class of scenery and sky, 0 for actors; `None` if unknown."""
     shade: Shade | None = None
     """The shadow map; `None` if it was not requested, or is part of `rgb` already."""
+
+
+class Ball(NamedTuple):
+    """A puff in world coordinates."""
+
+    puff: Puff
+    row: int
+    """Row of the body it belongs to."""
+
+
+@dataclass(frozen=True, eq=False)
+class RawPicture:
+    """A raw picture and everything that determines its postprocessing."""
+
+    shot: Shot
+    """The raw picture; pixels filled by smoke become those of the body it belongs to."""
+    view: CameraView
+    weather: Weather
+    light: Light
+    lamps: Sequence[Lamp]
+    """All lit lamps in world coordinates, except the ego's."""
+    time: float
+    """Time since the start, s; rain and snow change over time."""
+    seed: int
+    road_height: float
+    """Height of the ground below the camera, m."""
+    portal: Portal | None = None
+    """The end of a tunnel that the camera looks at."""
+    balls: Sequence[Ball] = ()
+    """Smoke, fire and dust."""
+    threads: int = 1
+    """Number of threads that develop it."""
 
 
 class Stage(Protocol):

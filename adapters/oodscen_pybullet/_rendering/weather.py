@@ -17,6 +17,7 @@ from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering.postprocess import beam, fade
+from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import SHELTERED
 from oodscen_pybullet._rendering.view import CameraView
 
@@ -120,35 +121,20 @@ def _stretched(noise: Float, height: int, width: int) -> Float:
     return np.asarray(lines[:, j] + (other - lines[:, j]) * u[None, :], np.float32)
 
 
-def add_rain(
-    image: U8,
-    view: CameraView,
-    weather: Weather,
-    light: Light,
-    depth: Float,
-    kinds: U8,
-    portal: Portal | None,
-    seed: int,
-    time: float,
-) -> None:
+def add_rain(image: U8, picture: RawPicture, kinds: U8) -> None:
     """Add streaks of falling drops, in place, where nothing occludes them.
 
     Args:
         image: [height, width, 3]
-        view: The camera.
-        weather: Gives the rate of rain.
-        light: The light of the scene.
-        depth: [height, width] m
+        picture: The camera, the weather, the light, the seed and the time.
         kinds: [height, width] surface flags: surfaces in a tunnel stay dry.
-        portal: The end of the tunnel that the camera looks into or out of.
-        seed: Seed of the run.
-        time: s
     """
-    rng = stream(seed, "rain", round(time, 3))
+    view, weather = picture.view, picture.weather
+    rng = stream(picture.seed, "rain", round(picture.time, 3))
     area = view.width * view.height / (640 * 480)
     intensity = math.sqrt(weather.precipitation_mm_h / 50.0)
     scale = view.height / 480 * (0.75 + 0.5 * intensity)
-    shine = 0.3 + 0.45 * light.daylight
+    shine = 0.3 + 0.45 * picture.light.daylight
     layers = []
     for share, length, thick, bright, near, far in (
         (1.0, 18.0, 0.7, 76.0, 5.0, 22.0),
@@ -160,25 +146,14 @@ def add_rain(
         size = rng.uniform(0.6, 1.3, count) * length * scale
         y = rng.uniform(-40, view.height, count)
         shade = rng.uniform(0.4, 1.0, count) * bright * shine
-        layers.append(
-            np.stack(
-                [
-                    x,
-                    y,
-                    size,
-                    shade,
-                    np.full(count, max(thick * scale, 0.6)),
-                    rng.uniform(near, far, count),
-                    np.zeros(count),
-                ],
-                axis=1,
-            )
-        )
+        ahead = rng.uniform(near, far, count)
+        width = np.full(count, max(thick * scale, 0.6))
+        layers.append(np.stack([x, y, size, shade, width, ahead, np.zeros(count)], axis=1))
     streaks = np.concatenate(layers).astype(np.float32)
     across = (streaks[:, 0] - np.float32(view.width / 2)) * np.float32(1.0 / view.focal)
     high = (np.float32(view.height / 2) - streaks[:, 1]) * np.float32(1.0 / view.focal)
-    streaks = _outside(streaks, streaks[:, 5], across, high, portal)
-    draw_streaks(image, depth, kinds, streaks)
+    streaks = _outside(streaks, streaks[:, 5], across, high, picture.portal)
+    draw_streaks(image, picture.shot.reach, kinds, streaks)
 
 
 def _outside(
@@ -235,19 +210,10 @@ def draw_streaks(image: U8, depth: Float, kinds: U8, streaks: Float) -> None:
                     image[y, x, e] = np.uint8(min(np.float32(image[y, x, e]) + bright, most))
 
 
-def add_snow(
-    image: U8,
-    view: CameraView,
-    weather: Weather,
-    light: Light,
-    depth: Float,
-    kinds: U8,
-    portal: Portal | None,
-    seed: int,
-    time: float,
-) -> None:
+def add_snow(image: U8, picture: RawPicture, kinds: U8) -> None:
     """Add falling flakes, in place, where nothing occludes them; see `add_rain`."""
-    rng = stream(seed, "snow", round(time, 3))
+    view, weather, light = picture.view, picture.weather, picture.light
+    rng = stream(picture.seed, "snow", round(picture.time, 3))
     intensity = min(1.0, weather.precipitation_mm_h / 12.0)
     count = int(700 + 5200 * intensity)
     share = rng.uniform(0.0, 1.0, count)
@@ -264,12 +230,12 @@ def add_snow(
     strength = np.float32(2.6 * (1.0 - light.daylight) if view.is_lit else 0.0)
     shine = beam(near, height + np.float32(_EYE_M), spread, strength)
     bright = np.minimum(np.float32(0.34 + 0.66 * light.daylight) + shine, np.float32(1.0))
-    flakes = np.stack([column, row, radius, ahead, bright, np.zeros(count)], axis=1).astype(
-        np.float32
-    )
+    columns = [column, row, radius, ahead, bright, np.zeros(count)]
+    flakes = np.stack(columns, axis=1).astype(np.float32)
     slopes = (across / ahead).astype(np.float32), (upwards / ahead).astype(np.float32)
-    flakes = _outside(flakes, flakes[:, 3], *slopes, portal)
-    draw_flakes(image, depth, kinds, flakes, np.array([248.0, 250.0, 254.0], np.float32))
+    flakes = _outside(flakes, flakes[:, 3], *slopes, picture.portal)
+    white = np.array([248.0, 250.0, 254.0], np.float32)
+    draw_flakes(image, picture.shot.reach, kinds, flakes, white)
 
 
 @Kernel

@@ -9,11 +9,7 @@ from numpy.typing import NDArray
 from oodscen.data._map_state import MapState
 from oodscen_pybullet._land.ground import Ground, Way
 from oodscen_pybullet._land.terrain import Terrain
-from oodscen_pybullet._meshes.builder import Mesh, Point
-
-Array = NDArray[np.float64]
-Heading = tuple[float, float]
-"""Cosine and sine of a direction."""
+from oodscen_pybullet._meshes.builder import Array, Heading, Mesh, Point
 
 Rectangle = tuple[float, float, Heading, float, float]
 """Centre, direction of the first side, and half the lengths of both sides, m."""
@@ -205,20 +201,11 @@ class Site:
 
     def mesh(self) -> Mesh:
         """Return the mesh of everything added."""
-        vertices = np.concatenate(self._vertices)
-        return Mesh(
-            vertices=vertices,
-            normals=np.concatenate(self._normals),
-            uvs=np.concatenate(self._uvs),
-            triangles=np.arange(len(vertices)).reshape(-1, 3),
-            tags=np.concatenate(self._tags),
-        )
+        vertices, normals, uvs = map(np.concatenate, (self._vertices, self._normals, self._uvs))
+        return Mesh.loose(vertices, normals, uvs, np.concatenate(self._tags))
 
 
-def _overlap(
-    one: Rectangle,
-    two: Rectangle,
-) -> bool:
+def _overlap(one: Rectangle, two: Rectangle) -> bool:
     """Return whether two rectangles overlap: no side's direction separates them."""
     x0, y0, h0, a0, b0 = one
     x1, y1, h1, a1, b1 = two

@@ -22,10 +22,8 @@ class Scenery:
 
     meshes: tuple[Mesh, ...]
     """The roads, the land, the roadside objects, and tunnels and bridges."""
-    lamps: tuple[Point, ...]
-    """Positions of the street lamps' heads, m."""
-    signals: tuple[Lamp, ...]
-    """Lit lamps of traffic lights, in world coordinates."""
+    lamps: tuple[Lamp, ...]
+    """The lamps of streets and tunnels, then the lit ones of traffic lights, in world coordinates."""
     terrain: Terrain
     """The shape of the ground, for placing objects on it."""
 
@@ -58,7 +56,7 @@ def build_scenery(
     terrain, road, land = _lay(corridor, theme, seed, name)
     ground = terrain.ground
     site = Site(ground, terrain, stream(seed, "scenery", name, "roadside"), state)
-    lights = stand_signals(site, without, is_between=is_between)
+    signals = stand_signals(site, without, is_between=is_between)
     furnish(site, theme, is_night=is_night)
     spans, tunnel_lamps = build_structures(ground)
     return Scenery(
@@ -68,10 +66,13 @@ def build_scenery(
             site.mesh(),
             *spans,
         ),
-        lamps=(*site.lamps, *tunnel_lamps),
-        signals=tuple(lights),
+        lamps=(*map(_street_lamp, [*site.lamps, *tunnel_lamps]), *signals),
         terrain=terrain,
     )
+
+
+def _street_lamp(head: Point) -> Lamp:
+    return Lamp(head, (1.0, 0.82, 0.55), facing=(0.0, 0.0, 0.0), power=2.0, is_street=True)
 
 
 @lru_cache(maxsize=12)

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from oodscen.driving._roads.corridor import Structure
 from oodscen_pybullet._land.ground import Ground, RoadCourse
-from oodscen_pybullet._land.surfaces import Ribbons, joined
+from oodscen_pybullet._land.surfaces import Ribbons
 from oodscen_pybullet._land.terrain import BANK_M, KERB, PORTAL_M, VALLEY_M, WATER_M, WIDE_M
 from oodscen_pybullet._meshes.atlas import swatch_uv
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
@@ -72,7 +72,7 @@ def _tunnel(
             lamps.append((x, y, z + top - 0.1))
     for s, forward in ((one.start, True), (one.end, False)):
         _portal(mesh, ground, s, forward=forward)
-    return tagged(joined([ribbons.mesh(), mesh.build()]), Tag.WALLS)
+    return tagged(Mesh.joined([ribbons.mesh(), mesh.build()]), Tag.WALLS)
 
 
 def _portal(mesh: MeshBuilder, ground: Ground, s: float, *, forward: bool) -> None:
@@ -207,5 +207,5 @@ def _bridge(ground: Ground, line: RoadCourse, right: Array, left: Array) -> list
             quads = np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1)
             surface = "water" if a < 100 else "water_light"
             water.quads(quads, np.broadcast_to(swatch_uv(surface), (len(quads), 4, 2)))
-    span = tagged(joined([ribbons.mesh(), mesh.build()]), Tag.BRIDGE)
-    return [joined([span, tagged(water.mesh(), Tag.WATER)])]
+    span = tagged(Mesh.joined([ribbons.mesh(), mesh.build()]), Tag.BRIDGE)
+    return [Mesh.joined([span, tagged(water.mesh(), Tag.WATER)])]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from oodscen.numerics._exact import PI
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 from oodscen_pybullet._meshes.living import body
 from oodscen_pybullet._meshes.living.body import HIP_M, SHOULDER_M, Clothes
 from oodscen_pybullet._meshes.living.limbs import limb
@@ -21,7 +21,7 @@ from oodscen_pybullet._meshes.living.poses import (
     trunk,
 )
 from oodscen_pybullet._meshes.look import Appearance
-from oodscen_pybullet._meshes.shapes import Array, rotated, rotation
+from oodscen_pybullet._meshes.shapes import rotated, rotation
 
 _ROPE = "#c8a86a"
 _GLOW = (0.75, 0.85, 1.0)
@@ -86,22 +86,13 @@ def _add_person(
         on_head(face, (0.0, 0.0, 0.0))
     nod, turn = frame.head
     look = rotation(pitch=PI * nod / 180.0, yaw=PI * turn / 180.0)
-    whole.add_surface(turned(face.build(), look, head, shift=0.0))
+    whole.add_surface(face.build().moved(look, to=head))
     if worn is not None:
         worn(whole, head)
-    mesh.add_surface(turned(whole.build(), trunk(frame), (0.0, 0.0, hip)))
+    middle = (0.0, 0.0, hip)
+    mesh.add_surface(whole.build().moved(trunk(frame), about=middle, to=middle))
     if not bends_legs:
         body.add_skirt(mesh, clothes, hip)
-
-
-def turned(mesh: Mesh, rows: Array, about: Point, shift: float = 1.0) -> Mesh:
-    """Return a mesh turned about a point; with no shift, the mesh's origin is moved to that point."""
-    at = np.array(about)
-    return replace(
-        mesh,
-        vertices=rotated(mesh.vertices - shift * at, rows) + at,
-        normals=rotated(mesh.normals, rows),
-    )
 
 
 def _leg(mesh: MeshBuilder, clothes: Clothes, joints: Chain) -> None:

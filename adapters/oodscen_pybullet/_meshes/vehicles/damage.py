@@ -40,10 +40,7 @@ def altered(mesh: MeshBuilder, shown: Appearance) -> MeshBuilder:
     whole = mesh.build()
     for change in changes:
         whole = change(whole)
-    built = MeshBuilder().add_surface(whole)
-    for lamp in whole.lamps:
-        built.lamp(lamp.position, lamp.colour, lamp.facing, lamp.power, by_day=lamp.by_day)
-    return built
+    return MeshBuilder().insert(whole)
 
 
 def _split(mesh: Mesh) -> Mesh:
@@ -75,19 +72,10 @@ def _split(mesh: Mesh) -> Mesh:
             np.concatenate([table[~is_long], half])
             for table, half in zip((points, normals, uvs), halves, strict=True)
         )
-    return _of(mesh, points, normals, uvs)
-
-
-def _of(mesh: Mesh, points: Array, normals: Array, uvs: Array) -> Mesh:
     flat = normals.reshape(-1, 3)
-    length = np.sqrt((flat**2).sum(axis=1, keepdims=True))
-    return replace(
-        mesh,
-        vertices=points.reshape(-1, 3),
-        normals=flat / np.maximum(length, 1e-9),
-        uvs=uvs.reshape(-1, 2),
-        triangles=np.arange(points.shape[0] * 3).reshape(-1, 3),
-    )
+    flat /= np.maximum(np.sqrt((flat**2).sum(axis=1, keepdims=True)), 1e-9)
+    surface = Mesh.loose(points.reshape(-1, 3), flat, uvs.reshape(-1, 2))
+    return replace(surface, lamps=mesh.lamps, puffs=mesh.puffs)
 
 
 def _noise(points: Array, key: int) -> Array:
