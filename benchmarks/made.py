@@ -30,9 +30,9 @@ from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.made import insert_turned
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
-from oodscen_pybullet._rendering.stage import Pose
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import build_scenery
+from oodscen_pybullet._types import Pose
 
 from oodscen.data import _shapes as shapes
 from oodscen.data._prop import Prop, check_prop

@@ -24,10 +24,11 @@ from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.bullet_camera import BulletRenderer
 from oodscen_pybullet._rendering.picture import postprocessed
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
-from oodscen_pybullet._rendering.stage import Pose, RawPicture, Shot, Stage
+from oodscen_pybullet._rendering.stage import RawPicture, Shot, Stage
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._simulator import DARK
+from oodscen_pybullet._types import Pose
 
 from oodscen.data._scene import Weather
 from oodscen.driving import load_corridor

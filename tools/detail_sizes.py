@@ -17,7 +17,7 @@ from oodscen_pybullet._meshes.living.people import WARDROBE, figure
 from oodscen_pybullet._meshes.living.poses import load_poses
 from oodscen_pybullet._meshes.living.posing import hands
 from oodscen_pybullet._meshes.look import BEATS, Appearance, beating
-from oodscen_pybullet._meshes.shapes import Array
+from oodscen_pybullet._types import Array
 
 from oodscen.data._details import Details
 

@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene
@@ -19,7 +18,7 @@ from oodscen.errors import SpawnError
 from oodscen.numerics import _exact as exact
 from oodscen.protocols import Camera, Frame
 from oodscen_pybullet._catalogue import load_catalogue
-from oodscen_pybullet._contacts import Bodies, Pose
+from oodscen_pybullet._contacts import Bodies
 from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Shelter
@@ -36,6 +35,7 @@ from oodscen_pybullet._rendering.stage import Ball, RawPicture, Stage
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._scenery.signals import replaced
+from oodscen_pybullet._types import I32, Array, Pose
 
 REACH = 20.0
 """Upper limit of measured gaps, m."""
@@ -115,7 +115,7 @@ class PyBulletSimulator(MirrorSimulator):
             raise SpawnError(actor_id, asset.id, pose, "PyBullet refused the collision shape")
         self._cast.add(actor_id, asset, state, self._made)
 
-    def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
+    def place(self, poses: Array, speeds: Array) -> None:
         """Store the poses and speeds; bodies move when a gap or a picture needs them."""
         self._poses = [(x, y, z, yaw) for x, y, z, yaw in poses.tolist()]
         self._speeds = speeds.tolist()
@@ -292,7 +292,7 @@ def _lamps_and_balls(looks: Sequence[Look], poses: Sequence[Pose]) -> tuple[list
     return lamps, balls
 
 
-def _unhidden(stage: Stage, view: CameraView, balls: Sequence[Ball]) -> NDArray[np.int32] | None:
+def _unhidden(stage: Stage, view: CameraView, balls: Sequence[Ball]) -> I32 | None:
     """Return the number of pixels that each body would fill without occlusion."""
     pixels = stage.unhidden(view)
     if pixels is not None:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.driving._roads.corridor import Corridor, Structure
 from oodscen_pybullet._land.adaptive_grid import Squares, crossing
@@ -17,9 +16,7 @@ from oodscen_pybullet._land.islands import Islands
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet._meshes.builder import Mesh
 from oodscen_pybullet._rendering.clipping import cut
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from oodscen_pybullet._types import Array, Mask
 
 Theme = Literal["residential", "urban", "highway", "rural"]
 
@@ -207,7 +204,7 @@ class Terrain:
     def _bridges(self) -> list[Structure]:
         return [one for one in self.ground.corridor.structures if one.kind == "bridge"]
 
-    def _heights(self, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    def _heights(self, x: Array, y: Array) -> tuple[Array, Array, Mask]:
         """Return the ground's height in the open and above tunnels, and a mask of where the latter applies."""
         near = self.ground.near(x, y)
         away = np.maximum(near.asphalt, 0.0)
@@ -269,7 +266,7 @@ class Terrain:
         corners[:, :, _U : _V + 1] = net.local(points[order], held)
         return corners
 
-    def _is_corner(self, points: Array) -> NDArray[np.bool_]:
+    def _is_corner(self, points: Array) -> Mask:
         """Return which points are close enough to a junction to be paved all over."""
         square = (points[:, :1] - self._meeting[None, :, 0]) ** 2
         square += (points[:, 1:] - self._meeting[None, :, 1]) ** 2

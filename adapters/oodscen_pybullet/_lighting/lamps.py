@@ -11,17 +11,15 @@ from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.builder import Lamp
 from oodscen_pybullet._rendering.postprocess import GRID_AHEAD, GRID_ASIDE, GRID_CELL
-from oodscen_pybullet._rendering.view import CameraView, Point
-
-Float = NDArray[np.float32]
-U8 = NDArray[np.uint8]
+from oodscen_pybullet._rendering.view import CameraView
+from oodscen_pybullet._types import F32, U8, Point
 
 HEADLAMP = 3.5
 """Least power with which a directional lamp casts a cone of light."""
 _FAR = GRID_AHEAD * GRID_CELL
 
 
-def ground_light(view: CameraView, lamps: Sequence[Lamp], light: Light) -> Float | None:
+def ground_light(view: CameraView, lamps: Sequence[Lamp], light: Light) -> F32 | None:
     """Return the lamps' light on surfaces in front of the camera.
 
     Args:
@@ -91,7 +89,7 @@ def _cells(low: float, high: float, zero: float, count: int) -> tuple[int, int]:
 def add_glows(
     image: U8,
     view: CameraView,
-    depth: Float,
+    depth: F32,
     lamps: Sequence[Lamp],
     light: Light,
     extinction: float,
@@ -130,7 +128,7 @@ def add_glows(
         _add(image, column, row, min(wide, view.width * 0.16), 95.0 * strength, lamp.colour)
 
 
-def add_glare(image: U8, view: CameraView, light: Light, depth: Float) -> None:
+def add_glare(image: U8, view: CameraView, light: Light, depth: F32) -> None:
     """Add the glare of a low sun ahead, in place."""
     far = tuple(view.eye[i] + 1000.0 * light.sun[i] for i in range(3))
     spot = view.pixel((far[0], far[1], far[2]))
@@ -154,7 +152,7 @@ def _facing(view: CameraView, lamp: Lamp) -> float:
     return max(0.0, min(1.0, 1.4 * (fx * dx + fy * dy + fz * dz) / length))
 
 
-def _visible(depth: Float, column: float, row: float, ahead: float) -> float:
+def _visible(depth: F32, column: float, row: float, ahead: float) -> float:
     """Return the fraction of a few pixels around a point that nothing in front occludes."""
     height, width = depth.shape
     c, r = round(column - 0.5), round(row - 0.5)
@@ -182,9 +180,7 @@ def _add(
 
 
 @Kernel
-def splash(
-    image: U8, column: np.float32, row: np.float32, radius: np.float32, light: Float
-) -> None:
+def splash(image: U8, column: np.float32, row: np.float32, radius: np.float32, light: F32) -> None:
     """Add a round spot of light that fades to zero at twice its radius.
 
     Args:

@@ -5,11 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._scene import Weather
 from oodscen.numerics import _exact as exact
-from oodscen_pybullet._rendering.view import Point
+from oodscen_pybullet._types import F32, Point
 
 _DEGREE = 0.017453292519943295
 
@@ -84,7 +83,7 @@ class Light:
             shades=sun if clear > 0.25 else (0.12, 0.16, 0.98),
         )
 
-    def darkness(self) -> NDArray[np.float32]:
+    def darkness(self) -> F32:
         """Return the darkening of a shadow relative to the sunlit surface, 0 to 1, [256].
 
         The index is the sun's incidence on the surface, 0 (grazing) to 255 (perpendicular). The darkening

@@ -8,16 +8,12 @@ from functools import cache
 from typing import Literal, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._shapes import Caps
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet._meshes.shapes import (
     ORIGIN,
-    Array,
-    Heading,
-    Point,
     facet_rows,
     flat_normal,
     moved,
@@ -27,8 +23,7 @@ from oodscen_pybullet._meshes.shapes import (
     sphere_grid,
     unit_rows,
 )
-
-__all__ = ["Array", "Heading", "Lamp", "Mesh", "MeshBuilder", "Point", "Puff"]
+from oodscen_pybullet._types import U8, Array, Heading, Ints, Point
 
 _BY_DAY = 0.22
 """Share of a lamp's glow that is visible by day; light-emitting diodes have more."""
@@ -102,7 +97,7 @@ class Mesh:
     """[n, 3], unit length."""
     uvs: Array
     """[n, 2] atlas coordinates."""
-    triangles: NDArray[np.int64]
+    triangles: Ints
     """[m, 3] rows of `vertices`, counter-clockwise seen from outside."""
     lamps: tuple[Lamp, ...] = ()
     """The mesh's lamps."""
@@ -110,14 +105,12 @@ class Mesh:
     """Smoke, fire and dust, which the bounds ignore."""
     is_ground: bool = False
     """True for road and land: upward faces get wet and receive the full light of the beams."""
-    tags: NDArray[np.uint8] | None = None
+    tags: U8 | None = None
     """[m] semantic class of each triangle: `oodscen_pybullet._meshes.tags.Tag`; 0 and `None` leave it
     to the colour."""
 
     @classmethod
-    def loose(
-        cls, vertices: Array, normals: Array, uvs: Array, tags: NDArray[np.uint8] | None = None
-    ) -> Self:
+    def loose(cls, vertices: Array, normals: Array, uvs: Array, tags: U8 | None = None) -> Self:
         """Return a mesh of triangles that share no vertices: three rows are one triangle."""
         triangles = np.arange(len(vertices)).reshape(-1, 3)
         return cls(vertices, normals, uvs, triangles, tags=tags)
@@ -181,7 +174,7 @@ class Mesh:
         return length, width, height
 
     @property
-    def classes(self) -> NDArray[np.uint8]:
+    def classes(self) -> U8:
         """Semantic class of each triangle, [m]; 0 leaves it to the colour."""
         return np.zeros(len(self.triangles), np.uint8) if self.tags is None else self.tags
 
@@ -523,6 +516,11 @@ class MeshBuilder:
             rows[:, 2] = np.maximum(rows[:, 2], ground)
         return self
 
+    def grounded(self) -> Self:
+        """Move everything up or down so that the lowest z is 0."""
+        low, _ = self.bounds
+        return self.shift((0.0, 0.0, -float(low[2])))
+
     def centred(self) -> Self:
         """Move everything so that the footprint's centre is the origin and the lowest z is 0."""
         low, high = self.bounds
@@ -551,6 +549,6 @@ class MeshBuilder:
 
 
 @cache
-def _fan(corners: int) -> NDArray[np.int64]:
+def _fan(corners: int) -> Ints:
     """Return the corners of the triangles that fill a convex polygon."""
     return np.array([i for k in range(1, corners - 1) for i in (0, k, k + 1)])

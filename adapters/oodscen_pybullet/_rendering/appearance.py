@@ -14,8 +14,7 @@ from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh,
 from oodscen_pybullet._meshes.living.poses import pose_of
 from oodscen_pybullet._meshes.look import BEATS, STEPS, Direction, beating, reacting
 from oodscen_pybullet._meshes.tilting import UPRIGHT, Tilt, tilted
-
-Pose = tuple[float, float, float, float]
+from oodscen_pybullet._types import Pose
 
 RUNNING = 2.4
 """Speed above which legs run, in walking strides per second."""

@@ -10,15 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.numerics._kernels import Kernel, inlined, part
 from oodscen_pybullet._rendering.triangles import SHELTERED, Triangles
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
-I32 = NDArray[np.int32]
-U8 = NDArray[np.uint8]
+from oodscen_pybullet._types import F32, I32, Array
 
 RECORD = 19
 """Numbers stored per drawn triangle: a point on the grid of samples; 1/w, u/w, v/w and light/w there
@@ -71,20 +66,20 @@ class Screen(NamedTuple):
 class Outline(NamedTuple):
     """Work space for one triangle."""
 
-    points: F64
+    points: Array
     """[3, 3] corners to the right, upwards and ahead of the camera, m."""
-    x: F64
+    x: Array
     """[5] columns of the corners that the near plane leaves."""
-    y: F64
+    y: Array
     """[5] their rows."""
-    steps: F64
+    steps: Array
     """[5] columns per row along each edge."""
 
 
 class Plane(NamedTuple):
     """The linear functions of the screen that a triangle's corners define."""
 
-    inverse: F64
+    inverse: Array
     """[3, 3] the inverse of the matrix of corners, times its determinant."""
     turn: float
     """1 / determinant."""
@@ -101,8 +96,8 @@ class Plane(NamedTuple):
 @Kernel
 def scatter(
     some: Triangles,
-    camera: F64,
-    sun: F64,
+    camera: Array,
+    sun: Array,
     detail: int,
     width: int,
     height: int,
@@ -174,7 +169,7 @@ def scatter(
 
 
 @part
-def _turn(some: Triangles, index: int, camera: F64, sun: F64, turned: F64) -> None:
+def _turn(some: Triangles, index: int, camera: Array, sun: Array, turned: Array) -> None:
     """Write eye, right, up, forward and sun in an object's frame into the rows of `turned`."""
     places = some.places
     c, s = places[index, 3], places[index, 4]
@@ -191,7 +186,7 @@ def _turn(some: Triangles, index: int, camera: F64, sun: F64, turned: F64) -> No
 
 @part
 def _is_in_view(
-    some: Triangles, index: int, turned: F64, near: float, far: float, slopes: tuple[float, float]
+    some: Triangles, index: int, turned: Array, near: float, far: float, slopes: tuple[float, float]
 ) -> bool:
     """Return whether an object's sphere may be in the picture, whose edges have these slopes."""
     spheres = some.spheres
@@ -210,7 +205,7 @@ def _is_in_view(
 
 
 @inlined
-def _project(some: Triangles, k: int, turned: F64, screen: Screen, outline: Outline) -> int:
+def _project(some: Triangles, k: int, turned: Array, screen: Screen, outline: Outline) -> int:
     """Project a triangle, clipped at the near plane; return the number of corners left."""
     planes, corners = some.planes, some.corners
     points, px, py = outline.points, outline.x, outline.y
@@ -267,7 +262,7 @@ def _extent(outline: Outline, corners: int) -> tuple[float, float, float, float]
 
 
 @inlined
-def _invert(outline: Outline, inverse: F64) -> float:
+def _invert(outline: Outline, inverse: Array) -> float:
     """Write the inverse of the matrix of corners, times its determinant, which is returned."""
     points = outline.points
     ax, ay, aw = points[0, 0], points[0, 1], points[0, 2]
@@ -402,8 +397,8 @@ def _note(
     some: Triangles,
     index: int,
     k: int,
-    turned: F64,
-    sun: F64,
+    turned: Array,
+    sun: Array,
     plane: Plane,
     depth: tuple[float, float, float],
     drawn: DrawnTriangles,

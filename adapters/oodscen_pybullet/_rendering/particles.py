@@ -4,15 +4,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._rendering.stage import Ball, RawPicture
-from oodscen_pybullet._rendering.view import NEAR, CameraView, Point
-
-F32 = NDArray[np.float32]
-U8 = NDArray[np.uint8]
+from oodscen_pybullet._rendering.view import NEAR, CameraView
+from oodscen_pybullet._types import F32, U8, Mask, Point
 
 
 def add_puffs(image: U8, picture: RawPicture, rate: float, air: Sequence[float]) -> None:
@@ -46,7 +43,7 @@ def add_puffs(image: U8, picture: RawPicture, rate: float, air: Sequence[float])
         shot.depth[is_filled] = np.minimum(shot.depth[is_filled], middle)
 
 
-def filled(view: CameraView, balls: Sequence[Ball]) -> NDArray[np.bool_]:
+def filled(view: CameraView, balls: Sequence[Ball]) -> Mask:
     """Return the pixels that balls would fill without occlusion."""
     shape = (view.height, view.width)
     image, cover = np.zeros((*shape, 3), np.uint8), np.zeros(shape, np.float32)

@@ -5,7 +5,6 @@ from itertools import pairwise
 from threading import Thread
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen._seeding import stream
 from oodscen.driving._sight.visibility import extinction
@@ -28,8 +27,7 @@ from oodscen_pybullet._rendering.weather import (
     cloud_sheet,
     heaven,
 )
-
-F32 = NDArray[np.float32]
+from oodscen_pybullet._types import F32, U8
 
 _WET = 0.62
 """Brightness of wet asphalt relative to dry."""
@@ -42,7 +40,7 @@ _TUNNEL = (1.03, 1.0, 0.93)
 _ADD_DROPS = {"rain": add_rain, "snow": add_snow}
 
 
-def postprocessed(picture: RawPicture) -> NDArray[np.uint8]:
+def postprocessed(picture: RawPicture) -> U8:
     """Apply light and weather: [height, width, 3] uint8; depends only on the argument."""
     view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     rate, air = extinction(weather), air_colour(weather, light)
@@ -71,7 +69,7 @@ def postprocessed(picture: RawPicture) -> NDArray[np.uint8]:
     return image
 
 
-def _in_bands(plate: d.Plate, image: NDArray[np.uint8], threads: int) -> None:
+def _in_bands(plate: d.Plate, image: U8, threads: int) -> None:
     """Let each of some threads develop a band of the picture."""
     edges = [len(image) * band // threads for band in range(threads + 1)]
     bands = [(plate, image, first, end) for first, end in pairwise(edges)]
@@ -114,7 +112,7 @@ def _plate(picture: RawPicture, rate: float, air: Sequence[float]) -> d.Plate:
     )
 
 
-def _kinds(picture: RawPicture) -> NDArray[np.uint8]:
+def _kinds(picture: RawPicture) -> U8:
     """Return the surface flags; where unknown, low surfaces count as ground."""
     shot, view = picture.shot, picture.view
     if shot.kinds is not None:

@@ -5,7 +5,6 @@ from collections import OrderedDict
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._lighting.light import Light
@@ -16,9 +15,10 @@ from oodscen_pybullet._meshes.atlas import Snow, draw_atlas
 from oodscen_pybullet._rendering import depth_kernel as raster
 from oodscen_pybullet._rendering import shading
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
-from oodscen_pybullet._rendering.stage import Pose, Shot
+from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import Triangles, textures
 from oodscen_pybullet._rendering.view import FAR, NEAR, CameraView
+from oodscen_pybullet._types import F32, I32, Array, Pose
 
 _LAMPS = (0.06, 0.08, 0.995)
 """Direction towards the light that casts shadows in tunnels."""
@@ -137,7 +137,7 @@ class Rasteriser:
         fields = planes._asdict() | {"rgb": np.moveaxis(planes.rgb, 0, 2)}
         return Shot(**fields, shade=shade)
 
-    def unhidden(self, view: CameraView) -> NDArray[np.int32] | None:
+    def unhidden(self, view: CameraView) -> I32 | None:
         """Return the number of pixels that each actor would fill without occlusion, [actors]."""
         actors = self._actors
         assert actors is not None
@@ -192,7 +192,7 @@ def _scatter(
     some: Triangles,
     view: CameraView,
     window: tuple[int, int, int, int],
-    sun: NDArray[np.float64],
+    sun: Array,
     detail: int,
     samples: raster.Samples,
     drawn: raster.DrawnTriangles,
@@ -207,9 +207,7 @@ def _scatter(
     return raster.scatter(some, camera, sun, detail, width, height, samples, drawn, count)
 
 
-def _window(
-    view: CameraView, place: NDArray[np.float64], sphere: NDArray[np.float32]
-) -> tuple[int, int, int, int]:
+def _window(view: CameraView, place: Array, sphere: F32) -> tuple[int, int, int, int]:
     """Return the left column, top row, width and height of the pixels that a sphere may fill."""
     x, y, z, c, s = place.tolist()
     a, b, d, radius = sphere.astype(np.float64).tolist()

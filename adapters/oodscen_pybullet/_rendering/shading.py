@@ -11,15 +11,13 @@ import numpy as np
 from oodscen.numerics._kernels import Kernel, inlined, part
 from oodscen_pybullet._meshes.tags import Tag
 from oodscen_pybullet._rendering.depth_kernel import (
-    F32,
-    I32,
     TUNNEL_AMBIENT,
     TUNNEL_DIFFUSE,
-    U8,
     DrawnTriangles,
     Samples,
 )
 from oodscen_pybullet._rendering.triangles import Textures
+from oodscen_pybullet._types import F32, I32, U8
 
 _SKY = int(Tag.SKY)
 _RUN = 32

@@ -20,10 +20,7 @@ from oodscen_pybullet._meshes.atlas import (
 )
 from oodscen_pybullet._meshes.builder import Mesh
 from oodscen_pybullet._meshes.tags import SURFACES
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
-I32 = NDArray[np.int32]
+from oodscen_pybullet._types import F32, I32, U8, Array, Ints, Mask
 
 LEVELS = 9
 """Number of levels of a texture, each half the size of the one before."""
@@ -67,19 +64,19 @@ class Triangles(NamedTuple):
     """[n, 3] colours of triangles without texture."""
     regions: I32
     """[n] textures, -1 for none."""
-    kinds: NDArray[np.uint8]
+    kinds: U8
     """[n] sums of surface flags, SHINING and so on; `shelter` changes them."""
-    tags: NDArray[np.uint8]
+    tags: U8
     """[n] semantic classes: `oodscen_pybullet._meshes.tags.Tag`; 0 for actors and the unknown."""
     spans: I32
     """[m, 3] first triangle, end (exclusive), and label of each chunk."""
-    places: F64
+    places: Array
     """[m, 5] origin of each chunk, and the cosine and sine of its yaw."""
     spheres: F32
     """[m, 4] bounding sphere of each chunk: centre relative to the origin, and radius, m."""
 
     @classmethod
-    def of(cls, mesh: Mesh, atlas: NDArray[np.uint8], *, is_chunked: bool) -> "Triangles":
+    def of(cls, mesh: Mesh, atlas: U8, *, is_chunked: bool) -> "Triangles":
         """Convert a mesh.
 
         Args:
@@ -140,13 +137,13 @@ class Triangles(NamedTuple):
             spheres=spheres.astype(np.float32),
         )
 
-    def shelter(self, is_sheltered: NDArray[np.bool_]) -> None:
+    def shelter(self, is_sheltered: Mask) -> None:
         """Mark the triangles, [n], that are in a tunnel."""
         self.kinds[:] = np.where(
             is_sheltered, self.kinds | np.uint8(SHELTERED), self.kinds & np.uint8(255 - SHELTERED)
         )
 
-    def middles(self) -> F64:
+    def middles(self) -> Array:
         """Return the centre of each triangle in the world, [n, 3] m."""
         lengths = self.spans[:, 1] - self.spans[:, 0]
         place = np.repeat(self.places, lengths, axis=0)
@@ -182,7 +179,7 @@ class Triangles(NamedTuple):
         )
 
 
-def _chunks(points: F64) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _chunks(points: Array) -> tuple[Ints, Ints]:
     """Return an order of triangles that groups neighbours, and the starts of the chunks."""
     cells = np.floor(points.mean(axis=1)[:, :2] / CELL).astype(np.int64)
     rank = np.lexsort((cells[:, 1], cells[:, 0]))
@@ -194,7 +191,7 @@ def _chunks(points: F64) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return rank, np.flatnonzero(within % CHUNK == 0)
 
 
-def _regions(uvs: F64) -> tuple[I32, F64]:
+def _regions(uvs: Array) -> tuple[I32, Array]:
     """Return each triangle's region, and its corners' texel columns and rows there."""
     place = np.stack([uvs[..., 0] * SIZE, (1.0 - uvs[..., 1]) * SIZE], axis=2)
     middle = place.mean(axis=1)
@@ -213,7 +210,7 @@ def _regions(uvs: F64) -> tuple[I32, F64]:
     return regions, place
 
 
-def _kinds(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.uint8]:
+def _kinds(regions: I32, column: Ints, row: Ints) -> U8:
     """Return each triangle's surface flags, from its texture or its colour in the atlas."""
     swatches, prints = (
         np.zeros(SIZE * SIZE // SWATCH**2, np.uint8),
@@ -227,7 +224,7 @@ def _kinds(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> N
     return _looked_up(swatches, prints, regions, column, row)
 
 
-def _tags(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.uint8]:
+def _tags(regions: I32, column: Ints, row: Ints) -> U8:
     """Return each triangle's semantic class, from its texture or its colour in the atlas."""
     swatches = np.zeros(SIZE * SIZE // SWATCH**2, np.uint8)
     swatches[: len(COLOURS)] = [SURFACES.get(name, 0) for name in COLOURS]
@@ -236,12 +233,12 @@ def _tags(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> ND
 
 
 def _looked_up(
-    swatches: NDArray[np.uint8],
-    prints: NDArray[np.uint8],
+    swatches: U8,
+    prints: U8,
     regions: I32,
-    column: NDArray[np.int64],
-    row: NDArray[np.int64],
-) -> NDArray[np.uint8]:
+    column: Ints,
+    row: Ints,
+) -> U8:
     """Return each triangle's entry: that of its texture, or that of its colour in the atlas."""
     plain = swatches[(row // SWATCH) * (SIZE // SWATCH) + column // SWATCH]
     return np.where(regions >= 0, prints[np.maximum(regions, 0)], plain)
@@ -266,7 +263,7 @@ def textures(snow: Snow = Snow.NONE) -> Textures:
     return Textures(np.concatenate(texels), np.array(sizes, np.int32).reshape(-1, LEVELS, 3))
 
 
-def _halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def _halved(image: U8) -> U8:
     """Return an image of half the width and height, rounded up; integer arithmetic only."""
     height, width = image.shape[:2]
     padded = np.pad(image, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge").astype(np.int32)

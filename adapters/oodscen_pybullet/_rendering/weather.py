@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen._seeding import stream
 from oodscen.data._scene import Precipitation, Weather
@@ -20,9 +19,8 @@ from oodscen_pybullet._rendering.postprocess import beam, fade
 from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import SHELTERED
 from oodscen_pybullet._rendering.view import CameraView
+from oodscen_pybullet._types import F32, U8
 
-Float = NDArray[np.float32]
-U8 = NDArray[np.uint8]
 Colour = tuple[float, float, float]
 
 SKY_M = 6_000.0
@@ -51,7 +49,7 @@ def air_colour(weather: Weather, light: Light) -> Colour:
     )
 
 
-def heaven(view: CameraView, weather: Weather, light: Light) -> Float:
+def heaven(view: CameraView, weather: Weather, light: Light) -> F32:
     """Return the sky by rows of pixels: [height, 5] float32.
 
     The columns are red, green and blue of the clear sky, 0 to 255; row of the cloud sheet; weight of the
@@ -78,7 +76,7 @@ def heaven(view: CameraView, weather: Weather, light: Light) -> Float:
     return rows
 
 
-def cloud_columns(view: CameraView) -> Float:
+def cloud_columns(view: CameraView) -> F32:
     """Return the column of the cloud sheet for each column of pixels: [width] float32."""
     across, _ = view.slopes()
     turn = exact.atan2(view.forward[1], view.forward[0]) / _TAU
@@ -93,7 +91,7 @@ def cloud_cover(weather: Weather) -> float:
 
 
 @lru_cache(maxsize=8)
-def cloud_sheet(seed: int) -> Float:
+def cloud_sheet(seed: int) -> F32:
     """Return the density of clouds by height and heading, one column more than a full turn."""
     rng = stream(seed, "clouds")
     height, width = SHEET
@@ -108,7 +106,7 @@ def cloud_sheet(seed: int) -> Float:
     return sheet
 
 
-def _stretched(noise: Float, height: int, width: int) -> Float:
+def _stretched(noise: F32, height: int, width: int) -> F32:
     """Return noise resampled smoothly to another size; the last column meets the first."""
     rows, columns = noise.shape
     y = np.arange(height, dtype=np.float32) * np.float32((rows - 1) / height)
@@ -156,9 +154,7 @@ def add_rain(image: U8, picture: RawPicture, kinds: U8) -> None:
     draw_streaks(image, picture.shot.reach, kinds, streaks)
 
 
-def _outside(
-    drops: Float, ahead: Float, across: Float, upwards: Float, portal: Portal | None
-) -> Float:
+def _outside(drops: F32, ahead: F32, across: F32, upwards: F32, portal: Portal | None) -> F32:
     """Return the drops or flakes that are not certainly in a tunnel.
 
     The last number of each becomes 1 if it may be in one: behind the portal ahead.
@@ -173,7 +169,7 @@ def _outside(
 
 
 @Kernel
-def draw_streaks(image: U8, depth: Float, kinds: U8, streaks: Float) -> None:
+def draw_streaks(image: U8, depth: F32, kinds: U8, streaks: F32) -> None:
     """Draw slightly slanted lines of light.
 
     Args:
@@ -239,7 +235,7 @@ def add_snow(image: U8, picture: RawPicture, kinds: U8) -> None:
 
 
 @Kernel
-def draw_flakes(image: U8, depth: Float, kinds: U8, flakes: Float, colour: Float) -> None:
+def draw_flakes(image: U8, depth: F32, kinds: U8, flakes: F32, colour: F32) -> None:
     """Draw soft round flakes where nothing occludes them; they never darken a pixel.
 
     Args:

@@ -6,8 +6,9 @@ from functools import lru_cache
 import numpy as np
 
 from oodscen_pybullet._meshes.atlas import swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
 from oodscen_pybullet._meshes.tags import Tag, tagged
+from oodscen_pybullet._types import Point
 
 _GOLD = (1.0 + math.sqrt(5.0)) / 2.0
 _TWELVE = np.array(

@@ -144,8 +144,7 @@ class Design(BaseModel):
         mesh = MeshBuilder()
         _add(self.parts, mesh, shown, Placing())
         if self.grounded:
-            low, _ = mesh.bounds
-            mesh.shift((0.0, 0.0, -float(low[2])))
+            mesh.grounded()
         if self.centred:
             mesh.centred()
         return mesh.flatten(0.0) if self.flattened else mesh

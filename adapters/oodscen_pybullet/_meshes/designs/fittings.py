@@ -10,6 +10,7 @@ from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import DrawnPart, Picture, Placing, Region
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
 from oodscen_pybullet._meshes.look import AMBER, BLUE, RED, WHITE, Appearance
+from oodscen_pybullet._meshes.shapes import upright
 
 _AMBER_LAMP = ("amber", "amber_lit", "amber_core")
 _WALK = {(-1.0, 0): 0.0, (-1.0, 1): 0.25, (1.0, 0): 0.5, (1.0, 1): 0.75}
@@ -312,10 +313,7 @@ class SidePrint(Fitting):
         """Add the prints."""
         (back, fore), y, (low, high) = self.x, self.y, self.z
         for one, two, side in ((back, fore, -y), (fore, back, y)):
-            mesh.textured_quad(
-                [(one, side, low), (two, side, low), (two, side, high), (one, side, high)],
-                self.side_print,
-            )
+            mesh.textured_quad(upright((one, side), (two, side), low, high), self.side_print)
 
 
 class Legs(Fitting):

@@ -4,12 +4,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen_pybullet._meshes.atlas import COLOURS, EMISSIVE, free_colours, swatch_uv
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance
-from oodscen_pybullet._meshes.shapes import Array
+from oodscen_pybullet._types import Array
 
 _EDGE_M, _EDGE = 0.3, 0.06
 """Longest edge of the triangles of what is dirty or crushed: m, or as a share of a long vehicle's length."""
@@ -122,7 +121,7 @@ def _crushed(mesh: Mesh, end: float) -> Mesh:
     mesh = _split(mesh)
     half, side = float(np.abs(mesh.vertices[:, 0]).max()), float(np.abs(mesh.vertices[:, 1]).max())
 
-    def moved(points: Array) -> NDArray[np.float64]:
+    def moved(points: Array) -> Array:
         ahead = np.maximum(end * points[:, 0] / half - 0.35, 0.0) / 0.65
         askew = 0.7 + 0.3 * points[:, 1] / side
         folds = [_noise(points, key) - 0.5 for key in (2, 3, 4)]
