@@ -254,7 +254,7 @@ def frames(seed: int) -> list[Row]:
     props = [prop for _, (_, prop) in zip(range(CROWD), sound(rng), strict=False)]
     shipped = [asset for asset in asset_ids() if asset != "ego_car"]
     corridor = load_corridor(SHIPPED_MAPS[0])
-    scenery = build_scenery(corridor, frozenset(), seed, SHIPPED_MAPS[0].id)
+    scenery = build_scenery(corridor, SHIPPED_MAPS[0], seed)
     poses: list[Pose] = [corridor.point(corridor.start, 0.0)]
     for k in range(CROWD):
         x, y, z, heading = corridor.point(corridor.start + 6.0 + 0.4 * k, rng.uniform(-12, 12))

@@ -53,7 +53,7 @@ class Set:
     def __init__(self, index: int, seed: int) -> None:
         road = SHIPPED_MAPS[index % len(SHIPPED_MAPS)]
         self.corridor: Corridor = load_corridor(road)
-        self.scenery: Scenery = build_scenery(self.corridor, frozenset(road.traits), seed, road.id)
+        self.scenery: Scenery = build_scenery(self.corridor, road, seed)
         self.rng = np.random.Generator(np.random.PCG64([seed, index]))
         self.looks: list[Look] = []
         self.poses: list[Pose] = []

@@ -80,9 +80,9 @@ def main() -> None:
         entry = json.loads(bare)
         if "grip" in entry:
             entry["grip"]["at"] = grip_of(entry["id"])
-        told = json.dumps(measured(entry) if "category" in entry else entry)
+        text = json.dumps(measured(entry) if "category" in entry else entry)
         indent = line[: len(line) - len(line.lstrip())]
-        lines[number] = indent + told + ("," if line.rstrip().endswith(",") else "")
+        lines[number] = indent + text + ("," if line.rstrip().endswith(",") else "")
     CATALOGUE.write_text("\n".join(lines), encoding="utf-8")
 
 

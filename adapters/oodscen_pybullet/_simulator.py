@@ -21,7 +21,7 @@ from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._contacts import Bodies
 from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._lighting.light import Light
-from oodscen_pybullet._lighting.shelter import Shelter
+from oodscen_pybullet._lighting.shelter import Portal, Shelter
 from oodscen_pybullet._meshes import Mesh, asset_ids, learned
 from oodscen_pybullet._meshes.atlas import Snow
 from oodscen_pybullet._meshes.builder import Lamp
@@ -31,7 +31,7 @@ from oodscen_pybullet._rendering.appearance import Look, SceneBodies, is_lit, me
 from oodscen_pybullet._rendering.cameras import choose_camera
 from oodscen_pybullet._rendering.particles import filled
 from oodscen_pybullet._rendering.picture import postprocessed
-from oodscen_pybullet._rendering.stage import Ball, RawPicture, Stage
+from oodscen_pybullet._rendering.stage import Ball, RawPicture, Shot, Stage
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._scenery.signals import replaced
@@ -102,7 +102,7 @@ class PyBulletSimulator(MirrorSimulator):
         """Add one body.
 
         Raises:
-            SpawnError: If there is no such mesh, the pose is invalid, or the engine refuses the body.
+            SpawnError: If the asset has no mesh, the pose is not finite, or the engine refuses the body.
         """
         assert self._bodies is not None
         if not all(map(math.isfinite, pose)):
@@ -110,7 +110,7 @@ class PyBulletSimulator(MirrorSimulator):
         if asset.id in self._made:
             asset = asset.model_copy(update={"id": self._made[asset.id]})
         elif asset.id not in asset_ids():
-            raise SpawnError(actor_id, asset.id, pose, "there is no mesh for this asset")
+            raise SpawnError(actor_id, asset.id, pose, "the asset has no mesh")
         if not self._bodies.add(asset.length, asset.width, asset.height):
             raise SpawnError(actor_id, asset.id, pose, "PyBullet refused the collision shape")
         self._cast.add(actor_id, asset, state, self._made)
@@ -171,7 +171,7 @@ class PyBulletSimulator(MirrorSimulator):
             threads: Number of threads that work at the picture, which is the same with any.
         """
         assert self._loaded is not None
-        corridor, scene, seed = self._loaded
+        _, scene, seed = self._loaded
         stage, scenery = self._staged(time)
         view = CameraView.of(camera, mount, roll_deg)
         fired = fired or [-1.0] * len(self._poses)
@@ -181,17 +181,7 @@ class PyBulletSimulator(MirrorSimulator):
         self._show(stage, looks, is_inside=_is_inside(view, self._poses[0]))
         poses = self._stand(scenery)
         stage.pose_actors(poses)
-        light = Light.of(
-            scene.weather, corridor.heading(corridor.start), reflects_snow=_snow(scene) > Snow.NONE
-        )
-        ground = poses[0][2]
-        portal = Shelter(corridor).portal(view)
-        shot = stage.render(
-            view,
-            light,
-            ground=ground if light.daylight > DARK else None,
-            is_inside=portal is not None and portal.is_inside,
-        )
+        shot, light, portal = self._shoot(stage, view, poses[0][2])
         lamps, balls = _lamps_and_balls(looks, poses)
         picture = RawPicture(
             shot=shot,
@@ -201,7 +191,7 @@ class PyBulletSimulator(MirrorSimulator):
             lamps=[*lamps, *scenery.lamps],
             time=time,
             seed=seed,
-            road_height=ground,
+            road_height=poses[0][2],
             portal=portal,
             balls=balls,
             threads=threads,
@@ -248,9 +238,8 @@ class PyBulletSimulator(MirrorSimulator):
             oldest.close()
         scenery = build_scenery(
             corridor,
-            frozenset(road.traits),
+            road,
             seed,
-            road.id,
             is_night=is_night,
             without=without,
             state=state,
@@ -268,6 +257,23 @@ class PyBulletSimulator(MirrorSimulator):
             ego: Look | Mesh = bonnet("silver").build() if is_inside else looks[0]
             stage.show_actors([ego, *looks[1:]])
             self._shown = shown
+
+    def _shoot(
+        self, stage: Stage, view: CameraView, ground: float
+    ) -> tuple[Shot, Light, Portal | None]:
+        """Return the raw picture, the light, and the end of a tunnel that the camera looks at."""
+        assert self._loaded is not None
+        corridor, scene, _ = self._loaded
+        heading = corridor.heading(corridor.start)
+        light = Light.of(scene.weather, heading, reflects_snow=_snow(scene) > Snow.NONE)
+        portal = Shelter(corridor).portal(view)
+        shot = stage.render(
+            view,
+            light,
+            ground=ground if light.daylight > DARK else None,
+            is_inside=portal is not None and portal.is_inside,
+        )
+        return shot, light, portal
 
     def _stand(self, scenery: Scenery) -> list[Pose]:
         """Return the poses, with everything beside the asphalt lifted onto the ground."""

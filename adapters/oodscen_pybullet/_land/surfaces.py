@@ -86,8 +86,11 @@ class Ribbons:
 
     def mesh(self) -> Mesh:
         """Return the mesh of everything added."""
-        vertices, normals, uvs = map(np.concatenate, (self._vertices, self._normals, self._uvs))
-        return Mesh.loose(vertices, normals, uvs)
+        return Mesh.loose(
+            np.concatenate([np.zeros((0, 3)), *self._vertices]),
+            np.concatenate([np.zeros((0, 3)), *self._normals]),
+            np.concatenate([np.zeros((0, 2)), *self._uvs]),
+        )
 
 
 def strip_edges(corridor: Corridor, course: RoadCourse, strip: LaneStrip) -> tuple[Array, Array]:
@@ -121,7 +124,7 @@ def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
     paint = Ribbons(ground.ego.course)
     _lay_floors(ground, paint)
     _paint_crossings(ground, paint)
-    return Mesh.joined([part.mesh() for part in [*parts, paint] if part._vertices])
+    return Mesh.joined([part.mesh() for part in [*parts, paint]])
 
 
 def _lay(way: Way, ribbons: Ribbons, theme: Theme, layer: float, rng: np.random.Generator) -> None:

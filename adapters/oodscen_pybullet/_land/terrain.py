@@ -5,10 +5,11 @@ equal distance from the asphalt, so any road network gets kerbs that follow its 
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, cast, get_args
 
 import numpy as np
 
+from oodscen.data._catalogue import RoadMap
 from oodscen.driving._roads.corridor import Corridor, Structure
 from oodscen_pybullet._land.adaptive_grid import Squares, crossing
 from oodscen_pybullet._land.ground import TIGHT, Ground
@@ -88,13 +89,9 @@ class Terrain:
         self._waves = rng.uniform(-1.0, 1.0, (64, 64))
         self._crops = rng.integers(0, len(_CROPS), (64, 64))
         self._meeting = _meeting_points(ground)
-        self._islands = Islands.of(ground, self._meeting)
-        self._known: dict[tuple[float, float], float] = {}
-
-    @property
-    def islands(self) -> "Islands":
+        self.islands = Islands.of(ground, self._meeting)
         """The land enclosed by roads."""
-        return self._islands
+        self._known: dict[tuple[float, float], float] = {}
 
     @property
     def lift(self) -> float:
@@ -142,7 +139,7 @@ class Terrain:
             pieces.append(_walls(border))
             kerb, land, _ = cut(land, _ASPHALT, 0.18)
             pieces.append(self._surface(kerb, "kerb", False))
-            is_island = self._islands.covers(land[:, :, : _Y + 1].mean(axis=1))
+            is_island = self.islands.covers(land[:, :, : _Y + 1].mean(axis=1))
             island, land = land[is_island], land[~is_island]
             rim, lawn, _ = cut(island, _ASPHALT, ISLAND_RIM)
             pieces.append(self._surface(rim, "paving", True))
@@ -198,11 +195,8 @@ class Terrain:
 
     # ------------------------------------------------------------------ shape
 
-    def _tunnels(self) -> list[Structure]:
-        return [one for one in self.ground.corridor.structures if one.kind == "tunnel"]
-
-    def _bridges(self) -> list[Structure]:
-        return [one for one in self.ground.corridor.structures if one.kind == "bridge"]
+    def _structures(self, kind: str) -> list[Structure]:
+        return [one for one in self.ground.corridor.structures if one.kind == kind]
 
     def _heights(self, x: Array, y: Array) -> tuple[Array, Array, Mask]:
         """Return the ground's height in the open and above tunnels, and a mask of where the latter applies."""
@@ -217,7 +211,7 @@ class Terrain:
             low = np.zeros(len(x))
         outside = near.z + relief + low
         inside, within = outside, np.zeros(len(x), bool)
-        for tunnel in self._tunnels():
+        for tunnel in self._structures("tunnel"):
             gap = np.maximum(tunnel.start - near.s, near.s - tunnel.end)
             deep = np.maximum(-gap, 0.0)
             side = _rise(away, 3.0, BANK_M)
@@ -225,7 +219,7 @@ class Terrain:
             outside = outside + bank
             inside = inside + PORTAL_M + np.minimum(0.45 * deep, 18.0)
             within |= gap <= 0.0
-        for bridge in self._bridges():
+        for bridge in self._structures("bridge"):
             deep = np.minimum(near.s - bridge.start, bridge.end - near.s)
             share = _rise(deep, 0.0, 24.0)
             dry = 1.0 - share * (1.0 - _rise(away, 120.0, 190.0))
@@ -343,10 +337,9 @@ def _mesh(vertices: Array, uvs: Array) -> Mesh:
     )
 
 
-def theme_of(traits: frozenset[str], corridor: Corridor) -> Theme:
+def theme_of(road: RoadMap, corridor: Corridor) -> Theme:
     """Return the kind of land that a map's traits ask for."""
-    themes: tuple[Theme, ...] = ("residential", "urban", "highway", "rural")
-    for theme in themes:
-        if theme in traits:
-            return theme
+    for theme in get_args(Theme):
+        if theme in road.traits:
+            return cast("Theme", theme)
     return "urban" if any(strip.kind == "sidewalk" for strip in corridor.strips) else "rural"

@@ -103,14 +103,8 @@ def cast(
 def _is_near(some: Triangles, index: int, frame: Array, most: float) -> bool:
     """Return whether an object's sphere may cast a shadow on the map."""
     places, spheres = some.places, some.spheres
-    x0, y0, level, lean_x, lean_y, scale = (
-        frame[0],
-        frame[1],
-        frame[2],
-        frame[3],
-        frame[4],
-        frame[5],
-    )
+    x0, y0, level = frame[0], frame[1], frame[2]
+    lean_x, lean_y, scale = frame[3], frame[4], frame[5]
     stretch = 1.0 + math.sqrt(lean_x * lean_x + lean_y * lean_y)
     c, s = places[index, 3], places[index, 4]
     bx = places[index, 0] + c * spheres[index, 0] - s * spheres[index, 1]
@@ -125,14 +119,8 @@ def _is_near(some: Triangles, index: int, frame: Array, most: float) -> bool:
 def _drop(some: Triangles, index: int, k: int, frame: Array, corners: Array) -> None:
     """Write a triangle's shadow into `corners`: column, row and height of each."""
     places, points = some.places, some.corners
-    x0, y0, level, lean_x, lean_y, scale = (
-        frame[0],
-        frame[1],
-        frame[2],
-        frame[3],
-        frame[4],
-        frame[5],
-    )
+    x0, y0, level = frame[0], frame[1], frame[2]
+    lean_x, lean_y, scale = frame[3], frame[4], frame[5]
     c, s = places[index, 3], places[index, 4]
     for j in range(3):
         a, b = np.float64(points[k, j, 0]), np.float64(points[k, j, 1])

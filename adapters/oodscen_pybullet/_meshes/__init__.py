@@ -88,7 +88,7 @@ def asset_mesh(
         details: Pose, open parts ...; what is held or loaded may be a learned design.
 
     Raises:
-        UnknownComponent: If there is no such asset.
+        UnknownComponent: If no asset has this id.
     """
     if is_made(asset):
         return made_mesh(asset, state, asset_mesh)

@@ -507,7 +507,7 @@ class MeshBuilder:
 
     @property
     def is_empty(self) -> bool:
-        """True if there is nothing with a surface; lamps and puffs have none."""
+        """True if nothing has a surface; lamps and puffs have none."""
         return not self._points
 
     def flatten(self, ground: float) -> Self:

@@ -176,7 +176,7 @@ def seen_coming(pose: Pose, ego: Pose, speed: float) -> Direction | None:
     before, left = -c * dx - s * dy, s * dx - c * dy
     if before > 2.0 * abs(left):
         return "ahead"
-    # Nobody sees what comes from behind.
+    # People do not see what comes from behind.
     if before < -0.5 * abs(left):
         return None
     return "left" if left > 0.0 else "right"

@@ -268,21 +268,15 @@ def _invert(outline: Outline, inverse: Array) -> float:
     ax, ay, aw = points[0, 0], points[0, 1], points[0, 2]
     b0, b1, b2 = points[1, 0], points[1, 1], points[1, 2]
     c0, c1, c2 = points[2, 0], points[2, 1], points[2, 2]
-    inverse[0, 0], inverse[0, 1], inverse[0, 2] = (
-        b1 * c2 - b2 * c1,
-        b2 * c0 - b0 * c2,
-        b0 * c1 - b1 * c0,
-    )
-    inverse[1, 0], inverse[1, 1], inverse[1, 2] = (
-        c1 * aw - c2 * ay,
-        c2 * ax - c0 * aw,
-        c0 * ay - c1 * ax,
-    )
-    inverse[2, 0], inverse[2, 1], inverse[2, 2] = (
-        ay * b2 - aw * b1,
-        aw * b0 - ax * b2,
-        ax * b1 - ay * b0,
-    )
+    inverse[0, 0] = b1 * c2 - b2 * c1
+    inverse[0, 1] = b2 * c0 - b0 * c2
+    inverse[0, 2] = b0 * c1 - b1 * c0
+    inverse[1, 0] = c1 * aw - c2 * ay
+    inverse[1, 1] = c2 * ax - c0 * aw
+    inverse[1, 2] = c0 * ay - c1 * ax
+    inverse[2, 0] = ay * b2 - aw * b1
+    inverse[2, 1] = aw * b0 - ax * b2
+    inverse[2, 2] = ax * b1 - ay * b0
     return float(ax * inverse[0, 0] + ay * inverse[0, 1] + aw * inverse[0, 2])
 
 
@@ -295,6 +289,20 @@ def _linear(plane: Plane, a: float, b: float, c: float) -> tuple[float, float, f
     p2 = a * inverse[0, 2] + b * inverse[1, 2] + c * inverse[2, 2]
     value = (p0 * plane.view_x + p1 * plane.view_y + p2) * plane.turn
     return value, p0 * plane.grow_x, -p1 * plane.grow_y
+
+
+@inlined
+def _find_steps(outline: Outline, corners: int) -> None:
+    """Write the columns per row along each edge, from its upper corner down."""
+    px, py, step = outline.x, outline.y, outline.steps
+    for j in range(corners):
+        i = j + 1 if j + 1 < corners else 0
+        if py[j] < py[i]:
+            step[j] = (px[i] - px[j]) / (py[i] - py[j])
+        elif py[i] < py[j]:
+            step[j] = (px[j] - px[i]) / (py[j] - py[i])
+        else:
+            step[j] = 0.0
 
 
 @part
@@ -323,15 +331,7 @@ def _fill(
     px, py, step = outline.x, outline.y, outline.steps
     nearness, shown = samples.nearness, samples.shown
     iw, iwx, iwy = depth
-    # Edge by edge from the upper corner down.
-    for j in range(corners):
-        i = j + 1 if j + 1 < corners else 0
-        if py[j] < py[i]:
-            step[j] = (px[i] - px[j]) / (py[i] - py[j])
-        elif py[i] < py[j]:
-            step[j] = (px[j] - px[i]) / (py[j] - py[i])
-        else:
-            step[j] = 0.0
+    _find_steps(outline, corners)
     is_drawn = False
     slope = np.float32(iwx)
     mark = np.int32(count)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from oodscen._seeding import stream
+from oodscen.data._catalogue import RoadMap
 from oodscen.data._map_state import MapState
 from oodscen.driving._roads.corridor import Corridor
 from oodscen_pybullet._land.ground import Ground
@@ -31,9 +32,8 @@ class Scenery:
 
 def build_scenery(
     corridor: Corridor,
-    traits: frozenset[str],
+    road: RoadMap,
     seed: int,
-    name: str,
     *,
     is_night: bool = False,
     without: frozenset[str] = frozenset(),
@@ -44,25 +44,24 @@ def build_scenery(
 
     Args:
         corridor: The ego's road, with the others of the map.
-        traits: Traits of the map; they select city, suburb, highway or country.
+        road: The map, whose traits select city, suburb, highway or country.
         seed: Seed of the run.
-        name: Name of the map.
         is_night: Whether windows and lamps are lit.
         without: Ids of map signals to omit, for instance because the scene has its own signals
             there: `oodscen_pybullet._scenery.signals.replaced`.
         state: Faults of the map's lamps, lights and signs.
         is_between: Whether flashing lights are between two flashes.
     """
-    theme = theme_of(traits, corridor)
-    terrain, road, land = _lay(corridor, theme, seed, name)
+    theme = theme_of(road, corridor)
+    terrain, roads, land = _lay(corridor, theme, seed, road.id)
     ground = terrain.ground
-    site = Site(ground, terrain, stream(seed, "scenery", name, "roadside"), state)
+    site = Site(ground, terrain, stream(seed, "scenery", road.id, "roadside"), state)
     signals = stand_signals(site, without, is_between=is_between)
     furnish(site, theme, is_night=is_night)
     spans, tunnel_lamps = build_structures(ground)
     return Scenery(
         meshes=(
-            replace(road, is_ground=True),
+            replace(roads, is_ground=True),
             replace(land, is_ground=True),
             site.mesh(),
             *spans,

@@ -1,7 +1,7 @@
 """Draws the shapes of which designs are made (`oodscen.data._shapes`)."""
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Annotated
@@ -18,7 +18,7 @@ from oodscen_pybullet._meshes.look import Appearance
 
 def _known_region(name: str) -> str:
     if name not in REGIONS:
-        raise ValueError(f"there is no printed region {name!r}")
+        raise ValueError(f"unknown printed region {name!r}")
     return name
 
 
@@ -80,11 +80,16 @@ class Picture(DrawnPart):
     """Bottom left, bottom right, top right and top left, as a viewer sees them."""
 
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the quad; a mirrored one stays readable."""
-        one, two, three, four = (place.point(point) for point in self.on)
-        mesh.textured_quad(
-            [one, two, three, four] if place.side > 0 else [two, one, four, three], self.picture
-        )
+        """Add the quad."""
+        add_picture(mesh, self.on, self.picture, place)
+
+
+def add_picture(mesh: MeshBuilder, on: Sequence[Point], region: str, place: Placing) -> None:
+    """Add a quad that shows a printed region; a mirrored one stays readable."""
+    one, two, three, four = (place.point(point) for point in on)
+    mesh.textured_quad(
+        [one, two, three, four] if place.side > 0 else [two, one, four, three], region
+    )
 
 
 Holder = shapes.BothSidesOf | shapes.RowOf | shapes.CopiesOf | shapes.ConditionOf

@@ -45,7 +45,7 @@ def posed_figure(
         shown: The step and the beat of the pose's cycle.
         pose: The pose.
         half_step: Distance ahead of the hip at which a walking foot lands, m.
-        extras: What adds to the trunk, and to the head.
+        extras: Functions that add to the trunk, and to the head.
     """
     person = MeshBuilder()
     _add_person(person, clothes, shown, pose, half_step, extras)

@@ -14,12 +14,12 @@ from oodscen_pybullet._meshes.living.poses import (
     THIGH,
     UPPER_ARM,
     KeyFrame,
+    Pose,
     arm,
     leg,
     load_poses,
 )
 from oodscen_pybullet._meshes.look import BEATS, beating
-from oodscen_pybullet._types import Pose
 from pydantic import ValidationError
 
 from oodscen.data._details import Details
