@@ -532,12 +532,6 @@ class MeshBuilder:
         rows = np.concatenate(self._points)
         return rows.min(axis=0), rows.max(axis=0)
 
-    def build_or_none(self) -> Mesh | None:
-        """Return the mesh, `None` if nothing was added; lamps and puffs alone make a mesh without triangles."""
-        if self.is_empty and not (self._lamps or self._puffs):
-            return None
-        return self.build()
-
     def build(self) -> Mesh:
         """Return the mesh."""
         surface = Mesh.loose(

@@ -72,8 +72,7 @@ def _add_all(
         elif isinstance(part, shapes.TurnedOf):
             whole = MeshBuilder()
             _add_all(part.turned, whole, shown, Placing(), shipped)
-            if (inner := whole.build_or_none()) is not None:
-                insert_turned(mesh, inner, part, place)
+            insert_turned(mesh, whole.build(), part, place)
         elif isinstance(part, shapes.AssetPart):
             insert_turned(mesh, shipped(part.asset, part.state), part, place)
         else:

@@ -7,7 +7,7 @@ import numpy as np
 
 from oodscen.driving._roads.corridor import Corridor, RoadSignal
 from oodscen.numerics._exact import cos, sin
-from oodscen_pybullet._meshes import asset_ids, asset_mesh
+from oodscen_pybullet._meshes import asset_mesh
 from oodscen_pybullet._meshes.builder import Lamp, Mesh
 from oodscen_pybullet._meshes.tags import Tag, on_posts
 from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
@@ -78,22 +78,18 @@ def _leaning(mesh: Mesh) -> Mesh:
 
 
 def _mesh_of(site: Site, signal: RoadSignal, *, is_between: bool) -> Mesh | None:
-    asset = asset_of(signal)
-    if asset is None or asset not in asset_ids():
-        return None
+    """Return what shows a signal, `None` if no asset does."""
+    if signal.kind == "traffic_light":
+        fault = _fault_of(site, signal)
+        is_faulty = fault in ("off", "flashing", "all_on")
+        state = fault if fault and is_faulty else _state_of(site, signal)
+        light = asset_mesh("traffic_light", state, frame=int(is_faulty and is_between))
+        return on_posts(light, Tag.TRAFFIC_LIGHT)
+    asset = _SIGNS.get(signal.type)
     if asset == "speed_limit_sign":
         limit = limit_of(signal)
-        if limit is None:
-            return None
-        return limit_sign(limit)
-    if signal.kind != "traffic_light":
-        return on_posts(asset_mesh(asset), Tag.TRAFFIC_SIGNS)
-    fault = _fault_of(site, signal)
-    if fault in ("off", "flashing", "all_on"):
-        light = asset_mesh(asset, fault, frame=int(is_between))
-    else:
-        light = asset_mesh(asset, state_of(site, signal))
-    return on_posts(light, Tag.TRAFFIC_LIGHT)
+        return None if limit is None else limit_sign(limit)
+    return None if asset is None else on_posts(asset_mesh(asset), Tag.TRAFFIC_SIGNS)
 
 
 def limit_sign(limit: int) -> Mesh:
@@ -127,14 +123,7 @@ def replaced(corridor: Corridor, places: Sequence[tuple[float, float]]) -> froze
     )
 
 
-def asset_of(signal: RoadSignal) -> str | None:
-    """Return the asset that shows a signal, or `None` if there is none."""
-    if signal.kind == "traffic_light":
-        return "traffic_light"
-    return _SIGNS.get(signal.type)
-
-
-def state_of(site: Site, signal: RoadSignal) -> str:
+def _state_of(site: Site, signal: RoadSignal) -> str:
     """Return "green" for lights on the ego's road, otherwise "red"."""
     road = site.ground.corridor
     place = min(max(signal.s, 0.0), road.length)

@@ -250,22 +250,7 @@ def level_crossing_gate(mesh: MeshBuilder, shown: Appearance) -> None:
         lens(mesh, (-0.13, right + side * 0.21, 2.0), 0.13, "red", is_lit=is_lit)
 
 
-def bus_stop(mesh: MeshBuilder) -> None:
-    """A bus shelter with a bench and a sign, open towards -y."""
-    mesh.box((0, 0.75, 1.2), (4.0, 0.05, 2.0), "glass_light", caps="")
-    mesh.box((-2.0, 0.15, 1.2), (0.05, 1.2, 2.0), "wall_blue")
-    for x in (-2.0, 2.0):
-        for y in (-0.5, 0.75):
-            mesh.box((x, y, 1.15), (0.08, 0.08, 2.3), "dark_grey", caps="")
-    mesh.box((0, 0.1, 2.35), (4.4, 1.7, 0.12), "dark_grey")
-    mesh.box((0.4, 0.5, 0.45), (2.4, 0.36, 0.06), "wood")
-    mesh.beam((3.0, -0.6, 0), (3.0, -0.6, 2.7), 0.07, "post")
-    mesh.box((3.0, -0.6, 2.55), (0.08, 0.55, 0.55), "awning_green")
-    mesh.box((3.0, -0.6, 2.55), (0.09, 0.3, 0.3), "yellow")
-
-
 STILL = (
-    bus_stop,
     stop_sign,
     yield_sign,
     speed_limit_sign,
