@@ -93,29 +93,32 @@ class Plane(NamedTuple):
     view_y: float
 
 
+class Shutter(NamedTuple):
+    """The camera, the light and the samples of a picture."""
+
+    camera: Array
+    """[17] eye, right, up, forward, focal length in pixels, near and far plane, m; column and row of the
+    optical axis, pixels."""
+    sun: Array
+    """[5] direction towards the sun, ambient and diffuse fraction."""
+    detail: int
+    """1 samples each pixel at its centre. 2 adds a row of samples between each two rows of pixels, shifted right
+    by half a pixel: the pixels' corners."""
+    width: int
+    """Pixels and samples per row."""
+    height: int
+    """Rows of pixels."""
+
+
 @Kernel
 def scatter(
-    some: Triangles,
-    camera: Array,
-    sun: Array,
-    detail: int,
-    width: int,
-    height: int,
-    samples: Samples,
-    drawn: DrawnTriangles,
-    count: int,
+    some: Triangles, shutter: Shutter, samples: Samples, drawn: DrawnTriangles, count: int
 ) -> int:
     """Draw objects into the buffer of samples.
 
     Args:
         some: The objects.
-        camera: [17] eye, right, up, forward, focal length in pixels, near and far plane, m; column
-            and row of the optical axis, pixels.
-        sun: [5] direction towards the sun, ambient and diffuse fraction.
-        detail: 1 samples each pixel at its centre. 2 adds a row of samples between each two rows of
-            pixels, shifted right by half a pixel: the pixels' corners.
-        width: Pixels and samples per row.
-        height: Rows of pixels.
+        shutter: The camera and the light.
         samples: The front surfaces, changed in place.
         drawn: Receives the drawn triangles from `count` on.
         count: Number of records so far.
@@ -123,6 +126,8 @@ def scatter(
     Returns:
         The new number of records.
     """
+    camera, sun, detail = shutter.camera, shutter.sun, shutter.detail
+    width, height = shutter.width, shutter.height
     focal, far = camera[12], camera[14]
     axis_x, axis_y = camera[15], camera[16]
     screen = Screen(

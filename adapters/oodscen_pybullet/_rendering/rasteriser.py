@@ -115,9 +115,9 @@ class Rasteriser:
         samples = self._clean(count + raster.BLOCK)
         sun = np.array([*light.sun, light.ambient, light.diffuse], np.float64)
         drawn = self._reserve(len(self._scenery.corners) + len(self._actors.corners))
-        window = (0, 0, view.width, view.height)
-        number = _scatter(self._actors, view, window, sun, self._detail, samples, drawn, 0)
-        _scatter(self._scenery, view, window, sun, self._detail, samples, drawn, number)
+        shutter = _shutter(view, (0, 0, view.width, view.height), sun, self._detail)
+        number = raster.scatter(self._actors, shutter, samples, drawn, 0)
+        raster.scatter(self._scenery, shutter, samples, drawn, number)
         planes = shading.Planes(
             rgb=np.empty((3, *shape), np.uint8),
             depth=np.empty(shape, np.float32),
@@ -156,7 +156,7 @@ class Rasteriser:
             alone = actors._replace(
                 spans=actors.spans[one], places=actors.places[one], spheres=actors.spheres[one]
             )
-            _scatter(alone, view, window, sun, 1, samples, drawn, 0)
+            raster.scatter(alone, _shutter(view, window, sun, 1), samples, drawn, 0)
             pixels[row] = np.count_nonzero(samples.shown >= 0)
         return pixels
 
@@ -188,23 +188,16 @@ class Rasteriser:
         return self._drawn
 
 
-def _scatter(
-    some: Triangles,
-    view: CameraView,
-    window: tuple[int, int, int, int],
-    sun: Array,
-    detail: int,
-    samples: raster.Samples,
-    drawn: raster.DrawnTriangles,
-    count: int,
-) -> int:
-    """Draw objects into a window of the picture; return the number of records so far."""
+def _shutter(
+    view: CameraView, window: tuple[int, int, int, int], sun: Array, detail: int
+) -> raster.Shutter:
+    """Return the camera, the light and the samples of a window of the picture."""
     left, top, width, height = window
     axis = (view.width / 2 - left, view.height / 2 - top)
     camera = np.array(
         [*view.eye, *view.right, *view.up, *view.forward, view.focal, NEAR, FAR, *axis], np.float64
     )
-    return raster.scatter(some, camera, sun, detail, width, height, samples, drawn, count)
+    return raster.Shutter(camera, sun, detail, width, height)
 
 
 def _window(view: CameraView, place: Array, sphere: F32) -> tuple[int, int, int, int]:

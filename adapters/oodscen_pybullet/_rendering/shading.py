@@ -377,7 +377,7 @@ def gather(
         drawn: As in `scatter`.
         sheet: The textures.
         light: Fractions of ambient light and of light from the sun.
-        detail: As in `scatter`.
+        detail: As in `depth_kernel.Shutter`.
         planes: Filled by the kernel.
     """
     height, width = planes.depth.shape
