@@ -24,10 +24,11 @@ from numpy.typing import NDArray
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes import asset_ids, asset_mesh, learned
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, held
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.made import insert_turned
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.view import CameraView

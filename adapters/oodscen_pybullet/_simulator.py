@@ -24,7 +24,7 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal, Shelter
 from oodscen_pybullet._meshes import Mesh, asset_ids, learned
 from oodscen_pybullet._meshes.atlas import Snow
-from oodscen_pybullet._meshes.builder import Lamp
+from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._meshes.tilting import tilt_of
 from oodscen_pybullet._meshes.vehicles.ego import bonnet
 from oodscen_pybullet._rendering.appearance import Look, SceneBodies, is_lit, mesh_of

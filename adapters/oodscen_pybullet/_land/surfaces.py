@@ -8,7 +8,7 @@ from oodscen.driving._roads.corridor import DRIVABLE, Corridor, LaneStrip, Paint
 from oodscen_pybullet._land.ground import Ground, RoadCourse, Way
 from oodscen_pybullet._land.terrain import KERB, Theme
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import upright
 from oodscen_pybullet._types import Array, Mask
 

@@ -15,7 +15,7 @@ from oodscen_pybullet._land.adaptive_grid import Squares, crossing
 from oodscen_pybullet._land.ground import TIGHT, Ground
 from oodscen_pybullet._land.islands import Islands
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.clipping import cut
 from oodscen_pybullet._types import Array, Mask
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._lighting.light import Light
-from oodscen_pybullet._meshes.builder import Lamp
+from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._rendering.postprocess import GRID_AHEAD, GRID_ASIDE, GRID_CELL
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._types import F32, U8, Point

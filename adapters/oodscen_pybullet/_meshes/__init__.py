@@ -6,12 +6,13 @@ from functools import lru_cache
 from oodscen.data._details import Details
 from oodscen.errors import UnknownComponent
 from oodscen_pybullet._meshes.atlas import LOOKS
-from oodscen_pybullet._meshes.builder import Lamp, Mesh, MeshBuilder, Puff
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import assemble, load_designs
 from oodscen_pybullet._meshes.detailed import build_detailed
 from oodscen_pybullet._meshes.living import people, roles
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.made import is_made, learned, made_mesh
+from oodscen_pybullet._meshes.mesh import Lamp, Mesh, Puff
 from oodscen_pybullet._meshes.objects import cargo, flat, misc, plants, props, signs
 from oodscen_pybullet._meshes.vehicles import ego, riders, wrecks
 from oodscen_pybullet._types import Point

@@ -9,9 +9,10 @@ import numpy as np
 from oodscen.data._details import AssetDetails, Details, held_place, posed
 from oodscen.numerics._exact import PI
 from oodscen_pybullet._catalogue import load_catalogue
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living.poses import pose_of
 from oodscen_pybullet._meshes.look import BEATS, Appearance, beating
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import rotation
 from oodscen_pybullet._meshes.vehicles.damage import altered
 from oodscen_pybullet._types import Point

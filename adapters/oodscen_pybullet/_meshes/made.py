@@ -9,10 +9,11 @@ from oodscen.data import _shapes as shapes
 from oodscen.data._prop import Prop, sizes_of
 from oodscen.data._shapes import Part
 from oodscen_pybullet._catalogue import load_catalogue
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import heaps, surfaces  # noqa: F401  # register their shapes
 from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, held
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import rotation
 from oodscen_pybullet._types import Point
 

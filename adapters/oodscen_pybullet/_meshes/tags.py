@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from oodscen_pybullet._meshes.atlas import swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._types import Mask
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from oodscen.numerics._exact import PI, sincos
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
 
 Tilt = tuple[int, int, float]
 """Pitch and roll, degrees, and the height above the underside about which a body turns, m."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from oodscen_pybullet._meshes.atlas import nearest_swatches
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._types import Array, Ints
 
 

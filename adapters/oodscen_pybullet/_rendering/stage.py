@@ -10,7 +10,7 @@ from oodscen_pybullet._lighting.shadows import Shade
 from oodscen_pybullet._lighting.shelter import Portal, Shelter
 from oodscen_pybullet._meshes import Mesh
 from oodscen_pybullet._meshes.atlas import Snow
-from oodscen_pybullet._meshes.builder import Lamp, Puff
+from oodscen_pybullet._meshes.mesh import Lamp, Puff
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._types import F32, I32, U8, Pose

@@ -18,7 +18,7 @@ from oodscen_pybullet._meshes.atlas import (
     free_colours,
     swatch_uv,
 )
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.tags import SURFACES
 from oodscen_pybullet._types import F32, I32, U8, Array, Ints, Mask
 

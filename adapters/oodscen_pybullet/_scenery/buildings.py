@@ -4,7 +4,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import upright
 from oodscen_pybullet._meshes.tags import Tag, tagged
 

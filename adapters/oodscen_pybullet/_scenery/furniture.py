@@ -2,9 +2,10 @@
 
 from functools import cache, lru_cache
 
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import Design, read_designs
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import CIRCLE
 from oodscen_pybullet._meshes.tags import Tag, on_posts, tagged
 

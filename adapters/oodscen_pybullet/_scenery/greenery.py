@@ -6,7 +6,8 @@ from functools import lru_cache
 import numpy as np
 
 from oodscen_pybullet._meshes.atlas import swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.tags import Tag, tagged
 from oodscen_pybullet._types import Point
 

@@ -8,7 +8,7 @@ import numpy as np
 from oodscen.data._map_state import MapState
 from oodscen_pybullet._land.ground import Ground, Way
 from oodscen_pybullet._land.terrain import Terrain
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._types import U8, Array, Heading, Point
 
 Rectangle = tuple[float, float, Heading, float, float]

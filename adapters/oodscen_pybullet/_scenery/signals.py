@@ -8,7 +8,7 @@ import numpy as np
 from oodscen.driving._roads.corridor import Corridor, RoadSignal
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes import asset_mesh
-from oodscen_pybullet._meshes.builder import Lamp, Mesh
+from oodscen_pybullet._meshes.mesh import Lamp, Mesh
 from oodscen_pybullet._meshes.tags import Tag, on_posts
 from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
 from oodscen_pybullet._scenery.placing import Site

@@ -6,7 +6,8 @@ from oodscen.driving._roads.corridor import Structure
 from oodscen_pybullet._land.ground import Ground, RoadCourse
 from oodscen_pybullet._land.surfaces import Ribbons
 from oodscen_pybullet._land.terrain import BANK_M, KERB, PORTAL_M, VALLEY_M, WATER_M, WIDE_M
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.tags import Tag, tagged
 from oodscen_pybullet._types import Array, Point
 

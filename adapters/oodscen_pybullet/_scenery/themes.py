@@ -5,7 +5,8 @@ import numpy as np
 from oodscen_pybullet._land.ground import Way
 from oodscen_pybullet._land.surfaces import Ribbons, strip_edges
 from oodscen_pybullet._land.terrain import Theme
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import CIRCLE, ORIGIN
 from oodscen_pybullet._meshes.tags import Tag, tagged
 from oodscen_pybullet._scenery import furniture, greenery

@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from oodscen_pybullet._meshes.atlas import COLOURS, EMISSIVE, free_colours, swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._types import Array
 
 _EDGE_M, _EDGE = 0.3, 0.06

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._lighting.lamps import add_glare, add_glows, ground_light
 from oodscen_pybullet._lighting.light import Light
-from oodscen_pybullet._meshes.builder import Lamp
+from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Weather

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from oodscen_pybullet._lighting.light import Light
-from oodscen_pybullet._meshes.builder import Puff
+from oodscen_pybullet._meshes.mesh import Puff
 from oodscen_pybullet._rendering.particles import add_puffs, filled
 from oodscen_pybullet._rendering.stage import Ball, RawPicture
 from oodscen_pybullet._rendering.view import CameraView

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal
-from oodscen_pybullet._meshes.builder import Lamp
+from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._rendering import picture
 from oodscen_pybullet._rendering import postprocess as post
 from oodscen_pybullet._rendering.picture import postprocessed
