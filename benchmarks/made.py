@@ -24,15 +24,16 @@ from numpy.typing import NDArray
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes import asset_ids, asset_mesh, learned
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
-from oodscen_pybullet._meshes.designs.parts import Placing, add
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, held
 from oodscen_pybullet._meshes.look import Appearance
-from oodscen_pybullet._meshes.made import insert
+from oodscen_pybullet._meshes.made import insert_turned
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
-from oodscen_pybullet._rendering.stage import Pose
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import build_scenery
+from oodscen_pybullet._types import Pose
 
 from oodscen.data import _shapes as shapes
 from oodscen.data._prop import Prop, check_prop
@@ -104,35 +105,24 @@ def _leaves(
 ) -> Iterator[tuple[Part, Mesh]]:
     """Yield every single part in its place with its mesh; what floats by itself is left out."""
     for part in parts:
-        match part:
-            case shapes.BothSidesOf():
-                for side in (place.mirrored(), place):
-                    yield from _leaves(part.both_sides, side, shown)
-            case shapes.RowOf():
-                x, y, z = part.step
-                for k in range(part.repeat):
-                    yield from _leaves(part.parts, place.moved((k * x, k * y, k * z)), shown)
-            case shapes.CopiesOf():
-                for offset in part.at:
-                    yield from _leaves(part.parts, place.moved(offset), shown)
-            case shapes.ConditionOf():
-                is_on = set(part.when.split()) <= {shown.state}
-                yield from _leaves(part.parts if is_on else part.otherwise, place, shown)
-            case shapes.TurnedOf():
-                for leaf, mesh in _leaves(part.turned, Placing(), shown):
-                    whole = MeshBuilder()
-                    insert(whole, mesh, part, 1.0, place)
-                    yield leaf, whole.build()
-            case shapes.AssetPart():
-                whole = MeshBuilder()
-                insert(whole, asset_mesh(part.asset, part.state), part, part.scale, place)
-                yield part, _boxed(whole.build())
-            case shapes.Veil() | shapes.Swarm() | shapes.LampPart():
-                pass
-            case _:
-                whole = MeshBuilder()
-                add(part, whole, shown, place)
-                yield part, whole.build()
+        if isinstance(part, Holder):
+            for one, there in held(part, place, lambda word, _: word == shown.state):
+                yield from _leaves((one,), there, shown)
+        elif isinstance(part, shapes.TurnedOf):
+            for leaf, mesh in _leaves(part.turned, Placing(), shown):
+                yield leaf, _turned(mesh, part, place)
+        elif isinstance(part, shapes.AssetPart):
+            yield part, _boxed(_turned(asset_mesh(part.asset, part.state), part, place))
+        elif not isinstance(part, shapes.Veil | shapes.Swarm | shapes.LampPart):
+            whole = MeshBuilder()
+            add(part, whole, shown, place)
+            yield part, whole.build()
+
+
+def _turned(mesh: Mesh, part: shapes.TurnedOf | shapes.AssetPart, place: Placing) -> Mesh:
+    whole = MeshBuilder()
+    insert_turned(whole, mesh, part, place)
+    return whole.build()
 
 
 def _boxed(mesh: Mesh) -> Mesh:
@@ -265,7 +255,7 @@ def frames(seed: int) -> list[Row]:
     props = [prop for _, (_, prop) in zip(range(CROWD), sound(rng), strict=False)]
     shipped = [asset for asset in asset_ids() if asset != "ego_car"]
     corridor = load_corridor(SHIPPED_MAPS[0])
-    scenery = build_scenery(corridor, frozenset(), seed, SHIPPED_MAPS[0].id)
+    scenery = build_scenery(corridor, SHIPPED_MAPS[0], seed)
     poses: list[Pose] = [corridor.point(corridor.start, 0.0)]
     for k in range(CROWD):
         x, y, z, heading = corridor.point(corridor.start + 6.0 + 0.4 * k, rng.uniform(-12, 12))

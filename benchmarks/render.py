@@ -18,16 +18,17 @@ from statistics import median
 import numpy as np
 from _other_renderers import RENDERERS, soup_of
 from oodscen_pybullet._engine import load_pybullet
-from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
+from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes import asset_ids, asset_mesh, paints_of
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.bullet_camera import BulletRenderer
-from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
+from oodscen_pybullet._rendering.picture import postprocessed
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
-from oodscen_pybullet._rendering.stage import Pose, Shot, Stage
+from oodscen_pybullet._rendering.stage import RawPicture, Shot, Stage
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._simulator import DARK
+from oodscen_pybullet._types import Pose
 
 from oodscen.data._scene import Weather
 from oodscen.driving import load_corridor
@@ -52,7 +53,7 @@ class Set:
     def __init__(self, index: int, seed: int) -> None:
         road = SHIPPED_MAPS[index % len(SHIPPED_MAPS)]
         self.corridor: Corridor = load_corridor(road)
-        self.scenery: Scenery = build_scenery(self.corridor, frozenset(road.traits), seed, road.id)
+        self.scenery: Scenery = build_scenery(self.corridor, road, seed)
         self.rng = np.random.Generator(np.random.PCG64([seed, index]))
         self.looks: list[Look] = []
         self.poses: list[Pose] = []
@@ -99,16 +100,12 @@ class Set:
 
     def finish(self, stage: Stage, weather: Weather, light: Light) -> None:
         """Take the fully postprocessed picture."""
-        glows = [
-            Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True)
-            for head in self.scenery.lamps
-        ]
         picture = RawPicture(
             shot=self.shoot(stage, light, has_shadows=light.daylight > DARK),
             view=CameraView.of(CAMERA, self.poses[0]),
             weather=weather,
             light=light,
-            glows=glows,
+            lamps=self.scenery.lamps,
             time=0.5,
             seed=1,
             road_height=self.poses[0][2],

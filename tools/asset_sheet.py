@@ -12,16 +12,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from oodscen_pybullet._catalogue import load_catalogue
-from oodscen_pybullet._lighting.light import Glow, Light
+from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes import Mesh, paints_of
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
-from oodscen_pybullet._rendering.particles import placed
-from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
+from oodscen_pybullet._rendering.picture import postprocessed
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
+from oodscen_pybullet._rendering.stage import Ball, RawPicture
 from oodscen_pybullet._rendering.view import CameraView
 
-from oodscen.data._catalogue import Asset, Category
+from oodscen.data._catalogue import Asset
+from oodscen.data._category import Category
 from oodscen.data._scene import Weather
 from oodscen.protocols import Camera
 
@@ -88,11 +89,11 @@ def render(
         view=view,
         weather=weather,
         light=light,
-        glows=[Glow(p.position, p.colour, p.facing, p.power) for p in mesh.lamps],
+        lamps=mesh.lamps,
         time=0.0,
         seed=0,
         road_height=0.0,
-        balls=placed(mesh.puffs, (0.0, 0.0, 0.0, 0.0), 1),
+        balls=[Ball(puff, 1) for puff in mesh.puffs],
     )
     return postprocessed(picture)
 

@@ -17,7 +17,7 @@ from oodscen_pybullet._meshes.living.people import WARDROBE, figure
 from oodscen_pybullet._meshes.living.poses import load_poses
 from oodscen_pybullet._meshes.living.posing import hands
 from oodscen_pybullet._meshes.look import BEATS, Appearance, beating
-from oodscen_pybullet._meshes.shapes import Array
+from oodscen_pybullet._types import Array
 
 from oodscen.data._details import Details
 
@@ -80,9 +80,9 @@ def main() -> None:
         entry = json.loads(bare)
         if "grip" in entry:
             entry["grip"]["at"] = grip_of(entry["id"])
-        told = json.dumps(measured(entry) if "category" in entry else entry)
+        text = json.dumps(measured(entry) if "category" in entry else entry)
         indent = line[: len(line) - len(line.lstrip())]
-        lines[number] = indent + told + ("," if line.rstrip().endswith(",") else "")
+        lines[number] = indent + text + ("," if line.rstrip().endswith(",") else "")
     CATALOGUE.write_text("\n".join(lines), encoding="utf-8")
 
 

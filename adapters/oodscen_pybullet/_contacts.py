@@ -3,7 +3,7 @@
 import math
 from types import ModuleType
 
-Pose = tuple[float, float, float, float]
+from oodscen_pybullet._types import Pose
 
 
 class Bodies:

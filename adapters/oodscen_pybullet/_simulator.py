@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene
@@ -19,22 +18,24 @@ from oodscen.errors import SpawnError
 from oodscen.numerics import _exact as exact
 from oodscen.protocols import Camera, Frame
 from oodscen_pybullet._catalogue import load_catalogue
-from oodscen_pybullet._contacts import Bodies, Pose
+from oodscen_pybullet._contacts import Bodies
 from oodscen_pybullet._engine import load_pybullet
-from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
-from oodscen_pybullet._lighting.shelter import Shelter
+from oodscen_pybullet._lighting.light import Light
+from oodscen_pybullet._lighting.shelter import Portal, Shelter
 from oodscen_pybullet._meshes import Mesh, asset_ids, learned
 from oodscen_pybullet._meshes.atlas import Snow
+from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._meshes.tilting import tilt_of
 from oodscen_pybullet._meshes.vehicles.ego import bonnet
 from oodscen_pybullet._rendering.appearance import Look, SceneBodies, is_lit, mesh_of
 from oodscen_pybullet._rendering.cameras import choose_camera
-from oodscen_pybullet._rendering.particles import Ball, filled, placed
-from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
-from oodscen_pybullet._rendering.stage import Stage
+from oodscen_pybullet._rendering.particles import filled
+from oodscen_pybullet._rendering.picture import postprocessed
+from oodscen_pybullet._rendering.stage import Ball, RawPicture, Shot, Stage
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._scenery.signals import replaced
+from oodscen_pybullet._types import I32, Array, Pose
 
 REACH = 20.0
 """Upper limit of measured gaps, m."""
@@ -101,7 +102,7 @@ class PyBulletSimulator(MirrorSimulator):
         """Add one body.
 
         Raises:
-            SpawnError: If there is no such mesh, the pose is invalid, or the engine refuses the body.
+            SpawnError: If the asset has no mesh, the pose is not finite, or the engine refuses the body.
         """
         assert self._bodies is not None
         if not all(map(math.isfinite, pose)):
@@ -109,12 +110,12 @@ class PyBulletSimulator(MirrorSimulator):
         if asset.id in self._made:
             asset = asset.model_copy(update={"id": self._made[asset.id]})
         elif asset.id not in asset_ids():
-            raise SpawnError(actor_id, asset.id, pose, "there is no mesh for this asset")
+            raise SpawnError(actor_id, asset.id, pose, "the asset has no mesh")
         if not self._bodies.add(asset.length, asset.width, asset.height):
             raise SpawnError(actor_id, asset.id, pose, "PyBullet refused the collision shape")
         self._cast.add(actor_id, asset, state, self._made)
 
-    def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
+    def place(self, poses: Array, speeds: Array) -> None:
         """Store the poses and speeds; bodies move when a gap or a picture needs them."""
         self._poses = [(x, y, z, yaw) for x, y, z, yaw in poses.tolist()]
         self._speeds = speeds.tolist()
@@ -170,45 +171,27 @@ class PyBulletSimulator(MirrorSimulator):
             threads: Number of threads that work at the picture, which is the same with any.
         """
         assert self._loaded is not None
-        corridor, scene, seed = self._loaded
-        stage, scenery = self._set(corridor, scene, seed, time)
+        _, scene, seed = self._loaded
+        stage, scenery = self._staged(time)
         view = CameraView.of(camera, mount, roll_deg)
-        is_inside = _is_inside(view, self._poses[0])
         fired = fired or [-1.0] * len(self._poses)
         looks = self._cast.looks(self._poses, self._speeds, accelerations, fired, time)
         for row, tilt in tilts.items():
             looks[row] = looks[row]._replace(tilt=tilt_of(*tilt))
-        if self._shown != (id(stage), is_inside, looks):
-            ego: Look | Mesh = bonnet("silver").build() if is_inside else looks[0]
-            stage.show_actors([ego, *looks[1:]])
-            self._shown = (id(stage), is_inside, looks)
+        self._show(stage, looks, is_inside=_is_inside(view, self._poses[0]))
         poses = self._stand(scenery)
         stage.pose_actors(poses)
-        light = Light.of(
-            scene.weather, corridor.heading(corridor.start), reflects_snow=_snow(scene) > Snow.NONE
-        )
-        ground = poses[0][2]
-        portal = Shelter(corridor).portal(view)
-        shot = stage.render(
-            view,
-            light,
-            ground=ground if light.daylight > DARK else None,
-            is_inside=portal is not None and portal.is_inside,
-        )
-        balls = [
-            ball
-            for row, (look, pose) in enumerate(zip(looks, poses, strict=True))
-            for ball in placed(mesh_of(look).puffs, pose, row)
-        ]
+        shot, light, portal = self._shoot(stage, view, poses[0][2])
+        lamps, balls = _lamps_and_balls(looks, poses)
         picture = RawPicture(
             shot=shot,
             view=view,
             weather=scene.weather,
             light=light,
-            glows=[*self._cast.glows(looks, poses), *_lamps_of(scenery)],
+            lamps=[*lamps, *scenery.lamps],
             time=time,
             seed=seed,
-            road_height=ground,
+            road_height=poses[0][2],
             portal=portal,
             balls=balls,
             threads=threads,
@@ -236,18 +219,16 @@ class PyBulletSimulator(MirrorSimulator):
 
     # ------------------------------------------------------------------ the picture's parts
 
-    def _set(
-        self, corridor: Corridor, scene: Scene, seed: int, time: float
-    ) -> tuple[Stage, Scenery]:
-        """Return the stage with this road's scenery, building it if necessary."""
+    def _staged(self, time: float) -> tuple[Stage, Scenery]:
+        """Return the stage with the road's scenery at a time, building it if necessary."""
+        assert self._loaded is not None
+        corridor, scene, seed = self._loaded
         road = find_map(scene.map, self.catalogue())
         is_night = scene.weather.sun_elevation_deg < LIT_DEG
         own = zip(self._cast.assets, self._poses, strict=True)
         places = [(x, y) for asset, (x, y, _, _) in own if asset.category == "signal"]
-        without = replaced(corridor, places)
-        state = scene.map_state
-        flashes = state is not None and state.signals == "flashing"
-        is_between = flashes and not is_lit(time)
+        without, state = replaced(corridor, places), scene.map_state
+        is_between = state is not None and state.signals == "flashing" and not is_lit(time)
         key = (road.id, id(corridor), seed, _snow(scene), is_night, without, state, is_between)
         if key in self._stages:
             self._stages.move_to_end(key)
@@ -255,12 +236,10 @@ class PyBulletSimulator(MirrorSimulator):
         if len(self._stages) >= STAGES:
             _, (oldest, _) = self._stages.popitem(last=False)
             oldest.close()
-        traits = frozenset(road.traits)
         scenery = build_scenery(
             corridor,
-            traits,
+            road,
             seed,
-            road.id,
             is_night=is_night,
             without=without,
             state=state,
@@ -270,6 +249,31 @@ class PyBulletSimulator(MirrorSimulator):
         stage.show_scenery(scenery.meshes, snow=_snow(scene), shelter=Shelter(corridor))
         self._stages[key] = (stage, replace(scenery, meshes=()))
         return self._stages[key]
+
+    def _show(self, stage: Stage, looks: list[Look], *, is_inside: bool) -> None:
+        """Show the actors, unless the stage does; from inside, only the bonnet of the ego is seen."""
+        shown = (id(stage), is_inside, looks)
+        if self._shown != shown:
+            ego: Look | Mesh = bonnet("silver").build() if is_inside else looks[0]
+            stage.show_actors([ego, *looks[1:]])
+            self._shown = shown
+
+    def _shoot(
+        self, stage: Stage, view: CameraView, ground: float
+    ) -> tuple[Shot, Light, Portal | None]:
+        """Return the raw picture, the light, and the end of a tunnel that the camera looks at."""
+        assert self._loaded is not None
+        corridor, scene, _ = self._loaded
+        heading = corridor.heading(corridor.start)
+        light = Light.of(scene.weather, heading, reflects_snow=_snow(scene) > Snow.NONE)
+        portal = Shelter(corridor).portal(view)
+        shot = stage.render(
+            view,
+            light,
+            ground=ground if light.daylight > DARK else None,
+            is_inside=portal is not None and portal.is_inside,
+        )
+        return shot, light, portal
 
     def _stand(self, scenery: Scenery) -> list[Pose]:
         """Return the poses, with everything beside the asphalt lifted onto the ground."""
@@ -282,25 +286,26 @@ class PyBulletSimulator(MirrorSimulator):
         return [self._poses[0], *lifted]
 
 
-def _unhidden(stage: Stage, view: CameraView, balls: Sequence[Ball]) -> NDArray[np.int32] | None:
+def _lamps_and_balls(looks: Sequence[Look], poses: Sequence[Pose]) -> tuple[list[Lamp], list[Ball]]:
+    """Return the lit lamps of all bodies but the ego, and the smoke of all, in world coordinates."""
+    lamps, balls = [], []
+    for row, (look, (x, y, z, yaw)) in enumerate(zip(looks, poses, strict=True)):
+        mesh, at = mesh_of(look), (x, y, z)
+        s, c = exact.sincos(yaw)
+        if row > 0:
+            lamps += [lamp.placed(at, (c, s)) for lamp in mesh.lamps]
+        balls += [Ball(puff.placed(at, (c, s)), row) for puff in mesh.puffs]
+    return lamps, balls
+
+
+def _unhidden(stage: Stage, view: CameraView, balls: Sequence[Ball]) -> I32 | None:
     """Return the number of pixels that each body would fill without occlusion."""
     pixels = stage.unhidden(view)
     if pixels is not None:
-        for row in sorted({ball.row for ball in balls}):
-            pixels[row] = max(pixels[row], np.count_nonzero(filled(view, balls, row)))
+        for row in {ball.row for ball in balls}:
+            own = [ball for ball in balls if ball.row == row]
+            pixels[row] = max(pixels[row], np.count_nonzero(filled(view, own)))
     return pixels
-
-
-def _lamps_of(scenery: Scenery) -> list[Glow]:
-    """Return the street lamps and the lit lamps of traffic lights."""
-    heads = [
-        Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True) for head in scenery.lamps
-    ]
-    signals = [
-        Glow(one.position, one.colour, one.facing, one.power, by_day=one.by_day)
-        for one in scenery.signals
-    ]
-    return [*heads, *signals]
 
 
 def _is_inside(view: CameraView, ego: Pose) -> bool:

@@ -18,12 +18,17 @@ from tools.maps.design import (
     RoadDesign,
     SectionDesign,
     SignalDesign,
+    both_ways,
     smooth,
+    straight,
+    widths_of,
 )
 from tools.maps.streets import AVENUE, RESIDENTIAL
 
 _AHEAD = 200.0 + 110.0
 """Distance from the start of the first road to the centre of the junction it leads to, m."""
+_JUNCTION = "100"
+"""Id of the junction of a map that has only one."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +70,7 @@ def _bend(start: Pose, end: Pose) -> tuple[Piece, ...]:
     dx, dy = end[0] - start[0], end[1] - start[1]
     turn = math.remainder(end[2] - start[2], math.tau)
     if abs(turn) < 1e-9:
-        return (("line", math.sqrt(dx * dx + dy * dy), 0.0, 0.0),)
+        return (straight(math.sqrt(dx * dx + dy * dy)),)
     c, s = cos(start[2]), sin(start[2])
     ahead, aside = dx * c + dy * s, dy * c - dx * s
     second = aside / sin(turn)
@@ -74,16 +79,15 @@ def _bend(start: Pose, end: Pose) -> tuple[Piece, ...]:
     radius = tangent / tan(0.5 * abs(turn))
     curvature = math.copysign(1.0 / radius, turn)
     pieces = (
-        ("line", first - tangent, 0.0, 0.0),
+        straight(first - tangent),
         ("arc", radius * abs(turn), curvature, curvature),
-        ("line", second - tangent, 0.0, 0.0),
+        straight(second - tangent),
     )
     return tuple(piece for piece in pieces if piece[1] > 1e-6)
 
 
 def _way(
     id: str,
-    junction: str,
     name: str,
     speed_km_h: int,
     entry: tuple[Arm, int],
@@ -115,7 +119,7 @@ def _way(
         _bend(source.pose(first, entering=True), target.pose(second, entering=False)),
         (SectionDesign(tuple(designs), (), "none"),),
         start=source.pose(first, entering=True),
-        junction=junction,
+        junction=_JUNCTION,
         predecessor=LinkDesign("road", source.road, source.contact),
         successor=LinkDesign("road", target.road, target.contact),
     )
@@ -123,18 +127,13 @@ def _way(
     return road, ConnectionDesign(source.road, id, pairs)
 
 
-def _arms(setbacks: Sequence[float | None], widths: tuple[float, ...]) -> list[Arm | None]:
-    """Return the arms south, east, north and west of a centre, where the first road ends."""
-    arms: list[Arm | None] = []
-    for index, setback in enumerate(setbacks):
-        heading = 0.5 * math.pi * (index + 1)
-        if setback is None:
-            arms.append(None)
-            continue
-        x = (0.0, setback, 0.0, -setback)[index]
-        y = (-setback, 0.0, setback, 0.0)[index]
-        arms.append(Arm(str(index + 1), index == 0, (x, y, heading), widths))
-    return arms
+def _arms(count: int, setback: float, widths: tuple[float, ...]) -> list[Arm]:
+    """Return the first of the arms south, east, north and west of a centre, where the first road ends."""
+    places = ((0.0, -setback), (setback, 0.0), (0.0, setback), (-setback, 0.0))
+    return [
+        Arm(str(index + 1), index == 0, (x, y, 0.5 * math.pi * (index + 1)), widths)
+        for index, (x, y) in enumerate(places[:count])
+    ]
 
 
 def _approach(
@@ -143,28 +142,26 @@ def _approach(
     speed_km_h: int,
     length: float,
     sections: tuple[SectionDesign, ...],
-    junction: str,
+    *,
+    junction: str = _JUNCTION,
     kind: str = "townLocal",
 ) -> RoadDesign:
     """Return the road of an arm, linked to its junction."""
     x, y, heading = arm.entry
     link = LinkDesign("junction", junction)
+    start = (x, y, heading + math.pi)
     if arm.ends:
         start = (x - length * cos(heading), y - length * sin(heading), heading)
-        ends: dict[str, LinkDesign] = {"successor": link}
-    else:
-        start = (x, y, heading + math.pi)
-        ends = {"predecessor": link}
     return RoadDesign(
         arm.road,
         name,
         kind,
         speed_km_h,
-        (("line", length, 0.0, 0.0),),
+        (straight(length),),
         sections,
         start=start,
-        predecessor=ends.get("predecessor"),
-        successor=ends.get("successor"),
+        predecessor=None if arm.ends else link,
+        successor=link if arm.ends else None,
     )
 
 
@@ -211,16 +208,16 @@ def _light(id: str, s: float, t: float) -> SignalDesign:
 
 
 def _four_way() -> MapDesign:
-    widths = tuple(float(lane.width) for lane in AVENUE if not isinstance(lane.width, tuple))
+    widths = widths_of(AVENUE)
     half = widths[0] + widths[1]
     setback = half + 7.0
-    arms = [arm for arm in _arms((setback,) * 4, widths) if arm is not None]
-    section = SectionDesign(AVENUE, AVENUE, "solid solid")
+    arms = _arms(4, setback, widths)
+    section = both_ways(AVENUE, "solid solid")
     names = ("South Avenue", "East Avenue", "North Avenue", "West Avenue")
     lengths = (_AHEAD - setback, 220.0, 420.0, 220.0)
     roads: list[RoadDesign] = []
     for arm, name, length in zip(arms, names, lengths, strict=True):
-        road = _approach(arm, name, 50, length, (section,), "100", "townArterial")
+        road = _approach(arm, name, 50, length, (section,), kind="townArterial")
         near = _light(f"near{arm.road}", 5.7, half + 0.7)
         roads.append(_equipped(road, arm, half=half, crosswalk=2.75, stop_line=5.7, signals=[near]))
     ways: list[tuple[RoadDesign, ConnectionDesign]] = []
@@ -232,7 +229,6 @@ def _four_way() -> MapDesign:
         ):
             way = _way(
                 str(10 * (index + 1) + number),
-                "100",
                 f"From {names[index]} {kind}",
                 50 if kind == "straight" else 30,
                 (arm, lane),
@@ -245,7 +241,7 @@ def _four_way() -> MapDesign:
                 way = replace(way[0], signals=(far,)), way[1]
             ways.append(way)
     roads += [road for road, _ in ways]
-    junction = JunctionDesign("100", "Crossing", tuple(one for _, one in ways))
+    junction = JunctionDesign(_JUNCTION, "Crossing", tuple(one for _, one in ways))
     return MapDesign("urban_junction", "Crossing of two avenues", tuple(roads), (junction,))
 
 
@@ -254,15 +250,14 @@ def _without_parking(length: float, *, ends: bool) -> tuple[SectionDesign, ...]:
     driving, parking, pavement = RESIDENTIAL
     rows = smooth(length - 18.0, 5.0, 2.2, 0.0) if ends else smooth(13.0, 5.0, 0.0, 2.2)
     lanes = driving, replace(parking, width=rows), pavement
-    return (SectionDesign(lanes, lanes, "broken"),)
+    return (both_ways(lanes),)
 
 
 def _t_junction() -> MapDesign:
     half = 3.25
     setback = half + 5.0
     widths = (half, 0.0, 2.5)
-    arms = _arms((setback, setback, setback, None), widths)
-    south, east, north = (arm for arm in arms if arm is not None)
+    south, east, north = _arms(3, setback, widths)
     roads = []
     for arm, name, length in (
         (south, "Main Street", 200.0 + 100.0 - setback),
@@ -270,20 +265,20 @@ def _t_junction() -> MapDesign:
         (north, "Main Street", 420.0),
     ):
         sections = _without_parking(length, ends=arm.ends)
-        road = _approach(arm, name, 30, length, sections, "100")
+        road = _approach(arm, name, 30, length, sections)
         if arm is east:
             stop = SignalDesign("stop", "Stop", 5.7, half + 0.6, "206")
             road = _equipped(road, arm, half=half, crosswalk=2.75, stop_line=5.7, signals=[stop])
         roads.append(road)
     ways = [
-        _way("11", "100", "Right into Side Street", 20, (south, 1), (east, 1), has_pavement=True),
-        _way("12", "100", "Along Main Street", 30, (south, 1), (north, 1)),
-        _way("21", "100", "Right into Main Street", 20, (east, 1), (north, 1), has_pavement=True),
-        _way("23", "100", "Left into Main Street", 20, (east, 1), (south, 1)),
-        _way("32", "100", "Back along Main Street", 30, (north, 1), (south, 1), has_pavement=True),
-        _way("33", "100", "Left into Side Street", 20, (north, 1), (east, 1)),
+        _way("11", "Right into Side Street", 20, (south, 1), (east, 1), has_pavement=True),
+        _way("12", "Along Main Street", 30, (south, 1), (north, 1)),
+        _way("21", "Right into Main Street", 20, (east, 1), (north, 1), has_pavement=True),
+        _way("23", "Left into Main Street", 20, (east, 1), (south, 1)),
+        _way("32", "Back along Main Street", 30, (north, 1), (south, 1), has_pavement=True),
+        _way("33", "Left into Side Street", 20, (north, 1), (east, 1)),
     ]
-    junction = JunctionDesign("100", "Mouth of Side Street", tuple(one for _, one in ways))
+    junction = JunctionDesign(_JUNCTION, "Mouth of Side Street", tuple(one for _, one in ways))
     roads += [road for road, _ in ways]
     return MapDesign("t_junction", "Side street from the right", tuple(roads), (junction,))
 
@@ -314,19 +309,18 @@ def _ring_lanes(*, has_pavement: bool, before: bool, after: bool) -> SectionDesi
     return SectionDesign(tuple(right), (linked(LaneDesign("border", _RADIUS - 0.5), 1),), "curb")
 
 
-def _ring(id: str, name: str, start: float, end: float, **more: object) -> RoadDesign:
+def _ring(id: str, name: str, start: float, end: float) -> RoadDesign:
     """Return a part of the ring between two angles."""
     pose = (_RADIUS * cos(start), _RADIUS * sin(start), start + 0.5 * math.pi)
     bend = 1.0 / _RADIUS
     pieces: tuple[Piece, ...] = (("arc", _RADIUS * (end - start), bend, bend),)
-    road = RoadDesign(id, name, "town", 30, pieces, (), start=pose)
-    return replace(road, **more)  # type: ignore[arg-type]  # fields of RoadDesign
+    return RoadDesign(id, name, "town", 30, pieces, (), start=pose)
 
 
 def _roundabout() -> MapDesign:
     setback = 28.0
     widths = (_SPLITTER, 3.5, 2.5)
-    arms = [arm for arm in _arms((setback,) * 4, widths) if arm is not None]
+    arms = _arms(4, setback, widths)
     plain = LaneDesign("driving", 3.5, "curb"), LaneDesign("sidewalk", 2.5)
     names = ("South Road", "East Road", "North Road", "West Road")
     lengths = (_AHEAD - setback, 200.0, 420.0, 200.0)
@@ -338,27 +332,21 @@ def _roundabout() -> MapDesign:
         roads.append(_splayed(arm, name, length, plain, junction))
         angle = 0.5 * math.pi * (index - 1)
         join, leave = angle + _SPREAD, angle - _SPREAD
-        segment = _ring(
-            f"1{key}",
-            f"Ring after {name}",
-            join,
-            angle + 0.5 * math.pi - _SPREAD,
+        segment = replace(
+            _ring(f"1{key}", f"Ring after {name}", join, angle + 0.5 * math.pi - _SPREAD),
             sections=(_ring_lanes(has_pavement=True, before=False, after=False),),
             predecessor=LinkDesign("junction", junction),
             successor=LinkDesign("junction", f"10{(index + 1) % 4 + 1}"),
         )
-        through = _ring(
-            f"4{key}",
-            f"Ring past {name}",
-            leave,
-            join,
+        through = replace(
+            _ring(f"4{key}", f"Ring past {name}", leave, join),
             sections=(_ring_lanes(has_pavement=False, before=True, after=True),),
             junction=junction,
             predecessor=LinkDesign("road", f"1{last}", "end"),
             successor=LinkDesign("road", f"1{key}", "start"),
         )
-        entry = _slip(f"2{key}", f"Entry from {name}", arm, join, junction, f"1{key}", True)
-        leaving = _slip(f"3{key}", f"Exit to {name}", arm, leave, junction, f"1{last}", False)
+        entry = _slip(arm, f"Entry from {name}", join, f"1{key}", entering=True)
+        leaving = _slip(arm, f"Exit to {name}", leave, f"1{last}", entering=False)
         roads += [segment, through, entry, leaving]
         connections = (
             ConnectionDesign(arm.road, entry.id, ((arm.into(2), -1), (arm.into(3), -2))),
@@ -394,14 +382,12 @@ def _splayed(
         begins = 0.0 if not sections else length - splay if arm.ends else splay
         mark = "none" if is_splayed else "broken"
         sections.append(SectionDesign(sides[0], sides[1], mark, begins))
-    road = _approach(arm, name, 50, length, tuple(sections), junction)
+    road = _approach(arm, name, 50, length, tuple(sections), junction=junction)
     give_way = SignalDesign("yield" + arm.road, "Give way", 1.0, _SPLITTER + 3.5 + 0.6, "205")
     return _equipped(road, arm, half=_SPLITTER + 3.5, crosswalk=7.0, signals=[give_way])
 
 
-def _slip(
-    id: str, name: str, arm: Arm, angle: float, junction: str, ring: str, entering: bool
-) -> RoadDesign:
+def _slip(arm: Arm, name: str, angle: float, ring: str, *, entering: bool) -> RoadDesign:
     """Return the road between an arm and the ring."""
     on_ring = (_RADIUS * cos(angle), _RADIUS * sin(angle), angle + 0.5 * math.pi)
     at_arm = arm.pose(2, entering=entering)
@@ -425,14 +411,14 @@ def _slip(
     arm_link = LinkDesign("road", arm.road, arm.contact)
     ring_link = LinkDesign("road", ring, "start" if entering else "end")
     return RoadDesign(
-        id,
+        f"{2 if entering else 3}{arm.road}",
         name,
         "town",
         30,
         pieces,
         (SectionDesign(lanes, (LaneDesign("median", island, "curb"),), "curb"),),
         start=start,
-        junction=junction,
+        junction=f"10{arm.road}",
         predecessor=arm_link if entering else ring_link,
         successor=ring_link if entering else arm_link,
     )

@@ -1,6 +1,7 @@
 """Building blocks of map designs."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from oodscen.driving._roads.geometry import Arc, Curve, Line, Spiral
@@ -141,6 +142,52 @@ class MapDesign:
     name: str
     roads: tuple[RoadDesign, ...]
     junctions: tuple[JunctionDesign, ...] = ()
+
+
+def straight(length: float) -> Piece:
+    """Return a straight piece of road."""
+    return ("line", length, 0.0, 0.0)
+
+
+def bend(transition: float, arc: float, curvature: float) -> tuple[Piece, ...]:
+    """Return an arc between two spirals, which lead into it and out of it."""
+    return (
+        ("spiral", transition, 0.0, curvature),
+        ("arc", arc, curvature, curvature),
+        ("spiral", transition, curvature, 0.0),
+    )
+
+
+def both_ways(lanes: tuple[LaneDesign, ...], centre_mark: str = "broken") -> SectionDesign:
+    """Return a cross-section with the same lanes on both sides."""
+    return SectionDesign(lanes, lanes, centre_mark)
+
+
+def widths_of(lanes: Sequence[LaneDesign]) -> tuple[float, ...]:
+    """Return the widths of lanes that do not change theirs, m."""
+    return tuple(lane.width for lane in lanes if not isinstance(lane.width, tuple))
+
+
+def chained(sections: Sequence[SectionDesign], count: int) -> tuple[SectionDesign, ...]:
+    """Link the lanes of sections that follow each other: the first `count` lanes on each side."""
+    last = len(sections) - 1
+
+    def linked(number: int, lanes: tuple[LaneDesign, ...], sign: int) -> tuple[LaneDesign, ...]:
+        return tuple(
+            replace(
+                lane,
+                predecessor=sign * index if number > 0 else None,
+                successor=sign * index if number < last else None,
+            )
+            if index <= count
+            else lane
+            for index, lane in enumerate(lanes, start=1)
+        )
+
+    return tuple(
+        replace(one, right=linked(number, one.right, -1), left=linked(number, one.left, 1))
+        for number, one in enumerate(sections)
+    )
 
 
 def curves_of(road: RoadDesign) -> list[Curve]:

@@ -5,7 +5,7 @@ the shipped files. The same design always gives the same bytes.
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from lxml import etree
@@ -26,6 +26,9 @@ from tools.maps.design import (
 from tools.maps.exits import EXITS
 from tools.maps.streets import STREETS
 
+Facts = dict[str, str | float]
+"""The attributes of an element."""
+
 SHIPPED = Path(__file__).parents[2] / "oodscen" / "driving" / "maps"
 
 DESIGNS: tuple[MapDesign, ...] = (*STREETS, *CROSSINGS, *EXITS)
@@ -36,7 +39,7 @@ def write(design: MapDesign) -> bytes:
     """Return the OpenDRIVE 1.7 file of a design."""
     root = etree.Element("OpenDRIVE")
     header = {"revMajor": "1", "revMinor": "7", "name": design.name, "version": "1.0"}
-    etree.SubElement(root, "header", header)
+    _add(root, "header", header)
     for road in design.roads:
         _add_road(root, road)
     for junction in design.junctions:
@@ -45,27 +48,32 @@ def write(design: MapDesign) -> bytes:
     return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8")) + b"\n"
 
 
+def _add(parent: etree._Element, tag: str, facts: Mapping[str, str | float]) -> etree._Element:
+    """Add an element; numbers among its attributes are written out."""
+    texts = {key: one if isinstance(one, str) else _text(one) for key, one in facts.items()}
+    return etree.SubElement(parent, tag, texts)
+
+
 def _add_road(root: etree._Element, design: RoadDesign) -> None:
     curves = curves_of(design)
     length = sum(curve.length for curve in curves)
-    facts = {"name": design.name, "length": _text(length), "id": design.id}
-    road = etree.SubElement(root, "road", {**facts, "junction": design.junction, "rule": "RHT"})
+    facts = {"name": design.name, "length": length, "id": design.id}
+    road = _add(root, "road", {**facts, "junction": design.junction, "rule": "RHT"})
     if design.predecessor or design.successor:
         links = etree.SubElement(road, "link")
         for end, link in (("predecessor", design.predecessor), ("successor", design.successor)):
             if link is not None:
                 meets = {"elementType": link.kind, "elementId": link.id}
                 contact = {"contactPoint": link.contact} if link.kind == "road" else {}
-                etree.SubElement(links, end, {**meets, **contact})
-    kind = etree.SubElement(road, "type", s="0", type=design.type)
-    etree.SubElement(kind, "speed", max=str(design.speed_km_h), unit="km/h")
+                _add(links, end, {**meets, **contact})
+    kind = _add(road, "type", {"s": 0.0, "type": design.type})
+    _add(kind, "speed", {"max": design.speed_km_h, "unit": "km/h"})
     plan = etree.SubElement(road, "planView")
     for curve in curves:
         _add_curve(plan, curve)
     profile = etree.SubElement(road, "elevationProfile")
-    for s, *coefficients in design.elevation:
-        row = dict(zip("abcd", map(_text, coefficients), strict=True))
-        etree.SubElement(profile, "elevation", {"s": _text(s), **row})
+    for row in design.elevation:
+        _add(profile, "elevation", dict(zip("sabcd", row, strict=True)))
     lanes = etree.SubElement(road, "lanes")
     for section in design.sections:
         _add_section(lanes, section)
@@ -83,22 +91,22 @@ def _add_road(root: etree._Element, design: RoadDesign) -> None:
 
 def _add_curve(plan: etree._Element, curve: Curve) -> None:
     place = {"s": curve.s, "x": curve.x, "y": curve.y, "hdg": curve.heading, "length": curve.length}
-    geometry = etree.SubElement(plan, "geometry", {k: _text(v) for k, v in place.items()})
+    geometry = _add(plan, "geometry", place)
     if isinstance(curve, Arc):
-        etree.SubElement(geometry, "arc", curvature=_text(curve.curvature))
+        _add(geometry, "arc", {"curvature": curve.curvature})
     elif isinstance(curve, Spiral):
         ends = {"curvStart": curve.curvature_start, "curvEnd": curve.curvature_end}
-        etree.SubElement(geometry, "spiral", {k: _text(v) for k, v in ends.items()})
+        _add(geometry, "spiral", ends)
     else:
         etree.SubElement(geometry, "line")
 
 
 def _add_section(lanes: etree._Element, design: SectionDesign) -> None:
-    section = etree.SubElement(lanes, "laneSection", s=_text(design.s))
+    section = _add(lanes, "laneSection", {"s": design.s})
     numbered = list(enumerate(design.left, start=1))[::-1]
     if numbered:
         _add_lanes(section, "left", numbered)
-    centre = etree.SubElement(etree.SubElement(section, "center"), "lane", id="0", type="none")
+    centre = _add(etree.SubElement(section, "center"), "lane", {"id": "0", "type": "none"})
     _add_mark(centre, design.centre_mark)
     if design.right:
         _add_lanes(section, "right", [(-i, lane) for i, lane in enumerate(design.right, start=1)])
@@ -107,18 +115,17 @@ def _add_section(lanes: etree._Element, design: SectionDesign) -> None:
 def _add_lanes(section: etree._Element, side: str, lanes: Sequence[tuple[int, LaneDesign]]) -> None:
     group = etree.SubElement(section, side)
     for number, lane in lanes:
-        element = etree.SubElement(group, "lane", id=str(number), type=lane.type, level="false")
+        element = _add(group, "lane", {"id": number, "type": lane.type, "level": "false"})
         if lane.predecessor is not None or lane.successor is not None:
             link = etree.SubElement(element, "link")
             for end, other in (("predecessor", lane.predecessor), ("successor", lane.successor)):
                 if other is not None:
-                    etree.SubElement(link, end, id=str(other))
+                    _add(link, end, {"id": other})
         rows = lane.width
         if not isinstance(rows, tuple):
             rows = ((0.0, rows, 0.0, 0.0, 0.0),)
-        for start, *coefficients in rows:
-            row = dict(zip("abcd", map(_text, coefficients), strict=True))
-            etree.SubElement(element, "width", {"sOffset": _text(start), **row})
+        for row in rows:
+            _add(element, "width", dict(zip(("sOffset", *"abcd"), row, strict=True)))
         _add_mark(element, lane.mark)
 
 
@@ -126,84 +133,78 @@ def _add_mark(lane: etree._Element, mark: str) -> None:
     facts = {"sOffset": "0", "type": mark, "weight": "standard", "color": "standard"}
     if mark not in ("none", "curb"):
         facts |= {"width": "0.12", "laneChange": "both" if mark == "broken" else "none"}
-    etree.SubElement(lane, "roadMark", facts)
+    _add(lane, "roadMark", facts)
 
 
 def _add_patch(objects: etree._Element, patch: PatchDesign) -> None:
-    kind = {"crosswalk": "crosswalk", "stop_line": "roadMark"}[patch.kind]
-    name = {"crosswalk": "Crosswalk", "stop_line": "StopLine"}[patch.kind]
-    element = etree.SubElement(
-        objects,
-        "object",
-        {
-            "id": patch.id,
-            "name": name,
-            "type": kind,
-            "s": _text(patch.s),
-            "t": _text(patch.t),
-            "zOffset": "0",
-            "hdg": "0",
-            "roll": "0",
-            "pitch": "0",
-            "orientation": "none",
-            "length": _text(patch.length),
-            "width": _text(patch.width),
-            "height": "0",
-        },
-    )
-    outline = etree.SubElement(etree.SubElement(element, "outlines"), "outline", id="0")
+    is_crosswalk = patch.kind == "crosswalk"
+    facts: Facts = {
+        "id": patch.id,
+        "name": "Crosswalk" if is_crosswalk else "StopLine",
+        "type": "crosswalk" if is_crosswalk else "roadMark",
+        "s": patch.s,
+        "t": patch.t,
+        **dict.fromkeys(("zOffset", "hdg", "roll", "pitch"), 0.0),
+        "orientation": "none",
+        "length": patch.length,
+        "width": patch.width,
+        "height": 0.0,
+    }
+    outlines = etree.SubElement(_add(objects, "object", facts), "outlines")
+    outline = _add(outlines, "outline", {"id": "0"})
     u, v = 0.5 * patch.length, 0.5 * patch.width
     for index, (along, across) in enumerate(((-u, -v), (u, -v), (u, v), (-u, v), (-u, -v))):
-        place = {"u": _text(along), "v": _text(across), "z": "0", "height": "0"}
-        etree.SubElement(outline, "cornerLocal", {**place, "id": str(index)})
+        place = {"u": along, "v": across, "z": 0.0, "height": 0.0, "id": index}
+        _add(outline, "cornerLocal", place)
 
 
 def _add_stretch(objects: etree._Element, stretch: StretchDesign) -> None:
-    facts = {"id": stretch.id, "name": stretch.name, "s": _text(stretch.s)}
-    facts["length"] = _text(stretch.length)
+    facts: Facts = {
+        "id": stretch.id,
+        "name": stretch.name,
+        "s": stretch.s,
+        "length": stretch.length,
+    }
     if stretch.kind == "tunnel":
-        facts |= {"type": "standard", "lighting": "0.5", "daylight": "0.5"}
+        facts |= {"type": "standard", "lighting": 0.5, "daylight": 0.5}
     else:
         facts |= {"type": "concrete"}
-    etree.SubElement(objects, stretch.kind, facts)
+    _add(objects, stretch.kind, facts)
 
 
 def _add_signal(signals: etree._Element, signal: SignalDesign) -> None:
-    facts = {
+    facts: Facts = {
         "id": signal.id,
         "name": signal.name,
-        "s": _text(signal.s),
-        "t": _text(signal.t),
+        "s": signal.s,
+        "t": signal.t,
         "dynamic": "yes" if signal.is_dynamic else "no",
         "orientation": signal.orientation,
-        "zOffset": _text(signal.bottom),
+        "zOffset": signal.bottom,
         "country": signal.country,
         "type": signal.type,
         "subtype": "-1",
-        "height": _text(signal.height),
-        "width": _text(signal.width),
+        "height": signal.height,
+        "width": signal.width,
         "hOffset": "0",
     }
     if signal.value is not None:
-        facts |= {"value": _text(signal.value), "unit": signal.unit}
-    etree.SubElement(signals, "signal", facts)
+        facts |= {"value": signal.value, "unit": signal.unit}
+    _add(signals, "signal", facts)
 
 
 def _add_junction(root: etree._Element, design: JunctionDesign) -> None:
-    junction = etree.SubElement(root, "junction", id=design.id, name=design.name)
+    junction = _add(root, "junction", {"id": design.id, "name": design.name})
     for number, connection in enumerate(design.connections):
-        element = etree.SubElement(
-            junction,
-            "connection",
-            {
-                "id": str(number),
-                "incomingRoad": connection.incoming,
-                "connectingRoad": connection.connecting,
-                "contactPoint": "start",
-            },
-        )
+        facts: Facts = {
+            "id": number,
+            "incomingRoad": connection.incoming,
+            "connectingRoad": connection.connecting,
+            "contactPoint": "start",
+        }
+        element = _add(junction, "connection", facts)
         for start, end in connection.lanes:
-            etree.SubElement(element, "laneLink", {"from": str(start), "to": str(end)})
+            _add(element, "laneLink", {"from": start, "to": end})
 
 
 def _text(value: float) -> str:

@@ -4,19 +4,17 @@ Run `python -m tools.maps.picture [FOLDER]` to write one PNG per shipped map; wi
 to `docs/pictures/maps` in the working directory.
 """
 
-import importlib
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor, LaneStrip
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
-from oodscen.errors import MissingExtra
 
 _PIXELS_PER_M = 3.2
 _BEHIND, _AHEAD, _ASIDE = 40.0, 220.0, 48.0
@@ -46,20 +44,12 @@ def draw_map(corridor: Corridor) -> NDArray[np.uint8]:
 
     Returns:
         [height, width, 3] RGB.
-
-    Raises:
-        MissingExtra: If OpenCV is not installed.
     """
-    try:
-        cv2: Any = importlib.import_module("cv2")
-    except ImportError:
-        raise MissingExtra("drawing maps", "pybullet", "opencv-python-headless") from None
-    return _Drawing(cv2, corridor).picture
+    return _Drawing(corridor).picture
 
 
 class _Drawing:
-    def __init__(self, cv2: Any, corridor: Corridor) -> None:
-        self.cv2 = cv2
+    def __init__(self, corridor: Corridor) -> None:
         x, y, _, heading = corridor.point(corridor.start, 0.0)
         self.origin = (x, y, float(np.cos(heading)), float(np.sin(heading)))
         size = round(2 * _ASIDE * _PIXELS_PER_M), round((_BEHIND + _AHEAD) * _PIXELS_PER_M)
@@ -79,8 +69,7 @@ class _Drawing:
             self._structure(corridor, structure.start, structure.end)
         for signal in corridor.signals:
             colour = (40, 150, 70) if signal.kind == "traffic_light" else (200, 40, 40)
-            centre = tuple(self._pixels(np.array([[signal.x, signal.y]]))[0].tolist())
-            cv2.circle(self.picture, centre, 16 * 4, colour, -1, cv2.LINE_AA, 4)
+            self._dot(signal.x, signal.y, 4, colour)
         self._ego(corridor)
 
     def _pixels(self, points: NDArray[np.float64]) -> NDArray[np.int32]:
@@ -92,32 +81,33 @@ class _Drawing:
         return np.round(np.stack([column, row], axis=1) * 16.0).astype(np.int32)
 
     def _fill(self, points: NDArray[np.float64], colour: tuple[int, int, int]) -> None:
-        self.cv2.fillPoly(self.picture, [self._pixels(points)], colour, self.cv2.LINE_AA, 4)
+        cv2.fillPoly(self.picture, [self._pixels(points)], colour, cv2.LINE_AA, 4)
 
-    def _line(
-        self, points: NDArray[np.float64], colour: tuple[int, int, int], width: int = 1
-    ) -> None:
+    def _line(self, points: NDArray[np.float64], colour: tuple[int, int, int], width: int) -> None:
         self._lines([self._pixels(points)], colour, width)
 
     def _lines(
         self, lines: list[NDArray[np.int32]], colour: tuple[int, int, int], width: int = 1
     ) -> None:
-        self.cv2.polylines(self.picture, lines, False, colour, width, self.cv2.LINE_AA, 4)
+        cv2.polylines(self.picture, lines, False, colour, width, cv2.LINE_AA, 4)
+
+    def _dot(self, x: float, y: float, radius: int, colour: tuple[int, int, int]) -> None:
+        centre = self._pixels(np.array([[x, y]]))[0].tolist()
+        cv2.circle(self.picture, centre, 16 * radius, colour, -1, cv2.LINE_AA, 4)
 
     def _strip(self, road: Corridor, strip: LaneStrip) -> None:
         right, left = (self._pixels(_offset(road, t)) for t in (strip.right, strip.left))
         wide = strip.left - strip.right > 0.01
         for index in np.flatnonzero(wide[:-1] & wide[1:] & self._is_shown(right)).tolist():
             corners = np.concatenate([right[index : index + 2], left[index : index + 2][::-1]])
-            self.cv2.fillPoly(self.picture, [corners], _COLOURS[strip.kind], 8, 4)
+            cv2.fillPoly(self.picture, [corners], _COLOURS[strip.kind], 8, 4)
 
     def _is_shown(self, pixels: NDArray[np.int32]) -> NDArray[np.bool_]:
         """Return which pieces of a line, [n - 1], can reach the picture with a wide strip."""
         reach = 200.0 * _PIXELS_PER_M
         height, width = self.picture.shape[:2]
-        near = (
-            np.abs(pixels / 16.0 - (0.5 * width, 0.5 * height)) < np.array([width, height]) + reach
-        )
+        size = np.array([width, height])
+        near = np.abs(pixels / 16.0 - 0.5 * size) < size + reach
         return np.asarray(near.all(axis=1)[1:])
 
     def _marks(self, road: Corridor) -> None:
@@ -147,8 +137,7 @@ class _Drawing:
         route = [corridor.point(s, corridor.centre(strip, s))[:2] for s in places.tolist()]
         self._line(np.array(route), _EGO, 2)
         x, y, _, _ = corridor.point(corridor.start, corridor.centre(strip, corridor.start))
-        centre = tuple(self._pixels(np.array([[x, y]]))[0].tolist())
-        self.cv2.circle(self.picture, centre, 16 * 6, _EGO, -1, self.cv2.LINE_AA, 4)
+        self._dot(x, y, 6, _EGO)
 
 
 def _offset(road: Corridor, t: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -160,7 +149,6 @@ def main(arguments: Sequence[str]) -> None:
     """Draw all shipped maps into a folder."""
     if len(arguments) > 1 or any(one.startswith("-") for one in arguments):
         sys.exit("usage: python -m tools.maps.picture [FOLDER]")
-    cv2: Any = importlib.import_module("cv2")
     folder = Path(arguments[0]) if arguments else Path("docs/pictures/maps")
     folder.mkdir(parents=True, exist_ok=True)
     for road_map in SHIPPED_MAPS:

@@ -4,13 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen_pybullet._land.ground import Ground
+from oodscen_pybullet._types import Array, Ints, Mask
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 Distance = Callable[[Array, Array], Array]
 
 TOLERANCE = 0.04

@@ -3,10 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from oodscen_pybullet._types import Array, Ints
 
 REACH = 2.5
 """Upper limit of measured distances, m."""

@@ -4,12 +4,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen_pybullet._land.cover import REACH, Cover, strips
-
-Array = NDArray[np.float64]
+from oodscen_pybullet._types import Array, Ints
 
 STEP, FAST_STEP = 3.0, 6.0
 """Length of a piece of road and of a fast road, m; also the length of a dash of a broken mark."""
@@ -363,7 +361,7 @@ def _meets(end: tuple[float, float], ego: Corridor, others: Sequence[Corridor]) 
     return any(bool(((a - x) ** 2 + (b - y) ** 2).min() < reach * reach) for a, b in lines)
 
 
-def _nearest(line: RoadCourse, x: Array, y: Array) -> NDArray[np.int64]:
+def _nearest(line: RoadCourse, x: Array, y: Array) -> Ints:
     """Return the row of the course nearest to each point."""
     found = np.zeros(len(x), np.int64)
     block = max(1, _BLOCK // len(line.x))

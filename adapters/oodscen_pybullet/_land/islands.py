@@ -4,11 +4,9 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen_pybullet._land.ground import Ground
-
-Array = NDArray[np.float64]
+from oodscen_pybullet._types import Array, Ints, Mask
 
 _CELL = 1.0
 _MARGIN = 24.0
@@ -21,7 +19,7 @@ class Islands:
 
     corner: tuple[float, float]
     """x and y of the grid's corner, m."""
-    cells: NDArray[np.bool_]
+    cells: Mask
     """[columns, rows] True where a square lies on an island."""
     middles: tuple[tuple[float, float, float], ...]
     """x, y and radius of the largest circle on each island bigger than a refuge, m."""
@@ -63,7 +61,7 @@ class Islands:
                 middles.append((float(x[i]), float(y[j]), best))
         return cls((float(low[0]), float(low[1])), cells, tuple(middles))
 
-    def covers(self, points: Array) -> NDArray[np.bool_]:
+    def covers(self, points: Array) -> Mask:
         """Return which points, [n, 2], lie on an island."""
         if not self.cells.size:
             return np.zeros(len(points), bool)
@@ -74,7 +72,7 @@ class Islands:
         return np.asarray(inside & self.cells[place[:, 0], place[:, 1]])
 
 
-def _fill(land: NDArray[np.bool_], names: NDArray[np.int64], i: int, j: int, name: int) -> bool:
+def _fill(land: Mask, names: Ints, i: int, j: int, name: int) -> bool:
     """Label a connected piece of land and return whether it reaches the edge of the grid."""
     columns, rows = land.shape
     names[i, j] = name

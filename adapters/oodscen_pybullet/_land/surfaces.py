@@ -3,16 +3,14 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor, LaneStrip, PaintedArea
 from oodscen_pybullet._land.ground import Ground, RoadCourse, Way
 from oodscen_pybullet._land.terrain import KERB, Theme
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from oodscen_pybullet._meshes.mesh import Mesh
+from oodscen_pybullet._meshes.shapes import upright
+from oodscen_pybullet._types import Array, Mask
 
 LAYER = 0.004
 """Height between stacked layers of the road, m."""
@@ -41,7 +39,7 @@ class Ribbons:
         left: Array | float,
         surface: str,
         *,
-        heights: tuple[float, float] = (0.0, 0.0),
+        heights: tuple[Array | float, Array | float] = (0.0, 0.0),
         is_region: bool = False,
         where: Mask | None = None,
     ) -> None:
@@ -88,12 +86,10 @@ class Ribbons:
 
     def mesh(self) -> Mesh:
         """Return the mesh of everything added."""
-        vertices = np.concatenate(self._vertices)
-        return Mesh(
-            vertices=vertices,
-            normals=np.concatenate(self._normals),
-            uvs=np.concatenate(self._uvs),
-            triangles=np.arange(len(vertices)).reshape(-1, 3),
+        return Mesh.loose(
+            np.concatenate([np.zeros((0, 3)), *self._vertices]),
+            np.concatenate([np.zeros((0, 3)), *self._normals]),
+            np.concatenate([np.zeros((0, 2)), *self._uvs]),
         )
 
 
@@ -128,19 +124,7 @@ def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
     paint = Ribbons(ground.ego.course)
     _lay_floors(ground, paint)
     _paint_crossings(ground, paint)
-    return joined([part.mesh() for part in [*parts, paint] if part._vertices])
-
-
-def joined(meshes: Sequence[Mesh]) -> Mesh:
-    """Merge several meshes into one."""
-    vertices = np.concatenate([mesh.vertices[mesh.triangles.reshape(-1)] for mesh in meshes])
-    return Mesh(
-        vertices=vertices,
-        normals=np.concatenate([mesh.normals[mesh.triangles.reshape(-1)] for mesh in meshes]),
-        uvs=np.concatenate([mesh.uvs[mesh.triangles.reshape(-1)] for mesh in meshes]),
-        triangles=np.arange(len(vertices)).reshape(-1, 3),
-        tags=np.concatenate([mesh.classes for mesh in meshes]),
-    )
+    return Mesh.joined([part.mesh() for part in [*parts, paint]])
 
 
 def _lay(way: Way, ribbons: Ribbons, theme: Theme, layer: float, rng: np.random.Generator) -> None:
@@ -218,7 +202,7 @@ def _kerb_medians(ribbons: Ribbons, medians: Sequence[tuple[Array, Array, Mask]]
     low, high = ribbons.course.points(right, -0.03), ribbons.course.points(left, KERB)
     for row, is_first in zip(rows.tolist(), [True, False] * (len(rows) // 2), strict=True):
         (ax, ay, az), (bx, by, bz) = low[row].tolist(), high[row].tolist()
-        front = np.array([[(bx, by, az), (ax, ay, az), (ax, ay, bz), (bx, by, bz)]])
+        front = np.array([upright((bx, by), (ax, ay), az, bz)])
         uv = np.broadcast_to(swatch_uv("kerb_side"), (1, 4, 2))
         ribbons.quads(front if is_first else front[:, [1, 0, 3, 2]], uv)
 

@@ -5,21 +5,19 @@ equal distance from the asphalt, so any road network gets kerbs that follow its 
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, cast, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from oodscen.data._catalogue import RoadMap
 from oodscen.driving._roads.corridor import Corridor, Structure
 from oodscen_pybullet._land.adaptive_grid import Squares, crossing
 from oodscen_pybullet._land.ground import TIGHT, Ground
 from oodscen_pybullet._land.islands import Islands
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.clipping import cut
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from oodscen_pybullet._types import Array, Mask
 
 Theme = Literal["residential", "urban", "highway", "rural"]
 
@@ -91,13 +89,9 @@ class Terrain:
         self._waves = rng.uniform(-1.0, 1.0, (64, 64))
         self._crops = rng.integers(0, len(_CROPS), (64, 64))
         self._meeting = _meeting_points(ground)
-        self._islands = Islands.of(ground, self._meeting)
-        self._known: dict[tuple[float, float], float] = {}
-
-    @property
-    def islands(self) -> "Islands":
+        self.islands = Islands.of(ground, self._meeting)
         """The land enclosed by roads."""
-        return self._islands
+        self._known: dict[tuple[float, float], float] = {}
 
     @property
     def lift(self) -> float:
@@ -145,7 +139,7 @@ class Terrain:
             pieces.append(_walls(border))
             kerb, land, _ = cut(land, _ASPHALT, 0.18)
             pieces.append(self._surface(kerb, "kerb", False))
-            is_island = self._islands.covers(land[:, :, : _Y + 1].mean(axis=1))
+            is_island = self.islands.covers(land[:, :, : _Y + 1].mean(axis=1))
             island, land = land[is_island], land[~is_island]
             rim, lawn, _ = cut(island, _ASPHALT, ISLAND_RIM)
             pieces.append(self._surface(rim, "paving", True))
@@ -201,13 +195,10 @@ class Terrain:
 
     # ------------------------------------------------------------------ shape
 
-    def _tunnels(self) -> list[Structure]:
-        return [one for one in self.ground.corridor.structures if one.kind == "tunnel"]
+    def _structures(self, kind: str) -> list[Structure]:
+        return [one for one in self.ground.corridor.structures if one.kind == kind]
 
-    def _bridges(self) -> list[Structure]:
-        return [one for one in self.ground.corridor.structures if one.kind == "bridge"]
-
-    def _heights(self, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    def _heights(self, x: Array, y: Array) -> tuple[Array, Array, Mask]:
         """Return the ground's height in the open and above tunnels, and a mask of where the latter applies."""
         near = self.ground.near(x, y)
         away = np.maximum(near.asphalt, 0.0)
@@ -220,7 +211,7 @@ class Terrain:
             low = np.zeros(len(x))
         outside = near.z + relief + low
         inside, within = outside, np.zeros(len(x), bool)
-        for tunnel in self._tunnels():
+        for tunnel in self._structures("tunnel"):
             gap = np.maximum(tunnel.start - near.s, near.s - tunnel.end)
             deep = np.maximum(-gap, 0.0)
             side = _rise(away, 3.0, BANK_M)
@@ -228,7 +219,7 @@ class Terrain:
             outside = outside + bank
             inside = inside + PORTAL_M + np.minimum(0.45 * deep, 18.0)
             within |= gap <= 0.0
-        for bridge in self._bridges():
+        for bridge in self._structures("bridge"):
             deep = np.minimum(near.s - bridge.start, bridge.end - near.s)
             share = _rise(deep, 0.0, 24.0)
             dry = 1.0 - share * (1.0 - _rise(away, 120.0, 190.0))
@@ -269,7 +260,7 @@ class Terrain:
         corners[:, :, _U : _V + 1] = net.local(points[order], held)
         return corners
 
-    def _is_corner(self, points: Array) -> NDArray[np.bool_]:
+    def _is_corner(self, points: Array) -> Mask:
         """Return which points are close enough to a junction to be paved all over."""
         square = (points[:, :1] - self._meeting[None, :, 0]) ** 2
         square += (points[:, 1:] - self._meeting[None, :, 1]) ** 2
@@ -339,19 +330,16 @@ def _mesh(vertices: Array, uvs: Array) -> Mesh:
     length = np.sqrt((normal * normal).sum(axis=1))
     keep = length > 1e-4
     normal = normal[keep] / length[keep, None]
-    points = three[keep].reshape(-1, 3)
-    return Mesh(
-        vertices=points,
-        normals=np.repeat(normal, 3, axis=0),
-        uvs=uvs.reshape(-1, 3, 2)[keep].reshape(-1, 2),
-        triangles=np.arange(len(points)).reshape(-1, 3),
+    return Mesh.loose(
+        three[keep].reshape(-1, 3),
+        np.repeat(normal, 3, axis=0),
+        uvs.reshape(-1, 3, 2)[keep].reshape(-1, 2),
     )
 
 
-def theme_of(traits: frozenset[str], corridor: Corridor) -> Theme:
+def theme_of(road: RoadMap, corridor: Corridor) -> Theme:
     """Return the kind of land that a map's traits ask for."""
-    themes: tuple[Theme, ...] = ("residential", "urban", "highway", "rural")
-    for theme in themes:
-        if theme in traits:
-            return theme
+    for theme in get_args(Theme):
+        if theme in road.traits:
+            return cast("Theme", theme)
     return "urban" if any(strip.kind == "sidewalk" for strip in corridor.strips) else "rural"

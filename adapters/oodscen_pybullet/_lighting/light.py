@@ -5,17 +5,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._scene import Weather
 from oodscen.numerics import _exact as exact
-from oodscen_pybullet._rendering.view import Point
+from oodscen_pybullet._types import F32, Point
 
 _DEGREE = 0.017453292519943295
 
 _DAYLIGHT = ((-18.0, 0.06), (-6.0, 0.14), (0.0, 0.42), (8.0, 0.92), (15.0, 1.0))
 """Sun elevation, degrees, and brightness of the day."""
-STREET_LAMP: Point = (1.0, 0.82, 0.55)
 GLARE_DEG = 12.0
 """Elevation below which a sun ahead of the ego dazzles, degrees."""
 
@@ -85,7 +83,7 @@ class Light:
             shades=sun if clear > 0.25 else (0.12, 0.16, 0.98),
         )
 
-    def darkness(self) -> NDArray[np.float32]:
+    def darkness(self) -> F32:
         """Return the darkening of a shadow relative to the sunlit surface, 0 to 1, [256].
 
         The index is the sun's incidence on the surface, 0 (grazing) to 255 (perpendicular). The darkening
@@ -98,20 +96,6 @@ class Light:
         boost = min(max(self.shadow / max(level, 0.02), 1.0), 4.0)
         most = np.maximum(share, np.float32(self.shadow))
         return np.minimum(share * np.float32(boost), most).astype(np.float32)
-
-
-@dataclass(frozen=True)
-class Glow:
-    """A lit lamp in world coordinates."""
-
-    position: Point
-    colour: Point
-    facing: Point
-    """Direction of its beam; (0, 0, 0) shines in all directions."""
-    power: float
-    is_street: bool = False
-    by_day: float = 0.22
-    """Share of its halo that is visible by day."""
 
 
 def _between(table: Sequence[tuple[float, float]], value: float) -> float:

@@ -1,13 +1,10 @@
 """Reflections in wet ground and standing water."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR, SHELTERED, SOFT
-
-F32 = NDArray[np.float32]
-U8 = NDArray[np.uint8]
+from oodscen_pybullet._types import F32, U8
 
 
 @Kernel

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from oodscen.numerics._kernels import Kernel, part
-from oodscen_pybullet._rendering.depth_kernel import F32, F64
 from oodscen_pybullet._rendering.triangles import SHELTERED, Triangles
-from oodscen_pybullet._rendering.view import CameraView, Point
+from oodscen_pybullet._rendering.view import CameraView
+from oodscen_pybullet._types import F32, Array, Point
 
 CELLS = 1024
 """Cells along a side of the map."""
@@ -62,8 +62,8 @@ class Shade:
 @Kernel
 def cast(
     some: Triangles,
-    sun: F64,
-    frame: F64,
+    sun: Array,
+    frame: Array,
     skipped: int,
     heights: F32,
     tiles: F32,
@@ -100,17 +100,11 @@ def cast(
 
 
 @part
-def _is_near(some: Triangles, index: int, frame: F64, most: float) -> bool:
+def _is_near(some: Triangles, index: int, frame: Array, most: float) -> bool:
     """Return whether an object's sphere may cast a shadow on the map."""
     places, spheres = some.places, some.spheres
-    x0, y0, level, lean_x, lean_y, scale = (
-        frame[0],
-        frame[1],
-        frame[2],
-        frame[3],
-        frame[4],
-        frame[5],
-    )
+    x0, y0, level = frame[0], frame[1], frame[2]
+    lean_x, lean_y, scale = frame[3], frame[4], frame[5]
     stretch = 1.0 + math.sqrt(lean_x * lean_x + lean_y * lean_y)
     c, s = places[index, 3], places[index, 4]
     bx = places[index, 0] + c * spheres[index, 0] - s * spheres[index, 1]
@@ -122,17 +116,11 @@ def _is_near(some: Triangles, index: int, frame: F64, most: float) -> bool:
 
 
 @part
-def _drop(some: Triangles, index: int, k: int, frame: F64, corners: F64) -> None:
+def _drop(some: Triangles, index: int, k: int, frame: Array, corners: Array) -> None:
     """Write a triangle's shadow into `corners`: column, row and height of each."""
     places, points = some.places, some.corners
-    x0, y0, level, lean_x, lean_y, scale = (
-        frame[0],
-        frame[1],
-        frame[2],
-        frame[3],
-        frame[4],
-        frame[5],
-    )
+    x0, y0, level = frame[0], frame[1], frame[2]
+    lean_x, lean_y, scale = frame[3], frame[4], frame[5]
     c, s = places[index, 3], places[index, 4]
     for j in range(3):
         a, b = np.float64(points[k, j, 0]), np.float64(points[k, j, 1])
@@ -143,7 +131,7 @@ def _drop(some: Triangles, index: int, k: int, frame: F64, corners: F64) -> None
 
 
 @part
-def _fill(corners: F64, most: float, margin: float, heights: F32, tiles: F32) -> None:
+def _fill(corners: Array, most: float, margin: float, heights: F32, tiles: F32) -> None:
     """Raise the map, and its tiles, to a triangle's shadow that is widened by a margin in cells."""
     cells = heights.shape[0]
     px, py, pz = corners[:, 0], corners[:, 1], corners[:, 2]
@@ -231,37 +219,24 @@ class ShadowMap:
             actors: The moving triangles.
             is_inside: Whether the camera is in a tunnel, whose roof then casts no shadow.
         """
-        rise = max(sun[2], LOWEST)
-        flat = math.sqrt(sun[0] * sun[0] + sun[1] * sun[1]) or 1.0
-        cosine = math.sqrt(1.0 - rise * rise)
-        towards = (sun[0] / flat * cosine, sun[1] / flat * cosine, rise)
-        lean = (towards[0] / rise, towards[1] / rise)
+        towards = _raised(sun)
+        lean = (towards[0] / towards[2], towards[1] / towards[2])
         level = math.floor(level)
-        frame = np.array(
-            [*_corner(view, AHEAD_M, SNAP_M, SIDE_M), level, *lean, CELLS / SIDE_M, 0.5]
-        )
-        wide = np.array(
-            [
-                *_corner(view, FAR_AHEAD_M, FAR_SNAP_M, FAR_SIDE_M),
-                level,
-                *lean,
-                FAR_CELLS / FAR_SIDE_M,
-                0.0,
-            ]
-        )
+        corner = _corner(view, AHEAD_M, SNAP_M, SIDE_M)
+        frame = np.array([*corner, level, *lean, CELLS / SIDE_M, 0.5])
+        far_corner = _corner(view, FAR_AHEAD_M, FAR_SNAP_M, FAR_SIDE_M)
+        wide = np.array([*far_corner, level, *lean, FAR_CELLS / FAR_SIDE_M, 0.0])
         skipped = SHELTERED if is_inside else 0
-        key: Key = (*frame.tolist(), *towards, skipped)
         direction = np.array(towards)
         far_key: Key = (*wide.tolist(), *towards, skipped)
         if far_key != self._far_key:
             self._far_key = far_key
-            self._far = np.full((FAR_CELLS, FAR_CELLS), NOTHING, np.float32)
-            tiles = np.full((FAR_CELLS // TILE, FAR_CELLS // TILE), NOTHING, np.float32)
+            self._far, tiles = _empty(FAR_CELLS)
             cast(scenery, direction, wide, skipped, self._far, tiles)
+        key: Key = (*frame.tolist(), *towards, skipped)
         if key != self._key:
             self._key = key
-            self._still = np.full((CELLS, CELLS), NOTHING, np.float32)
-            self._still_tiles = np.full((CELLS // TILE, CELLS // TILE), NOTHING, np.float32)
+            self._still, self._still_tiles = _empty(CELLS)
             cast(scenery, direction, frame, skipped, self._still, self._still_tiles)
             self._heights, self._tiles = self._still.copy(), self._still_tiles.copy()
             self._touched.clear()
@@ -273,12 +248,28 @@ class ShadowMap:
         return Shade(
             heights=self._heights,
             tiles=self._tiles,
-            corner=(frame[0], frame[1]),
+            corner=corner,
             level=level,
             far=self._far,
-            far_corner=(wide[0], wide[1]),
+            far_corner=far_corner,
             lean=lean,
         )
+
+
+def _empty(cells: int) -> tuple[F32, F32]:
+    """Return a map without shadows, and its tiles."""
+    tiles = cells // TILE
+    return np.full((cells, cells), NOTHING, np.float32), np.full(
+        (tiles, tiles), NOTHING, np.float32
+    )
+
+
+def _raised(sun: Point) -> Point:
+    """Return the direction towards the sun, raised until its rays are steep enough."""
+    rise = max(sun[2], LOWEST)
+    flat = math.sqrt(sun[0] * sun[0] + sun[1] * sun[1]) or 1.0
+    cosine = math.sqrt(1.0 - rise * rise)
+    return (sun[0] / flat * cosine, sun[1] / flat * cosine, rise)
 
 
 def _corner(view: CameraView, ahead: float, snap: float, side: float) -> tuple[float, float]:
@@ -290,7 +281,7 @@ def _corner(view: CameraView, ahead: float, snap: float, side: float) -> tuple[f
     return (x, y)
 
 
-def _areas(some: Triangles, frame: F64) -> list[tuple[slice, slice]]:
+def _areas(some: Triangles, frame: Array) -> list[tuple[slice, slice]]:
     """Return the rows and columns of the map that objects may cover."""
     c, s = some.places[:, 3], some.places[:, 4]
     x = some.places[:, 0] + c * some.spheres[:, 0] - s * some.spheres[:, 1]

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving._roads.corridor import Corridor, Structure
-from oodscen_pybullet._rendering.view import CameraView, Point
+from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.structures import CEILING_M
+from oodscen_pybullet._types import F32, Array, Mask, Point
 
 _WALL_M = 0.6
 """Distance by which walls extend beyond the cross-section, m."""
@@ -29,9 +30,7 @@ class Portal:
     normal: Point
     """Normal of the plane away from the camera, as components along the camera's right, up and forward."""
 
-    def ahead(
-        self, across: NDArray[np.floating], upwards: NDArray[np.floating]
-    ) -> NDArray[np.float32]:
+    def ahead(self, across: NDArray[np.floating], upwards: NDArray[np.floating]) -> F32:
         """Return the depth of the plane on rays, m; infinity on rays that do not meet it.
 
         Args:
@@ -54,7 +53,7 @@ class Shelter:
     def _tunnels(self) -> list[Structure]:
         return [one for one in self.corridor.structures if one.kind == "tunnel"]
 
-    def covers(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def covers(self, points: Array) -> Mask:
         """Return which points, [n, 3] m, lie in a tunnel, including its walls and ceiling."""
         found = np.zeros(len(points), bool)
         if not self._tunnels or not len(points):

@@ -6,14 +6,16 @@ from functools import lru_cache
 from oodscen.data._details import Details
 from oodscen.errors import UnknownComponent
 from oodscen_pybullet._meshes.atlas import LOOKS
-from oodscen_pybullet._meshes.builder import Lamp, Mesh, MeshBuilder, Point, Puff
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import assemble, load_designs
 from oodscen_pybullet._meshes.detailed import build_detailed
 from oodscen_pybullet._meshes.living import people, roles
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.made import is_made, learned, made_mesh
+from oodscen_pybullet._meshes.mesh import Lamp, Mesh, Puff
 from oodscen_pybullet._meshes.objects import cargo, flat, misc, plants, props, signs
 from oodscen_pybullet._meshes.vehicles import ego, riders, wrecks
+from oodscen_pybullet._types import Point
 
 __all__ = [
     "FLASHING",
@@ -87,7 +89,7 @@ def asset_mesh(
         details: Pose, open parts ...; what is held or loaded may be a learned design.
 
     Raises:
-        UnknownComponent: If there is no such asset.
+        UnknownComponent: If no asset has this id.
     """
     if is_made(asset):
         return made_mesh(asset, state, asset_mesh)

@@ -6,10 +6,10 @@ from functools import cache
 from importlib.resources import files
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._colours import LIT, rgb_of
 from oodscen_pybullet._meshes.textures import paint_regions
+from oodscen_pybullet._types import U8, Array, Ints, Mask
 
 SIZE = 1024
 """Width and height of the atlas, in pixels."""
@@ -53,7 +53,7 @@ class Snow(IntEnum):
 
 
 @cache
-def swatch_uv(colour: str) -> NDArray[np.float64]:
+def swatch_uv(colour: str) -> Array:
     """Return the texture coordinates of a colour's centre: [2], v upwards.
 
     A colour that the atlas lacks has coordinates beyond it, which `free_colours` reads.
@@ -70,7 +70,7 @@ def swatch_uv(colour: str) -> NDArray[np.float64]:
     return place
 
 
-def free_colours(uvs: NDArray[np.float64]) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+def free_colours(uvs: Array) -> tuple[Mask, Ints]:
     """Return which coordinates, [n, 2], are colours that the atlas lacks, and red, green, blue, lit: [n, 4]."""
     is_free = uvs[:, 0] > _BEYOND - 0.5
     code = np.rint((uvs[:, 0] - _BEYOND) * _CODES).astype(np.int64)
@@ -79,7 +79,7 @@ def free_colours(uvs: NDArray[np.float64]) -> tuple[NDArray[np.bool_], NDArray[n
     return is_free, np.where(is_free[:, None], rows, 0)
 
 
-def nearest_swatches(uvs: NDArray[np.float64]) -> NDArray[np.float64]:
+def nearest_swatches(uvs: Array) -> Array:
     """Return coordinates with those beyond the atlas replaced by its nearest colours, for plain cameras."""
     is_free, rows = free_colours(uvs)
     if not is_free.any():
@@ -92,7 +92,7 @@ def nearest_swatches(uvs: NDArray[np.float64]) -> NDArray[np.float64]:
     return found
 
 
-def region_uv(name: str) -> NDArray[np.float64]:
+def region_uv(name: str) -> Array:
     """Return the corners of a region: [4, 2], counter-clockwise from the bottom left."""
     x, y, width, height = REGIONS[name]
     left, right = (x + 0.5) / SIZE, (x + width - 0.5) / SIZE
@@ -101,7 +101,7 @@ def region_uv(name: str) -> NDArray[np.float64]:
 
 
 @cache
-def draw_atlas(snow: Snow = Snow.NONE) -> NDArray[np.uint8]:
+def draw_atlas(snow: Snow = Snow.NONE) -> U8:
     """Paint the atlas: [SIZE, SIZE, 3] RGB; every call returns the same bytes."""
     image = np.zeros((SIZE, SIZE, 3), np.uint8)
     colours = dict(COLOURS)

@@ -3,19 +3,17 @@
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from typing import Literal, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._shapes import Caps
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
+from oodscen_pybullet._meshes.mesh import BY_DAY, Lamp, Mesh, Puff
 from oodscen_pybullet._meshes.shapes import (
-    Array,
-    Point,
     facet_rows,
     flat_normal,
     moved,
@@ -23,43 +21,7 @@ from oodscen_pybullet._meshes.shapes import (
     sphere_grid,
     unit_rows,
 )
-
-__all__ = ["Array", "Lamp", "Mesh", "MeshBuilder", "Point", "Puff"]
-
-_BY_DAY = 0.22
-"""Share of a lamp's glow that is visible by day; light-emitting diodes have more."""
-
-
-@dataclass(frozen=True)
-class Lamp:
-    """A light on a mesh that glows in the dark."""
-
-    position: Point
-    """In the mesh's frame, m."""
-    colour: Point
-    """Red, green, blue, 0 to 1."""
-    facing: Point
-    """Direction of the beam in the mesh's frame; (0, 0, 0) shines in all directions."""
-    power: float = 1.0
-    """Relative power: 1 is a tail lamp; a headlamp on low beam is about 4."""
-    by_day: float = _BY_DAY
-    """Share of its glow that is visible by day."""
-
-
-@dataclass(frozen=True)
-class Puff:
-    """A soft ball of smoke, fire or dust."""
-
-    position: Point
-    """Centre in the mesh's frame, m."""
-    radius: float
-    """Radius, m."""
-    colour: Point
-    """Red, green, blue, 0 to 1."""
-    density: float
-    """Opacity at the centre, 0 to 1."""
-    is_bright: bool = False
-    """True if it emits light, as fire does."""
+from oodscen_pybullet._types import Array, Ints, Point
 
 
 class _Rect(NamedTuple):
@@ -75,46 +37,6 @@ class _Rect(NamedTuple):
         """Return the corners, counter-clockwise seen from above."""
         x0, x1, y0, y1, z = self
         return [(x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z)]
-
-
-@dataclass(frozen=True, eq=False)
-class Mesh:
-    """A flat-shaded triangle mesh that takes its colours from the atlas."""
-
-    vertices: Array
-    """[n, 3] m; x forward, y left, z up; the footprint's centre is the origin."""
-    normals: Array
-    """[n, 3], unit length."""
-    uvs: Array
-    """[n, 2] atlas coordinates."""
-    triangles: NDArray[np.int64]
-    """[m, 3] rows of `vertices`, counter-clockwise seen from outside."""
-    lamps: tuple[Lamp, ...] = ()
-    """The mesh's lamps."""
-    puffs: tuple[Puff, ...] = ()
-    """Smoke, fire and dust, which the bounds ignore."""
-    is_ground: bool = False
-    """True for road and land: upward faces get wet and receive the full light of the beams."""
-    tags: NDArray[np.uint8] | None = None
-    """[m] semantic class of each triangle: `oodscen_pybullet._meshes.tags.Tag`; 0 and `None` leave it
-    to the colour."""
-
-    @property
-    def bounds(self) -> tuple[Array, Array]:
-        """Lowest and highest corner, m."""
-        return self.vertices.min(axis=0), self.vertices.max(axis=0)
-
-    @property
-    def size(self) -> Point:
-        """Length, width and height, m."""
-        low, high = self.bounds
-        length, width, height = (high - low).tolist()
-        return length, width, height
-
-    @property
-    def classes(self) -> NDArray[np.uint8]:
-        """Semantic class of each triangle, [m]; 0 leaves it to the colour."""
-        return np.zeros(len(self.triangles), np.uint8) if self.tags is None else self.tags
 
 
 class MeshBuilder:
@@ -366,7 +288,7 @@ class MeshBuilder:
         facing: Point,
         power: float = 1.0,
         *,
-        by_day: float = _BY_DAY,
+        by_day: float = BY_DAY,
     ) -> Self:
         """Declare a light that glows in the dark, and faintly by day."""
         self._lamps.append(Lamp(position, colour, facing, power, by_day))
@@ -424,6 +346,14 @@ class MeshBuilder:
         self._uvs.append(other.uvs[order])
         return self
 
+    def insert(self, other: Mesh) -> Self:
+        """Add a finished mesh with its lamps and puffs."""
+        if len(other.triangles):
+            self.add_surface(other)
+        self._lamps += other.lamps
+        self._puffs += other.puffs
+        return self
+
     def shift(self, offset: Point, *, scale: float = 1.0) -> Self:
         """Scale everything added so far about the origin, then move it."""
         move = np.array(offset)
@@ -437,7 +367,7 @@ class MeshBuilder:
 
     @property
     def is_empty(self) -> bool:
-        """True if there is nothing with a surface; lamps and puffs have none."""
+        """True if nothing has a surface; lamps and puffs have none."""
         return not self._points
 
     def flatten(self, ground: float) -> Self:
@@ -445,6 +375,11 @@ class MeshBuilder:
         for rows in self._points:
             rows[:, 2] = np.maximum(rows[:, 2], ground)
         return self
+
+    def grounded(self) -> Self:
+        """Move everything up or down so that the lowest z is 0."""
+        low, _ = self.bounds
+        return self.shift((0.0, 0.0, -float(low[2])))
 
     def centred(self) -> Self:
         """Move everything so that the footprint's centre is the origin and the lowest z is 0."""
@@ -457,26 +392,17 @@ class MeshBuilder:
         rows = np.concatenate(self._points)
         return rows.min(axis=0), rows.max(axis=0)
 
-    def build_or_none(self) -> Mesh | None:
-        """Return the mesh, `None` if nothing was added; lamps and puffs alone make a mesh without triangles."""
-        if self.is_empty and not (self._lamps or self._puffs):
-            return None
-        return self.build()
-
     def build(self) -> Mesh:
         """Return the mesh."""
-        vertices = np.concatenate([np.zeros((0, 3)), *self._points])
-        return Mesh(
-            vertices=vertices,
-            normals=np.concatenate([np.zeros((0, 3)), *self._normals]),
-            uvs=np.concatenate([np.zeros((0, 2)), *self._uvs]),
-            triangles=np.arange(len(vertices)).reshape(-1, 3),
-            lamps=tuple(self._lamps),
-            puffs=tuple(self._puffs),
+        surface = Mesh.loose(
+            np.concatenate([np.zeros((0, 3)), *self._points]),
+            np.concatenate([np.zeros((0, 3)), *self._normals]),
+            np.concatenate([np.zeros((0, 2)), *self._uvs]),
         )
+        return replace(surface, lamps=tuple(self._lamps), puffs=tuple(self._puffs))
 
 
 @cache
-def _fan(corners: int) -> NDArray[np.int64]:
+def _fan(corners: int) -> Ints:
     """Return the corners of the triangles that fill a convex polygon."""
     return np.array([i for k in range(1, corners - 1) for i in (0, k, k + 1)])

@@ -7,12 +7,15 @@ from functools import lru_cache
 import numpy as np
 
 from oodscen.data._details import AssetDetails, Details, held_place, posed
+from oodscen.numerics._exact import PI
 from oodscen_pybullet._catalogue import load_catalogue
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living.poses import pose_of
 from oodscen_pybullet._meshes.look import BEATS, Appearance, beating
-from oodscen_pybullet._meshes.made import insert_at
+from oodscen_pybullet._meshes.mesh import Mesh
+from oodscen_pybullet._meshes.shapes import rotation
 from oodscen_pybullet._meshes.vehicles.damage import altered
+from oodscen_pybullet._types import Point
 
 MakeAsset = Callable[[str, Appearance], MeshBuilder]
 FindMesh = Callable[[str, str], Mesh]
@@ -37,7 +40,7 @@ def build_detailed(asset: str, shown: Appearance, make: MakeAsset, find: FindMes
     if details.holds and pose is not None and pose.grip is not None:
         held = find(details.holds, "")
         place = held_place(pose.grip, offers.scale, held.size)
-        insert_at(mesh, held, place.at, yaw_deg=_quarter(is_turned=place.is_turned))
+        mesh.insert(_quarter_turned(held, place.at, is_turned=place.is_turned))
         x, depth = place.at[0], held.size[1 if place.is_turned else 0]
         half = (high[0] - low[0]) / 2
         front, back = max(half, x + depth / 2), max(half, depth / 2 - x)
@@ -46,13 +49,12 @@ def build_detailed(asset: str, shown: Appearance, make: MakeAsset, find: FindMes
         load = find(details.cargo, "")
         x, z = offers.bed.at
         length, width, _ = load.size
-        insert_at(mesh, load, (x, 0.0, z), yaw_deg=_quarter(is_turned=width > length))
+        mesh.insert(_quarter_turned(load, (x, 0.0, z), is_turned=width > length))
     return mesh
 
 
-def _quarter(*, is_turned: bool) -> float:
-    """Return the yaw of a thing that is turned by a quarter or not, degrees."""
-    return 90.0 if is_turned else 0.0
+def _quarter_turned(thing: Mesh, to: Point, *, is_turned: bool) -> Mesh:
+    return thing.moved(rotation(yaw=PI / 2 if is_turned else 0.0), to=to)
 
 
 @lru_cache(maxsize=512)

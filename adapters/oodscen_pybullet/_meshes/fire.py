@@ -3,8 +3,9 @@
 import math
 from collections.abc import Sequence
 
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._types import Point
 
 BLACK_SMOKE: Point = (0.12, 0.115, 0.11)
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from oodscen.data._details import Details
 
@@ -53,6 +53,19 @@ class Lights:
     """True if beacons are in the second half of their cycle."""
 
 
+class Gait(NamedTuple):
+    """A moment of a walk or a run."""
+
+    phase: float
+    """Completed fraction of the stride."""
+    runs: bool
+
+    def of(self, side: float, *, backwards: bool = False) -> "Gait":
+        """Return the moment for a person's right (-1) or left (1) leg, and for the arm opposite to it."""
+        phase = self.phase + (0.5 if side > 0 else 0.0)
+        return Gait(-phase if backwards else phase, self.runs)
+
+
 @dataclass(frozen=True)
 class Appearance:
     """The requested appearance of one asset."""
@@ -87,12 +100,12 @@ class Appearance:
         return int(self.paint or 0)
 
     @property
-    def gait(self) -> tuple[float, bool] | None:
-        """The completed fraction of the stride, and whether it is a run; `None` means standing."""
+    def gait(self) -> Gait | None:
+        """The moment of the stride; `None` means standing."""
         frame = self.frame % POSTURES
         if frame < WALKING:
             return None
-        return (frame - WALKING) % STEPS / STEPS, frame >= RUNNING
+        return Gait((frame - WALKING) % STEPS / STEPS, frame >= RUNNING)
 
     @property
     def warned(self) -> Direction | None:

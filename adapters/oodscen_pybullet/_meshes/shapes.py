@@ -4,12 +4,17 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.numerics._exact import cos, sin
+from oodscen_pybullet._types import Array, Heading, Point
 
-Point = tuple[float, float, float]
-Array = NDArray[np.float64]
+ORIGIN: Point = (0.0, 0.0, 0.0)
+CIRCLE = tuple(
+    (c * p - s * q, s * p + c * q)
+    for p, q in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+    for c, s in ((1.0, 0.0), (0.9239, 0.3827), (0.7071, 0.7071), (0.3827, 0.9239))
+)
+"""Sixteen points on the unit circle, counter-clockwise."""
 
 
 def rotation(*, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> Array:
@@ -48,6 +53,19 @@ def moved(point: Point, scale: float, offset: Point) -> Point:
         point[1] * scale + offset[1],
         point[2] * scale + offset[2],
     )
+
+
+def placed(point: Point, at: Point, heading: Heading) -> Point:
+    """Return a point of what stands at a place and faces along a heading."""
+    (x, y, z), (c, s) = point, heading
+    return at[0] + c * x - s * y, at[1] + s * x + c * y, at[2] + z
+
+
+def upright(
+    start: tuple[float, float], end: tuple[float, float], low: float, high: float
+) -> list[Point]:
+    """Return an upright rectangle from its bottom left, as a viewer sees it: `start` is x and y at the left."""
+    return [(*start, low), (*end, low), (*end, high), (*start, high)]
 
 
 def ring(

@@ -3,9 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Image = NDArray[np.uint8]
+from oodscen_pybullet._types import U8
+
+Image = U8
 Colour = tuple[int, int, int]
 
 RED: Colour = (200, 22, 28)

@@ -7,10 +7,10 @@ from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen_pybullet._meshes.atlas import swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
+from oodscen_pybullet._types import Mask
 
 
 class Tag(IntEnum):
@@ -78,5 +78,5 @@ def on_posts(mesh: Mesh, tag: Tag) -> Mesh:
     return replace(mesh, tags=np.where(is_post, Tag.POLES, tag).astype(np.uint8))
 
 
-def _is_coloured(mesh: Mesh, colour: str) -> NDArray[np.bool_]:
+def _is_coloured(mesh: Mesh, colour: str) -> Mask:
     return np.asarray((mesh.uvs[mesh.triangles[:, 0]] == swatch_uv(colour)).all(axis=1))

@@ -1,12 +1,9 @@
 """Meshes of bodies that pitch and roll."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from oodscen.numerics._exact import PI, sincos
-from oodscen_pybullet._meshes.builder import Mesh, Point
-from oodscen_pybullet._meshes.made import rotated
+from oodscen_pybullet._meshes.mesh import Mesh
 
 Tilt = tuple[int, int, float]
 """Pitch and roll, degrees, and the height above the underside about which a body turns, m."""
@@ -26,23 +23,5 @@ def tilted(mesh: Mesh, tilt: Tilt) -> Mesh:
     sp, cp = sincos(tilt[0] * PI / 180.0)
     sr, cr = sincos(tilt[1] * PI / 180.0)
     rows = np.array([[cp, sp * sr, sp * cr], [0.0, cr, -sr], [-sp, cp * sr, cp * cr]])
-    pivot = np.array([0.0, 0.0, tilt[2]])
-
-    def moved(point: Point) -> Point:
-        x, y, z = (rotated(np.array([point]) - pivot, rows)[0] + pivot).tolist()
-        return x, y, z
-
-    def turned(way: Point) -> Point:
-        x, y, z = rotated(np.array([way]), rows)[0].tolist()
-        return x, y, z
-
-    return replace(
-        mesh,
-        vertices=rotated(mesh.vertices - pivot, rows) + pivot,
-        normals=rotated(mesh.normals, rows),
-        lamps=tuple(
-            replace(lamp, position=moved(lamp.position), facing=turned(lamp.facing))
-            for lamp in mesh.lamps
-        ),
-        puffs=tuple(replace(puff, position=moved(puff.position)) for puff in mesh.puffs),
-    )
+    pivot = (0.0, 0.0, tilt[2])
+    return mesh.moved(rows, about=pivot, to=pivot)

@@ -1,10 +1,10 @@
 """Export of meshes as Wavefront OBJ text."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen_pybullet._meshes.atlas import nearest_swatches
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
+from oodscen_pybullet._types import Array, Ints
 
 
 def wavefront(mesh: Mesh) -> str:
@@ -24,8 +24,8 @@ def wavefront(mesh: Mesh) -> str:
 
 
 def _distinct(
-    rows: NDArray[np.float64],
-) -> tuple[list[tuple[float, ...]], NDArray[np.int64]]:
+    rows: Array,
+) -> tuple[list[tuple[float, ...]], Ints]:
     """Return the distinct rows, and the index of the distinct row for each row."""
     scale = 1e4 if rows.shape[1] == 3 else 1e6
     which = np.zeros(len(rows), np.int64)

@@ -10,13 +10,11 @@ from oodscen.data._details import Details
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._sight.lamps import STANDING, has_lamps_on, is_braking, waits_in_traffic
 from oodscen.numerics import _exact as exact
-from oodscen_pybullet._lighting.light import Glow
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
 from oodscen_pybullet._meshes.living.poses import pose_of
 from oodscen_pybullet._meshes.look import BEATS, STEPS, Direction, beating, reacting
 from oodscen_pybullet._meshes.tilting import UPRIGHT, Tilt, tilted
-
-Pose = tuple[float, float, float, float]
+from oodscen_pybullet._types import Pose
 
 RUNNING = 2.4
 """Speed above which legs run, in walking strides per second."""
@@ -76,10 +74,6 @@ class SceneBodies:
         self._shown: list[Details | None] = []
         self._triggers: list[Trigger] = []
         self._given = {actor.id: actor.behaviour.trigger for actor in scene.actors}
-
-    def __len__(self) -> int:
-        """Return the number of bodies."""
-        return len(self._members)
 
     @property
     def assets(self) -> list[Asset]:
@@ -141,18 +135,6 @@ class SceneBodies:
             looks.append(Look(asset.id, shown, paint, runs, frame, details))
         return looks
 
-    def glows(self, looks: Sequence[Look], poses: Sequence[Pose]) -> list[Glow]:
-        """Return every lit lamp in world coordinates, except the ego's."""
-        glows = []
-        for look, (x, y, z, yaw) in zip(looks[1:], poses[1:], strict=True):
-            s, c = exact.sincos(yaw)
-            for lamp in mesh_of(look).lamps:
-                (px, py, pz), (fx, fy, fz) = lamp.position, lamp.facing
-                place = (x + c * px - s * py, y + s * px + c * py, z + pz)
-                facing = (c * fx - s * fy, s * fx + c * fy, fz)
-                glows.append(Glow(place, lamp.colour, facing, lamp.power, by_day=lamp.by_day))
-        return glows
-
 
 def phase_of(state: str, trigger: Trigger, fired: float, time: float) -> str:
     """Return the state that a signal shows: its own from the trigger on, and before it the preceding one.
@@ -194,7 +176,7 @@ def seen_coming(pose: Pose, ego: Pose, speed: float) -> Direction | None:
     before, left = -c * dx - s * dy, s * dx - c * dy
     if before > 2.0 * abs(left):
         return "ahead"
-    # Nobody sees what comes from behind.
+    # People do not see what comes from behind.
     if before < -0.5 * abs(left):
         return None
     return "left" if left > 0.0 else "right"

@@ -6,7 +6,6 @@ from pathlib import Path
 from types import ModuleType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen._files import temporary_folder
 from oodscen_pybullet._lighting.light import Light
@@ -15,8 +14,9 @@ from oodscen_pybullet._meshes import Mesh
 from oodscen_pybullet._meshes.atlas import Snow, draw_atlas
 from oodscen_pybullet._meshes.wavefront import wavefront
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
-from oodscen_pybullet._rendering.stage import Pose, Shot
+from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.view import CameraView, metres
+from oodscen_pybullet._types import F32, I32, U8, Pose
 
 _MOST_TRIANGLES = 20_000
 """Triangles per shape; PyBullet accepts no more than about 130,000 corners."""
@@ -102,7 +102,7 @@ class BulletRenderer:
                 body, (x, y, z), turn, physicsClientId=self._client
             )
 
-    def unhidden(self, view: CameraView) -> NDArray[np.int32] | None:
+    def unhidden(self, view: CameraView) -> I32 | None:
         """Return `None`: an answer would need one picture per actor."""
         return None
 
@@ -183,15 +183,10 @@ class BulletRenderer:
 def _piece(mesh: Mesh, start: int) -> Mesh:
     """Return a part of a mesh's triangles as a mesh."""
     rows = mesh.triangles[start : start + _MOST_TRIANGLES].reshape(-1)
-    return Mesh(
-        vertices=mesh.vertices[rows],
-        normals=mesh.normals[rows],
-        uvs=mesh.uvs[rows],
-        triangles=np.arange(len(rows)).reshape(-1, 3),
-    )
+    return Mesh.loose(mesh.vertices[rows], mesh.normals[rows], mesh.uvs[rows])
 
 
-def _smooth(rgb: NDArray[np.uint8], depth: NDArray[np.float32]) -> NDArray[np.uint8]:
+def _smooth(rgb: U8, depth: F32) -> U8:
     """Smooth jagged silhouettes and distant texture."""
     import cv2
 

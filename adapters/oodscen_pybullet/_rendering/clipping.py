@@ -3,10 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-
+from oodscen_pybullet._types import Array
 
 Place = Callable[[Array, Array], Array]
 """Returns the position of a cut between two corners, [n, k] each: [n] fractions of the way."""

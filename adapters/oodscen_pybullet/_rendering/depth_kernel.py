@@ -10,15 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.numerics._kernels import Kernel, inlined, part
 from oodscen_pybullet._rendering.triangles import SHELTERED, Triangles
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
-I32 = NDArray[np.int32]
-U8 = NDArray[np.uint8]
+from oodscen_pybullet._types import F32, I32, Array
 
 RECORD = 19
 """Numbers stored per drawn triangle: a point on the grid of samples; 1/w, u/w, v/w and light/w there
@@ -71,20 +66,20 @@ class Screen(NamedTuple):
 class Outline(NamedTuple):
     """Work space for one triangle."""
 
-    points: F64
+    points: Array
     """[3, 3] corners to the right, upwards and ahead of the camera, m."""
-    x: F64
+    x: Array
     """[5] columns of the corners that the near plane leaves."""
-    y: F64
+    y: Array
     """[5] their rows."""
-    steps: F64
+    steps: Array
     """[5] columns per row along each edge."""
 
 
 class Plane(NamedTuple):
     """The linear functions of the screen that a triangle's corners define."""
 
-    inverse: F64
+    inverse: Array
     """[3, 3] the inverse of the matrix of corners, times its determinant."""
     turn: float
     """1 / determinant."""
@@ -98,29 +93,32 @@ class Plane(NamedTuple):
     view_y: float
 
 
+class Shutter(NamedTuple):
+    """The camera, the light and the samples of a picture."""
+
+    camera: Array
+    """[17] eye, right, up, forward, focal length in pixels, near and far plane, m; column and row of the
+    optical axis, pixels."""
+    sun: Array
+    """[5] direction towards the sun, ambient and diffuse fraction."""
+    detail: int
+    """1 samples each pixel at its centre. 2 adds a row of samples between each two rows of pixels, shifted right
+    by half a pixel: the pixels' corners."""
+    width: int
+    """Pixels and samples per row."""
+    height: int
+    """Rows of pixels."""
+
+
 @Kernel
 def scatter(
-    some: Triangles,
-    camera: F64,
-    sun: F64,
-    detail: int,
-    width: int,
-    height: int,
-    samples: Samples,
-    drawn: DrawnTriangles,
-    count: int,
+    some: Triangles, shutter: Shutter, samples: Samples, drawn: DrawnTriangles, count: int
 ) -> int:
     """Draw objects into the buffer of samples.
 
     Args:
         some: The objects.
-        camera: [17] eye, right, up, forward, focal length in pixels, near and far plane, m; column
-            and row of the optical axis, pixels.
-        sun: [5] direction towards the sun, ambient and diffuse fraction.
-        detail: 1 samples each pixel at its centre. 2 adds a row of samples between each two rows of
-            pixels, shifted right by half a pixel: the pixels' corners.
-        width: Pixels and samples per row.
-        height: Rows of pixels.
+        shutter: The camera and the light.
         samples: The front surfaces, changed in place.
         drawn: Receives the drawn triangles from `count` on.
         count: Number of records so far.
@@ -128,6 +126,8 @@ def scatter(
     Returns:
         The new number of records.
     """
+    camera, sun, detail = shutter.camera, shutter.sun, shutter.detail
+    width, height = shutter.width, shutter.height
     focal, far = camera[12], camera[14]
     axis_x, axis_y = camera[15], camera[16]
     screen = Screen(
@@ -174,7 +174,7 @@ def scatter(
 
 
 @part
-def _turn(some: Triangles, index: int, camera: F64, sun: F64, turned: F64) -> None:
+def _turn(some: Triangles, index: int, camera: Array, sun: Array, turned: Array) -> None:
     """Write eye, right, up, forward and sun in an object's frame into the rows of `turned`."""
     places = some.places
     c, s = places[index, 3], places[index, 4]
@@ -191,7 +191,7 @@ def _turn(some: Triangles, index: int, camera: F64, sun: F64, turned: F64) -> No
 
 @part
 def _is_in_view(
-    some: Triangles, index: int, turned: F64, near: float, far: float, slopes: tuple[float, float]
+    some: Triangles, index: int, turned: Array, near: float, far: float, slopes: tuple[float, float]
 ) -> bool:
     """Return whether an object's sphere may be in the picture, whose edges have these slopes."""
     spheres = some.spheres
@@ -210,7 +210,7 @@ def _is_in_view(
 
 
 @inlined
-def _project(some: Triangles, k: int, turned: F64, screen: Screen, outline: Outline) -> int:
+def _project(some: Triangles, k: int, turned: Array, screen: Screen, outline: Outline) -> int:
     """Project a triangle, clipped at the near plane; return the number of corners left."""
     planes, corners = some.planes, some.corners
     points, px, py = outline.points, outline.x, outline.y
@@ -267,27 +267,21 @@ def _extent(outline: Outline, corners: int) -> tuple[float, float, float, float]
 
 
 @inlined
-def _invert(outline: Outline, inverse: F64) -> float:
+def _invert(outline: Outline, inverse: Array) -> float:
     """Write the inverse of the matrix of corners, times its determinant, which is returned."""
     points = outline.points
     ax, ay, aw = points[0, 0], points[0, 1], points[0, 2]
     b0, b1, b2 = points[1, 0], points[1, 1], points[1, 2]
     c0, c1, c2 = points[2, 0], points[2, 1], points[2, 2]
-    inverse[0, 0], inverse[0, 1], inverse[0, 2] = (
-        b1 * c2 - b2 * c1,
-        b2 * c0 - b0 * c2,
-        b0 * c1 - b1 * c0,
-    )
-    inverse[1, 0], inverse[1, 1], inverse[1, 2] = (
-        c1 * aw - c2 * ay,
-        c2 * ax - c0 * aw,
-        c0 * ay - c1 * ax,
-    )
-    inverse[2, 0], inverse[2, 1], inverse[2, 2] = (
-        ay * b2 - aw * b1,
-        aw * b0 - ax * b2,
-        ax * b1 - ay * b0,
-    )
+    inverse[0, 0] = b1 * c2 - b2 * c1
+    inverse[0, 1] = b2 * c0 - b0 * c2
+    inverse[0, 2] = b0 * c1 - b1 * c0
+    inverse[1, 0] = c1 * aw - c2 * ay
+    inverse[1, 1] = c2 * ax - c0 * aw
+    inverse[1, 2] = c0 * ay - c1 * ax
+    inverse[2, 0] = ay * b2 - aw * b1
+    inverse[2, 1] = aw * b0 - ax * b2
+    inverse[2, 2] = ax * b1 - ay * b0
     return float(ax * inverse[0, 0] + ay * inverse[0, 1] + aw * inverse[0, 2])
 
 
@@ -300,6 +294,20 @@ def _linear(plane: Plane, a: float, b: float, c: float) -> tuple[float, float, f
     p2 = a * inverse[0, 2] + b * inverse[1, 2] + c * inverse[2, 2]
     value = (p0 * plane.view_x + p1 * plane.view_y + p2) * plane.turn
     return value, p0 * plane.grow_x, -p1 * plane.grow_y
+
+
+@inlined
+def _find_steps(outline: Outline, corners: int) -> None:
+    """Write the columns per row along each edge, from its upper corner down."""
+    px, py, step = outline.x, outline.y, outline.steps
+    for j in range(corners):
+        i = j + 1 if j + 1 < corners else 0
+        if py[j] < py[i]:
+            step[j] = (px[i] - px[j]) / (py[i] - py[j])
+        elif py[i] < py[j]:
+            step[j] = (px[j] - px[i]) / (py[j] - py[i])
+        else:
+            step[j] = 0.0
 
 
 @part
@@ -328,15 +336,7 @@ def _fill(
     px, py, step = outline.x, outline.y, outline.steps
     nearness, shown = samples.nearness, samples.shown
     iw, iwx, iwy = depth
-    # Edge by edge from the upper corner down.
-    for j in range(corners):
-        i = j + 1 if j + 1 < corners else 0
-        if py[j] < py[i]:
-            step[j] = (px[i] - px[j]) / (py[i] - py[j])
-        elif py[i] < py[j]:
-            step[j] = (px[j] - px[i]) / (py[j] - py[i])
-        else:
-            step[j] = 0.0
+    _find_steps(outline, corners)
     is_drawn = False
     slope = np.float32(iwx)
     mark = np.int32(count)
@@ -402,8 +402,8 @@ def _note(
     some: Triangles,
     index: int,
     k: int,
-    turned: F64,
-    sun: F64,
+    turned: Array,
+    sun: Array,
     plane: Plane,
     depth: tuple[float, float, float],
     drawn: DrawnTriangles,

@@ -2,126 +2,71 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import Kernel
-from oodscen_pybullet._lighting.light import Light
-from oodscen_pybullet._meshes.builder import Puff
-from oodscen_pybullet._rendering.view import NEAR, CameraView, Point
-
-F32 = NDArray[np.float32]
-I32 = NDArray[np.int32]
-U8 = NDArray[np.uint8]
-
-Pose = tuple[float, float, float, float]
+from oodscen_pybullet._rendering.stage import Ball, RawPicture
+from oodscen_pybullet._rendering.view import NEAR, CameraView
+from oodscen_pybullet._types import F32, U8, Mask, Point
 
 
-@dataclass(frozen=True)
-class Ball:
-    """A puff in world coordinates."""
+def add_puffs(image: U8, picture: RawPicture, rate: float, air: Sequence[float]) -> None:
+    """Blend smoke, fire and dust into a picture, farthest first, in place.
 
-    position: Point
-    radius: float
-    colour: Point
-    density: float
-    is_bright: bool
-    row: int
-    """Row of the body it belongs to."""
-
-
-def placed(puffs: Sequence[Puff], pose: Pose, row: int) -> list[Ball]:
-    """Return a body's puffs in world coordinates."""
-    x, y, z, yaw = pose
-    s, c = exact.sincos(yaw)
-    balls = []
-    for puff in puffs:
-        px, py, pz = puff.position
-        place = (x + c * px - s * py, y + s * px + c * py, z + pz)
-        balls.append(Ball(place, puff.radius, puff.colour, puff.density, puff.is_bright, row))
-    return balls
-
-
-def add_puffs(
-    image: U8,
-    depth: F32,
-    rows: I32,
-    view: CameraView,
-    balls: Sequence[Ball],
-    light: Light,
-    rate: float,
-    air: Sequence[float],
-) -> None:
-    """Blend balls into a picture, farthest first, in place.
+    Pixels more than half covered by a body's balls get its row, and at most the distance of its middle ball.
 
     Args:
         image: [height, width, 3]
-        depth: [height, width] m; in pixels more than half covered by balls, capped at the distance
-            of the body's middle ball.
-        rows: [height, width] actors; pixels more than half covered by a body's balls get its row.
-        view: The camera.
-        balls: The balls to blend.
-        light: The light of the scene; balls that emit no light darken with it.
+        picture: The balls, the camera and the light; balls that emit no light darken with it.
         rate: Extinction coefficient of the air, 1/m.
         air: Colour of the air, 0 to 255.
     """
-    near = []
-    for number, ball in enumerate(balls):
-        across, upwards, ahead = view.to_camera(ball.position)
-        if ahead > NEAR + 0.2 * ball.radius:
-            near.append((-ahead, number, across, upwards, ball))
-    if not near:
-        return
-    cover = np.zeros((len({ball.row for *_, ball in near}), *depth.shape), np.float32)
-    layers = {row: index for index, row in enumerate(sorted({ball.row for *_, ball in near}))}
-    for behind, _, across, upwards, ball in sorted(near, key=lambda one: one[:2]):
-        ahead = -behind
+    view, light, shot = picture.view, picture.light, picture.shot
+    covers: dict[int, F32] = {}
+    distances: dict[int, list[float]] = {}
+    for ahead, (puff, row), circle in _from_afar(view, picture.balls):
         through = exact.exp(-rate * ahead)
-        bright = 1.0 if ball.is_bright else light.daylight
-        tone = [
-            255.0 * c * (1.0 if ball.is_bright else light.tint[e] * bright)
-            for e, c in enumerate(ball.colour)
-        ]
-        tone = [air[e] + (tone[e] - air[e]) * through for e in range(3)]
-        draw_puff(
-            image,
-            depth,
-            cover[layers[ball.row]],
-            np.array(
-                [
-                    view.width / 2 + view.focal * across / ahead,
-                    view.height / 2 - view.focal * upwards / ahead,
-                    max(view.focal * ball.radius / ahead, 0.4),
-                    ahead,
-                    ball.radius,
-                    ball.density,
-                    0.0 if ball.is_bright else 0.34,
-                ],
-                np.float32,
-            ),
-            np.array(tone, np.float32),
-        )
-    for row, index in layers.items():
-        filled_up = cover[index] > np.float32(0.5)
-        way = sorted(-behind for behind, *_, ball in near if ball.row == row)
-        rows[filled_up] = row
-        depth[filled_up] = np.minimum(depth[filled_up], np.float32(way[len(way) // 2]))
+        tint: Point = (1.0, 1.0, 1.0) if puff.is_bright else light.tint
+        bright = 1.0 if puff.is_bright else light.daylight
+        tone = [255.0 * c * (tint[e] * bright) for e, c in enumerate(puff.colour)]
+        colour = [air[e] + (tone[e] - air[e]) * through for e in range(3)]
+        cover = covers.setdefault(row, np.zeros(shot.depth.shape, np.float32))
+        draw_puff(image, shot.depth, cover, circle, np.array(colour, np.float32))
+        distances.setdefault(row, []).append(ahead)
+    for row in sorted(covers):
+        is_filled = covers[row] > np.float32(0.5)
+        far = sorted(distances[row])
+        shot.rows[is_filled] = row
+        middle = np.float32(far[len(far) // 2])
+        shot.depth[is_filled] = np.minimum(shot.depth[is_filled], middle)
 
 
-def filled(view: CameraView, balls: Sequence[Ball], row: int) -> NDArray[np.bool_]:
-    """Return the pixels that a body's balls would fill without occlusion."""
+def filled(view: CameraView, balls: Sequence[Ball]) -> Mask:
+    """Return the pixels that balls would fill without occlusion."""
     shape = (view.height, view.width)
-    image, rows = np.zeros((*shape, 3), np.uint8), np.full(shape, -1, np.int32)
-    depth = np.full(shape, np.inf, np.float32)
-    some = [ball for ball in balls if ball.row == row]
-    add_puffs(image, depth, rows, view, some, _DAY, 0.0, (0.0, 0.0, 0.0))
-    return np.asarray(rows == row)
+    image, cover = np.zeros((*shape, 3), np.uint8), np.zeros(shape, np.float32)
+    depth, black = np.full(shape, np.inf, np.float32), np.zeros(3, np.float32)
+    for _, _, circle in _from_afar(view, balls):
+        draw_puff(image, depth, cover, circle, black)
+    return np.asarray(cover > np.float32(0.5))
 
 
-_DAY = Light((0.0, 0.0, 1.0), 1.0, 0.0, 1.0, 0.0, (1.0, 1.0, 1.0), has_glare=False)
+def _from_afar(view: CameraView, balls: Sequence[Ball]) -> list[tuple[float, Ball, F32]]:
+    """Return the balls ahead, farthest first, each with its distance, m, and as `draw_puff` takes it."""
+    found = []
+    for ball in balls:
+        puff = ball.puff
+        across, upwards, ahead = view.to_camera(puff.position)
+        if ahead > NEAR + 0.2 * puff.radius:
+            column = view.width / 2 + view.focal * across / ahead
+            row = view.height / 2 - view.focal * upwards / ahead
+            radius = max(view.focal * puff.radius / ahead, 0.4)
+            shade = 0.0 if puff.is_bright else 0.34
+            circle = (column, row, radius, ahead, puff.radius, puff.density, shade)
+            found.append((ahead, ball, np.array(circle, np.float32)))
+    return sorted(found, key=lambda one: -one[0])
 
 
 @Kernel

@@ -1,28 +1,22 @@
 """Development of a raw shot into the picture that a camera would record."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from threading import Thread
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen._seeding import stream
-from oodscen.data._scene import Weather
 from oodscen.driving._sight.visibility import extinction
 from oodscen.numerics._kernels import is_compiled
 from oodscen_pybullet._lighting.lamps import add_glare, add_glows, ground_light
-from oodscen_pybullet._lighting.light import Glow, Light
 from oodscen_pybullet._lighting.reflections import add_reflections
 from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SIDE_M
-from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering import postprocess as d
-from oodscen_pybullet._rendering.particles import Ball, add_puffs
+from oodscen_pybullet._rendering.particles import add_puffs
 from oodscen_pybullet._rendering.postprocess_arrays import postprocess_arrays
-from oodscen_pybullet._rendering.stage import Shot
+from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR
-from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._rendering.weather import (
     SKY_M,
     add_rain,
@@ -33,8 +27,7 @@ from oodscen_pybullet._rendering.weather import (
     cloud_sheet,
     heaven,
 )
-
-F32 = NDArray[np.float32]
+from oodscen_pybullet._types import F32, U8
 
 _WET = 0.62
 """Brightness of wet asphalt relative to dry."""
@@ -47,30 +40,7 @@ _TUNNEL = (1.03, 1.0, 0.93)
 _ADD_DROPS = {"rain": add_rain, "snow": add_snow}
 
 
-@dataclass(frozen=True, eq=False)
-class RawPicture:
-    """A raw picture and everything that determines its postprocessing."""
-
-    shot: Shot
-    """The raw picture; pixels filled by smoke become those of the body it belongs to."""
-    view: CameraView
-    weather: Weather
-    light: Light
-    glows: Sequence[Glow]
-    time: float
-    """Time since the start, s; rain and snow change over time."""
-    seed: int
-    road_height: float
-    """Height of the ground below the camera, m."""
-    portal: Portal | None = None
-    """The end of a tunnel that the camera looks at."""
-    balls: Sequence[Ball] = ()
-    """Smoke, fire and dust."""
-    threads: int = 1
-    """Number of threads that develop it."""
-
-
-def postprocessed(picture: RawPicture) -> NDArray[np.uint8]:
+def postprocessed(picture: RawPicture) -> U8:
     """Apply light and weather: [height, width, 3] uint8; depends only on the argument."""
     view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     rate, air = extinction(weather), air_colour(weather, light)
@@ -81,8 +51,8 @@ def postprocessed(picture: RawPicture) -> NDArray[np.uint8]:
     else:
         image = postprocess_arrays(plate)
     if picture.balls:
-        add_puffs(image, shot.depth, shot.rows, view, picture.balls, light, rate, air)
-    add_glows(image, view, shot.depth, picture.glows, light, rate)
+        add_puffs(image, picture, rate, air)
+    add_glows(image, view, shot.depth, picture.lamps, light, rate)
     is_raining = weather.precipitation == "rain"
     if is_compiled() and (is_raining or (plate.kinds & MIRROR).any()):
         add_reflections(
@@ -95,14 +65,11 @@ def postprocessed(picture: RawPicture) -> NDArray[np.uint8]:
         )
     add_glare(image, view, light, shot.depth)
     if weather.precipitation != "none":
-        _ADD_DROPS[weather.precipitation](
-            image, view, weather, light, shot.reach, plate.kinds, picture.portal, picture.seed,
-            picture.time,
-        )  # fmt: skip
+        _ADD_DROPS[weather.precipitation](image, picture, plate.kinds)
     return image
 
 
-def _in_bands(plate: d.Plate, image: NDArray[np.uint8], threads: int) -> None:
+def _in_bands(plate: d.Plate, image: U8, threads: int) -> None:
     """Let each of some threads develop a band of the picture."""
     edges = [len(image) * band // threads for band in range(threads + 1)]
     bands = [(plate, image, first, end) for first, end in pairwise(edges)]
@@ -120,7 +87,7 @@ def _plate(picture: RawPicture, rate: float, air: Sequence[float]) -> d.Plate:
     across, upwards = view.slopes()
     spread = [_spread(across, 0.42), _spread(across, 0.75), cloud_columns(view)]
     settings, shade = _settings(picture, rate, air), shot.shade
-    grid = ground_light(view, picture.glows, light) if is_compiled() else None
+    grid = ground_light(view, picture.lamps, light) if is_compiled() else None
     settings[d.HAS_GRID] = float(grid is not None)
     return d.Plate(
         rgb=np.ascontiguousarray(np.moveaxis(shot.rgb, 2, 0)),
@@ -145,7 +112,7 @@ def _plate(picture: RawPicture, rate: float, air: Sequence[float]) -> d.Plate:
     )
 
 
-def _kinds(picture: RawPicture) -> NDArray[np.uint8]:
+def _kinds(picture: RawPicture) -> U8:
     """Return the surface flags; where unknown, low surfaces count as ground."""
     shot, view = picture.shot, picture.view
     if shot.kinds is not None:

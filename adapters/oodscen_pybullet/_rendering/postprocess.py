@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from oodscen.numerics._kernels import Kernel, inlined, part
-from oodscen_pybullet._rendering.depth_kernel import F32, U8
 from oodscen_pybullet._rendering.triangles import GROUND, SHELTERED, SHINING, SOFT
+from oodscen_pybullet._types import F32, U8
 
 GRID_AHEAD, GRID_ASIDE, GRID_CELL = 192, 160, 0.5
 """Cells ahead of and across the camera in which lamps light the ground, and their size, m."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from oodscen_pybullet._rendering import postprocess as d
-from oodscen_pybullet._rendering.depth_kernel import U8
+from oodscen_pybullet._types import U8
 
 _ONE, _HALF, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.0)
 

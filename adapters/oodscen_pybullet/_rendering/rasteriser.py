@@ -5,7 +5,6 @@ from collections import OrderedDict
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._lighting.light import Light
@@ -16,9 +15,10 @@ from oodscen_pybullet._meshes.atlas import Snow, draw_atlas
 from oodscen_pybullet._rendering import depth_kernel as raster
 from oodscen_pybullet._rendering import shading
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
-from oodscen_pybullet._rendering.stage import Pose, Shot
+from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import Triangles, textures
 from oodscen_pybullet._rendering.view import FAR, NEAR, CameraView
+from oodscen_pybullet._types import F32, I32, Array, Pose
 
 _LAMPS = (0.06, 0.08, 0.995)
 """Direction towards the light that casts shadows in tunnels."""
@@ -115,9 +115,9 @@ class Rasteriser:
         samples = self._clean(count + raster.BLOCK)
         sun = np.array([*light.sun, light.ambient, light.diffuse], np.float64)
         drawn = self._reserve(len(self._scenery.corners) + len(self._actors.corners))
-        window = (0, 0, view.width, view.height)
-        number = _scatter(self._actors, view, window, sun, self._detail, samples, drawn, 0)
-        _scatter(self._scenery, view, window, sun, self._detail, samples, drawn, number)
+        shutter = _shutter(view, (0, 0, view.width, view.height), sun, self._detail)
+        number = raster.scatter(self._actors, shutter, samples, drawn, 0)
+        raster.scatter(self._scenery, shutter, samples, drawn, number)
         planes = shading.Planes(
             rgb=np.empty((3, *shape), np.uint8),
             depth=np.empty(shape, np.float32),
@@ -137,7 +137,7 @@ class Rasteriser:
         fields = planes._asdict() | {"rgb": np.moveaxis(planes.rgb, 0, 2)}
         return Shot(**fields, shade=shade)
 
-    def unhidden(self, view: CameraView) -> NDArray[np.int32] | None:
+    def unhidden(self, view: CameraView) -> I32 | None:
         """Return the number of pixels that each actor would fill without occlusion, [actors]."""
         actors = self._actors
         assert actors is not None
@@ -156,7 +156,7 @@ class Rasteriser:
             alone = actors._replace(
                 spans=actors.spans[one], places=actors.places[one], spheres=actors.spheres[one]
             )
-            _scatter(alone, view, window, sun, 1, samples, drawn, 0)
+            raster.scatter(alone, _shutter(view, window, sun, 1), samples, drawn, 0)
             pixels[row] = np.count_nonzero(samples.shown >= 0)
         return pixels
 
@@ -188,28 +188,19 @@ class Rasteriser:
         return self._drawn
 
 
-def _scatter(
-    some: Triangles,
-    view: CameraView,
-    window: tuple[int, int, int, int],
-    sun: NDArray[np.float64],
-    detail: int,
-    samples: raster.Samples,
-    drawn: raster.DrawnTriangles,
-    count: int,
-) -> int:
-    """Draw objects into a window of the picture; return the number of records so far."""
+def _shutter(
+    view: CameraView, window: tuple[int, int, int, int], sun: Array, detail: int
+) -> raster.Shutter:
+    """Return the camera, the light and the samples of a window of the picture."""
     left, top, width, height = window
     axis = (view.width / 2 - left, view.height / 2 - top)
     camera = np.array(
         [*view.eye, *view.right, *view.up, *view.forward, view.focal, NEAR, FAR, *axis], np.float64
     )
-    return raster.scatter(some, camera, sun, detail, width, height, samples, drawn, count)
+    return raster.Shutter(camera, sun, detail, width, height)
 
 
-def _window(
-    view: CameraView, place: NDArray[np.float64], sphere: NDArray[np.float32]
-) -> tuple[int, int, int, int]:
+def _window(view: CameraView, place: Array, sphere: F32) -> tuple[int, int, int, int]:
     """Return the left column, top row, width and height of the pixels that a sphere may fill."""
     x, y, z, c, s = place.tolist()
     a, b, d, radius = sphere.astype(np.float64).tolist()

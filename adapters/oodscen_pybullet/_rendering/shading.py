@@ -11,15 +11,13 @@ import numpy as np
 from oodscen.numerics._kernels import Kernel, inlined, part
 from oodscen_pybullet._meshes.tags import Tag
 from oodscen_pybullet._rendering.depth_kernel import (
-    F32,
-    I32,
     TUNNEL_AMBIENT,
     TUNNEL_DIFFUSE,
-    U8,
     DrawnTriangles,
     Samples,
 )
 from oodscen_pybullet._rendering.triangles import Textures
+from oodscen_pybullet._types import F32, I32, U8
 
 _SKY = int(Tag.SKY)
 _RUN = 32
@@ -49,22 +47,32 @@ class Planes(NamedTuple):
     """[height, width] semantic class: `oodscen_pybullet._meshes.tags.Tag`; 0 for actors."""
 
 
+class Paints(NamedTuple):
+    """All that gives the drawn triangles their colours."""
+
+    drawn: DrawnTriangles
+    sheet: Textures
+    light: F32
+    """Fractions of ambient light and of light from the sun."""
+    detail: int
+    """Rows of samples from one row of pixels to the next."""
+    scratch: I32
+    """[5, _RUN] work space."""
+
+
+class Colours(NamedTuple):
+    """Rows of pixels to be filled."""
+
+    red: U8
+    green: U8
+    blue: U8
+    lit: U8
+    """Incidence of the sun on the surface, 0 (grazing) to 255 (perpendicular)."""
+
+
 @inlined
 def _paint(
-    mark: int,
-    column: np.float32,
-    row: int,
-    count: int,
-    drawn: DrawnTriangles,
-    sheet: Textures,
-    light: F32,
-    detail: int,
-    scratch: I32,
-    red: U8,
-    green: U8,
-    blue: U8,
-    lit: U8,
-    at: int,
+    mark: int, column: np.float32, row: int, count: int, paints: Paints, colours: Colours, at: int
 ) -> None:
     """Shade adjacent pixels of one record that is textured or unevenly lit.
 
@@ -73,19 +81,14 @@ def _paint(
         column: Column of the first sample, pixels.
         row: Row of the samples, counted in samples.
         count: Number of pixels, small enough for a single texture level.
-        drawn: As in `scatter`.
-        sheet: The textures.
-        light: As in `gather`.
-        detail: Rows of samples from one row of pixels to the next.
-        scratch: [5, at least count] work space.
-        red: A row of pixels, filled from `at` on.
-        green: The same for green.
-        blue: The same for blue.
-        lit: The same for the sun's incidence on the surface, 0 (grazing) to 255 (perpendicular).
+        paints: The records, the textures and the light.
+        colours: Receive the pixels from column `at` on.
         at: Column of the first pixel.
     """
-    records, labels = drawn.records, drawn.labels
-    texels, sizes = sheet.texels, sheet.sizes
+    records, labels = paints.drawn.records, paints.drawn.labels
+    texels, sizes = paints.sheet.texels, paints.sheet.sizes
+    light, detail, scratch = paints.light, paints.detail, paints.scratch
+    red, green, blue, lit = colours.red, colours.green, colours.blue, colours.lit
     k, first = np.uint64(mark), np.uint64(at)
     zero, half, full = np.float32(0.0), np.float32(0.5), np.float32(255.0)
     region = labels[k, 0]
@@ -180,30 +183,32 @@ def _differs(mark: int, other: int, labels: I32) -> bool:
     return bool(labels[np.uint64(mark), 2] != labels[np.uint64(other), 2])
 
 
+class Edges(NamedTuple):
+    """The pixels whose corners show other surfaces."""
+
+    spots: I32
+    """[n, 2] row and column."""
+    mixed: U8
+    """[n, 3] smoothed colours."""
+
+
 @part
 def _smooth(
-    spots: I32,
-    begin: int,
-    end: int,
-    mixed: U8,
-    samples: Samples,
-    drawn: DrawnTriangles,
-    sheet: Textures,
-    light: F32,
-    planes: Planes,
+    edges: Edges, begin: int, end: int, samples: Samples, paints: Paints, planes: Planes
 ) -> None:
-    """Mix, into `mixed`, the centre of each pixel, weighted one half, with its corners.
+    """Mix the centre of each pixel, weighted one half, with its corners.
 
     A surface that a neighbour shows at its centre takes that neighbour's colour; only surfaces too thin
     for that are shaded again.
     """
     nearness, shown = samples.nearness, samples.shown
-    records, labels = drawn.records, drawn.labels
+    records, labels = paints.drawn.records, paints.drawn.labels
+    spots, mixed = edges.spots, edges.mixed
     rgb, reach, sky = planes.rgb, planes.reach, planes.sky
     height, width = reach.shape
     zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
-    scratch = np.empty((5, 1), np.int32)
     paint = np.empty((4, 1), np.uint8)
+    colours = Colours(paint[0], paint[1], paint[2], paint[3])
     for n in range(np.uint64(begin), np.uint64(end)):
         y, x = int(spots[n, 0]), int(spots[n, 1])
         red = green = blue = weight = total = zero
@@ -242,22 +247,8 @@ def _smooth(
                             one_b = np.float32(rgb[2, np.uint64(b), np.uint64(a)])
                             is_known = True
                     if not is_known:
-                        _paint(
-                            mark,
-                            np.float32(x) + half * np.float32(i),
-                            2 * y + j,
-                            1,
-                            drawn,
-                            sheet,
-                            light,
-                            2,
-                            scratch,
-                            paint[0],
-                            paint[1],
-                            paint[2],
-                            paint[3],
-                            0,
-                        )
+                        middle = np.float32(x) + half * np.float32(i)
+                        _paint(mark, middle, 2 * y + j, 1, paints, colours, 0)
                         one_r = np.float32(paint[0, 0])
                         one_g = np.float32(paint[1, 0])
                         one_b = np.float32(paint[2, 0])
@@ -277,8 +268,9 @@ def _smooth(
 
 
 @part
-def _settle(spots: I32, begin: int, end: int, mixed: U8, rgb: U8) -> None:
-    """Write the mixed colours of some pixels."""
+def _settle(edges: Edges, begin: int, end: int, rgb: U8) -> None:
+    """Write the smoothed colours of some pixels."""
+    spots, mixed = edges.spots, edges.mixed
     for n in range(np.uint64(begin), np.uint64(end)):
         for e in range(3):
             rgb[e, np.uint64(spots[n, 0]), np.uint64(spots[n, 1])] = mixed[n, e]
@@ -301,17 +293,17 @@ def _measure(samples: Samples, labels: I32, planes: Planes, y: int, row: int) ->
 
 
 @part
-def _find_edges(shown: I32, labels: I32, y: int, mixed: I32, spots: I32, count: int) -> int:
+def _find_edges(shown: I32, labels: I32, y: int, changes: I32, spots: I32, count: int) -> int:
     """Append the pixels of a row whose corners show other surfaces; return their number so far."""
     row, one = 2 * y, np.uint64(1)
     wide = np.uint64(shown.shape[1])
     middle, over, under = shown[row], shown[max(row - 1, 0)], shown[row + 1]
     for i in range(wide):
-        mixed[i] = (over[i] ^ middle[i]) | (under[i] ^ middle[i])
+        changes[i] = (over[i] ^ middle[i]) | (under[i] ^ middle[i])
     for i in range(wide - one):
-        mixed[i + one] |= (over[i] ^ middle[i + one]) | (under[i] ^ middle[i + one])
+        changes[i + one] |= (over[i] ^ middle[i + one]) | (under[i] ^ middle[i + one])
     for i in range(wide):
-        if mixed[i]:
+        if changes[i]:
             mark = middle[i]
             left = i - one if i > 0 else i
             if (
@@ -326,15 +318,13 @@ def _find_edges(shown: I32, labels: I32, y: int, mixed: I32, spots: I32, count: 
 
 
 @part
-def _shade(
-    marks: I32, drawn: DrawnTriangles, sheet: Textures, light: F32, detail: int, scratch: I32,
-    planes: Planes, line: int,
-) -> None:  # fmt: skip
+def _shade(marks: I32, paints: Paints, planes: Planes, line: int) -> None:
     """Colour the centres of a row of pixels, one run of equal records after another."""
-    records, labels = drawn.records, drawn.labels
+    records, labels = paints.drawn.records, paints.drawn.labels
     rgb, sky, lit, kinds = planes.rgb, planes.sky, planes.lit, planes.kinds
     zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
     width, y = marks.shape[0], np.uint64(line)
+    colours = Colours(rgb[0, y], rgb[1, y], rgb[2, y], lit[y])
     x = 0
     while x < width:
         at = np.uint64(x)
@@ -362,10 +352,8 @@ def _shade(
                 lit[y, at + i] = plain_lit
                 kinds[y, at + i] = made
         else:
-            _paint(
-                mark, np.float32(x), line * detail, stop - x, drawn, sheet, light, detail, scratch,
-                rgb[0, y], rgb[1, y], rgb[2, y], lit[y], x,
-            )  # fmt: skip
+            row = line * paints.detail
+            _paint(mark, np.float32(x), row, stop - x, paints, colours, x)
             made = np.uint8(labels[np.uint64(mark), 3])
             for i in range(np.uint64(stop - x)):
                 sky[y, at + i] = 0
@@ -389,32 +377,30 @@ def gather(
         drawn: As in `scatter`.
         sheet: The textures.
         light: Fractions of ambient light and of light from the sun.
-        detail: As in `scatter`.
+        detail: As in `depth_kernel.Shutter`.
         planes: Filled by the kernel.
     """
     height, width = planes.depth.shape
-    scratch = np.empty((5, _RUN), np.int32)
-    mixed = np.zeros(width, np.int32)
+    paints = Paints(drawn, sheet, light, detail, np.empty((5, _RUN), np.int32))
+    changes = np.zeros(width, np.int32)
     spots = np.empty((height * width if detail == 2 else 0, 2), np.int32)
-    mixtures = np.empty((len(spots), 3), np.uint8)
+    edges = Edges(spots, np.empty((len(spots), 3), np.uint8))
     starts = np.zeros(height + 1, np.int64)
     count = 0
     for y in range(height):
         _measure(samples, drawn.labels, planes, y, y * detail)
         if detail == 2:
-            count = _find_edges(samples.shown, drawn.labels, y, mixed, spots, count)
-        _shade(samples.shown[y * detail], drawn, sheet, light, detail, scratch, planes, y)
+            count = _find_edges(samples.shown, drawn.labels, y, changes, spots, count)
+        _shade(samples.shown[y * detail], paints, planes, y)
         if detail == 2:
             # A row is mixed once the row below is painted, while all of them are in cache, and
             # written once the row below is mixed.
             starts[y + 1] = count
             for last in range(y - 1, y + (1 if y + 1 == height else 0)):
                 if last >= 0:
-                    _smooth(
-                        spots, int(starts[last]), int(starts[last + 1]), mixtures, samples, drawn,
-                        sheet, light, planes,
-                    )  # fmt: skip
+                    begin, end = int(starts[last]), int(starts[last + 1])
+                    _smooth(edges, begin, end, samples, paints, planes)
                 if last >= 1:
-                    _settle(spots, int(starts[last - 1]), int(starts[last]), mixtures, planes.rgb)
+                    _settle(edges, int(starts[last - 1]), int(starts[last]), planes.rgb)
     if detail == 2:
-        _settle(spots, int(starts[height - 1]), int(starts[height]), mixtures, planes.rgb)
+        _settle(edges, int(starts[height - 1]), int(starts[height]), planes.rgb)

@@ -1,6 +1,6 @@
 """Meshes in the rasteriser's layout: flat arrays of corners, in chunks with bounding spheres."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -18,12 +18,9 @@ from oodscen_pybullet._meshes.atlas import (
     free_colours,
     swatch_uv,
 )
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.tags import SURFACES
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
-I32 = NDArray[np.int32]
+from oodscen_pybullet._types import F32, I32, U8, Array, Ints, Mask
 
 LEVELS = 9
 """Number of levels of a texture, each half the size of the one before."""
@@ -67,19 +64,19 @@ class Triangles(NamedTuple):
     """[n, 3] colours of triangles without texture."""
     regions: I32
     """[n] textures, -1 for none."""
-    kinds: NDArray[np.uint8]
+    kinds: U8
     """[n] sums of surface flags, SHINING and so on; `shelter` changes them."""
-    tags: NDArray[np.uint8]
+    tags: U8
     """[n] semantic classes: `oodscen_pybullet._meshes.tags.Tag`; 0 for actors and the unknown."""
     spans: I32
     """[m, 3] first triangle, end (exclusive), and label of each chunk."""
-    places: F64
+    places: Array
     """[m, 5] origin of each chunk, and the cosine and sine of its yaw."""
     spheres: F32
     """[m, 4] bounding sphere of each chunk: centre relative to the origin, and radius, m."""
 
     @classmethod
-    def of(cls, mesh: Mesh, atlas: NDArray[np.uint8], *, is_chunked: bool) -> "Triangles":
+    def of(cls, mesh: Mesh, atlas: U8, *, is_chunked: bool) -> "Triangles":
         """Convert a mesh.
 
         Args:
@@ -104,15 +101,9 @@ class Triangles(NamedTuple):
         else:
             starts = np.zeros(1, np.int64)
         ends = np.append(starts[1:], len(points))
-        origins = np.zeros((len(starts), 3))
-        spheres = np.zeros((len(starts), 4))
-        for index, (start, end) in enumerate(zip(starts.tolist(), ends.tolist(), strict=True)):
-            some = points[start:end].reshape(-1, 3)
-            middle = (some.min(axis=0) + some.max(axis=0)) / 2
-            if is_chunked:
-                origins[index] = np.round(middle)
-            spheres[index, :3] = middle - origins[index]
-            spheres[index, 3] = np.sqrt(((some - middle) ** 2).sum(axis=1).max()) + 1e-3
+        spheres = _spheres(points, starts, ends)
+        origins = np.round(spheres[:, :3]) if is_chunked else np.zeros((len(starts), 3))
+        spheres[:, :3] -= origins
         points = points - np.repeat(origins, ends - starts, axis=0)[:, None]
         middle_uv = uvs.mean(axis=1)
         is_free, free = free_colours(middle_uv)
@@ -121,32 +112,32 @@ class Triangles(NamedTuple):
         regions, texels = _regions(uvs)
         column = np.clip((middle_uv[:, 0] * SIZE).astype(np.int64), 0, SIZE - 1)
         row = np.clip(((1.0 - middle_uv[:, 1]) * SIZE).astype(np.int64), 0, SIZE - 1)
+        kinds = np.where(
+            is_free, free[:, 3] * SHINING, _looked_up(_flags, regions, column, row)
+        ) + np.where(mesh.is_ground & (facing[:, 2] > _LEVEL), GROUND, 0)
+        if is_chunked:
+            tags = np.where(tags > 0, tags, _looked_up(_tag, regions, column, row))
+        offsets = (facing * points[:, 0]).sum(axis=1, keepdims=True)
+        turns = np.tile(np.array([1.0, 0.0]), (len(starts), 1))
         return cls(
             corners=np.concatenate([points, normals, texels], axis=2).astype(np.float32),
-            planes=np.concatenate(
-                [facing, (facing * points[:, 0]).sum(axis=1, keepdims=True)], axis=1
-            ).astype(np.float32),
+            planes=np.concatenate([facing, offsets], axis=1).astype(np.float32),
             colours=np.where(is_free[:, None], free[:, :3], atlas[row, column]).astype(np.float32),
             regions=regions,
-            kinds=np.where(is_free, free[:, 3] * SHINING, _kinds(regions, column, row)).astype(
-                np.uint8
-            )
-            + np.where(mesh.is_ground & (facing[:, 2] > _LEVEL), GROUND, 0).astype(np.uint8),
-            tags=np.where(tags > 0, tags, _tags(regions, column, row)) if is_chunked else tags,
+            kinds=kinds.astype(np.uint8),
+            tags=tags,
             spans=np.stack([starts, ends, np.full(len(starts), -1)], axis=1).astype(np.int32),
-            places=np.concatenate(
-                [origins, np.tile(np.array([1.0, 0.0]), (len(starts), 1))], axis=1
-            ),
+            places=np.concatenate([origins, turns], axis=1),
             spheres=spheres.astype(np.float32),
         )
 
-    def shelter(self, is_sheltered: NDArray[np.bool_]) -> None:
+    def shelter(self, is_sheltered: Mask) -> None:
         """Mark the triangles, [n], that are in a tunnel."""
         self.kinds[:] = np.where(
             is_sheltered, self.kinds | np.uint8(SHELTERED), self.kinds & np.uint8(255 - SHELTERED)
         )
 
-    def middles(self) -> F64:
+    def middles(self) -> Array:
         """Return the centre of each triangle in the world, [n, 3] m."""
         lengths = self.spans[:, 1] - self.spans[:, 0]
         place = np.repeat(self.places, lengths, axis=0)
@@ -169,20 +160,22 @@ class Triangles(NamedTuple):
             part.spans + np.array([shift, shift, 0], np.int32)
             for part, shift in zip(parts, shifts[:-1].tolist(), strict=True)
         ]
-        return cls(
-            corners=np.concatenate([part.corners for part in parts]),
-            planes=np.concatenate([part.planes for part in parts]),
-            colours=np.concatenate([part.colours for part in parts]),
-            regions=np.concatenate([part.regions for part in parts]),
-            kinds=np.concatenate([part.kinds for part in parts]),
-            tags=np.concatenate([part.tags for part in parts]),
-            spans=np.concatenate(spans).astype(np.int32),
-            places=np.concatenate([part.places for part in parts]),
-            spheres=np.concatenate([part.spheres for part in parts]),
-        )
+        merged = cls._make(np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+        return merged._replace(spans=np.concatenate(spans).astype(np.int32))
 
 
-def _chunks(points: F64) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _spheres(points: Array, starts: Ints, ends: Ints) -> Array:
+    """Return the middle and the radius of a sphere around each chunk, [chunks, 4]."""
+    found = np.zeros((len(starts), 4))
+    for index, (start, end) in enumerate(zip(starts.tolist(), ends.tolist(), strict=True)):
+        some = points[start:end].reshape(-1, 3)
+        middle = (some.min(axis=0) + some.max(axis=0)) / 2
+        found[index, :3] = middle
+        found[index, 3] = np.sqrt(((some - middle) ** 2).sum(axis=1).max()) + 1e-3
+    return found
+
+
+def _chunks(points: Array) -> tuple[Ints, Ints]:
     """Return an order of triangles that groups neighbours, and the starts of the chunks."""
     cells = np.floor(points.mean(axis=1)[:, :2] / CELL).astype(np.int64)
     rank = np.lexsort((cells[:, 1], cells[:, 0]))
@@ -194,7 +187,7 @@ def _chunks(points: F64) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return rank, np.flatnonzero(within % CHUNK == 0)
 
 
-def _regions(uvs: F64) -> tuple[I32, F64]:
+def _regions(uvs: Array) -> tuple[I32, Array]:
     """Return each triangle's region, and its corners' texel columns and rows there."""
     place = np.stack([uvs[..., 0] * SIZE, (1.0 - uvs[..., 1]) * SIZE], axis=2)
     middle = place.mean(axis=1)
@@ -213,36 +206,22 @@ def _regions(uvs: F64) -> tuple[I32, F64]:
     return regions, place
 
 
-def _kinds(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """Return each triangle's surface flags, from its texture or its colour in the atlas."""
-    swatches, prints = (
-        np.zeros(SIZE * SIZE // SWATCH**2, np.uint8),
-        np.zeros(len(REGIONS), np.uint8),
-    )
-    for index, name in enumerate(COLOURS):
-        swatches[index] = SHINING if name in EMISSIVE else MIRROR if name in WATER else PLAIN
-        swatches[index] += SOFT if name in DRINKS else PLAIN
-    for index, name in enumerate(REGIONS):
-        prints[index] = SHINING if name in EMISSIVE else SOFT if name in DRINKS else PLAIN
-    return _looked_up(swatches, prints, regions, column, row)
+def _flags(name: str) -> int:
+    """Return the surface flags of a colour or texture."""
+    shine = SHINING if name in EMISSIVE else MIRROR if name in WATER else PLAIN
+    return shine + (SOFT if name in DRINKS else PLAIN)
 
 
-def _tags(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """Return each triangle's semantic class, from its texture or its colour in the atlas."""
+def _tag(name: str) -> int:
+    """Return the semantic class of a colour or texture."""
+    return SURFACES.get(name, 0)
+
+
+def _looked_up(value_of: Callable[[str], int], regions: I32, column: Ints, row: Ints) -> U8:
+    """Return each triangle's value: that of its texture, or that of its colour in the atlas."""
     swatches = np.zeros(SIZE * SIZE // SWATCH**2, np.uint8)
-    swatches[: len(COLOURS)] = [SURFACES.get(name, 0) for name in COLOURS]
-    prints = np.array([SURFACES.get(name, 0) for name in REGIONS], np.uint8)
-    return _looked_up(swatches, prints, regions, column, row)
-
-
-def _looked_up(
-    swatches: NDArray[np.uint8],
-    prints: NDArray[np.uint8],
-    regions: I32,
-    column: NDArray[np.int64],
-    row: NDArray[np.int64],
-) -> NDArray[np.uint8]:
-    """Return each triangle's entry: that of its texture, or that of its colour in the atlas."""
+    swatches[: len(COLOURS)] = [value_of(name) for name in COLOURS]
+    prints = np.array([value_of(name) for name in REGIONS], np.uint8)
     plain = swatches[(row // SWATCH) * (SIZE // SWATCH) + column // SWATCH]
     return np.where(regions >= 0, prints[np.maximum(regions, 0)], plain)
 
@@ -266,7 +245,7 @@ def textures(snow: Snow = Snow.NONE) -> Textures:
     return Textures(np.concatenate(texels), np.array(sizes, np.int32).reshape(-1, LEVELS, 3))
 
 
-def _halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def _halved(image: U8) -> U8:
     """Return an image of half the width and height, rounded up; integer arithmetic only."""
     height, width = image.shape[:2]
     padded = np.pad(image, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge").astype(np.int32)

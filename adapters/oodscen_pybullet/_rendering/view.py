@@ -3,18 +3,16 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.numerics import _exact as exact
 from oodscen.protocols import Camera
+from oodscen_pybullet._types import F32, Point
 
 _DEGREE = 0.017453292519943295
 NEAR = 0.2
 """Distance of the near plane, m."""
 FAR = 420.0
 """Distance of the far plane, m."""
-
-Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -116,7 +114,7 @@ class CameraView:
             ahead,
         )
 
-    def slopes(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    def slopes(self) -> tuple[F32, F32]:
         """Return x / depth by column, [width], and y / depth by row, [height], upwards."""
         columns = (np.arange(self.width, dtype=np.float32) + np.float32(0.5)) - self.width / 2
         rows = self.height / 2 - (np.arange(self.height, dtype=np.float32) + np.float32(0.5))
@@ -124,7 +122,7 @@ class CameraView:
         return (columns * scale).astype(np.float32), (rows * scale).astype(np.float32)
 
 
-def metres(buffer: NDArray[np.float32]) -> NDArray[np.float32]:
+def metres(buffer: F32) -> F32:
     """Convert the renderer's depth buffer to metres along the optical axis, infinity for the sky."""
     near, far = np.float32(NEAR), np.float32(FAR)
     depth = far * near / (far - (far - near) * buffer)

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen._seeding import stream
 from oodscen.data._scene import Precipitation, Weather
@@ -17,11 +16,11 @@ from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering.postprocess import beam, fade
+from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import SHELTERED
 from oodscen_pybullet._rendering.view import CameraView
+from oodscen_pybullet._types import F32, U8
 
-Float = NDArray[np.float32]
-U8 = NDArray[np.uint8]
 Colour = tuple[float, float, float]
 
 SKY_M = 6_000.0
@@ -50,7 +49,7 @@ def air_colour(weather: Weather, light: Light) -> Colour:
     )
 
 
-def heaven(view: CameraView, weather: Weather, light: Light) -> Float:
+def heaven(view: CameraView, weather: Weather, light: Light) -> F32:
     """Return the sky by rows of pixels: [height, 5] float32.
 
     The columns are red, green and blue of the clear sky, 0 to 255; row of the cloud sheet; weight of the
@@ -77,7 +76,7 @@ def heaven(view: CameraView, weather: Weather, light: Light) -> Float:
     return rows
 
 
-def cloud_columns(view: CameraView) -> Float:
+def cloud_columns(view: CameraView) -> F32:
     """Return the column of the cloud sheet for each column of pixels: [width] float32."""
     across, _ = view.slopes()
     turn = exact.atan2(view.forward[1], view.forward[0]) / _TAU
@@ -92,7 +91,7 @@ def cloud_cover(weather: Weather) -> float:
 
 
 @lru_cache(maxsize=8)
-def cloud_sheet(seed: int) -> Float:
+def cloud_sheet(seed: int) -> F32:
     """Return the density of clouds by height and heading, one column more than a full turn."""
     rng = stream(seed, "clouds")
     height, width = SHEET
@@ -107,7 +106,7 @@ def cloud_sheet(seed: int) -> Float:
     return sheet
 
 
-def _stretched(noise: Float, height: int, width: int) -> Float:
+def _stretched(noise: F32, height: int, width: int) -> F32:
     """Return noise resampled smoothly to another size; the last column meets the first."""
     rows, columns = noise.shape
     y = np.arange(height, dtype=np.float32) * np.float32((rows - 1) / height)
@@ -120,35 +119,20 @@ def _stretched(noise: Float, height: int, width: int) -> Float:
     return np.asarray(lines[:, j] + (other - lines[:, j]) * u[None, :], np.float32)
 
 
-def add_rain(
-    image: U8,
-    view: CameraView,
-    weather: Weather,
-    light: Light,
-    depth: Float,
-    kinds: U8,
-    portal: Portal | None,
-    seed: int,
-    time: float,
-) -> None:
+def add_rain(image: U8, picture: RawPicture, kinds: U8) -> None:
     """Add streaks of falling drops, in place, where nothing occludes them.
 
     Args:
         image: [height, width, 3]
-        view: The camera.
-        weather: Gives the rate of rain.
-        light: The light of the scene.
-        depth: [height, width] m
+        picture: The camera, the weather, the light, the seed and the time.
         kinds: [height, width] surface flags: surfaces in a tunnel stay dry.
-        portal: The end of the tunnel that the camera looks into or out of.
-        seed: Seed of the run.
-        time: s
     """
-    rng = stream(seed, "rain", round(time, 3))
+    view, weather = picture.view, picture.weather
+    rng = stream(picture.seed, "rain", round(picture.time, 3))
     area = view.width * view.height / (640 * 480)
     intensity = math.sqrt(weather.precipitation_mm_h / 50.0)
     scale = view.height / 480 * (0.75 + 0.5 * intensity)
-    shine = 0.3 + 0.45 * light.daylight
+    shine = 0.3 + 0.45 * picture.light.daylight
     layers = []
     for share, length, thick, bright, near, far in (
         (1.0, 18.0, 0.7, 76.0, 5.0, 22.0),
@@ -160,30 +144,17 @@ def add_rain(
         size = rng.uniform(0.6, 1.3, count) * length * scale
         y = rng.uniform(-40, view.height, count)
         shade = rng.uniform(0.4, 1.0, count) * bright * shine
-        layers.append(
-            np.stack(
-                [
-                    x,
-                    y,
-                    size,
-                    shade,
-                    np.full(count, max(thick * scale, 0.6)),
-                    rng.uniform(near, far, count),
-                    np.zeros(count),
-                ],
-                axis=1,
-            )
-        )
+        ahead = rng.uniform(near, far, count)
+        width = np.full(count, max(thick * scale, 0.6))
+        layers.append(np.stack([x, y, size, shade, width, ahead, np.zeros(count)], axis=1))
     streaks = np.concatenate(layers).astype(np.float32)
     across = (streaks[:, 0] - np.float32(view.width / 2)) * np.float32(1.0 / view.focal)
     high = (np.float32(view.height / 2) - streaks[:, 1]) * np.float32(1.0 / view.focal)
-    streaks = _outside(streaks, streaks[:, 5], across, high, portal)
-    draw_streaks(image, depth, kinds, streaks)
+    streaks = _outside(streaks, streaks[:, 5], across, high, picture.portal)
+    draw_streaks(image, picture.shot.reach, kinds, streaks)
 
 
-def _outside(
-    drops: Float, ahead: Float, across: Float, upwards: Float, portal: Portal | None
-) -> Float:
+def _outside(drops: F32, ahead: F32, across: F32, upwards: F32, portal: Portal | None) -> F32:
     """Return the drops or flakes that are not certainly in a tunnel.
 
     The last number of each becomes 1 if it may be in one: behind the portal ahead.
@@ -198,7 +169,7 @@ def _outside(
 
 
 @Kernel
-def draw_streaks(image: U8, depth: Float, kinds: U8, streaks: Float) -> None:
+def draw_streaks(image: U8, depth: F32, kinds: U8, streaks: F32) -> None:
     """Draw slightly slanted lines of light.
 
     Args:
@@ -235,19 +206,10 @@ def draw_streaks(image: U8, depth: Float, kinds: U8, streaks: Float) -> None:
                     image[y, x, e] = np.uint8(min(np.float32(image[y, x, e]) + bright, most))
 
 
-def add_snow(
-    image: U8,
-    view: CameraView,
-    weather: Weather,
-    light: Light,
-    depth: Float,
-    kinds: U8,
-    portal: Portal | None,
-    seed: int,
-    time: float,
-) -> None:
+def add_snow(image: U8, picture: RawPicture, kinds: U8) -> None:
     """Add falling flakes, in place, where nothing occludes them; see `add_rain`."""
-    rng = stream(seed, "snow", round(time, 3))
+    view, weather, light = picture.view, picture.weather, picture.light
+    rng = stream(picture.seed, "snow", round(picture.time, 3))
     intensity = min(1.0, weather.precipitation_mm_h / 12.0)
     count = int(700 + 5200 * intensity)
     share = rng.uniform(0.0, 1.0, count)
@@ -264,16 +226,16 @@ def add_snow(
     strength = np.float32(2.6 * (1.0 - light.daylight) if view.is_lit else 0.0)
     shine = beam(near, height + np.float32(_EYE_M), spread, strength)
     bright = np.minimum(np.float32(0.34 + 0.66 * light.daylight) + shine, np.float32(1.0))
-    flakes = np.stack([column, row, radius, ahead, bright, np.zeros(count)], axis=1).astype(
-        np.float32
-    )
+    columns = [column, row, radius, ahead, bright, np.zeros(count)]
+    flakes = np.stack(columns, axis=1).astype(np.float32)
     slopes = (across / ahead).astype(np.float32), (upwards / ahead).astype(np.float32)
-    flakes = _outside(flakes, flakes[:, 3], *slopes, portal)
-    draw_flakes(image, depth, kinds, flakes, np.array([248.0, 250.0, 254.0], np.float32))
+    flakes = _outside(flakes, flakes[:, 3], *slopes, picture.portal)
+    white = np.array([248.0, 250.0, 254.0], np.float32)
+    draw_flakes(image, picture.shot.reach, kinds, flakes, white)
 
 
 @Kernel
-def draw_flakes(image: U8, depth: Float, kinds: U8, flakes: Float, colour: Float) -> None:
+def draw_flakes(image: U8, depth: F32, kinds: U8, flakes: F32, colour: F32) -> None:
     """Draw soft round flakes where nothing occludes them; they never darken a pixel.
 
     Args:

@@ -4,7 +4,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.mesh import Mesh
+from oodscen_pybullet._meshes.shapes import upright
 from oodscen_pybullet._meshes.tags import Tag, tagged
 
 STOREY = 3.2
@@ -18,11 +20,10 @@ HOUSE = (9.0, 8.0)
 STYLES = 6
 """Number of facades of city blocks."""
 _LIT_SHARE = 0.36
-_PANES = ((0.12, 0.42), (0.58, 0.88))
+_ROOFS = ("roof_red", "roof_brown", "roof_grey")
+_HOUSE_WALLS = ("wall_brick", "wall_cream", "wall_white")
 _STYLE_WALLS = ("wall_brick", "wall_cream", "wall_grey", "wall_white", "sand", "wall_brick")
 _AWNINGS = ("awning_red", "awning_green", "navy", "wall_ochre")
-_FOOTING = 2.5
-"""Depth of walls below the ground, which may slope, m."""
 
 
 @lru_cache(maxsize=256)
@@ -50,7 +51,7 @@ def city_block(
         low, high = floor * STOREY, (floor + 1) * STOREY
         for bay in range(bays):
             x0, x1 = -half + bay * BAY, -half + (bay + 1) * BAY
-            front = [(x0, -depth, low), (x1, -depth, low), (x1, -depth, high), (x0, -depth, high)]
+            front = upright((x0, -depth), (x1, -depth), low, high)
             is_shop = floor == 0 and has_shop
             shop = (style + look + bay) % 4
             mesh.textured_quad(front, f"shop_{shop}" if is_shop else f"facade_{style}")
@@ -64,22 +65,16 @@ def city_block(
                 _balcony(mesh, x0 + 0.5, x1 - 0.5, -depth, low)
     for x, sign in ((half, 1.0), (-half, -1.0)):
         a, b = (-depth, depth) if sign > 0 else (depth, -depth)
-        mesh.polygon([(x, a, 0), (x, b, 0), (x, b, top), (x, a, top)], wall)
+        mesh.polygon(upright((x, a), (x, b), 0, top), wall)
         for floor in range(1, floors):
             z = floor * STOREY
             for y in (-2.6, 2.6):
-                ends = (y - 0.6, y + 0.6) if sign > 0 else (y + 0.6, y - 0.6)
-                pane = [(x + sign * 0.02, e, z + h) for h in (0.8, 2.3) for e in ends]
+                u, half_pane = x + sign * 0.02, sign * 0.6
+                pane = upright((u, y - half_pane), (u, y + half_pane), z + 0.8, z + 2.3)
                 is_lit = is_night and rng.uniform() < _LIT_SHARE
-                colour = "lit_window" if is_lit else "glass"
-                mesh.polygon([pane[0], pane[1], pane[3], pane[2]], colour)
-    mesh.polygon(
-        [(half, depth, 0), (-half, depth, 0), (-half, depth, top), (half, depth, top)], wall
-    )
-    mesh.hull(
-        (-half, half, -depth, depth, -_FOOTING), (-half, half, -depth, depth, 0.0), "concrete_dark",
-        caps="",
-    )  # fmt: skip
+                mesh.polygon(pane, "lit_window" if is_lit else "glass")
+    mesh.polygon(upright((half, depth), (-half, depth), 0, top), wall)
+    _foundation(mesh, half, depth, "concrete_dark", 0.0)
     _roof(mesh, half, depth, top, look)
     return tagged(mesh.build(), Tag.BUILDINGS)
 
@@ -88,18 +83,15 @@ def _light(
     mesh: MeshBuilder, x0: float, y: float, low: float, rng: np.random.Generator, *, is_shop: bool
 ) -> None:
     """Light some of the two windows of a tile."""
-    panes = ((0.05, 0.32), (0.68, 0.95)) if is_shop else _PANES
+    panes = ((0.05, 0.32), (0.68, 0.95)) if is_shop else ((0.12, 0.42), (0.58, 0.88))
     bottom, top = (0.08, 0.62) if is_shop else (0.22, 0.80)
     for a, b in panes:
         share = 0.75 if is_shop else _LIT_SHARE
         warm = rng.uniform() < 0.75
         if rng.uniform() < share:
-            u0, u1 = x0 + a * BAY, x0 + b * BAY
-            z0, z1 = low + bottom * STOREY, low + top * STOREY
-            mesh.polygon(
-                [(u0, y - 0.03, z0), (u1, y - 0.03, z0), (u1, y - 0.03, z1), (u0, y - 0.03, z1)],
-                "lit_window" if warm else "lit_window_cool",
-            )
+            start, end = (x0 + a * BAY, y - 0.03), (x0 + b * BAY, y - 0.03)
+            pane = upright(start, end, low + bottom * STOREY, low + top * STOREY)
+            mesh.polygon(pane, "lit_window" if warm else "lit_window_cool")
 
 
 def _awning(mesh: MeshBuilder, x0: float, x1: float, y: float, colour: str) -> None:
@@ -107,18 +99,14 @@ def _awning(mesh: MeshBuilder, x0: float, x1: float, y: float, colour: str) -> N
     mesh.polygon(
         [(a, y - 1.2, 2.25), (b, y - 1.2, 2.25), (b, y - 0.02, 2.75), (a, y - 0.02, 2.75)], colour
     )
-    mesh.polygon(
-        [(a, y - 1.2, 2.05), (b, y - 1.2, 2.05), (b, y - 1.2, 2.25), (a, y - 1.2, 2.25)], colour
-    )
+    mesh.polygon(upright((a, y - 1.2), (b, y - 1.2), 2.05, 2.25), colour)
 
 
 def _entrance(mesh: MeshBuilder, x: float, y: float) -> None:
     y -= 0.04
-    mesh.polygon(
-        [(x - 0.8, y, 0), (x + 0.8, y, 0), (x + 0.8, y, 2.5), (x - 0.8, y, 2.5)], "light_grey"
-    )
+    mesh.polygon(upright((x - 0.8, y), (x + 0.8, y), 0, 2.5), "light_grey")
     y -= 0.02
-    mesh.polygon([(x - 0.6, y, 0), (x + 0.6, y, 0), (x + 0.6, y, 2.3), (x - 0.6, y, 2.3)], "door")
+    mesh.polygon(upright((x - 0.6, y), (x + 0.6, y), 0, 2.3), "door")
 
 
 def _balcony(mesh: MeshBuilder, x0: float, x1: float, y: float, low: float) -> None:
@@ -142,15 +130,16 @@ def _roof(mesh: MeshBuilder, half: float, depth: float, top: float, look: int) -
         for index in range(max(1, int(half * 2 / BAY))):
             x = -half + BAY * (index + 0.5)
             mesh.box((x, -depth + 0.75, top + 1.2), (1.5, 1.3, 1.6), "wall_white", caps="t")
-            pane = [
-                (x - 0.5, top + 0.6),
-                (x + 0.5, top + 0.6),
-                (x + 0.5, top + 1.8),
-                (x - 0.5, top + 1.8),
-            ]
-            mesh.polygon([(u, -depth + 0.08, z) for u, z in pane], "glass")
+            y = -depth + 0.08
+            mesh.polygon(upright((x - 0.5, y), (x + 0.5, y), top + 0.6, top + 1.8), "glass")
     else:
         _gable(mesh, half, depth, top, 3.2, ("roof_red", "roof_brown")[look % 2], "wall_cream")
+
+
+def _foundation(mesh: MeshBuilder, half: float, depth: float, colour: str, top: float) -> None:
+    """Add walls from below the ground, which may slope, up to a height."""
+    sides = (-half, half, -depth, depth)
+    mesh.hull((*sides, -2.5), (*sides, top), colour, caps="")
 
 
 def _gable(
@@ -158,26 +147,11 @@ def _gable(
 ) -> None:
     """Add a roof with its ridge along x."""
     over, out, ridge = half + 0.4, depth + 0.5, eaves + rise
-    front = [
-        (-over, -out, eaves - 0.2),
-        (over, -out, eaves - 0.2),
-        (over, 0, ridge),
-        (-over, 0, ridge),
-    ]
-    back = [
-        (over, out, eaves - 0.2),
-        (-over, out, eaves - 0.2),
-        (-over, 0, ridge),
-        (over, 0, ridge),
-    ]
-    mesh.polygon(front, tile)
-    mesh.polygon(back, tile)
+    for sign in (1, -1):
+        low, high = (sign * over, -sign * out, eaves - 0.2), (sign * over, 0, ridge)
+        mesh.polygon([(-low[0], *low[1:]), low, high, (-high[0], *high[1:])], tile)
     mesh.polygon([(half, -depth, eaves), (half, depth, eaves), (half, 0, ridge - 0.2)], wall)
     mesh.polygon([(-half, depth, eaves), (-half, -depth, eaves), (-half, 0, ridge - 0.2)], wall)
-
-
-_ROOFS = ("roof_red", "roof_brown", "roof_grey")
-_WALLS = ("wall_brick", "wall_cream", "wall_white")
 
 
 @lru_cache(maxsize=128)
@@ -194,32 +168,24 @@ def house(kind: int, roof: int, look: int, *, is_night: bool) -> Mesh:
     mesh = MeshBuilder()
     half, depth, storey = HOUSE[0] / 2, HOUSE[1] / 2, 2.7
     floors = 1 if look % 4 == 3 else 2
-    wall, tile = _WALLS[kind], f"house_{kind}"
+    wall, tile = _HOUSE_WALLS[kind], f"house_{kind}"
     eaves = floors * storey
+    corners = [(-half, -depth), (half, -depth), (half, depth), (-half, depth)]
     for floor in range(floors):
         low, high = floor * storey, (floor + 1) * storey
-        sides = (
-            ((-half, -depth), (half, -depth), f"door_{kind}" if floor == 0 else tile),
-            ((half, -depth), (half, depth), tile),
-            ((half, depth), (-half, depth), tile),
-            ((-half, depth), (-half, -depth), tile),
-        )
-        for (ax, ay), (bx, by), region in sides:
-            mesh.textured_quad(
-                [(ax, ay, low), (bx, by, low), (bx, by, high), (ax, ay, high)], region
-            )
+        front = f"door_{kind}" if floor == 0 else tile
+        mesh.textured_quad(upright(corners[0], corners[1], low, high), front)
+        for start, end in zip(corners[1:], [*corners[2:], corners[0]], strict=True):
+            mesh.textured_quad(upright(start, end, low, high), tile)
         if is_night:
             for index, (a, b) in enumerate(((0.10, 0.36), (0.62, 0.88))):
                 is_door = floor == 0 and index == 1
                 if not is_door and rng.uniform() < 0.5:
-                    u0, u1 = -half + a * 2 * half, -half + b * 2 * half
-                    z0, z1, y = low + 0.24 * storey, low + 0.78 * storey, -depth - 0.03
-                    pane = [(u0, y, z0), (u1, y, z0), (u1, y, z1), (u0, y, z1)]
+                    y = -depth - 0.03
+                    start, end = (-half + a * 2 * half, y), (-half + b * 2 * half, y)
+                    pane = upright(start, end, low + 0.24 * storey, low + 0.78 * storey)
                     mesh.polygon(pane, "lit_window")
-    mesh.hull(
-        (-half, half, -depth, depth, -_FOOTING), (-half, half, -depth, depth, 0.0), "concrete_dark",
-        caps="",
-    )  # fmt: skip
+    _foundation(mesh, half, depth, "concrete_dark", 0.0)
     if look % 3 == 1:
         _cross_gable(mesh, half, depth, eaves, _ROOFS[roof], wall)
     else:
@@ -245,8 +211,8 @@ def _cross_gable(
     )
     mesh.polygon([(-half, -depth, eaves), (half, -depth, eaves), (0, -depth, ridge - 0.25)], wall)
     mesh.polygon([(half, depth, eaves), (-half, depth, eaves), (0, depth, ridge - 0.25)], wall)
-    window = [(-0.6, eaves + 0.5), (0.6, eaves + 0.5), (0.6, eaves + 1.7), (-0.6, eaves + 1.7)]
-    mesh.polygon([(x, -depth - 0.02, z) for x, z in window], "glass")
+    y = -depth - 0.02
+    mesh.polygon(upright((-0.6, y), (0.6, y), eaves + 0.5, eaves + 1.7), "glass")
 
 
 @lru_cache(maxsize=32)
@@ -277,11 +243,10 @@ def tower(style: int, look: int, *, is_night: bool) -> Mesh:
         if is_night:
             while x < half - 2.5:
                 if rng.uniform() < 0.22:
-                    pane = [(x, z0), (x + 1.6, z0), (x + 1.6, z1), (x, z1)]
-                    mesh.polygon([(u, y - 0.03, z) for u, z in pane], "lit_window")
+                    pane = upright((x, y - 0.03), (x + 1.6, y - 0.03), z0, z1)
+                    mesh.polygon(pane, "lit_window")
                 x += 3.0
-        band = [(-half + 0.8, z0), (half - 0.8, z0), (half - 0.8, z1), (-half + 0.8, z1)]
-        mesh.polygon([(u, y, z) for u, z in band], "glass_light")
+        mesh.polygon(upright((-half + 0.8, y), (half - 0.8, y), z0, z1), "glass_light")
     return tagged(mesh.build(), Tag.BUILDINGS)
 
 
@@ -289,8 +254,8 @@ def tower(style: int, look: int, *, is_night: bool) -> Mesh:
 def barn(colour: str) -> Mesh:
     """Return a barn eighteen metres long."""
     mesh = MeshBuilder()
-    mesh.hull((-9, 9, -5, 5, -_FOOTING), (-9, 9, -5, 5, 4.2), colour, caps="")
+    _foundation(mesh, 9, 5, colour, 4.2)
     _gable(mesh, 9.0, 5.0, 4.2, 3.2, "roof_grey", colour)
-    mesh.polygon([(-2, -5.03, 0), (2, -5.03, 0), (2, -5.03, 3.6), (-2, -5.03, 3.6)], "white")
-    mesh.polygon([(-1.8, -5.06, 0), (1.8, -5.06, 0), (1.8, -5.06, 3.4), (-1.8, -5.06, 3.4)], "door")
+    mesh.polygon(upright((-2, -5.03), (2, -5.03), 0, 3.6), "white")
+    mesh.polygon(upright((-1.8, -5.06), (1.8, -5.06), 0, 3.4), "door")
     return tagged(mesh.build(), Tag.BUILDINGS)

@@ -2,9 +2,11 @@
 
 from functools import cache, lru_cache
 
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import Design, read_designs
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.mesh import Mesh
+from oodscen_pybullet._meshes.shapes import CIRCLE
 from oodscen_pybullet._meshes.tags import Tag, on_posts, tagged
 
 TAGS = {
@@ -65,9 +67,9 @@ def speed_sign(limit: int) -> Mesh:
     mesh = MeshBuilder()
     mesh.beam((0, 0, -0.3), (0, 0, 2.2), 0.06, "post")
     for out, radius, colour in ((0.0, 0.36, "red"), (-0.014, 0.27, "white")):
-        turns = ((c * radius, s * radius) for c, s in _RIM)
+        turns = ((c * radius, s * radius) for c, s in CIRCLE)
         mesh.polygon([(out, -y, 2.4 + z) for y, z in turns], colour)
-    back = [(0.06, 0.36 * c, 2.4 + 0.36 * s) for c, s in _RIM]
+    back = [(0.06, 0.36 * c, 2.4 + 0.36 * s) for c, s in CIRCLE]
     mesh.polygon(back, "grey")
     digits = str(limit)
     half, tall, bold = (0.06, 0.11, 0.022) if len(digits) < 3 else (0.04, 0.1, 0.017)
@@ -80,13 +82,6 @@ def speed_sign(limit: int) -> Mesh:
             corners = ((-wide, -high), (wide, -high), (wide, high), (-wide, high))
             mesh.polygon([(-0.028, y - a, z + b) for a, b in corners], "black")
     return on_posts(mesh.build(), Tag.TRAFFIC_SIGNS)
-
-
-_RIM = tuple(
-    (c * p - s * q, s * p + c * q)
-    for p, q in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
-    for c, s in ((1.0, 0.0), (0.9239, 0.3827), (0.7071, 0.7071), (0.3827, 0.9239))
-)
 
 
 @lru_cache(maxsize=4)

@@ -5,10 +5,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from oodscen_pybullet._land.surfaces import joined
 from oodscen_pybullet._meshes.atlas import swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.tags import Tag, tagged
+from oodscen_pybullet._types import Point
 
 _GOLD = (1.0 + math.sqrt(5.0)) / 2.0
 _TWELVE = np.array(
@@ -40,12 +41,8 @@ def _clump(centre: Point, radii: Point, colours: tuple[str, str], rng: np.random
     normals /= np.sqrt((normals * normals).sum(axis=2, keepdims=True))
     is_low = (flat[:, 2] < -0.1)[:, None, None]
     uvs = np.where(is_low, swatch_uv(colours[1]), swatch_uv(colours[0]))
-    return Mesh(
-        vertices=faces.reshape(-1, 3),
-        normals=normals.reshape(-1, 3),
-        uvs=np.broadcast_to(uvs, (20, 3, 2)).reshape(-1, 2),
-        triangles=np.arange(60).reshape(-1, 3),
-    )
+    uvs = np.broadcast_to(uvs, (20, 3, 2)).reshape(-1, 2)
+    return Mesh.loose(faces.reshape(-1, 3), normals.reshape(-1, 3), uvs)
 
 
 def _trunk(height: float, radius: float) -> MeshBuilder:
@@ -90,7 +87,7 @@ def broad_tree(
     if is_far:
         lumps = [(lumps[0][0], 1.25 * lumps[0][1]), lumps[2]]
     parts = [_clump(at, (r, r, 0.85 * r), (light, dark), rng) for at, r in lumps]
-    return tagged(joined([mesh.build(), *parts]), Tag.VEGETATION)
+    return tagged(Mesh.joined([mesh.build(), *parts]), Tag.VEGETATION)
 
 
 @lru_cache(maxsize=16)
@@ -129,4 +126,4 @@ def thicket(key: int) -> Mesh:
             int(rng.integers(0, 3))
         ]
         parts.append(_clump(at, (4.2, 3.4, height), colours, rng))
-    return tagged(joined(parts), Tag.VEGETATION)
+    return tagged(Mesh.joined(parts), Tag.VEGETATION)

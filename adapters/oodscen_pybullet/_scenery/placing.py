@@ -4,16 +4,12 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._map_state import MapState
 from oodscen_pybullet._land.ground import Ground, Way
 from oodscen_pybullet._land.terrain import Terrain
-from oodscen_pybullet._meshes.builder import Mesh, Point
-
-Array = NDArray[np.float64]
-Heading = tuple[float, float]
-"""Cosine and sine of a direction."""
+from oodscen_pybullet._meshes.mesh import Mesh
+from oodscen_pybullet._types import U8, Array, Heading, Point
 
 Rectangle = tuple[float, float, Heading, float, float]
 """Centre, direction of the first side, and half the lengths of both sides, m."""
@@ -58,7 +54,7 @@ class Site:
     _vertices: list[Array] = field(default_factory=list)
     _normals: list[Array] = field(default_factory=list)
     _uvs: list[Array] = field(default_factory=list)
-    _tags: list[NDArray[np.uint8]] = field(default_factory=list)
+    _tags: list[U8] = field(default_factory=list)
     _taken: dict[tuple[int, int], list[Rectangle]] = field(default_factory=dict)
 
     def add(self, mesh: Mesh, at: Point, heading: Heading) -> None:
@@ -101,7 +97,7 @@ class Site:
         *,
         margin: float,
         radius: float,
-    ) -> bool:
+    ) -> None:
         """Add a small object if it is clear of asphalt and of claimed areas.
 
         Args:
@@ -113,12 +109,13 @@ class Site:
             radius: Radius of its footprint, m.
         """
         x, y = spot.beside(along, out)
-        if not self.ground.is_free((x,), (y,), margin):
-            return False
-        if not self.claim(x, y, spot.heading, radius, radius, margin=0.0):
-            return False
-        self.stand(mesh, spot, along, out)
-        return True
+        is_free = self.is_free(x, y, margin)
+        if is_free and self.claim(x, y, spot.heading, radius, radius, margin=0.0):
+            self.stand(mesh, spot, along, out)
+
+    def is_free(self, x: float, y: float, margin: float) -> bool:
+        """Return whether a point is off the asphalt by at least a margin, m."""
+        return self.ground.is_free((x,), (y,), margin)
 
     def claim(
         self, x: float, y: float, heading: Heading, half_x: float, half_y: float, *, margin: float
@@ -205,20 +202,11 @@ class Site:
 
     def mesh(self) -> Mesh:
         """Return the mesh of everything added."""
-        vertices = np.concatenate(self._vertices)
-        return Mesh(
-            vertices=vertices,
-            normals=np.concatenate(self._normals),
-            uvs=np.concatenate(self._uvs),
-            triangles=np.arange(len(vertices)).reshape(-1, 3),
-            tags=np.concatenate(self._tags),
-        )
+        vertices, normals, uvs = map(np.concatenate, (self._vertices, self._normals, self._uvs))
+        return Mesh.loose(vertices, normals, uvs, np.concatenate(self._tags))
 
 
-def _overlap(
-    one: Rectangle,
-    two: Rectangle,
-) -> bool:
+def _overlap(one: Rectangle, two: Rectangle) -> bool:
     """Return whether two rectangles overlap: no side's direction separates them."""
     x0, y0, h0, a0, b0 = one
     x1, y1, h1, a1, b1 = two

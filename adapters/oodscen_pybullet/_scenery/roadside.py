@@ -4,16 +4,18 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from oodscen._seeding import stream
+from oodscen.data._catalogue import RoadMap
 from oodscen.data._map_state import MapState
 from oodscen.driving._roads.corridor import Corridor
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.surfaces import lay_roads
 from oodscen_pybullet._land.terrain import Terrain, Theme, theme_of
-from oodscen_pybullet._meshes.builder import Lamp, Mesh, Point
+from oodscen_pybullet._meshes.mesh import Lamp, Mesh
 from oodscen_pybullet._scenery.placing import Site
 from oodscen_pybullet._scenery.signals import stand_signals
 from oodscen_pybullet._scenery.structures import build_structures
 from oodscen_pybullet._scenery.themes import furnish
+from oodscen_pybullet._types import Point
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,19 +24,16 @@ class Scenery:
 
     meshes: tuple[Mesh, ...]
     """The roads, the land, the roadside objects, and tunnels and bridges."""
-    lamps: tuple[Point, ...]
-    """Positions of the street lamps' heads, m."""
-    signals: tuple[Lamp, ...]
-    """Lit lamps of traffic lights, in world coordinates."""
+    lamps: tuple[Lamp, ...]
+    """The lamps of streets and tunnels, then the lit ones of traffic lights, in world coordinates."""
     terrain: Terrain
     """The shape of the ground, for placing objects on it."""
 
 
 def build_scenery(
     corridor: Corridor,
-    traits: frozenset[str],
+    road: RoadMap,
     seed: int,
-    name: str,
     *,
     is_night: bool = False,
     without: frozenset[str] = frozenset(),
@@ -45,33 +44,35 @@ def build_scenery(
 
     Args:
         corridor: The ego's road, with the others of the map.
-        traits: Traits of the map; they select city, suburb, highway or country.
+        road: The map, whose traits select city, suburb, highway or country.
         seed: Seed of the run.
-        name: Name of the map.
         is_night: Whether windows and lamps are lit.
         without: Ids of map signals to omit, for instance because the scene has its own signals
             there: `oodscen_pybullet._scenery.signals.replaced`.
         state: Faults of the map's lamps, lights and signs.
         is_between: Whether flashing lights are between two flashes.
     """
-    theme = theme_of(traits, corridor)
-    terrain, road, land = _lay(corridor, theme, seed, name)
+    theme = theme_of(road, corridor)
+    terrain, roads, land = _lay(corridor, theme, seed, road.id)
     ground = terrain.ground
-    site = Site(ground, terrain, stream(seed, "scenery", name, "roadside"), state)
-    lights = stand_signals(site, without, is_between=is_between)
+    site = Site(ground, terrain, stream(seed, "scenery", road.id, "roadside"), state)
+    signals = stand_signals(site, without, is_between=is_between)
     furnish(site, theme, is_night=is_night)
     spans, tunnel_lamps = build_structures(ground)
     return Scenery(
         meshes=(
-            replace(road, is_ground=True),
+            replace(roads, is_ground=True),
             replace(land, is_ground=True),
             site.mesh(),
             *spans,
         ),
-        lamps=(*site.lamps, *tunnel_lamps),
-        signals=tuple(lights),
+        lamps=(*map(_street_lamp, [*site.lamps, *tunnel_lamps]), *signals),
         terrain=terrain,
     )
+
+
+def _street_lamp(head: Point) -> Lamp:
+    return Lamp(head, (1.0, 0.82, 0.55), facing=(0.0, 0.0, 0.0), power=2.0, is_street=True)
 
 
 @lru_cache(maxsize=12)

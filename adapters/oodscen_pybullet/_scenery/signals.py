@@ -1,29 +1,26 @@
 """The traffic lights and signs of a map's file."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from oodscen.driving._roads.corridor import Corridor, RoadSignal
 from oodscen.numerics._exact import cos, sin
-from oodscen_pybullet._meshes import asset_ids, asset_mesh
-from oodscen_pybullet._meshes.builder import Lamp, Mesh, Point
+from oodscen_pybullet._meshes import asset_mesh
+from oodscen_pybullet._meshes.mesh import Lamp, Mesh
 from oodscen_pybullet._meshes.tags import Tag, on_posts
 from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
-from oodscen_pybullet._scenery.placing import Heading, Site
+from oodscen_pybullet._scenery.placing import Site
+from oodscen_pybullet._types import Heading
 
 INSTEAD_M = 4.0
 """A scene's own signal replaces the map's signals within this distance, m."""
 _ALONG = 0.7
 """Cosine between a light and the ego's road above which the light applies to the road."""
 
-_LEANS = (
-    ((1.0, 0.0, 0.0), (0.0, 0.8, 0.6), (0.0, -0.6, 0.8)),
-    ((0.96, 0.0, 0.28), (0.0, 1.0, 0.0), (-0.28, 0.0, 0.96)),
-)
-"""Turns of a bent post about its x and y axes: by 37 and 16 degrees."""
+_LEAN = ((0.96, -0.168, 0.224), (0.0, 0.8, 0.6), (-0.28, -0.576, 0.768))
+"""Turn of a bent post: by 37 degrees about its x axis, then by 16 about y."""
 _SIGNS = {
     "206": "stop_sign",
     "205": "yield_sign",
@@ -53,10 +50,10 @@ def stand_signals(site: Site, without: frozenset[str], *, is_between: bool = Fal
         mesh, fault = _mesh_of(site, signal, is_between=is_between), _fault_of(site, signal)
         if mesh is None or fault == "missing":
             continue
-        mesh, (c, s) = displaced(mesh, (-cos(signal.yaw), -sin(signal.yaw)), fault)
+        mesh, heading = displaced(mesh, (-cos(signal.yaw), -sin(signal.yaw)), fault)
         at = (signal.x, signal.y, site.terrain.surface(signal.x, signal.y))
-        site.add(mesh, at, (c, s))
-        shining += [_moved(lamp, at, (c, s)) for lamp in mesh.lamps]
+        site.add(mesh, at, heading)
+        shining += [lamp.placed(at, heading) for lamp in mesh.lamps]
     return shining
 
 
@@ -77,41 +74,22 @@ def displaced(mesh: Mesh, heading: Heading, fault: str | None) -> tuple[Mesh, He
 @lru_cache(maxsize=32)
 def _leaning(mesh: Mesh) -> Mesh:
     """Return a mesh that leans to its right and a little back, as after a knock."""
-    lean, back = np.array(_LEANS[0]), np.array(_LEANS[1])
-    turn = back @ lean
-
-    def rotated(point: Point) -> Point:
-        x, y, z = (turn @ np.array(point)).tolist()
-        return (x, y, z)
-
-    return replace(
-        mesh,
-        vertices=mesh.vertices @ turn.T,
-        normals=mesh.normals @ turn.T,
-        lamps=tuple(
-            replace(lamp, position=rotated(lamp.position), facing=rotated(lamp.facing))
-            for lamp in mesh.lamps
-        ),
-    )
+    return mesh.moved(np.array(_LEAN))
 
 
 def _mesh_of(site: Site, signal: RoadSignal, *, is_between: bool) -> Mesh | None:
-    asset = asset_of(signal)
-    if asset is None or asset not in asset_ids():
-        return None
+    """Return what shows a signal, `None` if no asset does."""
+    if signal.kind == "traffic_light":
+        fault = _fault_of(site, signal)
+        is_faulty = fault in ("off", "flashing", "all_on")
+        state = fault if fault and is_faulty else _state_of(site, signal)
+        light = asset_mesh("traffic_light", state, frame=int(is_faulty and is_between))
+        return on_posts(light, Tag.TRAFFIC_LIGHT)
+    asset = _SIGNS.get(signal.type)
     if asset == "speed_limit_sign":
         limit = limit_of(signal)
-        if limit is None:
-            return None
-        return limit_sign(limit)
-    if signal.kind != "traffic_light":
-        return on_posts(asset_mesh(asset), Tag.TRAFFIC_SIGNS)
-    fault = _fault_of(site, signal)
-    if fault in ("off", "flashing", "all_on"):
-        light = asset_mesh(asset, fault, frame=int(is_between))
-    else:
-        light = asset_mesh(asset, state_of(site, signal))
-    return on_posts(light, Tag.TRAFFIC_LIGHT)
+        return None if limit is None else limit_sign(limit)
+    return None if asset is None else on_posts(asset_mesh(asset), Tag.TRAFFIC_SIGNS)
 
 
 def limit_sign(limit: int) -> Mesh:
@@ -145,26 +123,10 @@ def replaced(corridor: Corridor, places: Sequence[tuple[float, float]]) -> froze
     )
 
 
-def asset_of(signal: RoadSignal) -> str | None:
-    """Return the asset that shows a signal, or `None` if there is none."""
-    if signal.kind == "traffic_light":
-        return "traffic_light"
-    return _SIGNS.get(signal.type)
-
-
-def state_of(site: Site, signal: RoadSignal) -> str:
+def _state_of(site: Site, signal: RoadSignal) -> str:
     """Return "green" for lights on the ego's road, otherwise "red"."""
     road = site.ground.corridor
     place = min(max(signal.s, 0.0), road.length)
     index = int(place / road.step + 0.5)
     along = cos(signal.yaw) * float(road.cos[index]) + sin(signal.yaw) * float(road.sin[index])
     return "green" if abs(along) > _ALONG else "red"
-
-
-def _moved(lamp: Lamp, at: Point, heading: Heading) -> Lamp:
-    (x, y, z), (fx, fy, fz), (c, s) = lamp.position, lamp.facing, heading
-    return replace(
-        lamp,
-        position=(at[0] + c * x - s * y, at[1] + s * x + c * y, at[2] + z),
-        facing=(c * fx - s * fy, s * fx + c * fy, fz),
-    )

@@ -1,17 +1,15 @@
 """Tunnels and bridges of the ego's road."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.driving._roads.corridor import Structure
 from oodscen_pybullet._land.ground import Ground, RoadCourse
-from oodscen_pybullet._land.surfaces import Ribbons, joined
+from oodscen_pybullet._land.surfaces import Ribbons
 from oodscen_pybullet._land.terrain import BANK_M, KERB, PORTAL_M, VALLEY_M, WATER_M, WIDE_M
-from oodscen_pybullet._meshes.atlas import swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.tags import Tag, tagged
-
-Array = NDArray[np.float64]
+from oodscen_pybullet._types import Array, Point
 
 CEILING_M = 5.4
 """Height of a tunnel's ceiling above the road, m."""
@@ -50,13 +48,8 @@ def _tunnel(
     ribbons.band(far, inner_left, "tunnel", heights=(high, top))
     ribbons.band(inner_left, inner_right, "tunnel_dark", heights=(top, top))
     ribbons.band(inner_right, near, "tunnel", heights=(top, high))
-    for edge, sign in ((right, 1.0), (left, -1.0)):
-        a, b = edge, edge - sign * _WALL
-        surface = "tunnel_light"
-        if sign > 0:
-            ribbons.band(b, a, surface, heights=(KERB, KERB))
-        else:
-            ribbons.band(a, b, surface, heights=(KERB, KERB))
+    ribbons.band(near, right, "tunnel_light", heights=(KERB, KERB))
+    ribbons.band(left, far, "tunnel_light", heights=(KERB, KERB))
     mesh = MeshBuilder()
     for s in np.arange(one.start + 3.0, one.end, _LAMP_GAP).tolist():
         t0 = float(np.interp(s, line.s, inner_right))
@@ -72,7 +65,7 @@ def _tunnel(
             lamps.append((x, y, z + top - 0.1))
     for s, forward in ((one.start, True), (one.end, False)):
         _portal(mesh, ground, s, forward=forward)
-    return tagged(joined([ribbons.mesh(), mesh.build()]), Tag.WALLS)
+    return tagged(Mesh.joined([ribbons.mesh(), mesh.build()]), Tag.WALLS)
 
 
 def _portal(mesh: MeshBuilder, ground: Ground, s: float, *, forward: bool) -> None:
@@ -92,53 +85,30 @@ def _portal(mesh: MeshBuilder, ground: Ground, s: float, *, forward: bool) -> No
         points = [at(t, h, out) for t, h in outline]
         mesh.polygon(points if not forward else points[::-1], colour)
 
-    high, top, roof = CEILING_M - 1.3, CEILING_M, PORTAL_M + 0.7
-    panel(
-        [(right - wide, -2.0), (right, -2.0), (right, roof), (right - wide, roof)], "concrete_dark"
-    )
-    panel([(left, -2.0), (left + wide, -2.0), (left + wide, roof), (left, roof)], "concrete_dark")
+    def panels(outline: list[tuple[float, float]], colour: str, out: float = step) -> None:
+        """Add a panel outwards of the right wall, and its mirror image at the left one."""
+        panel([(right - beyond, h) for beyond, h in outline], colour, out)
+        mirrored = [(left + beyond, h) for beyond, h in outline]
+        order = (1, 0, 3, 2) if len(outline) == 4 else (2, 1, 0)
+        panel([mirrored[k] for k in order], colour, out)
+
+    high, top, roof, rim, out = CEILING_M - 1.3, CEILING_M, PORTAL_M + 0.7, 0.6, step * 1.6
+    panels([(wide, -2.0), (0.0, -2.0), (0.0, roof), (wide, roof)], "concrete_dark")
     panel([(right, top), (left, top), (left, roof), (right, roof)], "concrete_dark")
-    panel([(right, high), (right + 1.2, top), (right, top)], "concrete_dark")
-    panel([(left, top), (left - 1.2, top), (left, high)], "concrete_dark")
-    rim = 0.6
-    out = step * 1.6
-    panel(
-        [(right - rim, 0.0), (right, 0.0), (right, high), (right - rim, high + 0.3)],
-        "concrete",
-        out,
-    )
-    panel([(left, 0.0), (left + rim, 0.0), (left + rim, high + 0.3), (left, high)], "concrete", out)
-    panel(
-        [(right - rim, high + 0.3), (right, high), (right + 1.2, top), (right + 0.9, top + rim)],
-        "concrete",
-        out,
-    )
-    panel(
-        [(left, high), (left + rim, high + 0.3), (left - 0.9, top + rim), (left - 1.2, top)],
-        "concrete",
-        out,
-    )
+    panels([(0.0, high), (-1.2, top), (0.0, top)], "concrete_dark")
+    panels([(rim, 0.0), (0.0, 0.0), (0.0, high), (rim, high + 0.3)], "concrete", out)
+    panels([(rim, high + 0.3), (0.0, high), (-1.2, top), (-0.9, top + rim)], "concrete", out)
     panel(
         [(right + 0.9, top + rim), (right + 1.2, top), (left - 1.2, top), (left - 0.9, top + rim)],
         "concrete",
         out,
     )
-    cap = [
-        at(right - wide, roof, step),
-        at(left + wide, roof, step),
-        at(left + wide, roof, -4 * step),
-        at(right - wide, roof, -4 * step),
-    ]
+    ends = ((right - wide, step), (left + wide, step), (left + wide, -4 * step))
+    cap = [at(t, roof, out) for t, out in (*ends, (right - wide, -4 * step))]
     mesh.polygon(cap[::-1] if forward else cap, "concrete")
-    sides = [
-        at(right, -0.1, step),
-        at(right, -0.1, 0.0),
-        at(right, high, 0.0),
-        at(right, high, step),
-    ]
-    other = [at(left, -0.1, step), at(left, -0.1, 0.0), at(left, high, 0.0), at(left, high, step)]
-    mesh.polygon(sides, "concrete").polygon(sides[::-1], "concrete")
-    mesh.polygon(other, "concrete").polygon(other[::-1], "concrete")
+    for t in (right, left):
+        side = [at(t, h, out) for h, out in ((-0.1, step), (-0.1, 0.0), (high, 0.0), (high, step))]
+        mesh.polygon(side, "concrete").polygon(side[::-1], "concrete")
 
 
 def _arches(mesh: MeshBuilder, ground: Ground, line: RoadCourse, right: Array, left: Array) -> None:
@@ -195,17 +165,11 @@ def _bridge(ground: Ground, line: RoadCourse, right: Array, left: Array) -> list
             mesh.box((x, y, z - 1.3 - VALLEY_M / 2), (1.2, 1.2, VALLEY_M), "concrete", caps="")
     _arches(mesh, ground, line, right, left)
     water = Ribbons(line)
-    middle = line.z - line.z.min()
+    depth = -WATER_M - (line.z - line.z.min())
     for side in (-1.0, 1.0):
         for a, b in ((0.0, 40.0), (40.0, 110.0), (110.0, WIDE_M + 30.0)):
             near, far = side * a, side * b
-            heights = -WATER_M - middle
-            lower, upper = (
-                line.points(min(near, far), heights),
-                line.points(max(near, far), heights),
-            )
-            quads = np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1)
             surface = "water" if a < 100 else "water_light"
-            water.quads(quads, np.broadcast_to(swatch_uv(surface), (len(quads), 4, 2)))
-    span = tagged(joined([ribbons.mesh(), mesh.build()]), Tag.BRIDGE)
-    return [joined([span, tagged(water.mesh(), Tag.WATER)])]
+            water.band(min(near, far), max(near, far), surface, heights=(depth, depth))
+    span = tagged(Mesh.joined([ribbons.mesh(), mesh.build()]), Tag.BRIDGE)
+    return [Mesh.joined([span, tagged(water.mesh(), Tag.WATER)])]

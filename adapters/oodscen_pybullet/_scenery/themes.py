@@ -1,13 +1,13 @@
 """The roadside objects of a suburb, a city, a highway and the country."""
 
-from collections.abc import Callable
-
 import numpy as np
 
-from oodscen_pybullet._land.ground import Array, Way
+from oodscen_pybullet._land.ground import Way
 from oodscen_pybullet._land.surfaces import Ribbons, strip_edges
 from oodscen_pybullet._land.terrain import Theme
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.mesh import Mesh
+from oodscen_pybullet._meshes.shapes import CIRCLE, ORIGIN
 from oodscen_pybullet._meshes.tags import Tag, tagged
 from oodscen_pybullet._scenery import furniture, greenery
 from oodscen_pybullet._scenery.buildings import (
@@ -21,6 +21,7 @@ from oodscen_pybullet._scenery.buildings import (
 )
 from oodscen_pybullet._scenery.placing import RoadsidePlace, Site
 from oodscen_pybullet._scenery.signals import displaced, limit_sign
+from oodscen_pybullet._types import Array, Point
 
 _BUS_STOPS = ((-1, 7.0, 19.0), (1, 9.0, 21.0), (-1, 150.0, 230.0), (1, 150.0, 230.0))
 """Side and range of distances ahead of the ego's start, m, of bus stops: clear of where scenes place people."""
@@ -37,15 +38,17 @@ def furnish(site: Site, theme: Theme, *, is_night: bool) -> None:
         theme: The kind of land.
         is_night: Whether windows and lamps are lit.
     """
-    makers: dict[Theme, Callable[[Site, bool], None]] = {
-        "residential": _residential,
-        "urban": _urban,
-        "highway": _highway,
-        "rural": _rural,
-    }
     for x, y, radius in site.terrain.islands.middles:
         _plant_island(site, x, y, radius)
-    makers[theme](site, is_night)
+    match theme:
+        case "residential":
+            _residential(site, is_night)
+        case "urban":
+            _urban(site, is_night)
+        case "highway":
+            _highway(site)
+        case "rural":
+            _rural(site, is_night)
 
 
 def _plant_island(site: Site, x: float, y: float, radius: float) -> None:
@@ -55,26 +58,9 @@ def _plant_island(site: Site, x: float, y: float, radius: float) -> None:
     site.stand(greenery.broad_tree(int(site.rng.integers(0, 10)), is_tall=True), spot, 0.0, 0.0)
     for share, count in ((0.35, 5), (0.62, 9)):
         for index in range(count):
-            c, s = _CIRCLE[(index * len(_CIRCLE)) // count]
-            reach = share * radius
-            site.stand(
-                greenery.bush(int(site.rng.integers(0, 10))),
-                spot,
-                reach * c,
-                reach * s,
-                site.turn(),
-            )
-
-
-_CIRCLE = tuple(
-    (sign * c, other * s)
-    for sign, other, flip in ((1, 1, 0), (-1, 1, 1), (-1, -1, 0), (1, -1, 1))
-    for c, s in (
-        ((1.0, 0.0), (0.9239, 0.3827), (0.7071, 0.7071), (0.3827, 0.9239))
-        if not flip
-        else ((0.0, 1.0), (0.3827, 0.9239), (0.7071, 0.7071), (0.9239, 0.3827))
-    )
-)
+            c, s = CIRCLE[(index * len(CIRCLE)) // count]
+            bush = greenery.bush(int(site.rng.integers(0, 10)))
+            site.stand(bush, spot, share * radius * c, share * radius * s, site.turn())
 
 
 def _streets(site: Site) -> list[Way]:
@@ -93,29 +79,25 @@ def _lamps(
             if index % 2 == (side > 0) or site.is_spanned(spot, 0.0):
                 continue
             x, y = spot.beside(0.0, out)
-            if not site.ground.is_free((x,), (y,), 0.25):
+            if not site.is_free(x, y, 0.25):
                 continue
             ahead = site.ground.along(x, y)[0] - site.ground.corridor.start
             is_dark = site.state is not None and site.state.is_dark(ahead)
             _, _, z = site.stand(dark if is_dark else lit, spot, 0.0, out)
-            if is_dark:
-                continue
-            hx, hy = spot.beside(0.0, out - reach)
-            site.lamps.append((hx, hy, z + height))
+            if not is_dark:
+                site.lamps.append((*spot.beside(0.0, out - reach), z + height))
 
 
 def _speed_signs(site: Site, way: Way, out: float, first: float) -> None:
     """Add signs with the road's own limit, if signs with that number exist."""
     limit = round(way.corridor.speed_limit * 3.6)
-    if limit not in furniture.LIMITS:
-        return
     fault = site.state.signs if site.state else None
-    if fault == "missing":
+    if limit not in furniture.LIMITS or fault == "missing":
         return
     mesh = limit_sign(limit)
     for spot in site.spots(way, -1, 210.0, first=first):
         x, y = spot.beside(0.0, out)
-        if site.ground.is_free((x,), (y,), 0.4) and not site.is_spanned(spot):
+        if site.is_free(x, y, 0.4) and not site.is_spanned(spot):
             shown, heading = displaced(mesh, (-spot.heading[0], -spot.heading[1]), fault)
             site.stand(shown, spot, 0.0, out, heading)
 
@@ -128,15 +110,16 @@ def _tree(
     is_far = out > 14.0 or site.is_far(spot)
     if is_far and kind == "bush":
         return
-    mesh = greenery.broad_tree(
-        key, is_tall=kind == "tall", is_far=is_far, is_pruned=kind == "street"
-    )
-    if kind == "conifer":
-        mesh = greenery.conifer(key)
-    elif kind == "bush":
-        mesh = greenery.bush(key)
-    elif kind == "thicket":
-        mesh = greenery.thicket(key)
+    match kind:
+        case "conifer":
+            mesh = greenery.conifer(key)
+        case "bush":
+            mesh = greenery.bush(key)
+        case "thicket":
+            mesh = greenery.thicket(key)
+        case _:
+            is_tall, is_pruned = kind == "tall", kind == "street"
+            mesh = greenery.broad_tree(key, is_tall=is_tall, is_far=is_far, is_pruned=is_pruned)
     radius = {"bush": 0.5, "thicket": 7.0}.get(kind, 0.9)
     site.try_to_stand(mesh, spot, along, out, margin=margin, radius=radius)
 
@@ -233,9 +216,8 @@ def _urban(site: Site, is_night: bool) -> None:
                 out = 34.0 + 40.0 * float(site.rng.uniform())
                 style, look = int(site.rng.integers(0, STYLES)), int(site.rng.integers(0, 9))
                 x, y = spot.beside(0.0, out)
-                if not site.is_spanned(spot) and site.claim(
-                    x, y, spot.heading, 13.0, 13.0, margin=6.0
-                ):
+                is_spanned = site.is_spanned(spot)
+                if not is_spanned and site.claim(x, y, spot.heading, 13.0, 13.0, margin=6.0):
                     site.stand(tower(style, look, is_night=is_night), spot, 0.0, out)
     if any(way.corridor.structures for way in streets):
         _horizon(site, 60.0)
@@ -248,7 +230,7 @@ def _bus_stop(site: Site, way: Way, is_night: bool) -> None:
         ahead = near + (far - near) * float(site.rng.uniform())
         stop = site.spot(way, site.ground.corridor.start + ahead, side)
         x, y = stop.beside(0.0, -0.95)
-        is_free = site.ground.is_free((x,), (y,), 0.9) and not site.is_spanned(stop)
+        is_free = site.is_free(x, y, 0.9) and not site.is_spanned(stop)
         is_free = is_free and not site.terrain.is_corner(x, y, 14.0)
         if is_free and site.claim(x, y, stop.heading, 3.0, 0.9, margin=0.0):
             site.stand(furniture.piece("bus_stop", is_night=is_night), stop, 0.0, -0.95)
@@ -302,47 +284,41 @@ def _street_thing(site: Site, spot: RoadsidePlace, index: int) -> None:
 # ------------------------------------------------------------------ highway
 
 
-def _highway(site: Site, is_night: bool) -> None:
+def _highway(site: Site) -> None:
+    post = furniture.piece("delineator")
     for way in _streets(site):
         for strip in way.corridor.strips:
             if strip.kind == "median" and strip.direction >= 0:
                 _, left = strip_edges(way.corridor, way.course, strip)
-                _median_rail(site, way, left)
+                _rails(site, way, left - 0.16, left + 0.16)
                 break
-        _guard_rails(site, way)
+        right, left = way.asphalt
+        _rails(site, way, left + 1.0, right - 1.0)
         for side in _SIDES:
             for spot in site.spots(way, side, 50.0):
-                site.try_to_stand(
-                    furniture.piece("delineator"), spot, 0.0, 2.0, margin=1.5, radius=0.1
-                )
+                site.try_to_stand(post, spot, 0.0, 2.0, margin=1.5, radius=0.1)
         if way.is_ego:
-            wide = abs(float(way.asphalt[0][0])) + 0.6
-            for spot in site.spots(way, -1, 420.0, first=20.0):
-                x, y = spot.beside(0.0, 0.9)
-                edge = float(np.interp(spot.s, way.course.s, way.asphalt[0]))
-                fits = abs(edge - float(way.asphalt[0][0])) < 0.1
-                if (
-                    fits
-                    and site.ground.is_free((x,), (y,), 0.3)
-                    and not site.is_spanned(spot, 20.0)
-                ):
-                    mesh = furniture.gantry(wide)
-                    site.stand(mesh, spot, 0.0, 0.9)
+            _gantries(site, way)
         _woods(site, way, 15.0, (7.0, 46.0))
     _horizon(site, 95.0)
 
 
-def _guard_rails(site: Site, way: Way) -> None:
-    """Add rails with posts along both sides, a metre away from the asphalt."""
-    right, left = way.asphalt
-    _rail(site, way, left + 1.0, 1)
-    _rail(site, way, right - 1.0, -1)
+def _gantries(site: Site, way: Way) -> None:
+    """Add sign gantries where the road is as wide as at its beginning."""
+    first = float(way.asphalt[0][0])
+    mesh = furniture.gantry(abs(first) + 0.6)
+    for spot in site.spots(way, -1, 420.0, first=20.0):
+        x, y = spot.beside(0.0, 0.9)
+        edge = float(np.interp(spot.s, way.course.s, way.asphalt[0]))
+        fits = abs(edge - first) < 0.1 and site.is_free(x, y, 0.3)
+        if fits and not site.is_spanned(spot, 20.0):
+            site.stand(mesh, spot, 0.0, 0.9)
 
 
-def _median_rail(site: Site, way: Way, t: Array) -> None:
-    """Add a two-faced rail between two carriageways."""
-    _rail(site, way, t - 0.16, 1)
-    _rail(site, way, t + 0.16, -1)
+def _rails(site: Site, way: Way, left: Array, right: Array) -> None:
+    """Add two rails: the left one faces right, the right one left."""
+    _rail(site, way, left, 1)
+    _rail(site, way, right, -1)
 
 
 def _rail(site: Site, way: Way, t: Array, side: int) -> None:
@@ -361,7 +337,7 @@ def _rail(site: Site, way: Way, t: Array, side: int) -> None:
         else:
             ribbons.band(t - 1e-4, t, colour, heights=(high, low), where=where)
     ribbons.band(t - 0.05, t + 0.05, "rail", heights=(0.74, 0.74), where=where)
-    site.add(tagged(ribbons.mesh(), Tag.GUARD_RAIL), (0.0, 0.0, 0.0), (1.0, 0.0))
+    site.add(tagged(ribbons.mesh(), Tag.GUARD_RAIL), ORIGIN, (1.0, 0.0))
     for row in np.flatnonzero(stands[:-1]).tolist():
         c, s = float(line.cos[row]), float(line.sin[row])
         x, y = float(line.x[row] - t[row] * s), float(line.y[row] + t[row] * c)
@@ -392,42 +368,32 @@ def _woods(site: Site, way: Way, spacing: float, reach: tuple[float, float]) -> 
 def _horizon(site: Site, out: float) -> None:
     """Add the edges of distant woods along the ego's road."""
     way = site.ground.ego
+    has_bridge = any(one.kind == "bridge" for one in way.corridor.structures)
     for side in _SIDES:
         for spot in site.spots(way, side, 24.0, jitter=5.0):
             far = out + 55.0 * float(site.rng.uniform())
-            if not any(one.kind == "bridge" for one in site.ground.corridor.structures) or (
-                not site.is_spanned(spot, 8.0)
-            ):
+            if not (has_bridge and site.is_spanned(spot, 8.0)):
                 _tree(site, spot, 0.0, far, 24.0, "thicket")
 
 
 def _rural(site: Site, is_night: bool) -> None:
+    post, fence = furniture.piece("delineator"), furniture.piece("field_fence")
+    bale = furniture.piece("hay_bale")
     for way in _streets(site):
         for side in _SIDES:
             for spot in site.spots(way, side, 25.0):
                 if not site.is_spanned(spot, 0.0):
-                    site.try_to_stand(
-                        furniture.piece("delineator"), spot, 0.0, 0.7, margin=0.5, radius=0.1
-                    )
+                    site.try_to_stand(post, spot, 0.0, 0.7, margin=0.5, radius=0.1)
         for spot in site.spots(way, 1, 4.0):
             if not site.is_spanned(spot):
-                site.try_to_stand(
-                    furniture.piece("field_fence"), spot, 0.0, 10.0, margin=6.0, radius=0.3
-                )
+                site.try_to_stand(fence, spot, 0.0, 10.0, margin=6.0, radius=0.3)
         _power_line(site, way)
         _speed_signs(site, way, 1.6, 90.0)
         for spot in site.spots(way, 1, 330.0, first=40.0):
             _farm(site, spot, is_night)
         for spot in site.spots(way, -1, 90.0, jitter=30.0):
             for along in (0.0, 7.0, 15.0):
-                site.try_to_stand(
-                    furniture.piece("hay_bale"),
-                    spot,
-                    along,
-                    26.0 + along / 3,
-                    margin=8.0,
-                    radius=0.8,
-                )
+                site.try_to_stand(bale, spot, along, 26.0 + along / 3, margin=8.0, radius=0.8)
         _woods(site, way, 15.0, (7.5, 40.0))
     _horizon(site, 70.0)
 
@@ -438,7 +404,7 @@ def _power_line(site: Site, way: Way) -> None:
     wires = MeshBuilder()
     for spot in site.spots(way, -1, 40.0):
         x, y = spot.beside(0.0, 13.0)
-        if not site.ground.is_free((x,), (y,), 6.0) or site.is_spanned(spot, 24.0):
+        if not site.is_free(x, y, 6.0) or site.is_spanned(spot, 24.0):
             last = None
             continue
         site.claim(x, y, spot.heading, 0.3, 0.3, margin=0.0)
@@ -452,7 +418,7 @@ def _power_line(site: Site, way: Way) -> None:
                 wires.beam(start, low, 0.03, "dark_grey").beam(low, end, 0.03, "dark_grey")
         last = ends
     if last is not None:
-        site.add(tagged(wires.build(), Tag.POLES), (0.0, 0.0, 0.0), (1.0, 0.0))
+        site.add(tagged(wires.build(), Tag.POLES), ORIGIN, (1.0, 0.0))
 
 
 def _farm(site: Site, spot: RoadsidePlace, is_night: bool) -> None:

@@ -4,8 +4,9 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oodscen_pybullet._contacts import Bodies, Pose
+from oodscen_pybullet._contacts import Bodies
 from oodscen_pybullet._engine import load_pybullet
+from oodscen_pybullet._types import Pose
 
 from oodscen.driving._motion.boxes import Box, gap
 

@@ -18,7 +18,7 @@ from oodscen.data._shapes import Part
 from oodscen_pybullet._meshes.atlas import COLOURS
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import fittings, openings, parts
-from oodscen_pybullet._meshes.designs.parts import Placing, add
+from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, held
 from oodscen_pybullet._meshes.look import Appearance
 
 
@@ -144,8 +144,7 @@ class Design(BaseModel):
         mesh = MeshBuilder()
         _add(self.parts, mesh, shown, Placing())
         if self.grounded:
-            low, _ = mesh.bounds
-            mesh.shift((0.0, 0.0, -float(low[2])))
+            mesh.grounded()
         if self.centred:
             mesh.centred()
         return mesh.flatten(0.0) if self.flattened else mesh
@@ -180,28 +179,9 @@ def _add(parts: tuple[Part, ...], mesh: MeshBuilder, shown: Appearance, place: P
 
 
 @add.register
-def _(part: shapes.BothSidesOf, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-    for one in (place.mirrored(), place):
-        _add(part.both_sides, mesh, shown, one)
-
-
-@add.register
-def _(part: shapes.RowOf, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-    x, y, z = part.step
-    for k in range(part.repeat):
-        _add(part.parts, mesh, shown, place.moved((k * x, k * y, k * z)))
-
-
-@add.register
-def _(part: shapes.CopiesOf, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-    for offset in part.at:
-        _add(part.parts, mesh, shown, place.moved(offset))
-
-
-@add.register
-def _(part: shapes.ConditionOf, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-    is_on = all(shown.applies(word, place.side) for word in part.when.split())
-    _add(part.parts if is_on else part.otherwise, mesh, shown, place)
+def _(part: Holder, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+    for one, there in held(part, place, shown.applies):
+        add(one, mesh, shown, there)
 
 
 @add.register

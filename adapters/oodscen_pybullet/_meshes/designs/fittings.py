@@ -7,9 +7,10 @@ from pydantic import Field
 from oodscen.data._colours import Colour
 from oodscen.data._shapes import Length, Pair, Point
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._meshes.designs.parts import DrawnPart, Picture, Placing, Region
+from oodscen_pybullet._meshes.designs.parts import DrawnPart, Placing, Region, add_picture
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
 from oodscen_pybullet._meshes.look import AMBER, BLUE, RED, WHITE, Appearance
+from oodscen_pybullet._meshes.shapes import upright
 
 _AMBER_LAMP = ("amber", "amber_lit", "amber_core")
 _WALK = {(-1.0, 0): 0.0, (-1.0, 1): 0.25, (1.0, 0): 0.5, (1.0, 1): 0.75}
@@ -87,9 +88,8 @@ class Cab(Fitting):
                 foot = (x, side * (half - 0.02), 1.45)
                 mesh.beam(foot, (tip, side * (half - lean), top - 0.28), width, paint)
         mesh.box((front - 0.05, 0, 0.55), (0.2, 2.34, 0.34), "dark_grey")
-        FrontPrint(front_print="grille", x=front + 0.012, y=0.7, z=(0.95, 1.35)).add(
-            mesh, shown, Placing()
-        )
+        x = front + 0.012
+        mesh.textured_quad(upright((x, -0.7), (x, 0.7), 0.95, 1.35), "grille")
         HeadLamps(head_lamps=(front + 0.03, 0.82, 0.78), size=(0.34, 0.2)).fit(mesh, shown)
         for side in (-1.0, 1.0):
             mesh.box((front - 0.1, side * 1.28, 1.95), (0.1, 0.14, 0.5), "black")
@@ -105,9 +105,8 @@ class Chassis(Fitting):
         rear, front = self.chassis
         mesh.box(((rear + front) / 2, 0, 0.74), (front - rear, 0.9, 0.3), "dark_grey")
         mesh.box((rear + 0.06, 0, 0.55), (0.1, 2.3, 0.16), "dark_grey")
-        RearPrint(rear_print="stripes", x=rear + 0.005, y=1.1, z=(0.49, 0.61)).add(
-            mesh, shown, Placing()
-        )
+        x = rear + 0.005
+        mesh.textured_quad(upright((x, 1.1), (x, -1.1), 0.49, 0.61), "stripes")
 
 
 class Underside(Fitting):
@@ -259,14 +258,12 @@ class Plates(Fitting):
     def fit(self, mesh: MeshBuilder, shown: Appearance) -> None:
         """Add the plates."""
         x, z = self.plates
-        RearPrint(rear_print="plate_rear", x=x, y=0.27, z=(z - 0.065, z + 0.065)).add(
-            mesh, shown, Placing()
-        )
+        rear = upright((x, 0.27), (x, -0.27), z - 0.065, z + 0.065)
+        mesh.textured_quad(rear, "plate_rear")
         if self.front:
             x, z = self.front
-            FrontPrint(front_print="plate", x=x, y=0.27, z=(z - 0.065, z + 0.065)).add(
-                mesh, shown, Placing()
-            )
+            front = upright((x, -0.27), (x, 0.27), z - 0.065, z + 0.065)
+            mesh.textured_quad(front, "plate")
 
 
 class RearPrint(DrawnPart):
@@ -279,9 +276,8 @@ class RearPrint(DrawnPart):
 
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
         """Add the print."""
-        x, y, (low, high) = self.x, self.y, self.z
-        corners = ((x, y, low), (x, -y, low), (x, -y, high), (x, y, high))
-        Picture(picture=self.rear_print, on=corners).add(mesh, shown, place)
+        corners = upright((self.x, self.y), (self.x, -self.y), *self.z)
+        add_picture(mesh, corners, self.rear_print, place)
 
 
 class FrontPrint(DrawnPart):
@@ -294,9 +290,8 @@ class FrontPrint(DrawnPart):
 
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
         """Add the print."""
-        x, y, (low, high) = self.x, self.y, self.z
-        corners = ((x, -y, low), (x, y, low), (x, y, high), (x, -y, high))
-        Picture(picture=self.front_print, on=corners).add(mesh, shown, place)
+        corners = upright((self.x, -self.y), (self.x, self.y), *self.z)
+        add_picture(mesh, corners, self.front_print, place)
 
 
 class SidePrint(Fitting):
@@ -312,10 +307,7 @@ class SidePrint(Fitting):
         """Add the prints."""
         (back, fore), y, (low, high) = self.x, self.y, self.z
         for one, two, side in ((back, fore, -y), (fore, back, y)):
-            mesh.textured_quad(
-                [(one, side, low), (two, side, low), (two, side, high), (one, side, high)],
-                self.side_print,
-            )
+            mesh.textured_quad(upright((one, side), (two, side), low, high), self.side_print)
 
 
 class Legs(Fitting):

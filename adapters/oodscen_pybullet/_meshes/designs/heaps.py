@@ -5,9 +5,10 @@ import numpy as np
 from oodscen.data import _shapes as shapes
 from oodscen.data._colours import rgb_of
 from oodscen.numerics._exact import cos, sin
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._types import Point
 
 _GOLDEN = 2.399963
 """Angle between neighbours of a sunflower's seeds, rad: they fill a disc evenly."""

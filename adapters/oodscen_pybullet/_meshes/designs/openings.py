@@ -4,12 +4,13 @@ from oodscen.data import _shapes as shapes
 from oodscen.data._colours import Colour
 from oodscen.data._shapes import Length, Pair
 from oodscen.numerics._exact import PI, cos, sin
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.fittings import Fitting
 from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.shapes import upright
+from oodscen_pybullet._types import Point
 
-_DARK = "black"
 _LINING = "light_grey"
 _OFF = 0.012
 """Distance of a dark opening from the body that it is in, m."""
@@ -48,13 +49,13 @@ class FrontDoors(Fitting):
         paint, out = shown.colour(self.colour), belt_y + _OFF
         seat = front - 0.72 * (front - rear)
         for side in (1.0, -1.0):
-            low = [(front, out, sill), (rear, out, sill), (rear, out, belt), (front, out, belt)]
+            low = upright((front, out), (rear, out), sill, belt)
             high = [
                 (front, out, belt), (rear, out, belt),
                 (rear, top_y + 2 * _OFF, top), (tip, top_y + 2 * _OFF, top),
             ]  # fmt: skip
             for opening in (low, high):
-                mesh.polygon(_on(side, opening), _DARK)
+                mesh.polygon(_on(side, opening), "black")
             back = [
                 (seat + 0.3, out + _OFF, sill + 0.1), (seat, out + _OFF, sill + 0.1),
                 (seat - 0.12, out + _OFF, belt), (seat + 0.06, out + _OFF, belt),
@@ -109,7 +110,7 @@ class OpenBonnet(Fitting):
             (x, half, z + 0.015), (x, -half, z + 0.015),
             (tip, -0.9 * half, low + 0.015), (tip, 0.9 * half, low + 0.015),
         ]  # fmt: skip
-        mesh.polygon(bay[::-1], _DARK)
+        mesh.polygon(bay[::-1], "black")
         mesh.box((x + 0.5 * length, 0.0, low + 0.06), (0.5, 0.6, 0.2), "metal")
         mesh.box((x + 0.3 * length, -0.6 * half, z - 0.02), (0.3, 0.28, 0.14), "light_grey")
         mesh.box((x + 0.6 * length, 0.6 * half, low + 0.1), (0.2, 0.2, 0.14), "blue")
@@ -143,14 +144,14 @@ class OpenHatch(Fitting):
             (x - off, -top, z),
             (x - off, top, z),
         ]
-        mesh.polygon(window, _DARK)
+        mesh.polygon(window, "black")
         below = [
             (sx - off, sill, sz),
             (sx - off, -sill, sz),
             (bx - off, -belt, bz),
             (bx - off, belt, bz),
         ]
-        mesh.polygon(below, _DARK)
+        mesh.polygon(below, "black")
         for y, wide, high, colour in (
             (0.3, 0.5, 0.42, "cardboard"), (-0.28, 0.46, 0.3, "blue"), (0.02, 0.14, 0.56, "red"),
         ):  # fmt: skip
@@ -196,8 +197,8 @@ class RearDoors(Fitting):
         if not shown.has("boot_open"):
             return
         x, half, (low, high) = self.rear_doors, self.half, self.z
-        hold = [(x, half, low), (x, -half, low), (x, -half, high), (x, half, high)]
-        mesh.polygon(hold, _DARK)
+        hold = upright((x, half), (x, -half), low, high)
+        mesh.polygon(hold, "black")
         size = 0.36 * (high - low)
         for y, z, colour in ((0.45, 0.0, "cardboard"), (-0.4, 0.0, "wood"), (0.35, 1.0, "sack")):
             at = (x - 0.01, y * half, low + (z + 0.5) * size)
@@ -224,16 +225,8 @@ class TailLift(Fitting):
             return
         (x, z), half = self.tail_lift, self.half
         mesh.box((x - 0.8, 0.0, z), (1.5, 2 * half, 0.09), "metal")
-        edge = [(x - 1.56, half), (x - 1.56, -half)]
-        mesh.textured_quad(
-            [
-                (*edge[0], z - 0.05),
-                (*edge[1], z - 0.05),
-                (*edge[1], z + 0.05),
-                (*edge[0], z + 0.05),
-            ],
-            "stripes",
-        )
+        edge = upright((x - 1.56, half), (x - 1.56, -half), z - 0.05, z + 0.05)
+        mesh.textured_quad(edge, "stripes")
         for side in (1.0, -1.0):
             mesh.beam(
                 (x + 0.1, side * 0.7 * half, 0.8), (x - 0.5, side * 0.7 * half, z), 0.1, "dark_grey"

@@ -1,6 +1,7 @@
 """Draws the shapes of which designs are made (`oodscen.data._shapes`)."""
 
 import itertools
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Annotated
@@ -17,7 +18,7 @@ from oodscen_pybullet._meshes.look import Appearance
 
 def _known_region(name: str) -> str:
     if name not in REGIONS:
-        raise ValueError(f"there is no printed region {name!r}")
+        raise ValueError(f"unknown printed region {name!r}")
     return name
 
 
@@ -79,11 +80,46 @@ class Picture(DrawnPart):
     """Bottom left, bottom right, top right and top left, as a viewer sees them."""
 
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-        """Add the quad; a mirrored one stays readable."""
-        one, two, three, four = (place.point(point) for point in self.on)
-        mesh.textured_quad(
-            [one, two, three, four] if place.side > 0 else [two, one, four, three], self.picture
-        )
+        """Add the quad."""
+        add_picture(mesh, self.on, self.picture, place)
+
+
+def add_picture(mesh: MeshBuilder, on: Sequence[Point], region: str, place: Placing) -> None:
+    """Add a quad that shows a printed region; a mirrored one stays readable."""
+    one, two, three, four = (place.point(point) for point in on)
+    mesh.textured_quad(
+        [one, two, three, four] if place.side > 0 else [two, one, four, three], region
+    )
+
+
+Holder = shapes.BothSidesOf | shapes.RowOf | shapes.CopiesOf | shapes.ConditionOf
+"""A part that only holds others."""
+
+
+def held(
+    part: Holder, place: Placing, applies: Callable[[str, float], bool]
+) -> Iterator[tuple[Part, Placing]]:
+    """Yield the parts that a part holds, each with its place.
+
+    Args:
+        part: The part that holds them.
+        place: Its own place.
+        applies: Returns whether a word of a condition is met on a side.
+    """
+    parts: tuple[Part, ...] = ()
+    places = [place]
+    match part:
+        case shapes.BothSidesOf():
+            parts, places = part.both_sides, [place.mirrored(), place]
+        case shapes.RowOf():
+            (x, y, z), parts = part.step, part.parts
+            places = [place.moved((k * x, k * y, k * z)) for k in range(part.repeat)]
+        case shapes.CopiesOf():
+            parts, places = part.parts, [place.moved(offset) for offset in part.at]
+        case shapes.ConditionOf():
+            is_on = all(applies(word, place.side) for word in part.when.split())
+            parts = part.parts if is_on else part.otherwise
+    return ((one, there) for there in places for one in parts)
 
 
 @singledispatch

@@ -4,7 +4,6 @@ import itertools
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data import _shapes as shapes
 from oodscen.data._extents import OUTLINE, cells
@@ -13,8 +12,7 @@ from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
-
-Array = NDArray[np.float64]
+from oodscen_pybullet._types import Array
 
 _LIFT = 0.008
 """Distance of letters and speckles from the face that they are on, m."""

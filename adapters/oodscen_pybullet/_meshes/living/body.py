@@ -3,8 +3,10 @@
 import math
 from dataclasses import dataclass
 
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
+from oodscen_pybullet._meshes.look import Gait
+from oodscen_pybullet._types import Point
 
 HIP_M = 0.90
 """Height of the hip joints of an adult 1.75 m tall, m."""
@@ -30,6 +32,11 @@ class Clothes:
     skirt: str = ""
     gesture_gloves: str = ""
     """Colour of the hands in a gesture, if they are gloved."""
+
+
+def drop_of(gait: Gait | None) -> float:
+    """Return the distance by which bent knees lower the hips in motion, m."""
+    return 0.0 if gait is None else 0.05 if gait.runs else 0.03
 
 
 def add_trunk(
@@ -70,31 +77,26 @@ def add_leg(
     clothes: Clothes,
     side: float,
     hip: float,
-    phase: float,
+    gait: Gait | None,
     half_stride_m: float,
-    *,
-    moves: bool,
-    runs: bool,
 ) -> None:
-    """Add a leg that stands, or is in a phase of a walk or a run.
+    """Add a leg that stands, walks or runs.
 
     Args:
         mesh: The mesh.
         clothes: The colours.
         side: -1 for the right leg, 1 for the left one.
         hip: Height of the hip.
-        phase: Completed fraction of the stride.
+        gait: The moment of this leg's stride; `None` if it stands.
         half_stride_m: Distance ahead of the hip at which a walking foot lands; a running one lands farther.
-        moves: Whether the leg is in motion.
-        runs: Whether that motion is a run.
     """
     y, ankle = side * 0.095, 0.09
-    if not moves:
+    if gait is None:
         ahead, up = side * -0.03, 0.0
-    elif runs:
-        ahead, up = stride(phase, 1.3 * half_stride_m, 0.42, 0.42)
+    elif gait.runs:
+        ahead, up = stride(gait.phase, 1.3 * half_stride_m, 0.42, 0.42)
     else:
-        ahead, up = stride(phase, half_stride_m, 0.13, 0.6)
+        ahead, up = stride(gait.phase, half_stride_m, 0.13, 0.6)
     foot = (ahead - 0.03, y, ankle + up)
     knee, foot = joint((0.0, y, hip), foot, 0.425, 0.41, (1.0, side * 0.05, 0.1))
     shin = clothes.shins or clothes.legs
@@ -115,16 +117,13 @@ def add_arm(
     side: float,
     shoulder: Point,
     hand: Point | None,
-    phase: float,
-    *,
-    moves: bool,
-    runs: bool,
+    gait: Gait | None,
 ) -> None:
-    """Add an arm that reaches for a point, hangs, or swings with a phase of a walk or a run."""
+    """Add an arm that reaches for a point; without one it hangs, or swings with the gait."""
     x, _, z = shoulder
     if hand is None:
-        swing = -math.cos(2 * math.pi * phase) if moves else 0.0
-        if runs:
+        swing = -math.cos(2 * math.pi * gait.phase) if gait else 0.0
+        if gait and gait.runs:
             hand = (x + 0.14 + 0.26 * swing, side * 0.2, z - 0.26 + 0.16 * swing)
         else:
             hand = (x + 0.05 + 0.26 * swing, side * 0.27, z - 0.51 + 0.06 * abs(swing))

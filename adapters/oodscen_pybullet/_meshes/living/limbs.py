@@ -2,7 +2,8 @@
 
 import math
 
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._types import Point
 
 
 def joint(start: Point, end: Point, one: float, two: float, bend: Point) -> tuple[Point, Point]:

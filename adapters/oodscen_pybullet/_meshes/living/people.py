@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living.body import (
     HIP_M,
     SHOULDER_M,
@@ -15,10 +15,12 @@ from oodscen_pybullet._meshes.living.body import (
     add_skirt,
     add_trunk,
     add_vest,
+    drop_of,
 )
 from oodscen_pybullet._meshes.living.poses import pose_of
 from oodscen_pybullet._meshes.living.posing import posed_figure
 from oodscen_pybullet._meshes.look import Appearance, Direction
+from oodscen_pybullet._types import Point
 
 WARDROBE: tuple[Clothes, ...] = (
     Clothes("shirt_red", "jeans"),
@@ -73,20 +75,17 @@ def figure(
     if pose is not None:
         posed_figure(mesh, clothes, shown, pose, posture.half_step, (worn, on_head))
         return
-    phase, runs = shown.gait or (0.0, False)
-    moves = shown.gait is not None
+    gait = shown.gait
     if shown.warned:
         posture = _reacting(posture, shown.warned)
-    lean = posture.lean + (0.10 if runs else 0.0)
-    drop = posture.crouch + (0.05 if runs else 0.03 if moves else 0.0)
+    lean = posture.lean + (0.10 if gait and gait.runs else 0.0)
+    drop = posture.crouch + drop_of(gait)
     hip, shoulder = HIP_M - drop, SHOULDER_M - drop
     for side in (-1.0, 1.0):
-        own = phase + (0.5 if side > 0 else 0.0)
-        add_leg(mesh, clothes, side, hip, own, posture.half_step, moves=moves, runs=runs)
+        own = gait and gait.of(side)
+        add_leg(mesh, clothes, side, hip, own, posture.half_step)
         hand = posture.left_hand if side > 0 else posture.right_hand
-        add_arm(
-            mesh, clothes, side, (lean, side * 0.225, shoulder), hand, own, moves=moves, runs=runs
-        )
+        add_arm(mesh, clothes, side, (lean, side * 0.225, shoulder), hand, own)
     add_trunk(mesh, clothes, hip, shoulder, lean)
     add_skirt(mesh, clothes, hip)
     head = add_neck(mesh, clothes, shoulder, lean)
@@ -114,12 +113,6 @@ def _reacting(posture: Posture, direction: Direction) -> Posture:
     )
 
 
-def grounded(mesh: MeshBuilder) -> MeshBuilder:
-    """Move everything so that the lowest foot touches the ground."""
-    low, _ = mesh.bounds
-    return mesh.shift((0.0, 0.0, -float(low[2])))
-
-
 def adult(mesh: MeshBuilder, shown: Appearance) -> None:
     """An adult pedestrian."""
 
@@ -128,7 +121,7 @@ def adult(mesh: MeshBuilder, shown: Appearance) -> None:
             body.box((-0.12, 0, 1.2), (0.11, 0.28, 0.38), "bag")
 
     figure(mesh, WARDROBE[shown.index % len(WARDROBE)], shown, worn=worn)
-    grounded(mesh)
+    mesh.grounded()
 
 
 def child(mesh: MeshBuilder, shown: Appearance) -> None:
@@ -152,7 +145,7 @@ def child(mesh: MeshBuilder, shown: Appearance) -> None:
 
     posture = replace(UPRIGHT, half_step=0.36)
     figure(mesh, clothes, shown, posture, worn=worn, on_head=on_head)
-    grounded(mesh).shift((0, 0, 0), scale=0.68)
+    mesh.grounded().shift((0, 0, 0), scale=0.68)
 
 
 def worker(mesh: MeshBuilder, shown: Appearance) -> None:
@@ -163,7 +156,7 @@ def worker(mesh: MeshBuilder, shown: Appearance) -> None:
     if has_free_hands(shown):
         mesh.cylinder((0.18, -0.34, 0.08), (0.15, -0.29, 1.38), 0.022, "wood", sides=6)
         mesh.box((0.19, -0.345, 0.15), (0.04, 0.22, 0.28), "metal")
-    grounded(mesh)
+    mesh.grounded()
 
 
 def yellow_vest(body: MeshBuilder, head: Point) -> None:
@@ -203,7 +196,7 @@ def police_officer(mesh: MeshBuilder, shown: Appearance) -> None:
         mesh.cylinder((0.37, -0.30, 1.52), (0.39, -0.30, 1.80), 0.018, "white", sides=6)
         mesh.cylinder((0.375, -0.30, 1.90), (0.405, -0.30, 1.90), 0.17, "white", sides=14)
         mesh.cylinder((0.37, -0.30, 1.90), (0.41, -0.30, 1.90), 0.13, "red", sides=14)
-    grounded(mesh)
+    mesh.grounded()
 
 
 VARIED = (adult, child, worker, police_officer)

@@ -10,9 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, model_validator
 
 from oodscen.data._details import Details, posed
 from oodscen.numerics._exact import PI, cos, sin
-from oodscen_pybullet._meshes.builder import Point
 from oodscen_pybullet._meshes.look import BEATS
-from oodscen_pybullet._meshes.shapes import Array, rotated, rotation
+from oodscen_pybullet._meshes.shapes import rotated, rotation
+from oodscen_pybullet._types import Array, Point
 
 UPPER_ARM, FOREARM = 0.28, 0.27
 THIGH, SHIN = 0.425, 0.41

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from oodscen.numerics._exact import PI
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living import body
 from oodscen_pybullet._meshes.living.body import HIP_M, SHOULDER_M, Clothes
 from oodscen_pybullet._meshes.living.limbs import limb
@@ -21,7 +21,8 @@ from oodscen_pybullet._meshes.living.poses import (
     trunk,
 )
 from oodscen_pybullet._meshes.look import Appearance
-from oodscen_pybullet._meshes.shapes import Array, rotated, rotation
+from oodscen_pybullet._meshes.shapes import rotated, rotation
+from oodscen_pybullet._types import Point
 
 _ROPE = "#c8a86a"
 _GLOW = (0.75, 0.85, 1.0)
@@ -44,7 +45,7 @@ def posed_figure(
         shown: The step and the beat of the pose's cycle.
         pose: The pose.
         half_step: Distance ahead of the hip at which a walking foot lands, m.
-        extras: What adds to the trunk, and to the head.
+        extras: Functions that add to the trunk, and to the head.
     """
     person = MeshBuilder()
     _add_person(person, clothes, shown, pose, half_step, extras)
@@ -61,23 +62,26 @@ def _add_person(
     extras: _Extras,
 ) -> None:
     frame = pose.at(shown.beat)
-    phase, runs = shown.gait or (0.0, False)
-    moves = shown.gait is not None and pose.is_walking
-    bends_legs = pose.bends_legs and not moves
+    gait = shown.gait if pose.is_walking else None
+    bends_legs = pose.bends_legs and gait is None
     worn, on_head = extras
     dressed = replace(clothes, legs=clothes.skirt or clothes.legs) if bends_legs else clothes
-    drop = 0.0 if bends_legs or not moves else 0.05 if runs else 0.03
+    drop = body.drop_of(gait)
     whole, hip = MeshBuilder(), HIP_M - drop
     for side in (-1.0, 1.0):
-        if not bends_legs:
-            own = phase + (0.5 if side > 0 else 0.0)
-            own = -own if pose.backwards else own
-            body.add_leg(mesh, clothes, side, hip, own, half_step, moves=moves, runs=runs)
-        else:
+        own = gait and gait.of(side, backwards=pose.backwards)
+        if bends_legs:
             angles = frame.left_leg if side > 0 else frame.right_leg
             assert angles is not None
             _leg(whole, dressed, leg(angles, side, (0.0, side * HIP_Y, hip), frame.lean))
-        _arm(whole, dressed, side, frame, pose, SHOULDER_M - drop, phase if moves else None, runs)
+        else:
+            body.add_leg(mesh, clothes, side, hip, own, half_step)
+        shoulder = (0.0, side * SHOULDER_Y, SHOULDER_M - drop)
+        arm_angles = frame.left_arm if side > 0 else frame.right_arm
+        if arm_angles is None:
+            body.add_arm(whole, dressed, side, shoulder, None, own)
+        else:
+            _arm(whole, dressed, arm(arm_angles, side, shoulder), pose.hands)
     body.add_trunk(whole, dressed, hip, SHOULDER_M - drop, 0.0)
     head = body.add_neck(whole, clothes, SHOULDER_M - drop, 0.0)
     face = MeshBuilder()
@@ -86,22 +90,13 @@ def _add_person(
         on_head(face, (0.0, 0.0, 0.0))
     nod, turn = frame.head
     look = rotation(pitch=PI * nod / 180.0, yaw=PI * turn / 180.0)
-    whole.add_surface(turned(face.build(), look, head, shift=0.0))
+    whole.add_surface(face.build().moved(look, to=head))
     if worn is not None:
         worn(whole, head)
-    mesh.add_surface(turned(whole.build(), trunk(frame), (0.0, 0.0, hip)))
+    middle = (0.0, 0.0, hip)
+    mesh.add_surface(whole.build().moved(trunk(frame), about=middle, to=middle))
     if not bends_legs:
         body.add_skirt(mesh, clothes, hip)
-
-
-def turned(mesh: Mesh, rows: Array, about: Point, shift: float = 1.0) -> Mesh:
-    """Return a mesh turned about a point; with no shift, the mesh's origin is moved to that point."""
-    at = np.array(about)
-    return replace(
-        mesh,
-        vertices=rotated(mesh.vertices - shift * at, rows) + at,
-        normals=rotated(mesh.normals, rows),
-    )
 
 
 def _leg(mesh: MeshBuilder, clothes: Clothes, joints: Chain) -> None:
@@ -112,32 +107,16 @@ def _leg(mesh: MeshBuilder, clothes: Clothes, joints: Chain) -> None:
     mesh.beam(heel, toe, 0.105, clothes.shoes, end_width=0.07)
 
 
-def _arm(
-    mesh: MeshBuilder,
-    clothes: Clothes,
-    side: float,
-    frame: KeyFrame,
-    pose: Pose,
-    height: float,
-    phase: float | None,
-    runs: bool,
-) -> None:
-    shoulder = (0.0, side * SHOULDER_Y, height)
-    angles = frame.left_arm if side > 0 else frame.right_arm
-    if angles is None:
-        own = (phase or 0.0) + (0.5 if side > 0 else 0.0)
-        own = -own if pose.backwards else own
-        body.add_arm(mesh, clothes, side, shoulder, None, own, moves=phase is not None, runs=runs)
-        return
-    joints = arm(angles, side, shoulder)
+def _arm(mesh: MeshBuilder, clothes: Clothes, joints: Chain, hand: str) -> None:
     lower = clothes.sleeves or clothes.top
     limb(mesh, joints[:3], (0.062, 0.048, 0.034), (clothes.top, lower))
     colour = clothes.gesture_gloves or clothes.skin
     mesh.ball(joints.end, (0.045, 0.045, 0.06), colour, around=6, down=4)
-    if pose.hands == "flat":
-        mesh.beam(joints.end, _along(joints.end, joints.way, 0.2), 0.11, colour, end_width=0.08)
-    elif pose.hands == "finger":
-        mesh.beam(joints.end, _along(joints.end, joints.way, 0.2), 0.035, colour)
+    tip = _along(joints.end, joints.way, 0.2)
+    if hand == "flat":
+        mesh.beam(joints.end, tip, 0.11, colour, end_width=0.08)
+    elif hand == "finger":
+        mesh.beam(joints.end, tip, 0.035, colour)
 
 
 def hands(frame: KeyFrame) -> tuple[Point, Point]:

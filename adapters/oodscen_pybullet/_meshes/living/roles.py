@@ -3,29 +3,27 @@
 import math
 from dataclasses import replace
 
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living.body import Clothes
 from oodscen_pybullet._meshes.living.limbs import joint, limb
 from oodscen_pybullet._meshes.living.people import (
     UPRIGHT,
     Posture,
     figure,
-    grounded,
     has_free_hands,
     yellow_vest,
 )
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.objects.signs import face
+from oodscen_pybullet._meshes.shapes import upright
+from oodscen_pybullet._types import Point
 
 
 def jogger(mesh: MeshBuilder, shown: Appearance) -> None:
     """A runner in shorts and a bright shirt."""
     tops = ("fluor_yellow", "orange", "teal")
-    clothes = Clothes(
-        tops[shown.index % 3], "black", skin=("skin", "skin_dark")[shown.index % 2],
-        sleeves=("skin", "skin_dark")[shown.index % 2], shins=("skin", "skin_dark")[shown.index % 2],
-        shoes="fluor_orange",
-    )  # fmt: skip
+    top, skin = tops[shown.index % 3], ("skin", "skin_dark")[shown.index % 2]
+    clothes = Clothes(top, "black", skin=skin, sleeves=skin, shins=skin, shoes="fluor_orange")
 
     def headband(body: MeshBuilder, head: Point) -> None:
         x, _, z = head
@@ -33,7 +31,7 @@ def jogger(mesh: MeshBuilder, shown: Appearance) -> None:
         body.column(rings, "white")
 
     figure(mesh, clothes, shown, replace(UPRIGHT, half_step=0.36), on_head=headband)
-    grounded(mesh)
+    mesh.grounded()
 
 
 def elderly_person(mesh: MeshBuilder, shown: Appearance) -> None:
@@ -47,7 +45,7 @@ def elderly_person(mesh: MeshBuilder, shown: Appearance) -> None:
     if has_free_hands(shown):
         mesh.cylinder((0.40, -0.26, 0.02), (0.39, -0.26, 0.86), 0.018, "wood_dark", sides=6)
         mesh.beam((0.33, -0.26, 0.88), (0.44, -0.26, 0.88), 0.035, "wood_dark")
-    grounded(mesh).shift((0, 0, 0), scale=0.95)
+    mesh.grounded().shift((0, 0, 0), scale=0.95)
 
 
 def wheelchair_user(mesh: MeshBuilder, shown: Appearance) -> None:
@@ -89,9 +87,7 @@ def wheelchair_user(mesh: MeshBuilder, shown: Appearance) -> None:
     mesh.ball((-0.185, 0, 1.335), (0.105, 0.095, 0.105), "hair")
 
 
-def _ring(
-    mesh: MeshBuilder, centre: tuple[float, float, float], radius: float, colour: str, phase: float
-) -> None:
+def _ring(mesh: MeshBuilder, centre: Point, radius: float, colour: str, phase: float) -> None:
     """Add an upright spoked wheel, rotated by a fraction of a turn."""
     x, y, z = centre
     rim = []
@@ -109,7 +105,7 @@ def person_with_stroller(mesh: MeshBuilder, shown: Appearance) -> None:
     posture = Posture((0.40, 0.2, 1.04), (0.40, -0.2, 1.04), lean=0.06, half_step=0.28)
     clothes = Clothes("shirt_white", "jeans", "hair_fair", has_long_hair=True)
     figure(mesh, clothes, shown, posture)
-    grounded(mesh).shift((-0.45, 0, 0))
+    mesh.grounded().shift((-0.45, 0, 0))
     for x, radius in ((0.15, 0.14), (0.72, 0.11)):
         for side in (-1.0, 1.0):
             start, end = (x, side * 0.22, radius), (x, side * 0.26, radius)
@@ -132,24 +128,16 @@ def construction_flagger(mesh: MeshBuilder, shown: Appearance) -> None:
     figure(mesh, clothes, shown, posture, worn=yellow_vest)
     if has_free_hands(shown):
         mesh.cylinder((0.32, -0.28, 0.1), (0.32, -0.28, 1.75), 0.018, "white", sides=6)
-        _disc(mesh, (0.32, -0.28, 1.98), 0.3, "sign_stop", "sign_stop")
-    grounded(mesh)
-
-
-def _disc(
-    mesh: MeshBuilder, centre: tuple[float, float, float], half: float, front: str, back: str
-) -> None:
-    """Add an octagonal face visible from the front and the back."""
-    x, y, z = centre
-    face(mesh, (x - 0.012, y, z), half, front, corners=8)
-    face(mesh, (x + 0.012, y, z), half, back, corners=8, is_forward=True)
+        face(mesh, (0.308, -0.28, 1.98), 0.3, "sign_stop", corners=8)
+        face(mesh, (0.332, -0.28, 1.98), 0.3, "sign_stop", corners=8, is_forward=True)
+    mesh.grounded()
 
 
 def person_in_costume(mesh: MeshBuilder, shown: Appearance) -> None:
     """A person dressed up as a big yellow chicken."""
     clothes = Clothes("yellow", "orange", hair="yellow", skin="yellow", shoes="orange")
     figure(mesh, clothes, shown, replace(UPRIGHT, half_step=0.26), worn=_plumage)
-    grounded(mesh)
+    mesh.grounded()
 
 
 def _plumage(body: MeshBuilder, head: Point) -> None:
@@ -191,7 +179,7 @@ def protester(mesh: MeshBuilder, shown: Appearance) -> None:
     figure(mesh, clothes, shown, posture)
     if has_free_hands(shown):
         _placard(mesh)
-    grounded(mesh)
+    mesh.grounded()
 
 
 def _placard(mesh: MeshBuilder) -> None:
@@ -199,15 +187,8 @@ def _placard(mesh: MeshBuilder) -> None:
     mesh.cylinder((0.25, 0.13, 0.98), (0.25, -0.05, 1.95), 0.018, "wood", sides=6)
     y, low, high = -0.08, 1.8, 2.36
     for x, sign in ((0.235, -1.0), (0.265, 1.0)):
-        mesh.textured_quad(
-            [
-                (x, y - sign * 0.38, low),
-                (x, y + sign * 0.38, low),
-                (x, y + sign * 0.38, high),
-                (x, y - sign * 0.38, high),
-            ],
-            "sign_placard",
-        )
+        left, right = (x, y - sign * 0.38), (x, y + sign * 0.38)
+        mesh.textured_quad(upright(left, right, low, high), "sign_placard")
 
 
 def person_lying(mesh: MeshBuilder) -> None:

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Sequence
 
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._types import Point
 
 
 def _blot(
@@ -18,23 +19,18 @@ def _blot(
     return outline
 
 
-def _fan(mesh: MeshBuilder, outline: list[Point], colour: str) -> None:
-    """Fill an outline from its centre; it need not be convex."""
-    middle = (0.0, 0.0, outline[0][2])
+def _fan(
+    mesh: MeshBuilder, outline: list[Point], colour: str, middle: tuple[float, float] = (0.0, 0.0)
+) -> None:
+    """Fill an outline from a point inside; it need not be convex."""
     for one, two in zip(outline, outline[1:] + outline[:1], strict=True):
-        mesh.polygon([middle, one, two], colour)
+        mesh.polygon([(*middle, outline[0][2]), one, two], colour)
 
 
 def _fan_at(mesh: MeshBuilder, outline: list[Point], colour: str) -> None:
     """Fill an outline around its own centre."""
-    count = len(outline)
-    middle = (
-        sum(p[0] for p in outline) / count,
-        sum(p[1] for p in outline) / count,
-        outline[0][2],
-    )
-    for one, two in zip(outline, outline[1:] + outline[:1], strict=True):
-        mesh.polygon([middle, one, two], colour)
+    x, y, _ = (sum(values) / len(outline) for values in zip(*outline, strict=True))
+    _fan(mesh, outline, colour, (x, y))
 
 
 def _foot(mesh: MeshBuilder, colour: str) -> None:
@@ -112,22 +108,8 @@ def pothole(mesh: MeshBuilder) -> None:
         turn = 0.9 * index + 0.2
         a = (0.95 * math.cos(turn), 1.25 * math.sin(turn))
         b = (1.45 * math.cos(turn + 0.12), 1.8 * math.sin(turn + 0.12))
-        mesh.polygon(
-            [
-                (a[0] - 0.03, a[1] - 0.03, 0.008),
-                (b[0], b[1], 0.008),
-                (a[0] + 0.03, a[1] + 0.03, 0.008),
-            ],
-            "hole",
-        )
-        mesh.polygon(
-            [
-                (a[0] + 0.03, a[1] + 0.03, 0.008),
-                (b[0], b[1], 0.008),
-                (a[0] - 0.03, a[1] - 0.03, 0.008),
-            ],
-            "hole",
-        )
+        crack = [(a[0] - 0.03, a[1] - 0.03, 0.008), (*b, 0.008), (a[0] + 0.03, a[1] + 0.03, 0.008)]
+        mesh.polygon(crack, "hole").polygon(crack[::-1], "hole")
 
 
 def flood_water(mesh: MeshBuilder) -> None:

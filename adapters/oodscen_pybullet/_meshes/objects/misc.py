@@ -6,7 +6,7 @@ import math
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.fire import flames, smoke_column
 from oodscen_pybullet._meshes.living.body import Clothes
-from oodscen_pybullet._meshes.living.people import Posture, figure, grounded
+from oodscen_pybullet._meshes.living.people import Posture, figure
 from oodscen_pybullet._meshes.look import Appearance
 
 
@@ -27,7 +27,7 @@ def mannequin(mesh: MeshBuilder) -> None:
     white = "plastic"
     clothes = Clothes("purple", white, sleeves=white, hair=white, skin=white, shoes=white)
     figure(doll, clothes, Appearance(), Posture((0.3, 0.36, 1.2), (0.1, -0.42, 0.98)))
-    grounded(doll).shift((0, 0, 0.04))
+    doll.grounded().shift((0, 0, 0.04))
     doll.ball((0.02, 0, 1.66), (0.112, 0.095, 0.135), white)
     doll.cylinder((0, 0, 0), (0, 0, 0.04), 0.26, "dark_grey", sides=14)
     doll.cylinder((-0.14, 0, 0.04), (-0.14, 0, 0.9), 0.02, "metal", sides=6)

@@ -3,7 +3,9 @@
 import itertools
 import math
 
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.shapes import upright
+from oodscen_pybullet._types import Point
 
 
 def plant_pot(mesh: MeshBuilder) -> None:
@@ -44,25 +46,21 @@ def _leaf(mesh: MeshBuilder, start: Point, end: Point, width: float, colour: str
 def _torus(mesh: MeshBuilder, centre: Point, radius: float, thick: float, colour: str) -> None:
     """Add a ring that lies flat."""
     ring, sides = 18, 8
-    points = [
-        [
-            (
-                centre[0]
-                + (radius + thick * math.cos(2 * math.pi * j / sides))
-                * math.cos(2 * math.pi * i / ring),
-                centre[1]
-                + (radius + thick * math.cos(2 * math.pi * j / sides))
-                * math.sin(2 * math.pi * i / ring),
-                centre[2] + thick * math.sin(2 * math.pi * j / sides),
+    x, y, z = centre
+    points = []
+    for i in range(ring):
+        turn = 2 * math.pi * i / ring
+        for j in range(sides):
+            tilt = 2 * math.pi * j / sides
+            reach = radius + thick * math.cos(tilt)
+            points.append(
+                (x + reach * math.cos(turn), y + reach * math.sin(turn), z + thick * math.sin(tilt))
             )
-            for j in range(sides)
-        ]
-        for i in range(ring)
-    ]
     for i in range(ring):
         for j in range(sides):
             k, m = (i + 1) % ring, (j + 1) % sides
-            mesh.polygon([points[i][j], points[k][j], points[k][m], points[i][m]], colour)
+            rows = ((i, j), (k, j), (k, m), (i, m))
+            mesh.polygon([points[row * sides + column] for row, column in rows], colour)
 
 
 def tyre(mesh: MeshBuilder) -> None:
@@ -102,14 +100,8 @@ def mattress(mesh: MeshBuilder) -> None:
             ]
             mesh.polygon(edge if side < 0 else edge[::-1], "mattress_edge")
     (x0, z0), (x1, z1) = rows[0], rows[-1]
-    mesh.polygon(
-        [(x0, half, z0), (x0, -half, z0), (x0, -half, z0 + thick), (x0, half, z0 + thick)],
-        "mattress_edge",
-    )
-    mesh.polygon(
-        [(x1, -half, z1), (x1, half, z1), (x1, half, z1 + thick), (x1, -half, z1 + thick)],
-        "mattress_edge",
-    )
+    mesh.polygon(upright((x0, half), (x0, -half), z0, z0 + thick), "mattress_edge")
+    mesh.polygon(upright((x1, -half), (x1, half), z1, z1 + thick), "mattress_edge")
 
 
 def debris(mesh: MeshBuilder) -> None:
@@ -151,31 +143,18 @@ def debris(mesh: MeshBuilder) -> None:
 
 def shopping_cart(mesh: MeshBuilder) -> None:
     """A supermarket trolley."""
-    low, high = (-0.28, 0.36, -0.2, 0.2, 0.42), (-0.42, 0.46, -0.28, 0.28, 0.92)
-    corners_low = [(low[0], low[2]), (low[1], low[2]), (low[1], low[3]), (low[0], low[3])]
-    corners_high = [(high[0], high[2]), (high[1], high[2]), (high[1], high[3]), (high[0], high[3])]
+    bottom = [(-0.28, -0.2), (0.36, -0.2), (0.36, 0.2), (-0.28, 0.2)]
+    top = [(-0.42, -0.28), (0.46, -0.28), (0.46, 0.28), (-0.42, 0.28)]
     for i in range(4):
         j = (i + 1) % 4
         for k in range(6):
-            f = k / 5
-            a = _between(corners_low[i], corners_low[j], f)
-            b = _between(corners_high[i], corners_high[j], f)
+            a, b = (_between(rim[i], rim[j], k / 5) for rim in (bottom, top))
             mesh.beam((*a, 0.42), (*b, 0.92), 0.018, "silver")
         for k in range(4):
-            g = k / 3
-            z = 0.42 + 0.5 * g
-            a = _between(corners_low[i], corners_high[i], g)
-            b = _between(corners_low[j], corners_high[j], g)
+            z = 0.42 + 0.5 * (k / 3)
+            a, b = (_between(bottom[corner], top[corner], k / 3) for corner in (i, j))
             mesh.beam((*a, z), (*b, z), 0.022, "silver" if k < 3 else "light_grey")
-    mesh.polygon(
-        [
-            (low[0], low[2], 0.42),
-            (low[1], low[2], 0.42),
-            (low[1], low[3], 0.42),
-            (low[0], low[3], 0.42),
-        ],
-        "metal",
-    )
+    mesh.polygon([(x, y, 0.42) for x, y in bottom], "metal")
     mesh.beam((-0.50, -0.28, 1.0), (-0.50, 0.28, 1.0), 0.05, "red")
     for side in (-1.0, 1.0):
         mesh.beam((-0.42, side * 0.27, 0.92), (-0.50, side * 0.27, 1.0), 0.03, "silver")

@@ -3,8 +3,10 @@
 import itertools
 import math
 
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import AMBER, GREEN, RED, Appearance
+from oodscen_pybullet._meshes.shapes import upright
+from oodscen_pybullet._types import Point
 
 
 def face(
@@ -147,6 +149,12 @@ _LED = 0.8
 """Share of a signal's glow that is visible by day."""
 
 
+def _lit_lenses(shown: Appearance) -> tuple[str, ...]:
+    """Return the colours that a light shows; by default red."""
+    is_between = shown.state == "flashing" and shown.frame % 2 == 1
+    return () if is_between else _LENSES.get(shown.state, ("red",))
+
+
 def lens(mesh: MeshBuilder, centre: Point, radius: float, name: str, *, is_lit: bool) -> None:
     """Add a lens with its hood: `red`, `amber` or `green`."""
     x, y, z = centre
@@ -164,35 +172,19 @@ def lens(mesh: MeshBuilder, centre: Point, radius: float, name: str, *, is_lit: 
 
 def traffic_light(mesh: MeshBuilder, shown: Appearance) -> None:
     """A traffic light on a post; the flashing state is amber."""
-    lit = _LENSES.get(shown.state, ("red",))
-    if shown.state == "flashing" and shown.frame % 2:
-        lit = ()
+    lit = _lit_lenses(shown)
     mesh.cylinder((0, 0, 0), (0, 0, 0.5), 0.12, "dark_grey", sides=8)
     mesh.cylinder((0, 0, 0.5), (0, 0, 3.5), 0.07, "dark_grey", sides=8)
     mesh.box((-0.16, 0, 2.95), (0.22, 0.42, 1.16), "black")
-    mesh.polygon(
-        [(-0.05, 0.32, 2.28), (-0.05, -0.32, 2.28), (-0.05, -0.32, 3.62), (-0.05, 0.32, 3.62)],
-        "black",
-    )
-    mesh.polygon(
-        [(-0.045, -0.32, 2.28), (-0.045, 0.32, 2.28), (-0.045, 0.32, 3.62), (-0.045, -0.32, 3.62)],
-        "dark_grey",
-    )
-    for y0, y1 in ((0.32, 0.28), (-0.28, -0.32)):
-        mesh.polygon(
-            [(-0.055, y0, 2.28), (-0.055, y1, 2.28), (-0.055, y1, 3.62), (-0.055, y0, 3.62)],
-            "white",
-        )
-    for z0 in (2.28, 3.58):
-        mesh.polygon(
-            [
-                (-0.055, 0.32, z0),
-                (-0.055, -0.32, z0),
-                (-0.055, -0.32, z0 + 0.04),
-                (-0.055, 0.32, z0 + 0.04),
-            ],
-            "white",
-        )
+    mesh.polygon(upright((-0.05, 0.32), (-0.05, -0.32), 2.28, 3.62), "black")
+    mesh.polygon(upright((-0.045, -0.32), (-0.045, 0.32), 2.28, 3.62), "dark_grey")
+    for y0, y1, z0, z1 in (
+        (0.32, 0.28, 2.28, 3.62),
+        (-0.28, -0.32, 2.28, 3.62),
+        (0.32, -0.32, 2.28, 2.32),
+        (0.32, -0.32, 3.58, 3.62),
+    ):
+        mesh.polygon(upright((-0.055, y0), (-0.055, y1), z0, z1), "white")
     for name, z in (("red", 3.32), ("amber", 2.95), ("green", 2.58)):
         lens(mesh, (-0.272, 0, z), 0.165, name, is_lit=name in lit)
 
@@ -202,35 +194,24 @@ def pedestrian_light(mesh: MeshBuilder, shown: Appearance) -> None:
     mesh.cylinder((0, 0, 0), (0, 0, 2.9), 0.055, "dark_grey", sides=8)
     mesh.box((-0.14, 0, 2.5), (0.2, 0.34, 0.74), "black")
     mesh.box((-0.08, 0, 1.15), (0.1, 0.14, 0.2), "yellow")
-    is_dark = shown.state == "off" or (shown.state == "flashing" and shown.frame % 2 == 1)
-    for region, z, states in (
-        ("sign_man", 2.67, ("red", "")),
-        ("sign_walker", 2.33, ("green", "flashing")),
+    is_dark = not _lit_lenses(shown)
+    for figure, colour, z, states in (
+        ("man", "red", 2.67, ("red", "")),
+        ("walker", "green", 2.33, ("green", "flashing")),
     ):
         is_lit = not is_dark and shown.state in states
-        corners = [
-            (-0.245, 0.14, z - 0.15),
-            (-0.245, -0.14, z - 0.15),
-            (-0.245, -0.14, z + 0.15),
-            (-0.245, 0.14, z + 0.15),
-        ]
+        quad = upright((-0.245, 0.14), (-0.245, -0.14), z - 0.15, z + 0.15)
         if is_lit:
-            mesh.textured_quad(corners, region)
-            mesh.lamp(
-                (-0.25, 0, z), RED if region == "sign_man" else GREEN, (-1, 0, 0), 0.8, by_day=_LED
-            )
+            mesh.textured_quad(quad, f"sign_{figure}")
+            mesh.lamp((-0.25, 0, z), _GLOW[colour], (-1, 0, 0), 0.8, by_day=_LED)
         else:
-            mesh.polygon(corners, "lens_red" if region == "sign_man" else "lens_green")
+            mesh.polygon(quad, f"lens_{colour}")
         mesh.box((-0.28, 0, z + 0.17), (0.1, 0.32, 0.02), "black")
 
 
 def temporary_light(mesh: MeshBuilder, shown: Appearance) -> None:
     """A portable traffic light on a yellow battery trailer."""
-    lit = {"red": "red", "green": "green", "amber": "amber", "flashing": "amber"}.get(
-        shown.state or "red", ""
-    )
-    if shown.state == "flashing" and shown.frame % 2:
-        lit = ""
+    lit = _lit_lenses(shown)
     mesh.box((0.1, 0, 0.42), (0.8, 0.7, 0.5), "machine")
     mesh.box((0.1, 0, 0.69), (0.84, 0.74, 0.06), "machine_dark")
     for side in (-1.0, 1.0):
@@ -239,7 +220,7 @@ def temporary_light(mesh: MeshBuilder, shown: Appearance) -> None:
     mesh.box((-0.1, 0, 2.3), (0.2, 0.34, 1.0), "black")
     mesh.box((0.0, 0, 2.3), (0.03, 0.5, 1.16), "yellow")
     for name, z in (("red", 2.6), ("amber", 2.3), ("green", 2.0)):
-        lens(mesh, (-0.2, 0, z), 0.12, name, is_lit=name == lit)
+        lens(mesh, (-0.2, 0, z), 0.12, name, is_lit=name in lit)
 
 
 _HALF = 0.7071
@@ -269,22 +250,7 @@ def level_crossing_gate(mesh: MeshBuilder, shown: Appearance) -> None:
         lens(mesh, (-0.13, right + side * 0.21, 2.0), 0.13, "red", is_lit=is_lit)
 
 
-def bus_stop(mesh: MeshBuilder) -> None:
-    """A bus shelter with a bench and a sign, open towards -y."""
-    mesh.box((0, 0.75, 1.2), (4.0, 0.05, 2.0), "glass_light", caps="")
-    mesh.box((-2.0, 0.15, 1.2), (0.05, 1.2, 2.0), "wall_blue")
-    for x in (-2.0, 2.0):
-        for y in (-0.5, 0.75):
-            mesh.box((x, y, 1.15), (0.08, 0.08, 2.3), "dark_grey", caps="")
-    mesh.box((0, 0.1, 2.35), (4.4, 1.7, 0.12), "dark_grey")
-    mesh.box((0.4, 0.5, 0.45), (2.4, 0.36, 0.06), "wood")
-    mesh.beam((3.0, -0.6, 0), (3.0, -0.6, 2.7), 0.07, "post")
-    mesh.box((3.0, -0.6, 2.55), (0.08, 0.55, 0.55), "awning_green")
-    mesh.box((3.0, -0.6, 2.55), (0.09, 0.3, 0.3), "yellow")
-
-
 STILL = (
-    bus_stop,
     stop_sign,
     yield_sign,
     speed_limit_sign,

@@ -4,12 +4,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen_pybullet._meshes.atlas import COLOURS, EMISSIVE, free_colours, swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance
-from oodscen_pybullet._meshes.shapes import Array
+from oodscen_pybullet._meshes.mesh import Mesh
+from oodscen_pybullet._types import Array
 
 _EDGE_M, _EDGE = 0.3, 0.06
 """Longest edge of the triangles of what is dirty or crushed: m, or as a share of a long vehicle's length."""
@@ -40,10 +40,7 @@ def altered(mesh: MeshBuilder, shown: Appearance) -> MeshBuilder:
     whole = mesh.build()
     for change in changes:
         whole = change(whole)
-    built = MeshBuilder().add_surface(whole)
-    for lamp in whole.lamps:
-        built.lamp(lamp.position, lamp.colour, lamp.facing, lamp.power, by_day=lamp.by_day)
-    return built
+    return MeshBuilder().insert(whole)
 
 
 def _split(mesh: Mesh) -> Mesh:
@@ -75,19 +72,10 @@ def _split(mesh: Mesh) -> Mesh:
             np.concatenate([table[~is_long], half])
             for table, half in zip((points, normals, uvs), halves, strict=True)
         )
-    return _of(mesh, points, normals, uvs)
-
-
-def _of(mesh: Mesh, points: Array, normals: Array, uvs: Array) -> Mesh:
     flat = normals.reshape(-1, 3)
-    length = np.sqrt((flat**2).sum(axis=1, keepdims=True))
-    return replace(
-        mesh,
-        vertices=points.reshape(-1, 3),
-        normals=flat / np.maximum(length, 1e-9),
-        uvs=uvs.reshape(-1, 2),
-        triangles=np.arange(points.shape[0] * 3).reshape(-1, 3),
-    )
+    flat /= np.maximum(np.sqrt((flat**2).sum(axis=1, keepdims=True)), 1e-9)
+    surface = Mesh.loose(points.reshape(-1, 3), flat, uvs.reshape(-1, 2))
+    return replace(surface, lamps=mesh.lamps, puffs=mesh.puffs)
 
 
 def _noise(points: Array, key: int) -> Array:
@@ -134,7 +122,7 @@ def _crushed(mesh: Mesh, end: float) -> Mesh:
     mesh = _split(mesh)
     half, side = float(np.abs(mesh.vertices[:, 0]).max()), float(np.abs(mesh.vertices[:, 1]).max())
 
-    def moved(points: Array) -> NDArray[np.float64]:
+    def moved(points: Array) -> Array:
         ahead = np.maximum(end * points[:, 0] / half - 0.35, 0.0) / 0.65
         askew = 0.7 + 0.3 * points[:, 1] / side
         folds = [_noise(points, key) - 0.5 for key in (2, 3, 4)]

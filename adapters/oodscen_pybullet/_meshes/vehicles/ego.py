@@ -2,9 +2,10 @@
 
 import itertools
 
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import assemble
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.mesh import Mesh
 
 
 def ego_car(mesh: MeshBuilder, shown: Appearance) -> None:

@@ -3,11 +3,13 @@
 import itertools
 import math
 
-from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living.body import Clothes
 from oodscen_pybullet._meshes.living.limbs import joint, limb
 from oodscen_pybullet._meshes.living.people import Posture, figure
 from oodscen_pybullet._meshes.look import AMBER, RED, WHITE, Appearance, Lights
+from oodscen_pybullet._meshes.shapes import upright
+from oodscen_pybullet._types import Point
 
 
 def _rider(
@@ -183,10 +185,7 @@ def motorcycle(mesh: MeshBuilder, shown: Appearance) -> None:
         mesh.lamp((0.74, 0, 0.92), WHITE, (1, 0, 0), 4.0)
     _signals(mesh, lights, -1.0, 0.72)
     _signals(mesh, lights, 0.72, 0.92)
-    mesh.textured_quad(
-        [(-1.05, 0.1, 0.52), (-1.05, -0.1, 0.52), (-1.05, -0.1, 0.64), (-1.05, 0.1, 0.64)],
-        "plate_rear",
-    )
+    mesh.textured_quad(upright((-1.05, 0.1), (-1.05, -0.1), 0.52, 0.64), "plate_rear")
     feet = ((-0.06, -0.17, 0.44), (-0.06, 0.17, 0.44))
     clothes = Clothes("black", "trousers", hat=colour)
     _rider(mesh, clothes, (-0.3, 0, 0.94), (0.42, 0.34, 1.04), feet, lean=0.34)

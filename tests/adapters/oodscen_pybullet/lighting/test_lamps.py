@@ -2,7 +2,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._lighting.lamps import add_glare, add_glows, ground_light
-from oodscen_pybullet._lighting.light import Glow, Light
+from oodscen_pybullet._lighting.light import Light
+from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Weather
@@ -14,7 +15,7 @@ NIGHT = Light.of(Weather(sun_elevation_deg=-20.0), 0.0, reflects_snow=False)
 
 
 def test_a_lamp_glows_where_it_is_and_only_when_nothing_hides_it() -> None:
-    lamp = Glow((20.0, 0.0, 1.0), (1.0, 0.1, 0.1), (-1.0, 0.0, 0.0), 1.0)
+    lamp = Lamp((20.0, 0.0, 1.0), (1.0, 0.1, 0.1), (-1.0, 0.0, 0.0), 1.0)
     spot = VIEW.pixel(lamp.position)
     assert spot is not None
     row, column = int(spot[1]), int(spot[0])
@@ -23,13 +24,13 @@ def test_a_lamp_glows_where_it_is_and_only_when_nothing_hides_it() -> None:
         add_glows(image, VIEW, np.full((120, 160), depth, np.float32), [lamp], NIGHT, 0.0)
         assert bool(image[row, column, 0] > 60) == shines
     image = np.zeros((120, 160, 3), np.uint8)
-    away = Glow(lamp.position, lamp.colour, (1.0, 0.0, 0.0), 1.0)
+    away = Lamp(lamp.position, lamp.colour, (1.0, 0.0, 0.0), 1.0)
     add_glows(image, VIEW, np.full((120, 160), 30.0, np.float32), [away], NIGHT, 0.0)
     assert not image.any()
 
 
 def test_head_lamps_light_the_ground_that_they_face() -> None:
-    oncoming = Glow((40.0, 3.0, 0.7), (1.0, 1.0, 0.9), (-1.0, 0.0, 0.0), 4.0)
+    oncoming = Lamp((40.0, 3.0, 0.7), (1.0, 1.0, 0.9), (-1.0, 0.0, 0.0), 4.0)
     grid = ground_light(VIEW, [oncoming], NIGHT)
     assert grid is not None
     column = grid.shape[1] // 2 - 6
@@ -42,7 +43,7 @@ def test_head_lamps_light_the_ground_that_they_face() -> None:
 
 @given(st.floats(5, 80), st.floats(-15, 15))
 def test_street_lamps_light_what_is_below_them_most(ahead: float, aside: float) -> None:
-    lamp = Glow((ahead, -aside, 8.0), (1.0, 0.8, 0.5), (0.0, 0.0, 0.0), 2.0, is_street=True)
+    lamp = Lamp((ahead, -aside, 8.0), (1.0, 0.8, 0.5), (0.0, 0.0, 0.0), 2.0, is_street=True)
     grid = ground_light(VIEW, [lamp], NIGHT)
     assert grid is not None
     row, column = np.unravel_index(grid[..., 0].argmax(), grid.shape[:2])

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._meshes.atlas import COLOURS, EMISSIVE, REGIONS, SIZE, SWATCH, swatch_uv
-from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.mesh import Mesh
 
 sizes = st.floats(0.05, 5.0)
 spots = st.floats(-10.0, 10.0)

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from oodscen_pybullet._meshes.builder import Mesh
 from oodscen_pybullet._meshes.designs import CONTEXT, Design, assemble, load_designs
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.mesh import Mesh
 from pydantic import ValidationError
 
 places = st.tuples(*[st.integers(-40, 40).map(lambda tenths: tenths / 10)] * 3)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes import asset_mesh, learned
 from oodscen_pybullet._meshes.atlas import draw_atlas
-from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.triangles import SHINING, Triangles
 
 from oodscen.author._knowledge.designs import load_designs

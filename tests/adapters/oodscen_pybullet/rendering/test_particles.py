@@ -1,12 +1,14 @@
 import numpy as np
 import pytest
 from oodscen_pybullet._lighting.light import Light
-from oodscen_pybullet._meshes.builder import Puff
-from oodscen_pybullet._rendering.particles import add_puffs, filled, placed
+from oodscen_pybullet._meshes.mesh import Puff
+from oodscen_pybullet._rendering.particles import add_puffs, filled
+from oodscen_pybullet._rendering.stage import Ball, RawPicture
 from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Weather
 from oodscen.protocols import Camera
+from tests.adapters.oodscen_pybullet.shots import plain_shot
 
 VIEW = CameraView.of(Camera(width=160, height=120, pitch_deg=0.0), (0.0, 0.0, 0.0, 0.0))
 DAY = Light.of(Weather(), 0.0, reflects_snow=False)
@@ -17,10 +19,14 @@ def blend(
     puff: Puff, depth: float, light: Light = DAY, rate: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
     image = np.full((120, 160, 3), 100, np.uint8)
-    far, rows = np.full((120, 160), depth, np.float32), np.full((120, 160), -1, np.int32)
-    balls = placed([puff], (20.0, 0.0, 0.0, 1.0), 3)
-    add_puffs(image, far, rows, VIEW, balls, light, rate, (200.0, 200.0, 200.0))
-    return image, rows
+    shot = plain_shot(VIEW, depth)
+    raw = RawPicture(shot, VIEW, Weather(), light, (), 0.0, 0, 0.0, balls=[at_20_m(puff, 3)])
+    add_puffs(image, raw, rate, (200.0, 200.0, 200.0))
+    return image, shot.rows
+
+
+def at_20_m(puff: Puff, row: int) -> Ball:
+    return Ball(puff.placed((20.0, 0.0, 0.0), (1.0, 0.0)), row)
 
 
 def smoke(density: float = 0.9, *, is_bright: bool = False) -> Puff:
@@ -62,7 +68,6 @@ def test_fog_takes_smoke_as_it_takes_everything() -> None:
 
 
 def test_what_a_body_would_fill_alone() -> None:
-    balls = placed([smoke()], (20.0, 0.0, 0.0, 0.0), 2)
-    area = filled(VIEW, balls, 2)
+    area = filled(VIEW, [at_20_m(smoke(), 2)])
     assert 0 < area.sum() == pytest.approx(blend(smoke(), 40.0)[1].__eq__(3).sum(), abs=30)
-    assert not filled(VIEW, balls, 1).any()
+    assert not filled(VIEW, []).any()

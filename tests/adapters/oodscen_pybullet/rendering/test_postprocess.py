@@ -7,44 +7,36 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oodscen_pybullet._lighting.light import Glow, Light
+from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal
+from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._rendering import picture
 from oodscen_pybullet._rendering import postprocess as post
-from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
+from oodscen_pybullet._rendering.picture import postprocessed
 from oodscen_pybullet._rendering.postprocess import fade, grain
-from oodscen_pybullet._rendering.stage import Shot
+from oodscen_pybullet._rendering.stage import RawPicture, Shot
 from oodscen_pybullet._rendering.triangles import GROUND, PLAIN, SHELTERED, SHINING, SOFT
 from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Weather
 from oodscen.protocols import Camera
+from tests.adapters.oodscen_pybullet.shots import plain_shot
 
 VIEW = CameraView.of(Camera(width=80, height=60, pitch_deg=0.0), (0.0, 0.0, 0.0, 0.0))
 
 
 def shot(depth: float, *, kind: int = 0, colour: int = 0) -> Shot:
     """A wall of which the right half is white."""
-    shape = (VIEW.height, VIEW.width)
-    rgb = np.full((*shape, 3), colour, np.uint8)
-    rgb[:, 40:] = 255
-    far = np.full(shape, depth, np.float32)
-    return Shot(
-        rgb=rgb,
-        depth=far,
-        rows=np.full(shape, -1, np.int32),
-        reach=far,
-        sky=np.where(np.isinf(far), 255, 0).astype(np.uint8),
-        lit=np.zeros(shape, np.uint8),
-        kinds=np.full(shape, kind, np.uint8),
-    )
+    raw = plain_shot(VIEW, depth, kinds=kind, colour=colour)
+    raw.rgb[:, 40:] = 255
+    return raw
 
 
-def show(raw: Shot, *glows: Glow, **weather: object) -> np.ndarray:
+def show(raw: Shot, *lamps: Lamp, **weather: object) -> np.ndarray:
     conditions = Weather.model_validate(weather)
     light = Light.of(conditions, 0.0, reflects_snow=False)
     return postprocessed(
-        RawPicture(raw, VIEW, conditions, light, glows, time=0.5, seed=1, road_height=0.0)
+        RawPicture(raw, VIEW, conditions, light, lamps, time=0.5, seed=1, road_height=0.0)
     )
 
 
@@ -96,7 +88,7 @@ def test_the_beams_light_near_things_more_than_far_ones_and_the_middle_most() ->
 
 
 def test_a_lamp_lights_what_is_below_it() -> None:
-    lamp = Glow((70.0, 0.0, 8.0), (1.0, 0.8, 0.5), (0.0, 0.0, 0.0), 2.0, is_street=True)
+    lamp = Lamp((70.0, 0.0, 8.0), (1.0, 0.8, 0.5), (0.0, 0.0, 0.0), 2.0, is_street=True)
     dark, bright = (
         show(shot(70.0, colour=200), *lamps, sun_elevation_deg=-30.0) for lamps in ((), (lamp,))
     )

@@ -15,9 +15,10 @@ from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.bullet_camera import BulletRenderer
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
-from oodscen_pybullet._rendering.stage import Pose, Shot, Stage
+from oodscen_pybullet._rendering.stage import Shot, Stage
 from oodscen_pybullet._rendering.triangles import MIRROR, PLAIN, SHINING
 from oodscen_pybullet._rendering.view import CameraView
+from oodscen_pybullet._types import Pose
 
 from oodscen.protocols import Camera
 

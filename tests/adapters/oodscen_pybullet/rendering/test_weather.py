@@ -1,5 +1,4 @@
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -7,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal
+from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import SHELTERED
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._rendering.weather import (
@@ -20,6 +20,7 @@ from oodscen_pybullet._rendering.weather import (
 from oodscen.data._scene import Weather
 from oodscen.driving._sight.visibility import extinction
 from oodscen.protocols import Camera
+from tests.adapters.oodscen_pybullet.shots import plain_shot
 
 VIEW = CameraView.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, 0.0))
 SNOW = Weather(precipitation="snow", precipitation_mm_h=9.0)
@@ -74,44 +75,53 @@ def test_the_sheet_of_clouds_closes_around_the_horizon() -> None:
     assert abs(np.diff(sheet, axis=1)).max() < 0.2
 
 
-def test_what_falls_depends_on_seed_and_time_alone() -> None:
-    rain = Weather(precipitation="rain", precipitation_mm_h=20.0)
-    snow = Weather(precipitation="snow", precipitation_mm_h=5.0)
-    depth, kinds = np.full((120, 160), 50.0, np.float32), np.zeros((120, 160), np.uint8)
+def falling(
+    weather: Weather,
+    image: np.ndarray,
+    *,
+    light: Light = DAY,
+    depth: float = 50.0,
+    kinds: int | np.ndarray = 0,
+    portal: Portal | None = None,
+    seed: int = 1,
+    time: float = 0.5,
+) -> np.ndarray:
+    """Return a picture into which rain or snow falls."""
+    shot = plain_shot(VIEW, depth, kinds=kinds)
+    picture = RawPicture(shot, VIEW, weather, light, (), time, seed, 0.0, portal=portal)
+    add = add_rain if weather.precipitation == "rain" else add_snow
+    assert shot.kinds is not None
+    add(image, picture, shot.kinds)
+    return image
 
-    def draw(kind: str, seed: int, time: float) -> bytes:
-        image = np.full((120, 160, 3), 40, np.uint8)
-        if kind == "rain":
-            add_rain(image, VIEW, rain, DAY, depth, kinds, None, seed, time)
-        else:
-            add_snow(image, VIEW, snow, DAY, depth, kinds, None, seed, time)
+
+def grey(value: int) -> np.ndarray:
+    return np.full((120, 160, 3), value, np.uint8)
+
+
+@pytest.mark.parametrize("weather", [RAIN, SNOW])
+def test_what_falls_depends_on_seed_and_time_alone(weather: Weather) -> None:
+    def draw(seed: int, time: float) -> bytes:
+        image = falling(weather, grey(40), seed=seed, time=time)
         assert image.max() > 60
         assert image.min() >= 40
         return image.tobytes()
 
-    for kind in ("rain", "snow"):
-        assert draw(kind, 1, 0.5) == draw(kind, 1, 0.5)
-        assert len({draw(kind, 1, 0.5), draw(kind, 1, 0.55), draw(kind, 2, 0.5)}) == 3
+    assert draw(1, 0.5) == draw(1, 0.5)
+    assert len({draw(1, 0.5), draw(1, 0.55), draw(2, 0.5)}) == 3
 
 
 def test_flakes_fall_behind_what_is_near() -> None:
-    image = np.zeros((120, 160, 3), np.uint8)
-    near = np.full((120, 160), 0.5, np.float32)
-    kinds = np.zeros((120, 160), np.uint8)
-    add_snow(image, VIEW, SNOW, DAY, near, kinds, None, 1, 0.0)
-    assert not image.any()
+    assert not falling(SNOW, grey(0), depth=0.5, time=0.0).any()
 
 
-@pytest.mark.parametrize("add", [add_rain, add_snow])
-def test_nothing_falls_into_tunnels(add: Callable[..., None]) -> None:
-    weather = SNOW if add is add_snow else RAIN
+@pytest.mark.parametrize("weather", [RAIN, SNOW])
+def test_nothing_falls_into_tunnels(weather: Weather) -> None:
     kinds = np.zeros((120, 160), np.uint8)
     kinds[:, 80:] = SHELTERED
-    depth = np.full((120, 160), 50.0, np.float32)
 
     def draw(portal: Portal | None) -> np.ndarray:
-        image = np.zeros((120, 160, 3), np.uint8)
-        add(image, VIEW, weather, DAY, depth, kinds, portal, 1, 0.5)
+        image = falling(weather, grey(0), kinds=kinds, portal=portal)
         return np.count_nonzero(image.any(axis=2), axis=0)
 
     open_air, ahead = (0.0, 0.0, 1.0), draw(None)
@@ -125,9 +135,7 @@ def test_nothing_falls_into_tunnels(add: Callable[..., None]) -> None:
 
 
 def test_flakes_in_the_beams_are_brighter_than_the_road_and_darken_nothing() -> None:
-    depth, kinds = np.full((120, 160), 50.0, np.float32), np.zeros((120, 160), np.uint8)
-    image = np.full((120, 160, 3), 190, np.uint8)
-    add_snow(image, VIEW, SNOW, NIGHT, depth, kinds, None, 1, 0.5)
+    image = falling(SNOW, grey(190), light=NIGHT)
     assert image.min() >= 190
     middle = image[60:, 50:110]
     assert (middle > 215).any(axis=2).mean() > 0.02

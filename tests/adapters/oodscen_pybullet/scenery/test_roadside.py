@@ -23,7 +23,7 @@ each_map = pytest.mark.parametrize("road", SHIPPED_MAPS, ids=lambda road: road.i
 @lru_cache(maxsize=32)
 def built(road: RoadMap) -> tuple[Corridor, Scenery]:
     corridor = load_corridor(road)
-    return corridor, build_scenery(corridor, frozenset(road.traits), 0, road.id)
+    return corridor, build_scenery(corridor, road, 0)
 
 
 @each_map
@@ -88,9 +88,7 @@ def test_every_face_has_a_semantic_class(road: RoadMap) -> None:
 def test_scenery_depends_on_the_seed_alone() -> None:
     road = SHIPPED_MAPS[1]
     corridor = load_corridor(road)
-    one, two, other = (
-        build_scenery(corridor, frozenset(road.traits), seed, road.id) for seed in (0, 0, 1)
-    )
+    one, two, other = (build_scenery(corridor, road, seed) for seed in (0, 0, 1))
     for a, b in zip(one.meshes, two.meshes, strict=True):
         assert np.array_equal(a.vertices, b.vertices)
         assert np.array_equal(a.uvs, b.uvs)
@@ -101,10 +99,7 @@ def test_scenery_depends_on_the_seed_alone() -> None:
 def test_windows_are_lit_at_night() -> None:
     road = SHIPPED_MAPS[1]
     corridor = load_corridor(road)
-    day, night = (
-        build_scenery(corridor, frozenset(road.traits), 0, road.id, is_night=dark)
-        for dark in (False, True)
-    )
+    day, night = (build_scenery(corridor, road, 0, is_night=dark) for dark in (False, True))
     assert len(night.meshes[2].triangles) > len(day.meshes[2].triangles)
 
 
@@ -144,8 +139,9 @@ def test_a_scenes_own_signal_stands_in_for_the_maps() -> None:
 def test_traffic_lights_are_green_for_the_ego_and_red_for_who_crosses() -> None:
     road = next(road for road in SHIPPED_MAPS if road.id == "urban_junction")
     corridor, scenery = built(road)
-    green = [one for one in scenery.signals if one.colour[1] > one.colour[0]]
-    red = [one for one in scenery.signals if one.colour[0] > one.colour[1]]
+    signals = [one for one in scenery.lamps if not one.is_street]
+    green = [one for one in signals if one.colour[1] > one.colour[0]]
+    red = [one for one in signals if one.colour[0] > one.colour[1]]
     ahead = corridor.heading(corridor.start)
     along = np.array([math.cos(ahead), math.sin(ahead)])
     assert green
@@ -155,7 +151,8 @@ def test_traffic_lights_are_green_for_the_ego_and_red_for_who_crosses() -> None:
             cosine = abs(float((np.array(lamp.facing[:2]) * along).sum()))
             assert (cosine > 0.7) == is_along
     without = frozenset(one.id for one in corridor.signals)
-    assert not build_scenery(corridor, frozenset(road.traits), 0, road.id, without=without).signals
+    bare = build_scenery(corridor, road, 0, without=without)
+    assert all(lamp.is_street for lamp in bare.lamps)
 
 
 def test_the_ground_rises_with_the_road() -> None:
