@@ -1,6 +1,5 @@
 """A set of texts of ordinary driving."""
 
-from typing import ClassVar
 
 from pydantic import Field, field_validator
 
@@ -11,8 +10,6 @@ from oodscen.errors import DataError
 
 class Baseline(Data):
     """Texts of ordinary driving, with their source and licence."""
-
-    noun: ClassVar[str] = "baseline"
 
     texts: tuple[str, ...] = Field(repr=False)
     name: str = "own"

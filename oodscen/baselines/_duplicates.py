@@ -6,7 +6,7 @@ wording, `near_duplicates(embeddings)` the meaning; both compare all pairs, in b
 """
 
 from collections.abc import Callable, Sequence
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,6 @@ Product = Callable[[slice, slice], NDArray[np.float32]]
 class Duplicate(Data):
     """An item that resembles an earlier one."""
 
-    noun: ClassVar[str] = "near-duplicate"
-
     index: int
     """Index of the item."""
     of: int
@@ -37,8 +35,6 @@ class Duplicate(Data):
 
 class NearDuplicates(Data):
     """The items of a baseline that nearly repeat an earlier one."""
-
-    noun: ClassVar[str] = "report of near-duplicates"
 
     found: tuple[Duplicate, ...]
     """In the order of the baseline."""

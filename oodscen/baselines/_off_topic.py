@@ -8,7 +8,7 @@ written by an author who had seen neither these texts nor the guard.
 """
 
 from functools import cache
-from typing import ClassVar, Literal
+from typing import Literal
 
 from pydantic import Field
 
@@ -18,8 +18,6 @@ from oodscen.data._base import Data
 
 class OffTopic(Data):
     """One text that a measure of driving scenarios should refuse to score."""
-
-    noun: ClassVar[str] = "off-topic text"
 
     id: str
     kind: Literal["near-miss", "off-topic"]

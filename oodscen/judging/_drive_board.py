@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from operator import attrgetter
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +40,6 @@ def current_results(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> l
 class DriveRate(Data):
     """A count out of a number of drives."""
 
-    noun: ClassVar[str] = "share"
-
     hits: int = 0
     n: int = 0
     value: float | None = None
@@ -51,8 +49,6 @@ class DriveRate(Data):
 
 class Pairing(Data):
     """Scenes and their twins, driven by the same driver."""
-
-    noun: ClassVar[str] = "pairing"
 
     n: int = 0
     both: int = 0
@@ -73,8 +69,6 @@ class Pairing(Data):
 
 class DriveRow(Data):
     """One driver over all scenes, or over all twins."""
-
-    noun: ClassVar[str] = "drive row"
 
     driver: str
     kind: Literal["scenes", "twins"]
@@ -103,8 +97,6 @@ class DriveRow(Data):
 
 class DriveBoard(Data):
     """The results of every driver of a study."""
-
-    noun: ClassVar[str] = "drive board"
 
     rows: tuple[DriveRow, ...] = ()
     """The rows of every driver, for scenes and twins, best first by `drives_and_passes`."""

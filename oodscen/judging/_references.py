@@ -27,8 +27,6 @@ Features = NDArray[np.float64]
 class AspectOption(Data):
     """One option of the closed question: a leaf of the tree, or nothing unusual."""
 
-    noun: ClassVar[str] = "aspect option"
-
     id: str
     label: str
     leaves: tuple[str, ...] = ()

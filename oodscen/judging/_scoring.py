@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, NamedTuple, Self
+from typing import Any, Literal, NamedTuple, Self
 
 from oodscen.data._base import Data
 from oodscen.data._episode import ActionOutcome, Episode
@@ -31,8 +31,6 @@ class Truth(NamedTuple):
 
 class AnswerKey(Data):
     """Everything that the answers about one drive are scored by."""
-
-    noun: ClassVar[str] = "answer key"
 
     item: str
     """Id of the scene or of its ordinary drive."""

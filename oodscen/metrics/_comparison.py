@@ -1,7 +1,7 @@
 """Comparisons of two sets of texts at equal size, by repeated subsampling."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,6 @@ Paths = Sequence[str] | None
 class Contrast(Data):
     """One figure of two sets at equal size."""
 
-    noun: ClassVar[str] = "contrast"
-
     a: float
     b: float
     difference: float
@@ -41,8 +39,6 @@ class Contrast(Data):
 
 class Comparison(Data):
     """A comparison of two sets of texts at equal size, by repeated subsampling."""
-
-    noun: ClassVar[str] = "comparison"
 
     size: int
     """Texts drawn from each set in each repeat."""
@@ -83,8 +79,6 @@ class Comparison(Data):
 
 class SetDistance(Data):
     """The distance between two sets as a whole; means over draws of equal size."""
-
-    noun: ClassVar[str] = "distance of two sets"
 
     mmd: float
     """Squared maximum mean discrepancy, unbiased: about 0 for two draws of one source."""

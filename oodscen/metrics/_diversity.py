@@ -16,7 +16,6 @@ common opening phrase (lowers both), and off-topic text (raises both).
 """
 
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -29,8 +28,6 @@ from oodscen.statistics._resampling import bootstrap_mean, bootstrap_pairwise
 
 class Diversity(Data):
     """The diversity of a set of texts; `oodscen.metrics._diversity` explains formulas and pitfalls."""
-
-    noun: ClassVar[str] = "diversity"
 
     nearest: float | None
     """In [-1, 1], higher is more diverse; falls as the set grows. `None` for a single text."""

@@ -18,7 +18,7 @@ about driving at all (scores highest), and length (long texts blend several situ
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,8 +42,6 @@ Measure = Literal["tabulated", "printed", "kth", "mahalanobis", "density", "whit
 class Neighbour(Data):
     """The baseline text nearest to a text."""
 
-    noun: ClassVar[str] = "neighbour"
-
     index: int
     """Index in the baseline."""
     text: str
@@ -52,8 +50,6 @@ class Neighbour(Data):
 
 class Oodness(Data):
     """The OOD-ness of a set of texts; `oodscen.metrics._oodness` explains formula and pitfalls."""
-
-    noun: ClassVar[str] = "OOD-ness"
 
     mean: float
     """Mean over the texts; higher is more OOD. In [-1, 1] for both definitions."""

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 class GroupScore(Data):
     """The OOD-ness of the texts of one path."""
 
-    noun: ClassVar[str] = "group score"
-
     n: int
     oodness: float
 
@@ -41,8 +39,6 @@ class ControlCheck(Data):
     AUROC is near 0.5, this measure cannot tell the set from them, however far from the baseline it
     lies.
     """
-
-    noun: ClassVar[str] = "control check"
 
     mean: float
     """OOD-ness of the ordinary controls."""
@@ -56,8 +52,6 @@ class MetricsReport(Data):
 
     Can also be read like a mapping: `report["oodness"]["mean"]`, `dict(report)`.
     """
-
-    noun: ClassVar[str] = "metrics report"
 
     schema_version: Literal[2] = 2
     oodness: Oodness
@@ -171,8 +165,6 @@ class BaselineBatch(Data):
     This is the paper's reference for the score of ordinary text (-0.953 there). Near-duplicates in the
     baseline push it towards -1.
     """
-
-    noun: ClassVar[str] = "baseline batch"
 
     mean: float
     """Mean over the repeats."""

@@ -19,7 +19,7 @@ Pitfall: off-topic text and gibberish are the most diverse of all. Apply a band,
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,8 +45,6 @@ class Band(Data):
     The upper bound excludes far-fetched texts, the lower bound ordinary ones.
     """
 
-    noun: ClassVar[str] = "band"
-
     low: float | None
     """`None` without a lower bound."""
     high: float | None
@@ -65,8 +63,6 @@ class Band(Data):
 
 class Selection(Data):
     """The chosen texts among the candidates; see `oodscen.metrics._selection`."""
-
-    noun: ClassVar[str] = "selection"
 
     texts: tuple[str, ...]
     """The texts in the order of their selection; a longer selection starts with the same texts."""

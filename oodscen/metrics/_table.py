@@ -1,7 +1,7 @@
 """The paper's table, with both definitions of each figure side by side."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,8 +18,6 @@ SIZES = (10, 100, 1000)
 class TableRow(Data):
     """One set of texts; means over random draws of its size."""
 
-    noun: ClassVar[str] = "row of the table"
-
     label: str
     n: int
     tabulated: float
@@ -30,8 +28,6 @@ class TableRow(Data):
 
 class Table(Data):
     """The paper's table for any texts and baseline."""
-
-    noun: ClassVar[str] = "table"
 
     rows: tuple[TableRow, ...]
     N: int

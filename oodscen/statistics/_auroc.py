@@ -6,7 +6,7 @@ style, length.
 """
 
 from collections.abc import Sequence
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,6 @@ from oodscen.statistics._resampling import REPLICATES, Resampler, divided
 
 class Auroc(Data):
     """Area under the ROC curve of two sets of scores, with a bootstrap interval."""
-
-    noun: ClassVar[str] = "AUROC"
 
     value: float
     """In [0, 1]; 0.5 means no separation, 1 puts every text of the second set above all of the first."""

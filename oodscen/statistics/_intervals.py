@@ -25,8 +25,6 @@ class Interval(Data):
     It does not cover the choice of encoder, baseline or definition.
     """
 
-    noun: ClassVar[str] = "interval"
-
     level: ClassVar[float] = 0.95
 
     low: float

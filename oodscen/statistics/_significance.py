@@ -6,7 +6,6 @@ from random draws is (1 + count) / (1 + draws), never 0.
 
 import math
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 
@@ -24,8 +23,6 @@ _EXACT_UP_TO = 12
 
 class PairedTest(Data):
     """The comparison of two answerers on the same items."""
-
-    noun: ClassVar[str] = "paired test"
 
     n: int
     """Items that both answered."""

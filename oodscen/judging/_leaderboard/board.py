@@ -1,6 +1,6 @@
 """The leaderboard as data: one row per answerer, and what follows from them."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from oodscen._display import html_table
 from oodscen.data._base import Data
@@ -18,8 +18,6 @@ from oodscen.judging._leaderboard.sentences import sentences
 
 class Leaderboard(Data):
     """The evaluation of all verdicts of a study."""
-
-    noun: ClassVar[str] = "leaderboard"
 
     schema_version: Literal[1] = 1
     scenes: int = 0

@@ -1,6 +1,6 @@
 """A reanalysis of the paper's table: what its numbers show, and what they cannot show."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from oodscen import _paper as paper
 from oodscen.data._base import Data
@@ -18,8 +18,6 @@ TASKS: tuple[Literal["aspect", "control"], ...] = ("aspect", "control")
 
 class PaperRow(Data):
     """One cell of the paper's table with its uncertainty."""
-
-    noun: ClassVar[str] = "row"
 
     model: str
     task: Literal["aspect", "control"]
@@ -42,8 +40,6 @@ class PaperComparison(Data):
     stronger was too, or the two disagree as often as the totals allow.
     """
 
-    noun: ClassVar[str] = "comparison"
-
     task: Literal["aspect", "control"]
     first: str
     second: str
@@ -63,8 +59,6 @@ class PaperComparison(Data):
 
 class PaperExample(Data):
     """The paper's table of 130 scenes with intervals, comparisons and the baseline it lacks."""
-
-    noun: ClassVar[str] = "worked example"
 
     icc: float
     """Assumed intraclass correlation within a path."""

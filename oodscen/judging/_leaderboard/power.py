@@ -2,7 +2,6 @@
 
 import math
 from statistics import NormalDist
-from typing import ClassVar
 
 from oodscen._numbers import finite_number, whole_number
 from oodscen.data._base import Data
@@ -15,8 +14,6 @@ _LEAST = 1e-9
 
 class SampleSize(Data):
     """The number of scenes that a comparison needs."""
-
-    noun: ClassVar[str] = "sample size"
 
     first: float
     second: float

@@ -10,7 +10,7 @@ the probability of any false word on a board is at most 5 %. Whole paths are the
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -46,8 +46,6 @@ FIGURES = {
 class Bar(Data):
     """A bound on one figure."""
 
-    noun: ClassVar[str] = "requirement"
-
     figure: str
     sign: Literal[">=", "<="]
     value: float
@@ -59,8 +57,6 @@ class Bar(Data):
 
 class BarResult(Data):
     """One bar, and one model's figure."""
-
-    noun: ClassVar[str] = "result"
 
     bar: Bar
     share: float | None
@@ -77,8 +73,6 @@ class BarResult(Data):
 
 class RequirementResult(Data):
     """The grade of a model, or of a driving stack, against a requirement."""
-
-    noun: ClassVar[str] = "result"
 
     name: str
     """Name of the judged model, or of the driving stack."""

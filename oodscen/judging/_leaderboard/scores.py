@@ -1,7 +1,7 @@
 """The scores of a leaderboard's rows: rates, figures and comparisons."""
 
 from collections.abc import Sequence
-from typing import ClassVar, Literal
+from typing import Literal
 
 from oodscen.data._base import Data
 from oodscen.data._verdict import Protocol, is_without_pictures
@@ -23,8 +23,6 @@ BLIND = ("constant:", "random", "blind")
 class Rate(Data):
     """A count out of a number of items."""
 
-    noun: ClassVar[str] = "rate"
-
     hits: int = 0
     n: int = 0
     """Items with an answer; the others are in `missing` and never count as wrong."""
@@ -42,8 +40,6 @@ class Rate(Data):
 class Estimate(Data):
     """A figure other than a plain count."""
 
-    noun: ClassVar[str] = "figure"
-
     value: float | None = None
     n: int = 0
     interval: Interval | None = None
@@ -51,8 +47,6 @@ class Estimate(Data):
 
 class Detection(Data):
     """Task 1, detection: is anything out of the ordinary? Asked about scenes and their ordinary twins."""
-
-    noun: ClassVar[str] = "detection"
 
     sensitivity: Rate = Rate()
     """Scenes that were called out of the ordinary."""
@@ -77,8 +71,6 @@ class Detection(Data):
 class Identification(Data):
     """Task 1, identification: which aspect is unusual? Asked about scenes."""
 
-    noun: ClassVar[str] = "identification"
-
     open: Rate = Rate()
     """Answers in the model's own words, scored by the matcher or a judge."""
     open_shown: Rate = Rate()
@@ -93,8 +85,6 @@ class Identification(Data):
 
 class ActionScore(Data):
     """Task 2, control: choose an action, which the simulator executed."""
-
-    noun: ClassVar[str] = "control"
 
     safe: Rate = Rate()
     """Over all scenes: the ego touched nothing, stayed on the road and ran no red light."""
@@ -119,8 +109,6 @@ class ActionScore(Data):
 class Gain(Data):
     """The lead over another answerer on the same items."""
 
-    noun: ClassVar[str] = "gain"
-
     against: str
     """Model of the other row."""
     figure: Literal["notice", "act"]
@@ -130,8 +118,6 @@ class Gain(Data):
 
 class PairedScores(Data):
     """The main figures: right about a scene and about the ordinary drives that go with it."""
-
-    noun: ClassVar[str] = "paired score"
 
     notice: Rate = Rate()
     """Scenes that are called out of the ordinary while none of their ordinary drives is."""
@@ -151,8 +137,6 @@ class PairedScores(Data):
 class SceneGroup(Data):
     """The scenes of one class, family or path."""
 
-    noun: ClassVar[str] = "group"
-
     level: Literal["class", "family", "path"]
     name: str
     parent: str = ""
@@ -168,8 +152,6 @@ class SceneGroup(Data):
 class Confusion(Data):
     """The number of times that the closed question took one path for another."""
 
-    noun: ClassVar[str] = "confusion"
-
     truth: str
     """Leaf id."""
     chosen: str
@@ -179,8 +161,6 @@ class Confusion(Data):
 
 class LeaderboardRow(Data):
     """One row of the leaderboard."""
-
-    noun: ClassVar[str] = "standing"
 
     model: str
     kind: Literal["model", "reference"] = "model"
@@ -217,8 +197,6 @@ class LeaderboardRow(Data):
 class ModelComparison(Data):
     """The comparison of two answerers on the same items."""
 
-    noun: ClassVar[str] = "comparison"
-
     task: Task
     against: Literal["model", "floor"]
     """Another model, or the best reference that does not know the truth."""
@@ -239,8 +217,6 @@ class ModelComparison(Data):
 
 class ActionTally(Data):
     """The outcomes of one action over the scenes."""
-
-    noun: ClassVar[str] = "action tally"
 
     action: str
     safe: int = 0

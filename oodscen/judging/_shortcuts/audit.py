@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -35,8 +35,6 @@ because scenes are made so.
 class ShortcutScore(Data):
     """The score of one shortcut."""
 
-    noun: ClassVar[str] = "shortcut"
-
     name: str
     needs: Needs
     method: str
@@ -49,8 +47,6 @@ class ShortcutScore(Data):
 
 class Audit(Data):
     """The scores of all shortcuts, by cross-validation over whole paths."""
-
-    noun: ClassVar[str] = "audit"
 
     schema_version: Literal[1] = 1
     scenes: int

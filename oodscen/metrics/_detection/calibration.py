@@ -14,7 +14,6 @@ texts, not with driving in general.
 """
 
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +31,6 @@ _STEP = 512
 
 class Calibration(Data):
     """The OOD-ness of a set relative to that of held-out groups of the baseline."""
-
-    noun: ClassVar[str] = "calibration"
 
     percentiles: tuple[float, ...]
     """One per text, in [0, 100]."""

@@ -19,7 +19,6 @@ are only a hint.
 
 from collections.abc import Sequence
 from functools import cache
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +39,6 @@ _CALIBRATED = "all-MiniLM-L6-v2@"
 
 class OffTopicFlags(Data):
     """The texts of a set that are not about driving a car."""
-
-    noun: ClassVar[str] = "off-topic flags"
 
     flagged: tuple[int, ...]
     """Indices of the texts that are not about driving, in order."""

@@ -62,8 +62,6 @@ class PublishedRate(Data):
 class Calibration(Data):
     """A map from estimates to published rates, in decimal logarithms of kilometres."""
 
-    noun: ClassVar[str] = "calibration of rarity"
-
     slope: float
     offsets: dict[Kind, float]
     anchors: int = Field(ge=1)

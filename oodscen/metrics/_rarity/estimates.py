@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, get_args
+from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 
 import numpy as np
 from pydantic import Field, computed_field, model_validator
@@ -40,8 +40,6 @@ _ASCII_LETTER, _LETTER = re.compile(r"[A-Za-z]"), re.compile(r"[^\W\d_]")
 
 class TextRarity(Data):
     """Rarity of one text, as decimal logarithms of kilometres between two meetings with its kind."""
-
-    noun: ClassVar[str] = "rarity of a text"
 
     low: float | None = None
     """Lower end of the 90 % interval; `None` where the rarity cannot be told."""
@@ -82,8 +80,6 @@ class TextRarity(Data):
 
 class Rarity(Data):
     """Rarity of a set of texts: expected kilometres between two meetings with each kind, as logarithms."""
-
-    noun: ClassVar[str] = "rarity"
 
     unit: Literal["log10 km"] = "log10 km"
     population: str = POPULATION

@@ -5,7 +5,6 @@ theirs over the sum of all; it is ruled by the commonest kinds, whose number is 
 """
 
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -23,8 +22,6 @@ _Z = 1.645
 class Exposure(Data):
     """The share of meetings that some of a set's kinds make up."""
 
-    noun: ClassVar[str] = "exposure"
-
     share: float = Field(ge=0.0, le=1.0)
     low: float
     """Lower end of the 90 % interval, if the errors of the kinds are independent."""
@@ -41,8 +38,6 @@ class Exposure(Data):
 
 class TreeRarity(Data):
     """The rarity of a tree's leaves by their labels."""
-
-    noun: ClassVar[str] = "rarity of a tree"
 
     leaves: tuple[str, ...]
     """Ids of the leaves."""
