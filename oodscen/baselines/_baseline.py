@@ -1,6 +1,5 @@
 """A set of texts of ordinary driving."""
 
-
 from pydantic import Field, field_validator
 
 from oodscen.baselines._texts import check_texts

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._episode import Episode, has_enough_margin
 from oodscen.data._pairing import kind_of, scene_of
-from oodscen.data._verdict import Verdict
+from oodscen.data._verdict import Protocol, Verdict
 from oodscen.judging._aspects.opinions import is_open
 
 if TYPE_CHECKING:
@@ -102,10 +102,6 @@ class Items:
     def is_decidable(self) -> Mask:
         """[n] scenes in which one action is safe and another is not."""
         return self.is_scene & (self.safe > 0) & (self.unsafe > 0)
-
-    def count(self, mask: Mask) -> int:
-        """Return the number of items in a mask."""
-        return int(mask.sum())
 
     def chance_over(self, mask: Mask) -> float | None:
         """Return the mean score of a random action over the items in a mask; `None` if it is empty."""
@@ -251,6 +247,10 @@ class AnswerColumns:
         """Return the [n] items whose open aspects, of both answerers, different judges scored."""
         pairs = zip(self.scorer, other.scorer, strict=True)
         return np.array([None not in (a, b) and a != b for a, b in pairs], np.bool_)
+
+
+Sheets = Mapping[tuple[str, Protocol], AnswerColumns]
+"""The answers by answerer and protocol."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,12 +1,12 @@
 """Leads over answerers that see no picture, on the same scenes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
 
-from oodscen.data._verdict import Protocol, without_pictures
-from oodscen.judging._items import AnswerColumns, Items, Ratio
+from oodscen.data._verdict import without_pictures
+from oodscen.judging._items import Items, Ratio, Sheets
 from oodscen.judging._leaderboard.figures import PairColumns
 from oodscen.judging._leaderboard.scores import Estimate, Gain, LeaderboardRow
 from oodscen.statistics._intervals import percentiles
@@ -14,7 +14,6 @@ from oodscen.statistics._resampling import Resampler
 
 Figure = Literal["notice", "act"]
 FIGURES: tuple[Figure, ...] = ("notice", "act")
-Sheets = Mapping[tuple[str, Protocol], AnswerColumns]
 
 
 def mean_of(resampler: Resampler, column: Ratio) -> Estimate:

@@ -113,14 +113,14 @@ def parse_requirement(text: str, known: Mapping[str, str] = FIGURES) -> tuple[Ba
     for part in text.split(","):
         found = _BAR.fullmatch(part)
         if found is None:
-            raise UsageError(f"{part.strip()!r} is no requirement; write one such as safe>=0.9")
+            raise UsageError(f"{part.strip()!r} is not a requirement: expected, e.g., safe>=0.9")
         name, sign, number, percent = found.groups()
         value = float(number) / (100 if percent else 1)
         if name not in known:
             raise UsageError(f"no figure is called {name!r}; there are {', '.join(known)}")
         if not 0 <= value <= 1:
             raise UsageError(f"the bar of {name} must lie between 0 and 1")
-        bars.append(Bar.parse({"figure": name, "sign": sign, "value": value}))
+        bars.append(Bar(figure=name, sign=sign, value=value))
     return tuple(bars)
 
 
@@ -163,7 +163,7 @@ def _grade(
         ratio = known[bar.figure]
         values = np.where(ratio.is_there, ratio.above, np.nan)
         tests.append(RequirementTest(items.clusters, values, ratio.missing(sheet), bar, seed))
-    per_path = items.count(items.is_scene) / max(len(set(items.clusters)), 1)
+    per_path = int(items.is_scene.sum()) / max(len(set(items.clusters)), 1)
     return grade_of(model, tests, level, per_path)
 
 
