@@ -58,9 +58,7 @@ class Items:
     def of(cls, episodes: Sequence[Episode], known: Mapping[str, "Scenario | AnswerKey"]) -> Self:
         """Return the items of a study; failed episodes are skipped.
 
-        Args:
-            episodes: The episodes.
-            known: The scenarios or keys, which give the leaf and the path of each scene, by its id.
+        `known` are the scenarios or keys that give the leaf and the path of each scene, by its id.
         """
         ran = [episode for episode in episodes if episode.status == "ok"]
         sources = [known.get(scene_of(episode.scene_id)) for episode in ran]
@@ -203,12 +201,10 @@ class AnswerColumns:
         values: Mapping[str, Mapping[str, float]],
         scorers: Mapping[str, str] | None = None,
     ) -> Self:
-        """Return answers as columns, from their values as `answer_values` returns them.
+        """Return answers as columns, from their values by item as `answer_values` returns them.
 
-        Args:
-            items: The items.
-            values: The values by item; means over several answers are values too, and what is left out is missing.
-            scorers: The judges that scored the open aspects, by item.
+        Means over several answers are values too, and a value that is left out is missing. `scorers` are the judges
+        that scored the open aspects, by item.
         """
         n = len(items.episodes)
         columns = {name: np.full(n, np.nan) for name in VALUES}

@@ -37,11 +37,8 @@ class Kinds:
     ) -> "Kinds":
         """Return the kinds of scenarios.
 
-        Args:
-            scenarios: The texts, with their paths.
-            maps: The map of every scene, by its id. A kind is possible on a map if a scene there shows it,
-                or if no scene of it needs a certain place.
-            seed: Seed of the study.
+        A kind is possible on a map if a scene there shows it, or if no scene of it needs a certain place. `maps` holds
+        the map of every scene, by its id.
         """
         labels = {one.leaf: one.path[-1] for one in scenarios if one.leaf and one.path}
         families = {one.leaf: one.path[-2:-1] for one in scenarios if one.leaf and one.path}
@@ -80,11 +77,7 @@ class Kinds:
 
 
 def merge_kinds(labels: Mapping[str, str]) -> list[AspectOption]:
-    """Return the kinds of leaves: those whose labels show the same things in the same states are one.
-
-    Args:
-        labels: Labels by leaf.
-    """
+    """Return the kinds of leaves by their labels: those that show the same things in the same states are one."""
     groups: dict[object, list[str]] = {}
     for leaf, label in sorted(labels.items()):
         groups.setdefault(_look(label), []).append(leaf)

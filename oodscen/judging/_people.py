@@ -5,13 +5,11 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Field, StrictBool, StringConstraints
 
-from oodscen._display import Brief
 from oodscen.data._base import Data, digest
 from oodscen.data._episode import ACTIONS, Episode
 from oodscen.data._verdict import is_without_pictures
-from oodscen.errors import DataError, Issue, LLMError
-from oodscen.judging._references import Answers, Case
-from oodscen.protocols import Completion, Request
+from oodscen.errors import DataError, Issue
+from oodscen.judging._references import Answers, Case, CaseAnswerer
 
 if TYPE_CHECKING:
     from oodscen.study._store import Store
@@ -68,15 +66,13 @@ def person(name: str) -> str:
     return f"human:{name}"
 
 
-class PersonAnswers(Brief):
-    """Answers drives as a person did; it takes cases, not prompts.
+class PersonAnswers(CaseAnswerer):
+    """Answers drives as a person did.
 
     Args:
         name: The person's name.
         items: The answers by id of the scene or ordinary drive.
     """
-
-    _repr_fields = ("name",)
 
     kind: ClassVar[Literal["model"]] = "model"
     takes_cases: ClassVar[bool] = True
@@ -135,11 +131,3 @@ class PersonAnswers(Brief):
             said.choice if said.choice in listed else None,
             said.action,
         )
-
-    def complete(self, request: Request) -> Completion:
-        """Refuse to answer a prompt.
-
-        Raises:
-            LLMError: Always.
-        """
-        raise LLMError(f"{self.name} has answered whole drives, no questions in words")

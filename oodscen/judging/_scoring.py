@@ -6,12 +6,13 @@ from typing import Any, Literal, NamedTuple, Self
 
 from oodscen.data._base import Data
 from oodscen.data._episode import ActionOutcome, Episode
-from oodscen.data._pairing import is_ordinary
+from oodscen.data._pairing import is_ordinary, scene_of
 from oodscen.data._scene import Visible
 from oodscen.data._verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
 from oodscen.errors import AnswerError, ContentFiltered, LLMTimeout, ModelSkipped, OodscenError
 from oodscen.judging._aspects.matching import score_naming
 from oodscen.judging._aspects.opinions import is_open, opinion, rescore_verdict
+from oodscen.judging._items import Items
 from oodscen.judging._parsing import is_refusal
 from oodscen.judging._questions import AnswerReader, acting_reader, choosing_reader, naming_reader
 from oodscen.judging._references import AspectOption, is_reference
@@ -96,6 +97,12 @@ class AnswerKey(Data):
         return score_answers(self, given, judge)
 
 
+def items_of(keys: Sequence[AnswerKey]) -> Items:
+    """Return the items that some keys are about."""
+    known = {scene_of(key.item): key for key in keys}
+    return Items.of([key.episode for key in keys], known)
+
+
 @dataclass(frozen=True)
 class GivenAnswers:
     """One answerer's answers about one drive."""
@@ -111,13 +118,7 @@ class GivenAnswers:
 
 
 def score_answers(key: AnswerKey, given: GivenAnswers, judge: LLM | None = None) -> Verdict:
-    """Compare answers with the truth about the drive.
-
-    Args:
-        key: The truth.
-        given: The answers.
-        judge: Decides whether an open aspect is right, instead of the documented matcher.
-    """
+    """Compare answers with the truth about the drive; a judge decides about open aspects instead of the matcher."""
     error = given.failures[0] if given.failures else None
     ended = _outcome(error)
     outcome = key.actions.get(given.fields.get("action") or "")

@@ -31,9 +31,7 @@ def labelled_answers() -> tuple[LabelledAnswer, ...]:
 def agreement(opinions: Iterable[Opinion], judge: str) -> tuple[int, int]:
     """Return how many labelled answers a judge sees as the person did, and how many it gave an opinion on.
 
-    Args:
-        opinions: Opinions, those on labelled answers among them.
-        judge: The judge's label.
+    `judge` is the judge's label.
     """
     judgements = {one.id: one.is_same for one in opinions if one.is_same is not None}
     pairs = [
@@ -45,11 +43,7 @@ def agreement(opinions: Iterable[Opinion], judge: str) -> tuple[int, int]:
 
 
 def agreement_in_words(info: Mapping[str, Any]) -> str:
-    """Return the agreement of a study's judge as a sentence; empty if none was measured.
-
-    Args:
-        info: Content of `study.json`; anything in it may be missing.
-    """
+    """Return the agreement of a study's judge as a sentence; empty if `study.json` has none."""
     counts = info.get("counts")
     found = counts.get("judged") if isinstance(counts, Mapping) else None
     if not isinstance(found, Mapping) or not found.get("labelled"):

@@ -60,12 +60,6 @@ def opinion(
 
     An aspect that repeats the leaf's label word for word names it, so the judge is not asked. If the judge gives
     no usable answer, the opinion is marked as failed and no exception is raised.
-
-    Args:
-        judge: The judge model.
-        aspect: The answer to score.
-        path: Labels from the root to the leaf.
-        visible: Everything that can be seen of the hazard.
     """
     label = judge_label(judge)
     blank = Opinion(

@@ -170,13 +170,9 @@ def _grade(
 def grade_of(
     name: str, tests: Sequence["RequirementTest"], level: float, per_path: float
 ) -> RequirementResult:
-    """Return the grade of one model, or driving stack, by the tests of its bars.
+    """Return the grade of a model or a driving stack by the tests of its bars.
 
-    Args:
-        name: Name of the model or the stack.
-        tests: One test per bar.
-        level: The largest probability of a false word about it.
-        per_path: Mean number of scenes of a path.
+    `level` is the largest probability of a false word about it, `per_path` its mean number of scenes of a path.
     """
     results = tuple(test.result() for test in tests)
     level_each = level / len(tests)
