@@ -14,7 +14,7 @@ class Baseline(Data):
     name: str = "own"
     """The name shown in reports."""
     source: str = ""
-    """Source of the texts."""
+    """Origin of the texts."""
     licence: str = ""
     """Licence for redistribution; empty if unknown."""
 

@@ -79,15 +79,9 @@ class EmbeddedBaseline(Brief):
 
 
 def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -> int:
-    """Encode texts a batch at a time into a `.npy` file, and record the encoder in a file beside it.
+    """Encode texts a batch at a time into a `.npy` file, record the encoder beside it, and return their number.
 
-    Args:
-        path: The file to write; replaced only after all texts are written.
-        encoder: The encoder to use.
-        texts: Any number of texts; they are read once and not kept.
-
-    Returns:
-        The number of texts.
+    The file is replaced only after all texts are written; texts are read once and not kept.
     """
     file = Path(path)
     if file.suffix != ".npy":
@@ -180,7 +174,7 @@ def _arrow(file: Path) -> tuple[Any, str]:
         maker = (table.schema.metadata or {})[b"encoder"].decode()
         width, value = int(kind.list_size), str(kind.value_type)
     except (OSError, KeyError, AttributeError, ValueError, pa.ArrowInvalid) as error:
-        fault = f"is no Arrow file with a column `vector` and an encoder's name: {error}"
+        fault = f"is not an Arrow file with a column `vector` and an encoder's name: {error}"
         raise DataError("embeddings", [Issue("", fault)], source=str(file)) from None
     if value != "float":
         fault = f"holds vectors of {value}, not float32"

@@ -31,11 +31,7 @@ class OffTopic(Data):
 
 
 def off_topic_texts(split: Split | Literal["blind"]) -> tuple[OffTopic, ...]:
-    """Return one part of the bundled texts, near misses first.
-
-    Args:
-        split: `tune` to set a threshold, `frozen` and `blind` to report the share that is flagged.
-    """
+    """Return one part of the bundled texts, near misses first: `tune` to set a threshold, the others to report."""
     return tuple(text for text in _texts() if text.split == split)
 
 

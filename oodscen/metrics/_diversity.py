@@ -49,13 +49,9 @@ class Diversity(Data):
 def diversity(
     vectors: Vectors, encoder: str, clusters: Sequence[str] | None = None, *, seed: int = 0
 ) -> Diversity:
-    """Return the diversity by both definitions.
+    """Return the diversity of [n, d] rows of unit length or zero by both definitions.
 
-    Args:
-        vectors: [n, d], rows of unit length or zero.
-        encoder: Name of the encoder.
-        clusters: [n] labels of texts that belong together, for the intervals.
-        seed: Seed of the bootstrap.
+    Texts of one cluster are resampled together for the intervals.
     """
     n = len(vectors)
     if n < 2:

@@ -133,10 +133,7 @@ def measurements(
 ) -> Measurements:
     """Return everything that a study measures of its sets of texts; empty sets are left out.
 
-    Args:
-        metrics: Metrics with a baseline of texts.
-        sets: Texts by name of the set; those of one leaf are resampled together.
-        leaves: Labels of the diverse tree's leaves by id, for their exposure.
+    Texts of one leaf are resampled together. `leaves` are the labels of the diverse tree's leaves by id.
     """
     known = {name: texts for name, texts in sets.items() if texts}
     return Measurements(
@@ -160,12 +157,7 @@ def measurements(
 
 
 def picture_data(metrics: Metrics, sets: Mapping[str, Sequence[str | Scenario]]) -> Pictures:
-    """Return the data for the report's pictures of the metrics.
-
-    Args:
-        metrics: Metrics with a baseline of texts.
-        sets: Sets of texts by name, at least one text each.
-    """
+    """Return the data for the report's pictures of the metrics; every set needs at least one text."""
     vectors = {name: metrics.vectors(texts) for name, texts in sets.items()}
     known = {"baseline": metrics.baseline_vectors, **vectors}
     control = np.array(metrics.control_scores(BEST))

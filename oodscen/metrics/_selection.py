@@ -142,12 +142,7 @@ def _by_exposure(
 
 
 def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArray[np.int64]:
-    """Return the indices of the n rows that differ most from one another, in the order of their selection.
-
-    Args:
-        vectors: [m, d], rows of unit length or zero.
-        n: Number of rows to choose, at most m.
-        method: `max-min` or `determinantal`.
+    """Return the indices of the n of [m, d] unit rows that differ most, in the order of their selection.
 
     Raises:
         UsageError: If there are fewer rows, or no such method.

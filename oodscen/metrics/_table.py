@@ -55,14 +55,7 @@ def paper_table(
     sizes: Sequence[int] = SIZES,
     repeats: int = 10,
 ) -> Table:
-    """Return the paper's table: batches of the baseline, and random draws of the texts by size.
-
-    Args:
-        metrics: Metrics with the baseline to measure against.
-        texts: The scenarios; all of them make the last row.
-        sizes: Sizes of the draws; sizes above the number of texts are left out.
-        repeats: Draws per size, as in the paper; figures are their means.
-    """
+    """Return the paper's table; see `Metrics.paper_table`."""
     plain = [item.text if isinstance(item, Scenario) else item for item in texts]
     below = [size for size in sizes if size < len(plain)]
     return Table(

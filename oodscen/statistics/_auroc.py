@@ -45,15 +45,9 @@ def auroc_interval(
     seed: int = 0,
     replicates: int = REPLICATES,
 ) -> Auroc:
-    """Return the AUROC with its interval.
+    """Return the AUROC of [m] ordinary and [n] OOD scores with its interval.
 
-    Args:
-        ordinary: [m] scores.
-        ood: [n] scores.
-        clusters: [n] labels of the OOD texts; texts with the same label are resampled together.
-        is_paired: Whether the i-th scores of both sets belong together and are resampled together.
-        seed: Seed of the draws.
-        replicates: Number of resampled sets.
+    OOD texts of one cluster are resampled together; if `is_paired`, so are the i-th scores of both sets.
     """
     drawn = Resampler(
         len(ood) if clusters is None else clusters, seed=seed, replicates=replicates, purpose="ood"

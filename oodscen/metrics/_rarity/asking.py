@@ -32,7 +32,6 @@ def ask_rarity(
     anchors: Sequence[PublishedRate] | None = None,
     draws: int = DRAWS,
     per_call: int = PER_CALL,
-    population: str = POPULATION,
 ) -> Rarity:
     """Return the rarity of texts by a model: the median over independent draws.
 
@@ -44,12 +43,12 @@ def ask_rarity(
     """
     calls: list[Call] = []
     logged = LoggedLLM(llm, calls.append)
-    per_text = _drawn(logged, texts, draws, per_call, population)
+    per_text = _drawn(logged, texts, draws, per_call)
     own: list[float] = []
     kept = anchors
     if anchors is not None:
         wordings = [text for rate in anchors for text in rate.texts]
-        found = iter(_drawn(logged, wordings, draws, per_call, population))
+        found = iter(_drawn(logged, wordings, draws, per_call))
         groups = [[next(found).best for _ in rate.texts] for rate in anchors]
         told = [[one for one in group if one is not None] for group in groups]
         kept = [rate for rate, group in zip(anchors, told, strict=True) if group]
@@ -62,25 +61,21 @@ def ask_rarity(
         "cost_usd": sum(known) if len(known) == len(costs) else None,
     }
     rarity = gather_rarity(per_text, speaker(llm), kept or None, own)
-    return rarity.model_copy(update={"population": population, **usage})
+    return rarity.model_copy(update=usage)
 
 
-def questions(
-    texts: Sequence[str], per_call: int = PER_CALL, population: str = POPULATION
-) -> list[EstimateRarity]:
+def questions(texts: Sequence[str], per_call: int = PER_CALL) -> list[EstimateRarity]:
     """Return the questions about texts, several texts in each."""
     shown = [text[:LONGEST] for text in texts]
     return [
-        EstimateRarity(texts=tuple(shown[first : first + per_call]), population=population)
+        EstimateRarity(texts=tuple(shown[first : first + per_call]), population=POPULATION)
         for first in range(0, len(shown), per_call)
     ]
 
 
-def _drawn(
-    llm: LLM, texts: Sequence[str], draws: int, per_call: int, population: str
-) -> list[TextRarity]:
+def _drawn(llm: LLM, texts: Sequence[str], draws: int, per_call: int) -> list[TextRarity]:
     answers: list[list[RarityEstimate]] = [[] for _ in texts]
-    for block, prompt in enumerate(questions(texts, per_call, population)):
+    for block, prompt in enumerate(questions(texts, per_call)):
         first = block * per_call
         for sample in range(draws):
             try:

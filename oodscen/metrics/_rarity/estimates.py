@@ -120,14 +120,7 @@ def gather_rarity(
     anchors: Sequence[PublishedRate] | None,
     own: Sequence[float],
 ) -> Rarity:
-    """Return the rarity of a set, calibrated if there are anchors.
-
-    Args:
-        per_text: One per text.
-        by: The encoder or the model.
-        anchors: Rates to calibrate on.
-        own: The estimate of every anchor.
-    """
+    """Return the rarity of a set, calibrated if there are anchors, whose own estimates are `own`."""
     calibration = None if anchors is None else calibrate(anchors, own)
     if calibration is not None:
         per_text = [one.calibrated(calibration) for one in per_text]
@@ -158,7 +151,8 @@ def estimate_rarity(
         low, best, high = (
             (None,) * 3 if UNTOLD & set(flags) else (round(float(one), 2) for one in values)
         )
-        per_text.append(TextRarity(low=low, best=best, high=high, flags=_in_order(flags)))
+        ordered = tuple(flag for flag in FLAGS if flag in flags)
+        per_text.append(TextRarity(low=low, best=best, high=high, flags=ordered))
     own = [] if anchors is None else anchor_estimates(space, anchors)
     return gather_rarity(per_text, name if head.uses_vectors else "words", anchors, own)
 
@@ -166,9 +160,7 @@ def estimate_rarity(
 def estimated_km(encoder: Encoder | None, text: str) -> float | None:
     """Return the kilometres between two meetings with a text's kind by the offline head, two digits.
 
-    Args:
-        encoder: The encoder of the head; without one the head uses stems alone.
-        text: The text.
+    Without an encoder the head uses stems alone.
 
     Returns:
         `None` where the head cannot tell.
@@ -222,7 +214,3 @@ def _flags(text: str, head: Head, found: Estimates, place: int) -> list[Flag]:
     if found.near[place] < head.nearest:
         flags.append("far")
     return flags
-
-
-def _in_order(flags: Sequence[Flag]) -> tuple[Flag, ...]:
-    return tuple(flag for flag in FLAGS if flag in flags)

@@ -63,11 +63,9 @@ class Head:
         self._points = inducing_points(arrays, self.uses_vectors)
 
     def estimate(self, texts: Sequence[str], vectors: Vectors | None = None) -> Estimates:
-        """Return the estimates of texts; memory is bounded by blocks of 512 texts.
+        """Return the estimates of texts; a head that uses vectors takes theirs, [n, d] of unit length.
 
-        Args:
-            texts: Any number.
-            vectors: [n, d] vectors of unit length, for a head that uses them.
+        Memory is bounded by blocks of 512 texts.
         """
         best, near = np.empty(len(texts)), np.empty(len(texts))
         for first in range(0, len(texts), _BLOCK):
