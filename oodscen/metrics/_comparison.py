@@ -121,16 +121,16 @@ def compare(
         p_value = sign_flip(gaps, paths[0], seed=space.seed, replicates=PERMUTATIONS)
     else:
         p_value = permutation_test(values[0], values[1], paths, seed=space.seed)
-    contrasts = [_contrast(*pair) for pair in zip(*figures, strict=True)]
+    oodness, nearest, pairwise = (_contrast(*pair) for pair in zip(*figures, strict=True))
     return Comparison(
         size=drawn,
         repeats=repeats,
         n_a=len(a),
         n_b=len(b),
         is_paired=paired,
-        oodness=contrasts[0].model_copy(update={"p_value": p_value}),
-        nearest=contrasts[1],
-        pairwise=contrasts[2],
+        oodness=oodness.model_copy(update={"p_value": p_value}),
+        nearest=nearest,
+        pairwise=pairwise,
         encoder=space.encoder.name,
         baseline=space.baseline.name,
         seed=space.seed,
@@ -187,8 +187,8 @@ def _subsamples(
     values: NDArray[np.float64],
     size: int,
     repeats: int,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return OOD-ness and both diversities of the draws from one set: [repeats] each."""
+) -> np.ndarray:
+    """Return OOD-ness and both diversities of the draws from one set: [3, repeats]."""
     vectors = space.vectors(texts)
     draws = stream(space.seed, "compare", name)
     found = []
@@ -196,8 +196,7 @@ def _subsamples(
         chosen = draws.permutation(len(texts))[:size]
         part = vectors[chosen]
         found.append((values[chosen].mean(), -mean_nearest(part), -mean_pairwise(part)))
-    oodness, nearest, pairwise = np.array(found).T
-    return oodness, nearest, pairwise
+    return np.array(found).T
 
 
 def _contrast(a: np.ndarray, b: np.ndarray) -> Contrast:

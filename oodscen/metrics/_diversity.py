@@ -29,14 +29,14 @@ from oodscen.statistics._resampling import bootstrap_mean, bootstrap_pairwise
 class Diversity(Data):
     """The diversity of a set of texts; `oodscen.metrics._diversity` explains formulas and pitfalls."""
 
-    nearest: float | None
+    nearest: float | None = None
     """In [-1, 1], higher is more diverse; falls as the set grows. `None` for a single text."""
-    pairwise: float | None
+    pairwise: float | None = None
     """In [-1, 1], higher is more diverse. `None` for a single text."""
-    nearest_interval: Interval | None
+    nearest_interval: Interval | None = None
     """Interval of `nearest`, with each text's neighbour held fixed."""
-    pairwise_interval: Interval | None
-    nearest_index: tuple[int, ...]
+    pairwise_interval: Interval | None = None
+    nearest_index: tuple[int, ...] = ()
     """For each text the index of the most similar text; empty for a single text."""
     n: int = Field(ge=1)
     encoder: str
@@ -55,25 +55,17 @@ def diversity(
     """
     n = len(vectors)
     if n < 2:
-        return Diversity(
-            nearest=None,
-            pairwise=None,
-            nearest_interval=None,
-            pairwise_interval=None,
-            nearest_index=(),
-            n=n,
-            encoder=encoder,
-            seed=seed,
-            reason="one text has no other to differ from",
-        )
+        reason = "one text has no other to differ from"
+        return Diversity(n=n, encoder=encoder, seed=seed, reason=reason)
     found = nearest_other(vectors)
-    nearest = bootstrap_mean(0.0 - found.cosine, clusters, seed=seed)
-    pairwise = bootstrap_pairwise(vectors, clusters, seed=seed)
+    spread = bootstrap_pairwise(vectors, clusters, seed=seed)
+    if spread is not None:
+        spread = spread.model_copy(update={"low": -spread.high, "high": -spread.low})
     return Diversity(
         nearest=0.0 - float(found.cosine.mean()),
         pairwise=0.0 - mean_pairwise(vectors),
-        nearest_interval=nearest,
-        pairwise_interval=_negated(pairwise),
+        nearest_interval=bootstrap_mean(0.0 - found.cosine, clusters, seed=seed),
+        pairwise_interval=spread,
         nearest_index=tuple(found.index.tolist()),
         n=n,
         encoder=encoder,
@@ -95,9 +87,3 @@ def mean_pairwise(vectors: Vectors) -> float:
     n = len(wide)
     pairs = np.square(wide.sum(axis=0)).sum() - np.square(wide).sum()
     return float(np.clip(pairs / (n * (n - 1)), -1.0, 1.0))
-
-
-def _negated(interval: Interval | None) -> Interval | None:
-    if interval is None:
-        return None
-    return interval.model_copy(update={"low": -interval.high, "high": -interval.low})

@@ -89,7 +89,10 @@ class Pictures(Data):
 
 
 class BaselineUsed(BaseModel):
-    """The baseline that a study was measured against; no `Data`, whose method `digest` its field would hide."""
+    """The baseline that a study was measured against.
+
+    Not a `Data`, because its field would hide the method `digest`.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

@@ -90,16 +90,16 @@ def band(
         if definition == "rarity"
         else space.scores(texts, definition).tolist()
     )
-    told = [(i, value) for i, value in enumerate(values) if value is not None]
-    inside = tuple(i for i, value in told if low <= value <= high)
+    known = [(i, value) for i, value in enumerate(values) if value is not None]
+    inside = tuple(i for i, value in known if low <= value <= high)
     return Band(
         low=low if math.isfinite(low) else None,
         high=high if math.isfinite(high) else None,
         texts=tuple(texts[i] for i in inside),
         indices=inside,
         scores=tuple(values),
-        below=sum(value < low for _, value in told),
-        above=sum(value > high for _, value in told),
+        below=sum(value < low for _, value in known),
+        above=sum(value > high for _, value in known),
     )
 
 
@@ -107,7 +107,7 @@ def select(space: "Space", inside: Band, n: int, method: Method) -> Selection:
     """Return n texts of a band by variety or by exposure; see `Metrics.select`.
 
     Raises:
-        UsageError: If fewer lie inside, or the rarity of fewer can be told.
+        UsageError: If fewer lie inside, or fewer have a rarity.
     """
     if not n <= len(inside.indices):
         raise UsageError(
@@ -133,12 +133,12 @@ def _by_exposure(
     space: "Space", texts: Sequence[str], n: int, *, is_rarest: bool
 ) -> NDArray[np.int64]:
     found = [one.best for one in estimate_rarity(space, texts).per_text]
-    told = [
+    known = [
         (-value if is_rarest else value, i) for i, value in enumerate(found) if value is not None
     ]
-    if len(told) < n:
-        raise UsageError(f"{n} texts cannot be chosen: the rarity of {len(told)} can be told")
-    return np.array([place for _, place in sorted(told)[:n]], np.int64)
+    if len(known) < n:
+        raise UsageError(f"{n} texts cannot be chosen: only {len(known)} have a rarity")
+    return np.array([place for _, place in sorted(known)[:n]], np.int64)
 
 
 def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArray[np.int64]:
@@ -162,13 +162,10 @@ def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArra
 
 def _spread(rows: Vectors, chosen: list[int], n: int) -> NDArray[np.int64]:
     """Return the chosen rows followed by those that lie farthest from them, n in all."""
-    found = list(chosen)
+    found: list[int] = []
     near = np.full(len(rows), -np.inf, np.float32)
-    for place in found:
-        np.maximum(near, rows @ rows[place], out=near)
-    near[found] = np.inf
     while len(found) < n:
-        place = int(near.argmin())
+        place = chosen[len(found)] if len(found) < len(chosen) else int(near.argmin())
         found.append(place)
         np.maximum(near, rows @ rows[place], out=near)
         near[place] = np.inf

@@ -45,8 +45,8 @@ class TreeRarity(Data):
 
     def per_km(self) -> dict[str, float]:
         """Return meetings per kilometre by leaf, for those whose rarity can be told."""
-        told = zip(self.leaves, self.rarity.per_text, strict=True)
-        return {leaf: 10.0**-one.best for leaf, one in told if one.best is not None}
+        pairs = zip(self.leaves, self.rarity.per_text, strict=True)
+        return {leaf: 10.0**-one.best for leaf, one in pairs if one.best is not None}
 
     def of(self, leaves: set[str]) -> Exposure | None:
         """Return the exposure of some leaves; see `exposure`."""
@@ -61,15 +61,15 @@ def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure
     """
     if len(per_text) != len(chosen):
         raise UsageError(f"{len(chosen)} choices do not fit {len(per_text)} texts")
-    told = [
+    known = [
         (one.low, one.best, one.high, is_chosen)
         for one, is_chosen in zip(per_text, chosen, strict=True)
-        if one.low is not None and one.best is not None and one.high is not None
+        if one.best is not None
     ]
-    if not told:
+    if not known:
         return None
-    low, best, high, own = np.array(told, np.float64).T
-    errors = stream(0, "exposure").standard_normal((_DRAWS, len(told)))
+    low, best, high, own = np.array(known, np.float64).T
+    errors = stream(0, "exposure").standard_normal((_DRAWS, len(known)))
     drawn = best + errors * np.where(errors < 0.0, best - low, high - best) / _Z
     shares = np.array([_share(values, own) for values in (best, *drawn)])
     ends = np.quantile(shares[1:], [0.05, 0.95])
@@ -79,7 +79,7 @@ def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure
         high=max(ends[1], shares[0]),
         chosen=sum(map(bool, chosen)),
         total=len(per_text),
-        untold=len(per_text) - len(told),
+        untold=len(per_text) - len(known),
     )
 
 
