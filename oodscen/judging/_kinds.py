@@ -43,14 +43,17 @@ class Kinds:
         labels = {one.leaf: one.path[-1] for one in scenarios if one.leaf and one.path}
         families = {one.leaf: one.path[-2:-1] for one in scenarios if one.leaf and one.path}
         kinds = merge_kinds(labels)
-        families = {kind.id: families[kind.id] for kind in kinds}
         leaves = {one.id: one.leaf for one in scenarios}
         here: dict[str, list[AspectOption]] = {}
         for scene, place in sorted(maps.items()):
             leaf = leaves.get(scene, "")
             own = here.setdefault(place, [])
             own += [kind for kind in kinds if kind not in own and kind.holds(leaf)]
-        anywhere = [kind for kind in kinds if not _places(kind.label)]
+        anywhere = [
+            kind
+            for kind in kinds
+            if all(one.kind != "place" for one in visible_naming(kind.label).concepts)
+        ]
         lists: dict[str, tuple[tuple[AspectOption, ...], ...]] = {}
         homes: dict[str, dict[str, int]] = {}
         for place, own in here.items():
@@ -92,10 +95,6 @@ def _look(label: str) -> object:
     found = visible_naming(label)
     names = frozenset(one.name for one in found.concepts)
     return names, frozenset(() if names else found.rest)
-
-
-def _places(label: str) -> set[str]:
-    return {one.name for one in visible_naming(label).concepts if one.kind == "place"}
 
 
 def _parts(ordered: Sequence[AspectOption]) -> list[Sequence[AspectOption]]:

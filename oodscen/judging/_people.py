@@ -66,6 +66,10 @@ def person(name: str) -> str:
     return f"human:{name}"
 
 
+def _by_token(episodes: Iterable[Episode]) -> dict[str, str]:
+    return {token(episode): episode.scene_id for episode in episodes if episode.frames}
+
+
 class PersonAnswers(CaseAnswerer):
     """Answers drives as a person did.
 
@@ -97,7 +101,7 @@ class PersonAnswers(CaseAnswerer):
         Raises:
             DataError: If an answer is about no drive of the study, or two are about one.
         """
-        items = {token(episode): episode.scene_id for episode in episodes if episode.frames}
+        items = _by_token(episodes)
         issues, found = [], dict[str, QuizAnswer]()
         for index, answer in enumerate(given.answers):
             if answer.item not in items:
@@ -117,7 +121,7 @@ class PersonAnswers(CaseAnswerer):
         if name not in lines:
             raise DataError(QuizAnswers.noun, [Issue("", f"{PEOPLE} lacks {name!r}")])
         given = QuizAnswers.parse(lines[name], source=f"{PEOPLE}, {name}")
-        items = {token(episode): episode.scene_id for episode in episodes if episode.frames}
+        items = _by_token(episodes)
         return cls(name, {items[one.item]: one for one in given.answers if one.item in items})
 
     def judge(self, case: Case) -> Answers:

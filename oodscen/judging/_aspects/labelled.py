@@ -1,6 +1,5 @@
 """Answers of a vision-language model that a person has labelled, to measure a judge by."""
 
-import json
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib import resources
@@ -25,7 +24,7 @@ def labelled_answers() -> tuple[LabelledAnswer, ...]:
     """Return the shipped answers."""
     source = resources.files("oodscen.judging._aspects").joinpath("labelled.jsonl")
     lines = source.read_text(encoding="utf-8").splitlines()
-    return tuple(LabelledAnswer.model_validate(json.loads(line)) for line in lines)
+    return tuple(LabelledAnswer.model_validate_json(line) for line in lines)
 
 
 def agreement(opinions: Iterable[Opinion], judge: str) -> tuple[int, int]:
@@ -48,7 +47,5 @@ def agreement_in_words(info: Mapping[str, Any]) -> str:
     found = counts.get("judged") if isinstance(counts, Mapping) else None
     if not isinstance(found, Mapping) or not found.get("labelled"):
         return ""
-    return (
-        f"The judge agrees with a person on {found.get('agrees', 0)} of {found['labelled']} labelled "
-        "answers."
-    )
+    agrees, labelled = found.get("agrees", 0), found["labelled"]
+    return f"The judge agrees with a person on {agrees} of {labelled} labelled answers."

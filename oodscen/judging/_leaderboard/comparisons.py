@@ -1,6 +1,7 @@
 """Paired comparisons of models with one another, and with the best reference that does not know the truth."""
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -29,8 +30,7 @@ def comparisons(
     found: list[ModelComparison] = []
     for task in TASKS:
         floor = best_floor([*ours, *([shortcut] if shortcut else [])], task)
-        pairs = [(a, b) for i, a in enumerate(models) for b in models[i + 1 :]]
-        found += _family(items, seed, task, "model", pairs, sheets)
+        found += _family(items, seed, task, "model", list(combinations(models, 2)), sheets)
         if floor is not None:
             found += _family(items, seed, task, "floor", [(m, floor) for m in models], sheets)
     return found

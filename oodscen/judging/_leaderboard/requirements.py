@@ -1,4 +1,4 @@
-"""Requirements on models: met, failed, or not to be told yet, with at most 5 % of boards in error.
+"""Requirements on models: met, failed, or not decided yet, with at most 5 % of boards in error.
 
 A requirement is a list of bars. A model meets it if every bar is shown to be reached, so that each is tested at
 the whole level (an intersection-union test); it fails if one is shown to be missed, each tested at its share of
@@ -27,7 +27,6 @@ ALPHA = 0.05
 """The largest probability of any false "meets" or "fails" on a board."""
 
 Grade = Literal["meets", "fails", "cannot tell yet"]
-
 _BAR = re.compile(r"\s*([a-z-]+)\s*(>=|<=)\s*(\d+(?:\.\d*)?|\.\d+)\s*(%?)\s*")
 
 FIGURES = {
@@ -78,7 +77,7 @@ class RequirementResult(Data):
     """Name of the judged model, or of the driving stack."""
     grade: Grade
     more_scenes: int | None = None
-    """Scenes of further paths that would tell, if all figures stayed as they are; `None` if told already, or
+    """Scenes of further paths that would decide, if all figures stayed as they are; `None` if it is decided, or
     if the figures lie at the bar or have no answers."""
     bars: tuple[BarResult, ...]
 
@@ -91,7 +90,7 @@ class RequirementResult(Data):
 
     @property
     def words(self) -> str:
-        """The grade, with the number of further scenes that would tell."""
+        """The grade, with the number of further scenes that would decide."""
         if self.grade != "cannot tell yet":
             return self.grade
         if self.more_scenes is None:
@@ -196,7 +195,7 @@ def _times(
     level: float,
     level_each: float,
 ) -> float | None:
-    """Return how many times as large the study must be to tell, if its figures stay as they are."""
+    """Return how many times as large the study must be to decide, if its figures stay as they are."""
     falling = [t for test in tests if (t := test.times(level_each, is_met=False)) is not None]
     if falling:
         return min(falling)

@@ -1,7 +1,7 @@
 """The scores of a leaderboard's rows: rates, figures and comparisons."""
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, get_args
 
 from oodscen.data._base import Data
 from oodscen.data._verdict import Protocol, is_without_pictures
@@ -9,13 +9,11 @@ from oodscen.statistics._intervals import Interval
 from oodscen.statistics._significance import PairedTest
 
 Task = Literal["detection", "open", "closed", "control"]
-TASKS: tuple[Task, ...] = ("detection", "open", "closed", "control")
+TASKS: tuple[Task, ...] = get_args(Task)
 """The tasks in which answerers are compared; Holm's correction treats each as one family."""
 
 PRIVILEGED = "oracle"
-"""The reference that is told the truth: a ceiling, never a baseline to beat."""
-
-
+"""The reference that knows the truth: a ceiling, never a baseline to beat."""
 BLIND = ("constant:", "random", "blind")
 """Beginnings of the names of references that see no picture."""
 
