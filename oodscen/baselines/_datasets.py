@@ -63,10 +63,9 @@ class Layout:
 
 
 def recognise(content: str, suffix: str) -> tuple[Layout, Any] | None:
-    """Return the data set layout that a file's content matches.
+    """Return the data set layout that a file's content matches, with the document or rows that its reader takes.
 
-    Returns:
-        The layout, and the document or rows that its reader takes; `None` for any other file.
+    `None` for any other file.
     """
     if suffix == ".csv":
         rows = csv_reader(content)

@@ -32,20 +32,14 @@ EMBEDDED = (".npy", ".arrow", ".feather")
 
 
 class EmbeddedBaseline(Brief):
-    """A baseline known only by its embeddings. Rows are scaled to unit length as they are read.
-
-    Attributes:
-        name: The name shown in reports: the file's name.
-        encoder: Name of the encoder that made the embeddings.
-        dimension: Length of a vector.
-        texts: Always empty: only embeddings are known.
-    """
+    """A baseline known only by its embeddings. Rows are scaled to unit length as they are read."""
 
     _repr_fields = ("path", "encoder", "dimension")
 
     def __init__(self, path: Path, rows: Any, encoder: str, dimension: int) -> None:
         self.path = path
         self.texts: tuple[str, ...] = ()
+        """Always empty: only embeddings are known."""
         self.name = path.name
         self.encoder = encoder
         self.dimension = dimension

@@ -106,7 +106,7 @@ def _values(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
 def _lines(content: str) -> Iterator[tuple[int, str]]:
     """Yield the non-blank lines, each with its number.
 
-    Not splitlines(): texts and JSON strings may hold U+0085, U+2028 and the like.
+    Not splitlines(): texts and JSON strings may hold line separators such as U+0085 and U+2028.
     """
     for number, line in enumerate(_LINE_END.split(content), 1):
         if line.strip():

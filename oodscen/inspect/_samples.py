@@ -40,7 +40,7 @@ def samples(folder: str | Path, purpose: str, *, split: str, is_paired: bool) ->
         folder: Folder of a study, or of a data set that `oodscen publish` wrote.
         purpose: Purpose of the question.
         split: Split of the data set; a study has none.
-        is_paired: True if the ordinary drives are asked about as well.
+        is_paired: Whether the ordinary drives are asked about as well.
 
     Raises:
         UsageError: If the folder is neither, or holds no such question.

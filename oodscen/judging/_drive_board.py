@@ -14,7 +14,7 @@ from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.judging._leaderboard.scores import Estimate
-from oodscen.judging._leaderboard.sentences import percent, spread
+from oodscen.judging._leaderboard.sentences import lead, percent, spread
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler
 from oodscen.statistics._significance import PairedTest, paired
@@ -136,21 +136,14 @@ class DriveBoard(Data):
 
 
 def _sentence(scenes: DriveRow, twins: DriveRow) -> str:
-    pairing = scenes.paired or Pairing()
-    sound, test, needless = (
-        pairing.drives_and_passes,
-        pairing.against_rule_based,
-        twins.shares["needless"],
-    )
+    pairing, needless = scenes.paired or Pairing(), twins.shares["needless"]
+    sound, test = pairing.drives_and_passes, pairing.against_rule_based
     if sound.value is None:
         return f"{scenes.driver} has driven no scene and its twin to the end."
-    lead = ""
-    if test:
-        word = "more" if test.difference >= 0 else "fewer"
-        lead = f" ({abs(100 * test.difference):.0f} points {word} than {RULE_BASED})"
+    ahead = f" ({lead(test.difference, RULE_BASED)})" if test else ""
     return (
         f"{scenes.driver} drives and passes {percent(sound.value)}{spread(sound)} of {sound.n} scenes with their "
-        f"ordinary twins{lead}, and brakes hard without need in {percent(needless.value)}{spread(needless)} of "
+        f"ordinary twins{ahead}, and brakes hard without need in {percent(needless.value)}{spread(needless)} of "
         "the twins."
     )
 
@@ -290,9 +283,9 @@ class _Sums:
         )
 
     def share(
-        self, drives: Sequence[DriveResult], tell: Callable[[DriveResult], bool]
+        self, drives: Sequence[DriveResult], is_hit: Callable[[DriveResult], bool]
     ) -> DriveRate:
-        values = np.array([tell(one) for one in drives], np.float64)
+        values = np.array([is_hit(one) for one in drives], np.float64)
         if not len(values):
             return DriveRate()
         replicates, units = self._resampled(drives, values)
@@ -305,9 +298,9 @@ class _Sums:
         )
 
     def mean(
-        self, drives: Sequence[DriveResult], tell: Callable[[DriveResult], float | None]
+        self, drives: Sequence[DriveResult], figure: Callable[[DriveResult], float | None]
     ) -> Estimate:
-        known = [(one, value) for one in drives if (value := tell(one)) is not None]
+        known = [(one, value) for one in drives if (value := figure(one)) is not None]
         if not known:
             return Estimate()
         values = np.array([value for _, value in known], np.float64)

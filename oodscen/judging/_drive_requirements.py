@@ -34,15 +34,9 @@ def drive_requirements(
     *,
     seed: int = 0,
 ) -> list[RequirementResult]:
-    """Return the grade of every driver, in order of their names.
+    """Return the grade of every driver, in order of their names, by at least one bar of `DRIVE_FIGURES`.
 
     A drive that failed or is inconclusive counts as a missing answer: as wrong for "meets", as right for "fails".
-
-    Args:
-        drives: Results of any drivers, one per scene or twin and driver.
-        scenarios: The scenarios, which give the path of each scene.
-        bars: At least one, of `DRIVE_FIGURES`.
-        seed: Seed of the tests.
     """
     paths = paths_of(scenarios)
     grouped: dict[str, list[DriveResult]] = {}

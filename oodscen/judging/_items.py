@@ -176,7 +176,7 @@ class AnswerColumns:
     cautious: Floats
     """1 if the action is one of `CAUTIOUS`."""
     fitting: Floats
-    """1 if the action is safe, and none of `DISTURBING` where keeping the speed is safe; such a one is 0 in any case."""
+    """1 if the action is safe, 0 if it is not or is one of `DISTURBING` where keeping the speed is safe."""
     scorer: Sequence[str | None]
     """[n] the judge that scored the open aspect; empty for the matcher, `None` if there was nothing to score."""
     is_neutral: Mask
@@ -269,12 +269,12 @@ class Ratio:
 
     @cached_property
     def above(self) -> Floats:
-        """[n] numerators of the items that are there, 0 elsewhere."""
+        """[n] numerators of the answered items that count, 0 elsewhere."""
         return np.where(self.is_there, self.values, 0.0)
 
     @cached_property
     def below(self) -> Floats:
-        """[n] denominators of the items that are there, 0 elsewhere."""
+        """[n] denominators of the answered items that count, 0 elsewhere."""
         return np.where(self.is_there, 1.0 if self.most is None else self.most, 0.0)
 
     def missing(self, sheet: AnswerColumns) -> Mask:

@@ -1,4 +1,4 @@
-"""The kinds of situation that the closed question offers: possible on the road shown, and told apart by frames."""
+"""The kinds of situation that the closed question offers: possible on the road shown, and distinct in frames."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -19,9 +19,8 @@ class Kinds:
     """The kinds of a study, and which of them are offered together on which map.
 
     The lists of a map depend on the map alone, never on the scene, and every kind of the map's scenes belongs
-    to one of them, which others may borrow to be full. So a list does not tell which of its kinds is the right
-    one, and a scene and its ordinary drives have the same list. Kinds of one family stand together, so that
-    near kin are offered.
+    to one of them; other lists may borrow it. So a list does not reveal the right kind, and a scene and its
+    ordinary drives have the same list. Kinds of one family stand together, so that similar ones are offered.
     """
 
     kinds: tuple[AspectOption, ...]
@@ -98,7 +97,7 @@ def _look(label: str) -> object:
 
 
 def _parts(ordered: Sequence[AspectOption]) -> list[Sequence[AspectOption]]:
-    """Divide kinds into as few parts of at most `LISTED` as can be, of equal size up to one."""
+    """Divide kinds into as few parts of at most `LISTED` as possible, whose sizes differ by at most one."""
     count = max(1, math.ceil(len(ordered) / LISTED))
     ends = [len(ordered) * number // count for number in range(count + 1)]
     return [ordered[start:end] for start, end in pairwise(ends)]

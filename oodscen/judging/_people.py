@@ -93,10 +93,7 @@ class PersonAnswers(CaseAnswerer):
     ) -> "PersonAnswers":
         """Return the answers of a file to the drives of a study.
 
-        Args:
-            given: The answers.
-            episodes: The episodes of the study.
-            source: The file, for error messages; by default the person's name.
+        `source` is the file, for error messages; by default the person's name.
 
         Raises:
             DataError: If an answer is about no drive of the study, or two are about one.

@@ -160,10 +160,9 @@ class NoveltyReference(CaseAnswerer):
     """Measures the novelty of the last frame with classical vision, without any model.
 
     The features are means, spreads and edge strengths of a grid of cells in Lab colours. Novelty is the distance
-    to the nearest ordinary frames. It is fitted to twins on *other maps* only, so that the
-    scene, its twin and its street are all unseen. A frame is called OOD if its novelty exceeds the median
-    novelty of the ordinary frames, each measured the same way; the answer is then to stop, else to keep the
-    speed. It cannot name what is unusual.
+    to the nearest ordinary frames on *other maps*, so that the scene, its twin and its street are all unseen. A
+    frame is called OOD if its novelty exceeds the median novelty of the ordinary frames, each measured the same
+    way; the answer is then to stop, else to keep the speed. It cannot name what is unusual.
 
     Args:
         pictures: File of the last frame by scene id, of scenes and twins.
@@ -235,8 +234,7 @@ def features(picture: Path) -> Features:
     square = cv2.resize(lab * lab, size, interpolation=cv2.INTER_AREA)
     edge = cv2.resize(edges, size, interpolation=cv2.INTER_AREA)
     spread = np.sqrt(np.maximum(square - mean * mean, 0.0))
-    parts = (mean, spread, edge)
-    return np.concatenate([part.ravel() for part in parts]).astype(np.float64)
+    return np.concatenate([part.ravel() for part in (mean, spread, edge)]).astype(np.float64)
 
 
 def _distances(seen: Features, ordinary: Features, nearest: int = 5) -> Features:

@@ -1,4 +1,4 @@
-"""The safe sets of a study: what they tell about its scenes."""
+"""Figures of the safe sets of a study."""
 
 from collections.abc import Sequence
 
@@ -19,7 +19,7 @@ class ActionSafety(Data):
 
 
 class SafetyFigures(Data):
-    """Figures from a study's safe sets that tell how well its scenes test drivers."""
+    """The safe sets of a study in figures, which show how well its scenes test drivers."""
 
     n: int
     """Number of episodes that ran."""

@@ -78,13 +78,9 @@ class AnswerKey(Data):
     def verdict(
         self, purpose: str, raw: str, *, model: str = "", judge: LLM | None = None
     ) -> Verdict:
-        """Return the verdict on one answer in a model's words.
+        """Return the verdict on one answer in a model's words to the question of a purpose, e.g. `name-aspect`.
 
-        Args:
-            purpose: Purpose of the question: `name-aspect`, `choose-aspect` or `choose-action`.
-            raw: The model's text.
-            model: The model's name.
-            judge: Decides whether an open aspect is right, instead of the documented matcher.
+        A judge decides whether an open aspect is right, instead of the documented matcher.
         """
         reader, raw = self.reader(purpose), heard(raw)
         try:

@@ -108,7 +108,7 @@ class Metrics(Brief):
             draws: Independent draws of a model, whose median counts.
 
         Raises:
-            DataError: If there is no text, one is blank, or the anchors are no valid rates.
+            DataError: If there is no text, one is blank, or the anchors are not valid rates.
             EncoderError: If the encoder fails.
             LLMError: If the model cannot be reached; answers without a figure are flagged instead.
         """

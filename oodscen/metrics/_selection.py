@@ -8,7 +8,7 @@ r"""Selection of texts: those inside a band of OOD-ness or rarity, and n of them
                     are chosen, it falls back to max-min.
 
     commonest       by exposure: the texts that drivers meet most often, by the offline rarity.
-    rarest          against exposure. Texts whose rarity cannot be told are never chosen by either.
+    rarest          against exposure. Neither ever chooses a text without a rarity.
 
 All are deterministic. For variety the first text is the one farthest from the mean of all, and ties go to the
 first in order. Time grows with n times the number of candidates, memory with the number of
@@ -54,7 +54,7 @@ class Band(Data):
     indices: tuple[int, ...]
     """Their indices in the set."""
     scores: tuple[float | None, ...]
-    """OOD-ness or rarity of every text of the set; `None` where rarity cannot be told."""
+    """OOD-ness or rarity of every text of the set; `None` without a rarity."""
     below: int
     """Number of texts that are more ordinary than `low`."""
     above: int
@@ -151,7 +151,7 @@ def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArra
         raise UsageError(f"{n} texts cannot be chosen from {len(vectors)}")
     if method not in ("max-min", "determinantal"):
         raise UsageError(
-            f"there is no selection {method!r}; choose max-min, determinantal, commonest or rarest"
+            f"unknown selection {method!r}: expected max-min, determinantal, commonest or rarest"
         )
     rows = np.ascontiguousarray(vectors, np.float32)
     first = int((rows @ rows.mean(axis=0, dtype=np.float64).astype(np.float32)).argmin())

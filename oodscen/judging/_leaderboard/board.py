@@ -85,7 +85,5 @@ class Leaderboard(Data):
 def _cell(found: Rate | Estimate) -> str:
     if found.value is None:
         return "–"
-    interval = found.interval
-    return f"{found.value:.2f}" + (
-        f" [{interval.low:.2f}, {interval.high:.2f}]" if interval else ""
-    )
+    ends = found.interval
+    return f"{found.value:.2f}" + (f" [{ends.low:.2f}, {ends.high:.2f}]" if ends else "")

@@ -99,11 +99,7 @@ class RequirementResult(Data):
 
 
 def parse_requirement(text: str, known: Mapping[str, str] = FIGURES) -> tuple[Bar, ...]:
-    """Return the bars of a text such as `safe>=0.9,needless<=5%`.
-
-    Args:
-        text: The requirement.
-        known: The figures on which a bar can be put, by name.
+    """Return the bars of a text such as `safe>=0.9,needless<=5%`, on the known figures.
 
     Raises:
         UsageError: If it is malformed, or names an unknown figure.
@@ -133,12 +129,7 @@ def requirements(
 ) -> list[RequirementResult]:
     """Return the grade of every model, in order of their names; references and the paper's protocol have none.
 
-    Args:
-        verdicts: Verdicts of any models.
-        episodes: Episodes of scenes and ordinary drives.
-        scenarios: The scenarios, which give the path of each scene.
-        bars: At least one.
-        seed: Seed of the tests.
+    `episodes` are those of scenes and ordinary drives; `bars` holds at least one.
     """
     items = Items.of(list(episodes), {one.id: one for one in scenarios})
     grouped: dict[str, list[Verdict]] = {}

@@ -1,4 +1,4 @@
-"""The audit: how well rare can be told from ordinary without understanding, by every shortcut known."""
+"""The audit: how well every known shortcut separates rare from ordinary drives without understanding them."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -121,12 +121,7 @@ def audit(
 ) -> Audit:
     """Return the scores of all shortcuts on the scenes of a study and their ordinary drives.
 
-    Args:
-        episodes: Episodes of scenes and ordinary drives.
-        scenes: The scenes, for maps and weather.
-        scenarios: The scenarios, which give the path of each scene.
-        folder: Folder that the names of the frames are relative to.
-        seed: Seed of the classifiers and of the resampling.
+    Names of frames are relative to `folder`; the seed is that of the classifiers and of the resampling.
 
     Raises:
         StudyError: If fewer than two paths have a scene with an ordinary drive.

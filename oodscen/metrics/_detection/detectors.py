@@ -62,13 +62,7 @@ _MOST_CLAUSES = 64
 
 
 class Detectors:
-    """The detectors of one baseline, each fitted on first use.
-
-    Args:
-        texts: Texts of the baseline.
-        vectors: [N, d] vectors of the baseline, rows of unit length or zero.
-        encode: Encodes other texts with the same encoder.
-    """
+    """The detectors of one baseline of [N, d] vectors, each fitted on first use."""
 
     def __init__(self, texts: Sequence[str], vectors: Vectors, encode: Encode) -> None:
         self._texts = texts
@@ -78,12 +72,7 @@ class Detectors:
         self._fitted: dict[str, _Fitted] = {}
 
     def score(self, name: DetectorName, texts: Sequence[str], vectors: Vectors) -> Scores:
-        """Return one score per text; higher is more OOD.
-
-        Args:
-            name: Name of the detector.
-            texts: At least one text.
-            vectors: [n, d] vectors of the texts.
+        """Return one score per text, of which there is at least one; higher is more OOD.
 
         Raises:
             UnknownComponent: If there is no such detector.

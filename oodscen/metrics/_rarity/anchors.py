@@ -94,7 +94,7 @@ def _rates(content: str, source: str) -> tuple[PublishedRate, ...]:
         rows = tomllib.loads(content).get("rate")
     except (ValueError, RecursionError) as error:
         raise DataError(
-            "file of rates", [Issue("", f"is no TOML: {error}")], source=source
+            "file of rates", [Issue("", f"is not TOML: {error}")], source=source
         ) from None
     if not isinstance(rows, list) or not rows:
         raise DataError("file of rates", [Issue("rate", "holds no [[rate]]")], source=source)

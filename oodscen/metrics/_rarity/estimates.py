@@ -42,11 +42,11 @@ class TextRarity(Data):
     """Rarity of one text, as decimal logarithms of kilometres between two meetings with its kind."""
 
     low: float | None = None
-    """Lower end of the 90 % interval; `None` where the rarity cannot be told."""
+    """Lower end of the 90 % interval; `None` without a figure."""
     best: float | None = None
     high: float | None = None
     flags: tuple[Flag, ...] = ()
-    """Faults of the text, and why there is no figure if there is none."""
+    """Faults of the text, among them the reasons for a missing figure."""
     draws: tuple[float, ...] = ()
     """Answers of a model, one per draw; empty for the offline estimate."""
 
@@ -163,7 +163,7 @@ def estimated_km(encoder: Encoder | None, text: str) -> float | None:
     Without an encoder the head uses stems alone.
 
     Returns:
-        `None` where the head cannot tell.
+        `None` if a flag in `UNTOLD` applies.
     """
     name = "" if encoder is None else encoder.name
     head, found, _ = estimated(

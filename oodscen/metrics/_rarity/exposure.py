@@ -30,7 +30,7 @@ class Exposure(Data):
     """Number of the kinds whose share it is."""
     total: int
     untold: int
-    """Number of kinds whose rarity cannot be told; they count in neither sum."""
+    """Number of kinds without a rarity; they count in neither sum."""
 
     def __str__(self) -> str:
         return f"{self.share:.0%} of what a driver would meet ({self.low:.0%} to {self.high:.0%})"
@@ -44,7 +44,7 @@ class TreeRarity(Data):
     rarity: Rarity
 
     def per_km(self) -> dict[str, float]:
-        """Return meetings per kilometre by leaf, for those whose rarity can be told."""
+        """Return meetings per kilometre by leaf, for those with a rarity."""
         pairs = zip(self.leaves, self.rarity.per_text, strict=True)
         return {leaf: 10.0**-one.best for leaf, one in pairs if one.best is not None}
 
@@ -54,7 +54,7 @@ class TreeRarity(Data):
 
 
 def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure | None:
-    """Return the share of meetings that the chosen kinds make up; `None` if no rarity can be told.
+    """Return the share of meetings that the chosen kinds make up; `None` if no kind has a rarity.
 
     Raises:
         UsageError: If there is not one choice per text.

@@ -42,12 +42,7 @@ class Estimates(NamedTuple):
 
 
 class Head:
-    """A fitted head.
-
-    Args:
-        arrays: Its arrays, as `tools/rarity/train.py` wrote them.
-        kind: `minilm` or `words`.
-    """
+    """A fitted head of a kind, `minilm` or `words`, from arrays that `tools/rarity/train.py` wrote."""
 
     def __init__(self, arrays: dict[str, NDArray[Any]], kind: str) -> None:
         self.kind = kind
@@ -58,7 +53,7 @@ class Head:
         self._alpha = part["alpha"].astype(np.float32)
         self._constant, self._gamma = float(part["constant"]), float(part["gamma"])
         self.nearest = float(part["nearest"])
-        """Nearness below which the head cannot tell."""
+        """Nearness below which the head gives no figure."""
         self._low, self._high = part["low"], part["high"]
         self._points = inducing_points(arrays, self.uses_vectors)
 

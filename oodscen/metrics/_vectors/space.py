@@ -31,14 +31,10 @@ _MOST_GROUPED = 20_000
 
 
 class Space:
-    """An encoder's space with a baseline in it.
+    """An encoder's space with a baseline in it, whose nearest vectors are searched for on a device.
 
-    Args:
-        encoder: Encodes each text once. Vectors of the baseline and of this library's texts are kept in the
-            user's cache folder if the encoder's name determines its values (`cacheable`).
-        baseline: Texts, or embeddings on disk.
-        seed: Seed of random draws.
-        device: `cpu`, or the torch device that searches for nearest vectors.
+    Vectors of the baseline and of this library's texts are kept in the user's cache folder if the encoder's name
+    determines its values (`cacheable`).
     """
 
     def __init__(
