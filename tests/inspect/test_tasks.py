@@ -55,7 +55,7 @@ SAID = {
 }
 """Answers by words of their question: readable, unreadable, declined."""
 
-DRAW = 1
+DRAW = 7
 """The draw of the answers: one that leaves no outcome out."""
 
 
