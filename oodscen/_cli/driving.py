@@ -62,7 +62,7 @@ def drive(
     from oodscen._pipeline.drives import DriveJob, drive_all
     from oodscen.data._pairing import scene_of
     from oodscen.errors import RunStopped
-    from oodscen.judging._drive_board import current_results, drive_board, remarks
+    from oodscen.judging._drive_board import current_results, drive_board
     from oodscen.report._render import write_report
     from oodscen.study._study import Study
 
@@ -88,7 +88,7 @@ def drive(
     if as_json:
         say(json.dumps([row.model_dump(mode="json") for row in board.rows], indent=2))
     else:
-        say("\n".join([*map(_line, board.rows), *remarks(board)]))
+        say("\n".join([*map(_line, board.rows), *board.remarks()]))
         click.echo(f"report: {page.resolve()}")
     ran = {scene.id for scene in scenes}
     here = [row for row in rows if row.driver in names and scene_of(row.scene_id) in ran]

@@ -197,7 +197,7 @@ def _show_board(
 ) -> None:
     """Print the leaderboard with the grades of a requirement, and the items left out."""
     from oodscen.judging._aspects.labelled import agreement_in_words
-    from oodscen.judging._leaderboard.leaderboard import Leaderboard
+    from oodscen.judging._leaderboard.board import Leaderboard
 
     board = Leaderboard.load(study.folder / "leaderboard.json")
     if as_json:

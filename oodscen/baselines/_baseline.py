@@ -1,7 +1,5 @@
 """A set of texts of ordinary driving."""
 
-from typing import ClassVar
-
 from pydantic import Field, field_validator
 
 from oodscen.baselines._texts import check_texts
@@ -12,13 +10,11 @@ from oodscen.errors import DataError
 class Baseline(Data):
     """Texts of ordinary driving, with their source and licence."""
 
-    noun: ClassVar[str] = "baseline"
-
     texts: tuple[str, ...] = Field(repr=False)
     name: str = "own"
     """The name shown in reports."""
     source: str = ""
-    """Source of the texts."""
+    """Origin of the texts."""
     licence: str = ""
     """Licence for redistribution; empty if unknown."""
 

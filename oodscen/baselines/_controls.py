@@ -10,7 +10,7 @@ that the baseline lacks. *Frozen* serves to report results once the choice is ma
 """
 
 from functools import cache
-from typing import ClassVar, Literal, overload
+from typing import Literal, overload
 
 from pydantic import Field
 
@@ -21,8 +21,6 @@ from oodscen.data._base import Data
 
 class ControlText(Data):
     """One sentence of a pair."""
-
-    noun: ClassVar[str] = "control"
 
     id: str
     """`<pair>-<kind>`."""

@@ -63,10 +63,9 @@ class Layout:
 
 
 def recognise(content: str, suffix: str) -> tuple[Layout, Any] | None:
-    """Return the data set layout that a file's content matches.
+    """Return the data set layout that a file's content matches, with the document or rows that its reader takes.
 
-    Returns:
-        The layout, and the document or rows that its reader takes; `None` for any other file.
+    `None` for any other file.
     """
     if suffix == ".csv":
         rows = csv_reader(content)
@@ -113,7 +112,7 @@ def chosen_parts(layout: Layout, parts: tuple[str, ...]) -> tuple[str, ...]:
     """
     known = layout.parts + layout.more
     if not parts:
-        raise UsageError(f"no part of {layout.title} is asked for (known: {', '.join(known)})")
+        raise UsageError(f"no part of {layout.title} is requested (known: {', '.join(known)})")
     for part in parts:
         if part not in known:
             raise UnknownComponent(f"part of {layout.title}", part, known)
@@ -189,19 +188,15 @@ def _questions(items: Any, where: str, names: Mapping[str, str]) -> Found:
     for index, item in enumerate(items):
         place = f"{where}[{index}]"
         if not isinstance(item, dict) or not {"Q", "A"} <= item.keys():
-            yield Issue(place, "is no object with 'Q' and 'A'")
+            yield Issue(place, "is not an object with 'Q' and 'A'")
             continue
         said = []
         for kind, key in (("question", "Q"), ("answer", "A")):
             for part in _texts(kind, item[key], f"{place}.{key}"):
-                named = (
-                    DatasetText(kind, _named(part.text, names))
-                    if isinstance(part, DatasetText)
-                    else part
-                )
-                yield named
-                if isinstance(named, DatasetText):
-                    said.append(named.text)
+                if isinstance(part, DatasetText):
+                    part = part._replace(text=_named(part.text, names))
+                    said.append(part.text)
+                yield part
         if said:
             yield DatasetText("qa", " ".join(said))
 
@@ -228,7 +223,7 @@ def _nuscenes(document: Any) -> Found:
         return
     for index, scene in enumerate(document):
         if not isinstance(scene, dict) or "description" not in scene:
-            yield Issue(f"[{index}]", "is no scene with a 'description'")
+            yield Issue(f"[{index}]", "is not a scene with a 'description'")
         else:
             yield from _texts("scene", scene["description"], f"[{index}].description")
 

@@ -6,7 +6,7 @@ wording, `near_duplicates(embeddings)` the meaning; both compare all pairs, in b
 """
 
 from collections.abc import Callable, Sequence
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from pydantic import Field
 from oodscen.baselines._ordinary import bare
 from oodscen.baselines._texts import check_texts
 from oodscen.data._base import Data
+from oodscen.encoders._similarity import unit
 from oodscen.errors import DataError, Issue, UsageError
 
 _BLOCK = 512
@@ -26,8 +27,6 @@ Product = Callable[[slice, slice], NDArray[np.float32]]
 class Duplicate(Data):
     """An item that resembles an earlier one."""
 
-    noun: ClassVar[str] = "near-duplicate"
-
     index: int
     """Index of the item."""
     of: int
@@ -37,8 +36,6 @@ class Duplicate(Data):
 
 class NearDuplicates(Data):
     """The items of a baseline that nearly repeat an earlier one."""
-
-    noun: ClassVar[str] = "report of near-duplicates"
 
     found: tuple[Duplicate, ...]
     """In the order of the baseline."""
@@ -76,8 +73,7 @@ def near_duplicates(
     if not 0.0 < threshold <= 1.0:
         raise UsageError(f"the threshold {threshold} is not in (0, 1]")
     if isinstance(items, np.ndarray):
-        size, product = len(items), _cosines(items)
-        return _report(size, product, threshold, "cosine")
+        return _report(len(items), _cosines(items), threshold, "cosine")
     texts = check_texts(items, "baseline")
     return _report(len(texts), _jaccard(texts), threshold, "trigrams")
 
@@ -112,18 +108,17 @@ def _report(
 
 
 def _cosines(vectors: NDArray[np.float32]) -> Product:
-    faults = []
+    fault = ""
     if vectors.ndim != 2 or not len(vectors):
-        faults.append(Issue("", f"has the shape {vectors.shape}, not one row for each text"))
+        fault = f"has the shape {vectors.shape}, not one row for each text"
     elif not np.isfinite(vectors).all():
-        faults.append(Issue("", "holds values that are not finite"))
-    if faults:
-        raise DataError("embeddings", faults)
-    lengths = np.sqrt(np.square(vectors, dtype=np.float64).sum(axis=1, keepdims=True))
-    unit = (vectors / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32)
+        fault = "holds values that are not finite"
+    if fault:
+        raise DataError("embeddings", [Issue("", fault)])
+    scaled = unit(vectors)
 
     def product(rows: slice, columns: slice) -> NDArray[np.float32]:
-        return np.asarray(np.clip(unit[rows] @ unit[columns].T, -1.0, 1.0), np.float32)
+        return np.asarray(np.clip(scaled[rows] @ scaled[columns].T, -1.0, 1.0), np.float32)
 
     return product
 

@@ -32,20 +32,14 @@ EMBEDDED = (".npy", ".arrow", ".feather")
 
 
 class EmbeddedBaseline(Brief):
-    """A baseline known only by its embeddings. Rows are scaled to unit length as they are read.
-
-    Attributes:
-        name: The name shown in reports: the file's name.
-        encoder: Name of the encoder that made the embeddings.
-        dimension: Length of a vector.
-        texts: Always empty: only embeddings are known.
-    """
+    """A baseline known only by its embeddings. Rows are scaled to unit length as they are read."""
 
     _repr_fields = ("path", "encoder", "dimension")
 
     def __init__(self, path: Path, rows: Any, encoder: str, dimension: int) -> None:
         self.path = path
         self.texts: tuple[str, ...] = ()
+        """Always empty: only embeddings are known."""
         self.name = path.name
         self.encoder = encoder
         self.dimension = dimension
@@ -79,15 +73,9 @@ class EmbeddedBaseline(Brief):
 
 
 def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -> int:
-    """Encode texts a batch at a time into a `.npy` file, and record the encoder in a file beside it.
+    """Encode texts a batch at a time into a `.npy` file, record the encoder beside it, and return their number.
 
-    Args:
-        path: The file to write; replaced only after all texts are written.
-        encoder: The encoder to use.
-        texts: Any number of texts; they are read once and not kept.
-
-    Returns:
-        The number of texts.
+    The file is replaced only after all texts are written; texts are read once and not kept.
     """
     file = Path(path)
     if file.suffix != ".npy":
@@ -180,7 +168,7 @@ def _arrow(file: Path) -> tuple[Any, str]:
         maker = (table.schema.metadata or {})[b"encoder"].decode()
         width, value = int(kind.list_size), str(kind.value_type)
     except (OSError, KeyError, AttributeError, ValueError, pa.ArrowInvalid) as error:
-        fault = f"is no Arrow file with a column `vector` and an encoder's name: {error}"
+        fault = f"is not an Arrow file with a column `vector` and an encoder's name: {error}"
         raise DataError("embeddings", [Issue("", fault)], source=str(file)) from None
     if value != "float":
         fault = f"holds vectors of {value}, not float32"

@@ -8,7 +8,7 @@ written by an author who had seen neither these texts nor the guard.
 """
 
 from functools import cache
-from typing import ClassVar, Literal
+from typing import Literal
 
 from pydantic import Field
 
@@ -18,8 +18,6 @@ from oodscen.data._base import Data
 
 class OffTopic(Data):
     """One text that a measure of driving scenarios should refuse to score."""
-
-    noun: ClassVar[str] = "off-topic text"
 
     id: str
     kind: Literal["near-miss", "off-topic"]
@@ -33,11 +31,7 @@ class OffTopic(Data):
 
 
 def off_topic_texts(split: Split | Literal["blind"]) -> tuple[OffTopic, ...]:
-    """Return one part of the bundled texts, near misses first.
-
-    Args:
-        split: `tune` to set a threshold, `frozen` and `blind` to report the share that is flagged.
-    """
+    """Return one part of the bundled texts, near misses first: `tune` to set a threshold, the others to report."""
     return tuple(text for text in _texts() if text.split == split)
 
 

@@ -54,12 +54,10 @@ def ordinary_driving() -> Baseline:
 def draw(size: int, *, seed: int = 0) -> tuple[str, ...]:
     """Return distinct texts of ordinary driving, drawn from the grammar's situations in turn.
 
-    Args:
-        size: Number of texts; no two are equal after dropping case and punctuation.
-        seed: Seed of the draws.
+    No two are equal after dropping case and punctuation.
 
     Raises:
-        UsageError: If the grammar yields fewer.
+        UsageError: If the grammar yields fewer than `size`.
     """
     rules = _rules()
     draws = stream(seed, "ordinary-driving")

@@ -55,8 +55,8 @@ def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tupl
         fault = f"is {type(texts).__name__}, not a sequence of texts"
         raise DataError(noun, [Issue("", fault)])
     plain = [item.text if isinstance(item, Scenario) else item for item in texts]
-    faults = [(f"[{index}]", fault_of(text)) for index, text in enumerate(plain)]
-    refuse(noun, [Issue(path, fault) for path, fault in faults if fault])
+    faults = enumerate(map(fault_of, plain))
+    refuse(noun, [Issue(f"[{index}]", fault) for index, fault in faults if fault])
     if not plain:
         raise DataError(noun, [Issue("", "holds no text")])
     return tuple(plain)
@@ -106,7 +106,7 @@ def _values(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
 def _lines(content: str) -> Iterator[tuple[int, str]]:
     """Yield the non-blank lines, each with its number.
 
-    Not splitlines(): texts and JSON strings may hold U+0085, U+2028 and the like.
+    Not splitlines(): texts and JSON strings may hold line separators such as U+0085 and U+2028.
     """
     for number, line in enumerate(_LINE_END.split(content), 1):
         if line.strip():
@@ -145,8 +145,8 @@ def csv_rows(reader: Rows) -> Iterator[tuple[int, dict[str, str] | Issue]]:
         except StopIteration:
             return
         except csv.Error as error:
-            told = "a quote is not closed" if "end of data" in str(error) else str(error)
-            yield begins, Issue(f"line {begins}", f"is not CSV: {told}")
+            fault = "a quote is not closed" if "end of data" in str(error) else str(error)
+            yield begins, Issue(f"line {begins}", f"is not CSV: {fault}")
             return
         more = row.pop(None, None)  # csv.DictReader collects surplus fields under the key None.
         if more and any(map(str.strip, more)):

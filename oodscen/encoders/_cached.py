@@ -100,7 +100,9 @@ class CachedEncoder(Brief):
         """
         keys = [hashlib.sha256(text.encode("utf-8", "surrogatepass")).digest() for text in texts]
         with self._lock:
-            self._load()
+            if not self._is_loaded and self.path is not None:
+                self._vectors = _read(self.path, self._encoder)
+                self._is_loaded = True
             missing = {
                 key: text for key, text in zip(keys, texts, strict=True) if key not in self._vectors
             }
@@ -130,12 +132,6 @@ class CachedEncoder(Brief):
             except (OSError, StudyError, InUse) as error:
                 _log.warning("cannot keep the vectors of %s in %s: %s", self.name, path, error)
             self._unsaved = 0
-
-    def _load(self) -> None:
-        path = self.path
-        if not self._is_loaded and path is not None:
-            self._vectors = _read(path, self._encoder)
-            self._is_loaded = True
 
 
 def _read(path: Path, encoder: Encoder) -> dict[bytes, NDArray[np.float32]]:

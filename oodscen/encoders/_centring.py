@@ -33,10 +33,6 @@ def label_rows(encoder: Encoder, labels: Sequence[str]) -> tuple[Vector, Vector]
     The centre is the mean of the labels and of the kinds that the paper names. A few labels of one sort
     then do not pass for what all labels have in common.
 
-    Args:
-        encoder: Turns texts into vectors.
-        labels: Labels of one tree, or of all trees that are compared.
-
     Returns:
         [n, d] unit rows, not centred; and [d], the centre to subtract.
 

@@ -25,12 +25,7 @@ def encode(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
 
 
 def check_embeddings(vectors: object, n: int, encoder: Encoder) -> NDArray[np.float32]:
-    """Return a copy of `vectors` if they are one finite float32 row per text.
-
-    Args:
-        vectors: The return value of `encoder.encode` for `n` texts.
-        n: Number of texts.
-        encoder: The encoder, for error messages.
+    """Return a copy of `vectors` if they are one finite float32 row for each of `n` texts.
 
     Raises:
         EncoderError: If type, shape, dtype or a value violates the protocol.

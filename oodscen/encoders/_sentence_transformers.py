@@ -54,7 +54,11 @@ class SentenceTransformerEncoder(Brief):
     def name(self) -> str:
         """The folder's name with the hash of its weights, or the hub's name with the revision."""
         if self._name is None:
-            self._name = self._identify()
+            if self._is_local:
+                folder = Path(self._source)
+                self._name = f"{folder.name}@{_weights_sha256(folder)[:12]}"
+            else:
+                self._name = f"{self._source}@{self._revision}" if self._revision else self._source
         return self._name
 
     @property
@@ -92,11 +96,6 @@ class SentenceTransformerEncoder(Brief):
     @property
     def _is_local(self) -> bool:
         return Path(self._source).is_dir()
-
-    def _identify(self) -> str:
-        if self._is_local:
-            return f"{Path(self._source).name}@{_digest(_weights(Path(self._source)))[:12]}"
-        return f"{self._source}@{self._revision}" if self._revision else self._source
 
     def _forward(self, model: Any, texts: list[str]) -> Any:
         """Return the model's embeddings; subclasses may batch the texts differently."""
@@ -146,14 +145,10 @@ def _quiet_loading() -> Iterator[None]:
             logging.enable_progress_bar()
 
 
-def _weights(folder: Path) -> list[Path]:
+def _weights_sha256(folder: Path) -> str:
     files = sorted(file for pattern in _WEIGHTS for file in folder.rglob(pattern))
     if not files:
         raise EncoderError(f"{folder} holds no weights ({' or '.join(_WEIGHTS)})")
-    return files
-
-
-def _digest(files: Sequence[Path]) -> str:
     total = hashlib.sha256()
     for file in files:
         total.update(file_sha256(file))

@@ -49,20 +49,10 @@ def unit(vectors: Vectors) -> Vectors:
     return np.ascontiguousarray(scaled, dtype=np.float32)
 
 
-def nearest(queries: Vectors, references: Rows, skip: NDArray[np.int64] | None = None) -> Nearest:
-    """Return the nearest reference of each query.
-
-    Args:
-        queries: [n, d], rows of unit length or zero.
-        references: [m, d], rows of unit length or zero.
-        skip: [n], for each query the one reference to ignore; negative for none.
-    """
+def nearest(queries: Vectors, references: Rows) -> Nearest:
+    """Return the nearest reference of each query; both are [., d] rows of unit length or zero."""
     best = _Best(len(queries))
     for rows, first, cosines in _blocks(queries, references):
-        if skip is not None:
-            own = skip[rows] - first
-            here = np.flatnonzero((own >= 0) & (own < cosines.shape[1]))
-            cosines[here, own[here]] = -np.inf
         best.offer(rows.start, first, cosines)
     return best.found()
 
@@ -98,16 +88,9 @@ def smallest(queries: Vectors, references: Rows) -> NDArray[np.float64]:
 def largest(
     queries: Vectors, references: Rows, k: int, skip: NDArray[np.int64] | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return the cosines and the rows of the k nearest references, nearest first.
+    """Return the cosines and the rows of the k nearest references, nearest first: [n, k] each.
 
-    Args:
-        queries: [n, d], rows of unit length or zero.
-        references: [m, d], rows of unit length or zero, at least k of which are not skipped.
-        k: At least 1.
-        skip: [n], for each query the one reference to ignore; negative for none.
-
-    Returns:
-        [n, k] float64 and [n, k] int64; ties keep the order of the rows.
+    Ties keep the order of the rows. `skip` [n] is the one reference that each query ignores, negative for none.
     """
     values = np.full((len(queries), k), -np.inf, np.float32)
     places = np.full((len(queries), k), -1, np.int64)

@@ -1,15 +1,14 @@
 """The figures of a study's leaderboard as metrics of inspect_ai, with errors clustered by path."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from inspect_ai.scorer import Metric, SampleScore, Score, Value, metric, stderr
 
-from oodscen.data._pairing import scene_of
 from oodscen.judging._items import AnswerColumns, Items
 from oodscen.judging._leaderboard.figures import figures, rates
-from oodscen.judging._scoring import AnswerKey
+from oodscen.judging._scoring import AnswerKey, items_of
 
 
 @metric
@@ -44,10 +43,11 @@ def figure(name: str) -> Metric:
 
 def _columns(scores: Sequence[SampleScore]) -> tuple[Items, AnswerColumns]:
     keys = [AnswerKey.parse((one.sample_metadata or {}).get("key")) for one in scores]
-    items = Items.of([key.episode for key in keys], {scene_of(key.item): key for key in keys})
-    values: dict[str, Mapping[str, float]] = {}
-    for key, one in zip(keys, scores, strict=True):
-        values[key.item] = {name: float(value) for name, value in one.score.as_dict().items()}
+    items = items_of(keys)
+    values = {
+        key.item: {name: float(value) for name, value in one.score.as_dict().items()}
+        for key, one in zip(keys, scores, strict=True)
+    }
     return items, AnswerColumns.of_values(items, values)
 
 

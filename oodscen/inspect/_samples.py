@@ -40,7 +40,7 @@ def samples(folder: str | Path, purpose: str, *, split: str, is_paired: bool) ->
         folder: Folder of a study, or of a data set that `oodscen publish` wrote.
         purpose: Purpose of the question.
         split: Split of the data set; a study has none.
-        is_paired: True if the ordinary drives are asked about as well.
+        is_paired: Whether the ordinary drives are asked about as well.
 
     Raises:
         UsageError: If the folder is neither, or holds no such question.
@@ -82,14 +82,13 @@ def _sample(asked: _Asked, purpose: str) -> Sample:
 
 def _target(key: AnswerKey, purpose: str) -> str | list[str]:
     """Return what is right, for readers of the log; scores do not depend on it."""
-    is_rare = not is_ordinary(key.item)
     if purpose == ChooseAction.purpose:
         return list(key.episode.safe_set)
+    if is_ordinary(key.item):
+        return ""
     if purpose == ChooseAspect.purpose:
-        return (
-            next((one.label for one in key.options if one.holds(key.leaf)), "") if is_rare else ""
-        )
-    return key.path[-1] if is_rare and key.path else ""
+        return next((one.label for one in key.options if one.holds(key.leaf)), "")
+    return key.path[-1] if key.path else ""
 
 
 def _of_study(place: Path, purpose: str) -> Iterator[_Asked]:
@@ -97,7 +96,7 @@ def _of_study(place: Path, purpose: str) -> Iterator[_Asked]:
     for drive in asked_drives(study):
         prompt = _prompt(drive, purpose)
         yield _Asked(
-            AnswerKey.of(drive.episode, drive.truth, drive.options),
+            drive.key,
             prompt.instructions(),
             prompt.question(),
             tuple(str(image.path) for image in prompt.images()),

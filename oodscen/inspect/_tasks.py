@@ -1,7 +1,5 @@
 """The tasks of inspect_ai, with their solver and scorers."""
 
-from typing import Any
-
 import anyio.to_thread
 from inspect_ai import Task, task
 from inspect_ai.model import ChatMessageAssistant, ChatMessageUser
@@ -118,7 +116,7 @@ def _chosen() -> Scorer:
 
 @scorer(metrics=[figure("act-both"), figure("safe"), figure("needless")], name="act")
 def _acted() -> Scorer:
-    return _scoring("safe", "success", "cautious", "apt", "neutral")
+    return _scoring("safe", "success", "cautious", "fitting", "neutral")
 
 
 def _scoring(*kept: str, judge: str | None = None) -> Scorer:
@@ -157,5 +155,4 @@ def _explained(key: AnswerKey, action: str | None) -> str:
 
 
 def _key(state: TaskState) -> AnswerKey:
-    held: Any = state.metadata["key"]
-    return AnswerKey.parse(held)
+    return AnswerKey.parse(state.metadata["key"])

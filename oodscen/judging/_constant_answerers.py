@@ -5,15 +5,14 @@ action) and never look at a picture. Tables list them under their `kind`, "refer
 """
 
 import json
-from collections.abc import Sequence
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from oodscen._display import Brief
 from oodscen._seeding import stream
 from oodscen.data._episode import ACTIONS
 from oodscen.data._verdict import NOTHING
 from oodscen.errors import LLMError, UnknownComponent
-from oodscen.judging._references import Answers, AspectOption, Case
+from oodscen.judging._references import Answers, Case
 from oodscen.prompts._judging.choose_action import ChooseAction
 from oodscen.prompts._judging.choose_aspect import ChooseAspect
 from oodscen.prompts._judging.describe_frame import DescribeFrame
@@ -24,11 +23,41 @@ from oodscen.protocols import Completion, Request
 UNSEEN = "A road ahead of the ego vehicle."
 """The description that these answerers give of every frame."""
 
+_Question = NameAspect | NameOodAspect | ChooseAspect | ChooseAction
+
 ASPECT = "A pedestrian crossing where none is expected"
 """The aspect named whenever one of them calls a scene OOD: right by luck for that kind of scene."""
 
 
-class ConstantAnswerer(Brief):
+class _Sightless(Brief):
+    """An answerer of the questions of the evaluation that never looks at a picture."""
+
+    kind: ClassVar[Literal["reference"]] = "reference"
+    name: str
+
+    def complete(self, request: Request) -> Completion:
+        """Answer without looking.
+
+        Raises:
+            LLMError: If the question is not part of the evaluation.
+        """
+        prompt = request.prompt
+        if isinstance(prompt, DescribeFrame):
+            answer: dict[str, Any] = {"description": UNSEEN}
+        elif isinstance(prompt, _Question):
+            answer = self._answer(prompt, request.sample)
+        else:
+            raise LLMError(
+                f"{self.name} is a reference answerer for evaluation; it cannot answer {prompt.purpose!r}",
+                model=self.name,
+            )
+        return Completion(text=json.dumps(answer))
+
+    def _answer(self, prompt: _Question, sample: int) -> dict[str, Any]:
+        raise NotImplementedError
+
+
+class ConstantAnswerer(_Sightless):
     """Always calls the scene OOD, names the same aspect and chooses the same action.
 
     Args:
@@ -41,8 +70,6 @@ class ConstantAnswerer(Brief):
 
     _repr_fields = ("action",)
 
-    kind: ClassVar[Literal["reference"]] = "reference"
-
     def __init__(self, action: str = "stop", *, seed: int = 0) -> None:
         if action not in ACTIONS:
             raise UnknownComponent("action", action, ACTIONS)
@@ -50,30 +77,24 @@ class ConstantAnswerer(Brief):
         self.action = action
 
     def judge(self, case: Case) -> Answers:
-        """Answer both tasks about one case without looking."""
-        return Answers(True, ASPECT, None, _first(case.options), self.action)
+        """Answer both tasks about one case without looking.
 
-    def complete(self, request: Request) -> Completion:
-        """Answer without looking.
-
-        Raises:
-            LLMError: If the question is not part of the evaluation.
+        The choice is the alphabetically first id, which does not depend on the order of the list.
         """
-        prompt = request.prompt
-        if isinstance(prompt, DescribeFrame):
-            return _say(description=UNSEEN)
+        listed = (option.id for option in case.options if option.id != NOTHING)
+        return Answers(True, ASPECT, None, min(listed, default=None), self.action)
+
+    def _answer(self, prompt: _Question, sample: int) -> dict[str, Any]:
         if isinstance(prompt, ChooseAspect):
-            return _say(choice=prompt.labels.index(min(prompt.labels)) + 1)
+            return {"choice": prompt.labels.index(min(prompt.labels)) + 1}
         if isinstance(prompt, NameAspect):
-            return _say(is_ood=True, aspect=ASPECT)
+            return {"is_ood": True, "aspect": ASPECT}
         if isinstance(prompt, NameOodAspect):
-            return _say(aspect=ASPECT)
-        if isinstance(prompt, ChooseAction):
-            return _say(action=self.action)
-        raise _cannot(self.name, request)
+            return {"aspect": ASPECT}
+        return {"action": self.action}
 
 
-class RandomAnswerer(Brief):
+class RandomAnswerer(_Sightless):
     """Flips a coin for OOD and draws one of the offered actions with equal probability.
 
     The draw depends on the seed, the question, the names of its frames and the sample only, so it is the same
@@ -81,8 +102,6 @@ class RandomAnswerer(Brief):
     """
 
     _repr_fields = ("seed",)
-
-    kind: ClassVar[Literal["reference"]] = "reference"
 
     def __init__(self, *, seed: int = 0) -> None:
         self.name = "random"
@@ -97,41 +116,14 @@ class RandomAnswerer(Brief):
         choice = names[int(draw.integers(len(names)))] if names else None
         return Answers(is_ood, ASPECT if is_ood else "", None, choice, action)
 
-    def complete(self, request: Request) -> Completion:
-        """Answer without looking.
-
-        Raises:
-            LLMError: If the question is not part of the evaluation.
-        """
-        prompt = request.prompt
-        if isinstance(prompt, DescribeFrame):
-            return _say(description=UNSEEN)
-        if not isinstance(prompt, (NameAspect, NameOodAspect, ChooseAspect, ChooseAction)):
-            raise _cannot(self.name, request)
+    def _answer(self, prompt: _Question, sample: int) -> dict[str, Any]:
         frames = (image.name for image in prompt.frames)
-        draw = stream(self.seed, prompt.purpose, *frames, request.sample)
+        draw = stream(self.seed, prompt.purpose, *frames, sample)
         if isinstance(prompt, NameAspect):
             is_ood = bool(draw.integers(2))
-            return _say(is_ood=is_ood, aspect=ASPECT if is_ood else "")
+            return {"is_ood": is_ood, "aspect": ASPECT if is_ood else ""}
         if isinstance(prompt, NameOodAspect):
-            return _say(aspect=ASPECT if draw.integers(2) else "none")
+            return {"aspect": ASPECT if draw.integers(2) else "none"}
         if isinstance(prompt, ChooseAspect):
-            return _say(choice=1 + int(draw.integers(len(prompt.labels))))
-        return _say(action=prompt.options[int(draw.integers(len(prompt.options)))].id)
-
-
-def _first(options: Sequence[AspectOption]) -> str | None:
-    """Return the alphabetically first id, which does not depend on the order of the list."""
-    return min((option.id for option in options if option.id != NOTHING), default=None)
-
-
-def _say(**answer: str | bool | int) -> Completion:
-    return Completion(text=json.dumps(answer))
-
-
-def _cannot(name: str, request: Request) -> LLMError:
-    return LLMError(
-        f"{name} is a reference answerer for evaluation; it cannot answer "
-        f"{request.prompt.purpose!r}",
-        model=name,
-    )
+            return {"choice": 1 + int(draw.integers(len(prompt.labels)))}
+        return {"action": prompt.options[int(draw.integers(len(prompt.options)))].id}

@@ -1,8 +1,8 @@
 """Results by driver: outcomes, conflicts, headway, progress and comfort, paired with the twins."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from operator import attrgetter
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.judging._leaderboard.scores import Estimate
-from oodscen.judging._leaderboard.sentences import percent, spread
+from oodscen.judging._leaderboard.sentences import lead, percent, spread
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler
 from oodscen.statistics._significance import PairedTest, paired
@@ -40,8 +40,6 @@ def current_results(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> l
 class DriveRate(Data):
     """A count out of a number of drives."""
 
-    noun: ClassVar[str] = "share"
-
     hits: int = 0
     n: int = 0
     value: float | None = None
@@ -51,8 +49,6 @@ class DriveRate(Data):
 
 class Pairing(Data):
     """Scenes and their twins, driven by the same driver."""
-
-    noun: ClassVar[str] = "pairing"
 
     n: int = 0
     both: int = 0
@@ -73,8 +69,6 @@ class Pairing(Data):
 
 class DriveRow(Data):
     """One driver over all scenes, or over all twins."""
-
-    noun: ClassVar[str] = "drive row"
 
     driver: str
     kind: Literal["scenes", "twins"]
@@ -104,8 +98,6 @@ class DriveRow(Data):
 class DriveBoard(Data):
     """The results of every driver of a study."""
 
-    noun: ClassVar[str] = "drive board"
-
     rows: tuple[DriveRow, ...] = ()
     """The rows of every driver, for scenes and twins, best first by `drives_and_passes`."""
     paths: int = 0
@@ -121,7 +113,39 @@ class DriveBoard(Data):
 
     def remarks(self) -> list[str]:
         """Return sentences that name the figures that do not show skill."""
-        return remarks(self)
+        found = []
+        for scenes, twins in self._pairs():
+            progress, passed = twins.means["progress"].value, scenes.shares["passed"].value
+            if progress is not None and passed is not None and progress < HARDLY_DRIVES:
+                found.append(
+                    f"{scenes.driver} passes {passed:.0%} of the scenes by hardly driving: on the ordinary twins it "
+                    f"comes {progress:.0%} as far as keeping the speed would. Standing still is no skill."
+                )
+        return found
+
+    def sentences(self) -> list[str]:
+        """Return a sentence per driver, best first: the main figure, and needless braking in the twins."""
+        return [_sentence(scenes, twins) for scenes, twins in self._pairs()]
+
+    def _pairs(self) -> Iterator[tuple[DriveRow, DriveRow]]:
+        """Yield the rows of scenes and twins of every driver that has both, best first."""
+        for driver in self.drivers:
+            scenes, twins = self.of(driver), self.of(driver, "twins")
+            if scenes and twins:
+                yield scenes, twins
+
+
+def _sentence(scenes: DriveRow, twins: DriveRow) -> str:
+    pairing, needless = scenes.paired or Pairing(), twins.shares["needless"]
+    sound, test = pairing.drives_and_passes, pairing.against_rule_based
+    if sound.value is None:
+        return f"{scenes.driver} has driven no scene and its twin to the end."
+    ahead = f" ({lead(test.difference, RULE_BASED)})" if test else ""
+    return (
+        f"{scenes.driver} drives and passes {percent(sound.value)}{spread(sound)} of {sound.n} scenes with their "
+        f"ordinary twins{ahead}, and brakes hard without need in {percent(needless.value)}{spread(needless)} of "
+        "the twins."
+    )
 
 
 MEANS = (
@@ -150,68 +174,23 @@ def drive_board(
         grouped.setdefault(one.driver, []).append(one)
     sums = _Sums(paths, seed_number(seed))
     yardstick = drives_and_passes(grouped.get(RULE_BASED, ()))
-    found = {}
+    found = []
     for driver, drives in grouped.items():
         scenes = [one for one in drives if not one.is_twin]
         twins = [one for one in drives if one.is_twin]
-        pairing = sums.pairing(driver, scenes, twins, yardstick)
-        found[driver] = (
-            sums.row(driver, "scenes", scenes).model_copy(update={"paired": pairing}),
-            sums.row(driver, "twins", twins),
-        )
-    ordered = sorted(
-        found.items(), key=lambda item: (-(_rank(item[1][0])), item[0] != RULE_BASED, item[0])
-    )
+        pairing = sums.pairing(scenes, twins, {} if driver == RULE_BASED else yardstick)
+        row = sums.row(driver, "scenes", scenes).model_copy(update={"paired": pairing})
+        found.append((row, sums.row(driver, "twins", twins)))
     return DriveBoard(
-        rows=tuple(row for _, rows in ordered for row in rows if row.n),
-        paths=len({sums.path(one) for drives in grouped.values() for one in drives}),
+        rows=tuple(row for rows in sorted(found, key=_rank) for row in rows if row.n),
+        paths=len({path_of(one, paths) for drives in grouped.values() for one in drives}),
     )
 
 
-def remarks(board: DriveBoard) -> list[str]:
-    """Return sentences that name the figures that do not show skill."""
-    sentences = []
-    for driver in board.drivers:
-        scenes, twins = board.of(driver), board.of(driver, "twins")
-        if scenes is None or twins is None:
-            continue
-        progress = twins.means["progress"].value
-        passed = scenes.shares["passed"].value
-        if progress is not None and passed is not None and progress < HARDLY_DRIVES:
-            sentences.append(
-                f"{driver} passes {passed:.0%} of the scenes by hardly driving: on the ordinary twins it comes "
-                f"{progress:.0%} as far as keeping the speed would. Standing still is no skill."
-            )
-    return sentences
-
-
-def sentences(board: DriveBoard) -> list[str]:
-    """Return a sentence per driver, best first: the main figure, and needless braking in the twins."""
-    found = []
-    for driver in board.drivers:
-        scenes, twins = board.of(driver), board.of(driver, "twins")
-        if scenes is None or twins is None or scenes.paired is None:
-            continue
-        sound, test = scenes.paired.drives_and_passes, scenes.paired.against_rule_based
-        needless = twins.shares["needless"]
-        if sound.value is None:
-            found.append(f"{driver} has driven no scene and its twin to the end.")
-            continue
-        lead = ""
-        if test:
-            word = "more" if test.difference >= 0 else "fewer"
-            lead = f" ({abs(100 * test.difference):.0f} points {word} than {RULE_BASED})"
-        found.append(
-            f"{driver} drives and passes {percent(sound.value)}{spread(sound)} of {sound.n} scenes with their "
-            f"ordinary twins{lead}, and brakes hard without need in {percent(needless.value)}{spread(needless)} of "
-            "the twins."
-        )
-    return found
-
-
-def _rank(row: DriveRow) -> float:
-    value = row.paired.drives_and_passes.value if row.paired else None
-    return -1.0 if value is None else value
+def _rank(rows: tuple[DriveRow, DriveRow]) -> tuple[float, bool, str]:
+    scenes, _ = rows
+    value = scenes.paired.drives_and_passes.value if scenes.paired else None
+    return -(-1.0 if value is None else value), scenes.driver != RULE_BASED, scenes.driver
 
 
 def paths_of(scenarios: Iterable[Scenario]) -> dict[str, str]:
@@ -243,10 +222,6 @@ class _Sums:
         self._paths = paths
         self._seed = seed
 
-    def path(self, one: DriveResult) -> str:
-        """Return the path of a drive's scene."""
-        return path_of(one, self._paths)
-
     def row(
         self, driver: str, kind: Literal["scenes", "twins"], drives: Sequence[DriveResult]
     ) -> DriveRow:
@@ -275,7 +250,6 @@ class _Sums:
 
     def pairing(
         self,
-        driver: str,
         scenes: Sequence[DriveResult],
         twins: Sequence[DriveResult],
         yardstick: dict[str, bool],
@@ -292,30 +266,26 @@ class _Sums:
             neither=counts.count((False, False)),
             drives_and_passes=self.share(both, lambda one: sound[one.scene_id]),
             progress_lost=self.mean(both, lambda one: one.progress_lost),
-            against_rule_based=self.compared(driver, both, sound, yardstick),
+            against_rule_based=self.compared(both, sound, yardstick),
         )
 
     def compared(
-        self,
-        driver: str,
-        scenes: Sequence[DriveResult],
-        sound: dict[str, bool],
-        yardstick: dict[str, bool],
+        self, scenes: Sequence[DriveResult], sound: dict[str, bool], yardstick: dict[str, bool]
     ) -> PairedTest | None:
         common = [one for one in scenes if one.scene_id in yardstick]
-        if driver == RULE_BASED or not common:
+        if not common:
             return None
         return paired(
             np.array([sound[one.scene_id] for one in common], np.float64),
             np.array([yardstick[one.scene_id] for one in common], np.float64),
-            [self.path(one) for one in common],
+            [path_of(one, self._paths) for one in common],
             seed=self._seed,
         )
 
     def share(
-        self, drives: Sequence[DriveResult], tell: Callable[[DriveResult], bool]
+        self, drives: Sequence[DriveResult], is_hit: Callable[[DriveResult], bool]
     ) -> DriveRate:
-        values = np.array([tell(one) for one in drives], np.float64)
+        values = np.array([is_hit(one) for one in drives], np.float64)
         if not len(values):
             return DriveRate()
         replicates, units = self._resampled(drives, values)
@@ -328,9 +298,9 @@ class _Sums:
         )
 
     def mean(
-        self, drives: Sequence[DriveResult], tell: Callable[[DriveResult], float | None]
+        self, drives: Sequence[DriveResult], figure: Callable[[DriveResult], float | None]
     ) -> Estimate:
-        known = [(one, value) for one in drives if (value := tell(one)) is not None]
+        known = [(one, value) for one in drives if (value := figure(one)) is not None]
         if not known:
             return Estimate()
         values = np.array([value for _, value in known], np.float64)
@@ -342,7 +312,7 @@ class _Sums:
         self, drives: Sequence[DriveResult], values: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64] | None, int]:
         """Return [r] resampled means, or `None` with too few paths, and the number of paths."""
-        clusters = [self.path(one) for one in drives]
+        clusters = [path_of(one, self._paths) for one in drives]
         units = len(set(clusters))
         if units < FEWEST_CLUSTERS:
             return None, units

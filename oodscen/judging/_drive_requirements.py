@@ -34,41 +34,22 @@ def drive_requirements(
     *,
     seed: int = 0,
 ) -> list[RequirementResult]:
-    """Return the grade of every driver, in order of their names.
+    """Return the grade of every driver, in order of their names, by at least one bar of `DRIVE_FIGURES`.
 
     A drive that failed or is inconclusive counts as a missing answer: as wrong for "meets", as right for "fails".
-
-    Args:
-        drives: Results of any drivers, one per scene or twin and driver.
-        scenarios: The scenarios, which give the path of each scene.
-        bars: At least one, of `DRIVE_FIGURES`.
-        seed: Seed of the tests.
     """
     paths = paths_of(scenarios)
     grouped: dict[str, list[DriveResult]] = {}
     for one in drives:
         grouped.setdefault(one.driver, []).append(one)
     level = ALPHA / max(len(grouped), 1)
-    return [
-        _grade(name, found, paths, bars, level, seed) for name, found in sorted(grouped.items())
-    ]
-
-
-def _grade(
-    name: str,
-    drives: Sequence[DriveResult],
-    paths: dict[str, str],
-    bars: Sequence[Bar],
-    level: float,
-    seed: int,
-) -> RequirementResult:
-    clusters = [path_of(one, paths) for one in drives]
-    tests = []
-    for bar in bars:
-        values, missing = _columns(bar.figure, drives)
-        tests.append(RequirementTest(clusters, values, missing, bar, seed))
-    scenes = sum(not one.is_twin for one in drives)
-    return grade_of(name, tests, level, scenes / max(len(set(clusters)), 1))
+    results = []
+    for name, found in sorted(grouped.items()):
+        clusters = [path_of(one, paths) for one in found]
+        tests = [RequirementTest(clusters, *_columns(bar.figure, found), bar, seed) for bar in bars]
+        scenes = sum(not one.is_twin for one in found)
+        results.append(grade_of(name, tests, level, scenes / len(set(clusters))))
+    return results
 
 
 def _columns(figure: str, drives: Sequence[DriveResult]) -> tuple[Floats, Mask]:

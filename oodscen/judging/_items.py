@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._episode import Episode, has_enough_margin
 from oodscen.data._pairing import kind_of, scene_of
-from oodscen.data._verdict import Verdict
+from oodscen.data._verdict import Protocol, Verdict
 from oodscen.judging._aspects.opinions import is_open
 
 if TYPE_CHECKING:
@@ -58,9 +58,7 @@ class Items:
     def of(cls, episodes: Sequence[Episode], known: Mapping[str, "Scenario | AnswerKey"]) -> Self:
         """Return the items of a study; failed episodes are skipped.
 
-        Args:
-            episodes: The episodes.
-            known: The scenarios or keys, which give the leaf and the path of each scene, by its id.
+        `known` are the scenarios or keys that give the leaf and the path of each scene, by its id.
         """
         ran = [episode for episode in episodes if episode.status == "ok"]
         sources = [known.get(scene_of(episode.scene_id)) for episode in ran]
@@ -102,10 +100,6 @@ class Items:
     def is_decidable(self) -> Mask:
         """[n] scenes in which one action is safe and another is not."""
         return self.is_scene & (self.safe > 0) & (self.unsafe > 0)
-
-    def count(self, mask: Mask) -> int:
-        """Return the number of items in a mask."""
-        return int(mask.sum())
 
     def chance_over(self, mask: Mask) -> float | None:
         """Return the mean score of a random action over the items in a mask; `None` if it is empty."""
@@ -182,7 +176,7 @@ class AnswerColumns:
     cautious: Floats
     """1 if the action is one of `CAUTIOUS`."""
     fitting: Floats
-    """1 if the action is safe, and none of `DISTURBING` where keeping the speed is safe; such a one is 0 in any case."""
+    """1 if the action is safe, 0 if it is not or is one of `DISTURBING` where keeping the speed is safe."""
     scorer: Sequence[str | None]
     """[n] the judge that scored the open aspect; empty for the matcher, `None` if there was nothing to score."""
     is_neutral: Mask
@@ -207,12 +201,10 @@ class AnswerColumns:
         values: Mapping[str, Mapping[str, float]],
         scorers: Mapping[str, str] | None = None,
     ) -> Self:
-        """Return answers as columns, from their values as `answer_values` returns them.
+        """Return answers as columns, from their values by item as `answer_values` returns them.
 
-        Args:
-            items: The items.
-            values: The values by item; means over several answers are values too, and what is left out is missing.
-            scorers: The judges that scored the open aspects, by item.
+        Means over several answers are values too, and a value that is left out is missing. `scorers` are the judges
+        that scored the open aspects, by item.
         """
         n = len(items.episodes)
         columns = {name: np.full(n, np.nan) for name in VALUES}
@@ -253,6 +245,10 @@ class AnswerColumns:
         return np.array([None not in (a, b) and a != b for a, b in pairs], np.bool_)
 
 
+Sheets = Mapping[tuple[str, Protocol], AnswerColumns]
+"""The answers by answerer and protocol."""
+
+
 @dataclass(frozen=True, eq=False)
 class Ratio:
     """A ratio of two sums over some items: the values, divided by the count or by a maximum."""
@@ -273,12 +269,12 @@ class Ratio:
 
     @cached_property
     def above(self) -> Floats:
-        """[n] numerators of the items that are there, 0 elsewhere."""
+        """[n] numerators of the answered items that count, 0 elsewhere."""
         return np.where(self.is_there, self.values, 0.0)
 
     @cached_property
     def below(self) -> Floats:
-        """[n] denominators of the items that are there, 0 elsewhere."""
+        """[n] denominators of the answered items that count, 0 elsewhere."""
         return np.where(self.is_there, 1.0 if self.most is None else self.most, 0.0)
 
     def missing(self, sheet: AnswerColumns) -> Mask:

@@ -1,4 +1,4 @@
-"""The kinds of situation that the closed question offers: possible on the road shown, and told apart by frames."""
+"""The kinds of situation that the closed question offers: possible on the road shown, and distinct in frames."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -19,9 +19,8 @@ class Kinds:
     """The kinds of a study, and which of them are offered together on which map.
 
     The lists of a map depend on the map alone, never on the scene, and every kind of the map's scenes belongs
-    to one of them, which others may borrow to be full. So a list does not tell which of its kinds is the right
-    one, and a scene and its ordinary drives have the same list. Kinds of one family stand together, so that
-    near kin are offered.
+    to one of them; other lists may borrow it. So a list does not reveal the right kind, and a scene and its
+    ordinary drives have the same list. Kinds of one family stand together, so that similar ones are offered.
     """
 
     kinds: tuple[AspectOption, ...]
@@ -37,23 +36,23 @@ class Kinds:
     ) -> "Kinds":
         """Return the kinds of scenarios.
 
-        Args:
-            scenarios: The texts, with their paths.
-            maps: The map of every scene, by its id. A kind is possible on a map if a scene there shows it,
-                or if no scene of it needs a certain place.
-            seed: Seed of the study.
+        A kind is possible on a map if a scene there shows it, or if no scene of it needs a certain place. `maps` holds
+        the map of every scene, by its id.
         """
         labels = {one.leaf: one.path[-1] for one in scenarios if one.leaf and one.path}
         families = {one.leaf: one.path[-2:-1] for one in scenarios if one.leaf and one.path}
         kinds = merge_kinds(labels)
-        families = {kind.id: families[kind.id] for kind in kinds}
         leaves = {one.id: one.leaf for one in scenarios}
         here: dict[str, list[AspectOption]] = {}
         for scene, place in sorted(maps.items()):
             leaf = leaves.get(scene, "")
             own = here.setdefault(place, [])
             own += [kind for kind in kinds if kind not in own and kind.holds(leaf)]
-        anywhere = [kind for kind in kinds if not _places(kind.label)]
+        anywhere = [
+            kind
+            for kind in kinds
+            if all(one.kind != "place" for one in visible_naming(kind.label).concepts)
+        ]
         lists: dict[str, tuple[tuple[AspectOption, ...], ...]] = {}
         homes: dict[str, dict[str, int]] = {}
         for place, own in here.items():
@@ -80,11 +79,7 @@ class Kinds:
 
 
 def merge_kinds(labels: Mapping[str, str]) -> list[AspectOption]:
-    """Return the kinds of leaves: those whose labels show the same things in the same states are one.
-
-    Args:
-        labels: Labels by leaf.
-    """
+    """Return the kinds of leaves by their labels: those that show the same things in the same states are one."""
     groups: dict[object, list[str]] = {}
     for leaf, label in sorted(labels.items()):
         groups.setdefault(_look(label), []).append(leaf)
@@ -101,12 +96,8 @@ def _look(label: str) -> object:
     return names, frozenset(() if names else found.rest)
 
 
-def _places(label: str) -> set[str]:
-    return {one.name for one in visible_naming(label).concepts if one.kind == "place"}
-
-
 def _parts(ordered: Sequence[AspectOption]) -> list[Sequence[AspectOption]]:
-    """Divide kinds into as few parts of at most `LISTED` as can be, of equal size up to one."""
+    """Divide kinds into as few parts of at most `LISTED` as possible, whose sizes differ by at most one."""
     count = max(1, math.ceil(len(ordered) / LISTED))
     ends = [len(ordered) * number // count for number in range(count + 1)]
     return [ordered[start:end] for start, end in pairwise(ends)]

@@ -5,13 +5,11 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Field, StrictBool, StringConstraints
 
-from oodscen._display import Brief
 from oodscen.data._base import Data, digest
 from oodscen.data._episode import ACTIONS, Episode
 from oodscen.data._verdict import is_without_pictures
-from oodscen.errors import DataError, Issue, LLMError
-from oodscen.judging._references import Answers, Case
-from oodscen.protocols import Completion, Request
+from oodscen.errors import DataError, Issue
+from oodscen.judging._references import Answers, Case, CaseAnswerer
 
 if TYPE_CHECKING:
     from oodscen.study._store import Store
@@ -68,15 +66,17 @@ def person(name: str) -> str:
     return f"human:{name}"
 
 
-class PersonAnswers(Brief):
-    """Answers drives as a person did; it takes cases, not prompts.
+def _by_token(episodes: Iterable[Episode]) -> dict[str, str]:
+    return {token(episode): episode.scene_id for episode in episodes if episode.frames}
+
+
+class PersonAnswers(CaseAnswerer):
+    """Answers drives as a person did.
 
     Args:
         name: The person's name.
         items: The answers by id of the scene or ordinary drive.
     """
-
-    _repr_fields = ("name",)
 
     kind: ClassVar[Literal["model"]] = "model"
     takes_cases: ClassVar[bool] = True
@@ -93,15 +93,12 @@ class PersonAnswers(Brief):
     ) -> "PersonAnswers":
         """Return the answers of a file to the drives of a study.
 
-        Args:
-            given: The answers.
-            episodes: The episodes of the study.
-            source: The file, for error messages; by default the person's name.
+        `source` is the file, for error messages; by default the person's name.
 
         Raises:
             DataError: If an answer is about no drive of the study, or two are about one.
         """
-        items = {token(episode): episode.scene_id for episode in episodes if episode.frames}
+        items = _by_token(episodes)
         issues, found = [], dict[str, QuizAnswer]()
         for index, answer in enumerate(given.answers):
             if answer.item not in items:
@@ -121,7 +118,7 @@ class PersonAnswers(Brief):
         if name not in lines:
             raise DataError(QuizAnswers.noun, [Issue("", f"{PEOPLE} lacks {name!r}")])
         given = QuizAnswers.parse(lines[name], source=f"{PEOPLE}, {name}")
-        items = {token(episode): episode.scene_id for episode in episodes if episode.frames}
+        items = _by_token(episodes)
         return cls(name, {items[one.item]: one for one in given.answers if one.item in items})
 
     def judge(self, case: Case) -> Answers:
@@ -135,11 +132,3 @@ class PersonAnswers(Brief):
             said.choice if said.choice in listed else None,
             said.action,
         )
-
-    def complete(self, request: Request) -> Completion:
-        """Refuse to answer a prompt.
-
-        Raises:
-            LLMError: Always.
-        """
-        raise LLMError(f"{self.name} has answered whole drives, no questions in words")

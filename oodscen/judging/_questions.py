@@ -61,17 +61,9 @@ ATTEMPTS = 2
 
 
 def aspect_options(
-    kinds: Mapping[str, str] | Sequence[AspectOption], *, seed: int, item: str
+    kinds: Sequence[AspectOption], *, seed: int, item: str
 ) -> tuple[AspectOption, ...]:
-    """Return the options of the closed question: the kinds and "nothing", shuffled for one item.
-
-    Args:
-        kinds: The kinds to choose from, or their labels by id; see `oodscen.judging._kinds`.
-        seed: Seed of the study.
-        item: Id of the scene or of its ordinary drive; each has its own order.
-    """
-    if isinstance(kinds, Mapping):
-        kinds = [AspectOption(id=name, label=label) for name, label in sorted(kinds.items())]
+    """Return the options of the closed question: the kinds and "nothing", shuffled by the id of the item."""
     options = [*kinds, NOTHING_UNUSUAL]
     order = stream(seed, "aspect-options", item).permutation(len(options))
     return tuple(options[int(index)] for index in order)
@@ -79,14 +71,14 @@ def aspect_options(
 
 @dataclass(frozen=True)
 class Shown:
-    """The frames of one drive in order, and its facts, as a model is told."""
+    """The frames of one drive in order, and its facts, as a model sees them."""
 
     images: tuple[Image, ...]
     facts: DriveFacts = field(default_factory=DriveFacts)
     rear: Image | None = None
     """The view from the rear window at the last frame, if it is shown."""
     withheld: int = 0
-    """Number of frames that are not shown, and none is then."""
+    """Number of frames that are withheld; if there are any, none is shown."""
 
     @classmethod
     def of(
@@ -97,13 +89,9 @@ class Shown:
         is_present: bool = True,
         rear: Image | None = None,
     ) -> Self:
-        """Return the frames of an episode with what it records of speed, times and follower.
+        """Return the frames of an episode, by moment, with what it records of speed, times and follower.
 
-        Args:
-            episode: The episode.
-            frames: The images by moment.
-            is_present: True if the last frame shows the decision.
-            rear: The view from the rear window at the last frame.
+        `is_present` is true if the last frame shows the decision; `rear` is the view from the rear window then.
         """
         order = in_order(frames)
         times = tuple(episode.frame_times_s.get(moment, math.nan) for moment in order)
@@ -139,7 +127,7 @@ class AnswerReader(Generic[Value, Answer]):
     make: Callable[[str, Value], Answer]
     """Makes the answer from the text and the parsed value."""
     form: str
-    """The expected format, as told to a model whose answer is unreadable."""
+    """The expected format, for a model whose answer is unreadable."""
     fields: Callable[[Answer], dict[str, Any]]
     """Returns what a verdict keeps of an answer."""
 

@@ -27,8 +27,6 @@ Features = NDArray[np.float64]
 class AspectOption(Data):
     """One option of the closed question: a leaf of the tree, or nothing unusual."""
 
-    noun: ClassVar[str] = "aspect option"
-
     id: str
     label: str
     leaves: tuple[str, ...] = ()
@@ -84,16 +82,16 @@ def is_reference(model: LLM) -> bool:
 
 def takes_cases(model: object) -> TypeGuard[Reference]:
     """Return whether an answerer takes cases: every reference, and a person's recorded answers."""
-    is_recorded = getattr(model, "kind", "") == "reference" or getattr(model, "takes_cases", False)
-    return bool(is_recorded) and isinstance(model, Reference)
+    is_meant = getattr(model, "kind", "") == "reference" or getattr(model, "takes_cases", False)
+    return bool(is_meant) and isinstance(model, Reference)
 
 
-class _Direct(Brief):
-    """A reference that answers cases only."""
+class CaseAnswerer(Brief):
+    """An answerer that takes cases only."""
 
     _repr_fields = ("name",)
 
-    kind: ClassVar[Literal["reference"]] = "reference"
+    kind: ClassVar[Literal["reference", "model"]] = "reference"
     name: str
 
     def complete(self, request: Request) -> Completion:
@@ -102,10 +100,10 @@ class _Direct(Brief):
         Raises:
             LLMError: Always.
         """
-        raise LLMError(f"{self.name} answers whole cases, no questions in words", model=self.name)
+        raise LLMError(f"{self.name} answers whole drives, not questions in words", model=self.name)
 
 
-class Oracle(_Direct):
+class Oracle(CaseAnswerer):
     """Knows the truth: right about every aspect, and safe if any action is."""
 
     name = "oracle"
@@ -120,7 +118,7 @@ class Oracle(_Direct):
         return Answers(True, label, 1.0, choice or None, action)
 
 
-class Blind(_Direct):
+class Blind(CaseAnswerer):
     """Sees the questions but no picture, and gives the answers that are most often right.
 
     It calls everything OOD with a confidence of one half, names the most frequent leaf of the other paths, and
@@ -149,7 +147,7 @@ class Blind(_Direct):
 
     def judge(self, case: Case) -> Answers:
         """Return the same answers everywhere, up to the prior from the other paths."""
-        own = self._safe_of.get(case.leaf, Counter())
+        own = self._safe_of.get(case.leaf, Counter[str]())
         action = max(ACTIONS, key=lambda name: self._safe[name] - own[name])
         others = [leaf for leaf in sorted(self._count) if leaf != case.leaf]
         leaf = max(others, key=lambda name: self._count[name], default=case.leaf)
@@ -158,14 +156,13 @@ class Blind(_Direct):
         return Answers(True, self._labels.get(leaf, ""), 0.5, choice or None, action)
 
 
-class NoveltyReference(_Direct):
+class NoveltyReference(CaseAnswerer):
     """Measures the novelty of the last frame with classical vision, without any model.
 
     The features are means, spreads and edge strengths of a grid of cells in Lab colours. Novelty is the distance
-    to the nearest ordinary frames. It is fitted to twins on *other maps* only, so that the
-    scene, its twin and its street are all unseen. A frame is called OOD if its novelty exceeds the median
-    novelty of the ordinary frames, each measured the same way; the answer is then to stop, else to keep the
-    speed. It cannot name what is unusual.
+    to the nearest ordinary frames on *other maps*, so that the scene, its twin and its street are all unseen. A
+    frame is called OOD if its novelty exceeds the median novelty of the ordinary frames, each measured the same
+    way; the answer is then to stop, else to keep the speed. It cannot name what is unusual.
 
     Args:
         pictures: File of the last frame by scene id, of scenes and twins.
@@ -237,8 +234,7 @@ def features(picture: Path) -> Features:
     square = cv2.resize(lab * lab, size, interpolation=cv2.INTER_AREA)
     edge = cv2.resize(edges, size, interpolation=cv2.INTER_AREA)
     spread = np.sqrt(np.maximum(square - mean * mean, 0.0))
-    parts = (mean, spread, edge)
-    return np.concatenate([part.ravel() for part in parts]).astype(np.float64)
+    return np.concatenate([part.ravel() for part in (mean, spread, edge)]).astype(np.float64)
 
 
 def _distances(seen: Features, ordinary: Features, nearest: int = 5) -> Features:

@@ -1,7 +1,6 @@
-"""The safe sets of a study: what they tell about its scenes."""
+"""Figures of the safe sets of a study."""
 
 from collections.abc import Sequence
-from typing import ClassVar
 
 from oodscen.data._base import Data
 from oodscen.data._episode import ACTIONS, Episode
@@ -9,8 +8,6 @@ from oodscen.data._episode import ACTIONS, Episode
 
 class ActionSafety(Data):
     """The outcomes of one action over many scenes."""
-
-    noun: ClassVar[str] = "action safety"
 
     safe: float
     """Share of the scenes in which the action is safe."""
@@ -22,9 +19,7 @@ class ActionSafety(Data):
 
 
 class SafetyFigures(Data):
-    """Figures from a study's safe sets that tell how well its scenes test drivers."""
-
-    noun: ClassVar[str] = "safety figures"
+    """The safe sets of a study in figures, which show how well its scenes test drivers."""
 
     n: int
     """Number of episodes that ran."""

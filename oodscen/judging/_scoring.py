@@ -2,16 +2,17 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, NamedTuple, Self
+from typing import Any, Literal, NamedTuple, Self
 
 from oodscen.data._base import Data
 from oodscen.data._episode import ActionOutcome, Episode
-from oodscen.data._pairing import is_ordinary
+from oodscen.data._pairing import is_ordinary, scene_of
 from oodscen.data._scene import Visible
 from oodscen.data._verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
 from oodscen.errors import AnswerError, ContentFiltered, LLMTimeout, ModelSkipped, OodscenError
 from oodscen.judging._aspects.matching import score_naming
 from oodscen.judging._aspects.opinions import is_open, opinion, rescore_verdict
+from oodscen.judging._items import Items
 from oodscen.judging._parsing import is_refusal
 from oodscen.judging._questions import AnswerReader, acting_reader, choosing_reader, naming_reader
 from oodscen.judging._references import AspectOption, is_reference
@@ -31,8 +32,6 @@ class Truth(NamedTuple):
 
 class AnswerKey(Data):
     """Everything that the answers about one drive are scored by."""
-
-    noun: ClassVar[str] = "answer key"
 
     item: str
     """Id of the scene or of its ordinary drive."""
@@ -79,13 +78,9 @@ class AnswerKey(Data):
     def verdict(
         self, purpose: str, raw: str, *, model: str = "", judge: LLM | None = None
     ) -> Verdict:
-        """Return the verdict on one answer in a model's words.
+        """Return the verdict on one answer in a model's words to the question of a purpose, e.g. `name-aspect`.
 
-        Args:
-            purpose: Purpose of the question: `name-aspect`, `choose-aspect` or `choose-action`.
-            raw: The model's text.
-            model: The model's name.
-            judge: Decides whether an open aspect is right, instead of the documented matcher.
+        A judge decides whether an open aspect is right, instead of the documented matcher.
         """
         reader, raw = self.reader(purpose), heard(raw)
         try:
@@ -96,6 +91,12 @@ class AnswerKey(Data):
         except AnswerError as error:
             given = GivenAnswers(model, {}, [error])
         return score_answers(self, given, judge)
+
+
+def items_of(keys: Sequence[AnswerKey]) -> Items:
+    """Return the items that some keys are about."""
+    known = {scene_of(key.item): key for key in keys}
+    return Items.of([key.episode for key in keys], known)
 
 
 @dataclass(frozen=True)
@@ -113,13 +114,7 @@ class GivenAnswers:
 
 
 def score_answers(key: AnswerKey, given: GivenAnswers, judge: LLM | None = None) -> Verdict:
-    """Compare answers with the truth about the drive.
-
-    Args:
-        key: The truth.
-        given: The answers.
-        judge: Decides whether an open aspect is right, instead of the documented matcher.
-    """
+    """Compare answers with the truth about the drive; a judge decides about open aspects instead of the matcher."""
     error = given.failures[0] if given.failures else None
     ended = _outcome(error)
     outcome = key.actions.get(given.fields.get("action") or "")

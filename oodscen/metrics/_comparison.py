@@ -1,7 +1,7 @@
 """Comparisons of two sets of texts at equal size, by repeated subsampling."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,6 @@ Paths = Sequence[str] | None
 class Contrast(Data):
     """One figure of two sets at equal size."""
 
-    noun: ClassVar[str] = "contrast"
-
     a: float
     b: float
     difference: float
@@ -41,8 +39,6 @@ class Contrast(Data):
 
 class Comparison(Data):
     """A comparison of two sets of texts at equal size, by repeated subsampling."""
-
-    noun: ClassVar[str] = "comparison"
 
     size: int
     """Texts drawn from each set in each repeat."""
@@ -83,8 +79,6 @@ class Comparison(Data):
 
 class SetDistance(Data):
     """The distance between two sets as a whole; means over draws of equal size."""
-
-    noun: ClassVar[str] = "distance of two sets"
 
     mmd: float
     """Squared maximum mean discrepancy, unbiased: about 0 for two draws of one source."""
@@ -127,16 +121,16 @@ def compare(
         p_value = sign_flip(gaps, paths[0], seed=space.seed, replicates=PERMUTATIONS)
     else:
         p_value = permutation_test(values[0], values[1], paths, seed=space.seed)
-    contrasts = [_contrast(*pair) for pair in zip(*figures, strict=True)]
+    oodness, nearest, pairwise = (_contrast(*pair) for pair in zip(*figures, strict=True))
     return Comparison(
         size=drawn,
         repeats=repeats,
         n_a=len(a),
         n_b=len(b),
         is_paired=paired,
-        oodness=contrasts[0].model_copy(update={"p_value": p_value}),
-        nearest=contrasts[1],
-        pairwise=contrasts[2],
+        oodness=oodness.model_copy(update={"p_value": p_value}),
+        nearest=nearest,
+        pairwise=pairwise,
         encoder=space.encoder.name,
         baseline=space.baseline.name,
         seed=space.seed,
@@ -193,8 +187,8 @@ def _subsamples(
     values: NDArray[np.float64],
     size: int,
     repeats: int,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return OOD-ness and both diversities of the draws from one set: [repeats] each."""
+) -> np.ndarray:
+    """Return OOD-ness and both diversities of the draws from one set: [3, repeats]."""
     vectors = space.vectors(texts)
     draws = stream(space.seed, "compare", name)
     found = []
@@ -202,8 +196,7 @@ def _subsamples(
         chosen = draws.permutation(len(texts))[:size]
         part = vectors[chosen]
         found.append((values[chosen].mean(), -mean_nearest(part), -mean_pairwise(part)))
-    oodness, nearest, pairwise = np.array(found).T
-    return oodness, nearest, pairwise
+    return np.array(found).T
 
 
 def _contrast(a: np.ndarray, b: np.ndarray) -> Contrast:

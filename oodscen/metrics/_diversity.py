@@ -16,7 +16,6 @@ common opening phrase (lowers both), and off-topic text (raises both).
 """
 
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -30,16 +29,14 @@ from oodscen.statistics._resampling import bootstrap_mean, bootstrap_pairwise
 class Diversity(Data):
     """The diversity of a set of texts; `oodscen.metrics._diversity` explains formulas and pitfalls."""
 
-    noun: ClassVar[str] = "diversity"
-
-    nearest: float | None
+    nearest: float | None = None
     """In [-1, 1], higher is more diverse; falls as the set grows. `None` for a single text."""
-    pairwise: float | None
+    pairwise: float | None = None
     """In [-1, 1], higher is more diverse. `None` for a single text."""
-    nearest_interval: Interval | None
+    nearest_interval: Interval | None = None
     """Interval of `nearest`, with each text's neighbour held fixed."""
-    pairwise_interval: Interval | None
-    nearest_index: tuple[int, ...]
+    pairwise_interval: Interval | None = None
+    nearest_index: tuple[int, ...] = ()
     """For each text the index of the most similar text; empty for a single text."""
     n: int = Field(ge=1)
     encoder: str
@@ -52,35 +49,23 @@ class Diversity(Data):
 def diversity(
     vectors: Vectors, encoder: str, clusters: Sequence[str] | None = None, *, seed: int = 0
 ) -> Diversity:
-    """Return the diversity by both definitions.
+    """Return the diversity of [n, d] rows of unit length or zero by both definitions.
 
-    Args:
-        vectors: [n, d], rows of unit length or zero.
-        encoder: Name of the encoder.
-        clusters: [n] labels of texts that belong together, for the intervals.
-        seed: Seed of the bootstrap.
+    Texts of one cluster are resampled together for the intervals.
     """
     n = len(vectors)
     if n < 2:
-        return Diversity(
-            nearest=None,
-            pairwise=None,
-            nearest_interval=None,
-            pairwise_interval=None,
-            nearest_index=(),
-            n=n,
-            encoder=encoder,
-            seed=seed,
-            reason="one text has no other to differ from",
-        )
+        reason = "one text has no other to differ from"
+        return Diversity(n=n, encoder=encoder, seed=seed, reason=reason)
     found = nearest_other(vectors)
-    nearest = bootstrap_mean(0.0 - found.cosine, clusters, seed=seed)
-    pairwise = bootstrap_pairwise(vectors, clusters, seed=seed)
+    spread = bootstrap_pairwise(vectors, clusters, seed=seed)
+    if spread is not None:
+        spread = spread.model_copy(update={"low": -spread.high, "high": -spread.low})
     return Diversity(
         nearest=0.0 - float(found.cosine.mean()),
         pairwise=0.0 - mean_pairwise(vectors),
-        nearest_interval=nearest,
-        pairwise_interval=_negated(pairwise),
+        nearest_interval=bootstrap_mean(0.0 - found.cosine, clusters, seed=seed),
+        pairwise_interval=spread,
         nearest_index=tuple(found.index.tolist()),
         n=n,
         encoder=encoder,
@@ -102,9 +87,3 @@ def mean_pairwise(vectors: Vectors) -> float:
     n = len(wide)
     pairs = np.square(wide.sum(axis=0)).sum() - np.square(wide).sum()
     return float(np.clip(pairs / (n * (n - 1)), -1.0, 1.0))
-
-
-def _negated(interval: Interval | None) -> Interval | None:
-    if interval is None:
-        return None
-    return interval.model_copy(update={"low": -interval.high, "high": -interval.low})

@@ -5,7 +5,7 @@ nor the baseline.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, Final, Self
+from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,6 @@ _LARGEST = 1000
 class OodnessPicture(Data):
     """OOD-ness of texts known to be ordinary."""
 
-    noun: ClassVar[str] = "picture of OOD-ness"
-
     control: tuple[float, ...]
     """The ordinary controls."""
     held_out: tuple[float, ...]
@@ -47,8 +45,6 @@ class OodnessPicture(Data):
 
 class DetectorScores(Data):
     """The scores of one set by a detector."""
-
-    noun: ClassVar[str] = "detector scores"
 
     mean: float
     per_text: tuple[float, ...]
@@ -59,8 +55,6 @@ class DetectorScores(Data):
 class DetectorPicture(Data):
     """Scores by the best detector."""
 
-    noun: ClassVar[str] = "picture of a detector"
-
     name: str
     control: tuple[float, ...]
     """The ordinary controls."""
@@ -70,8 +64,6 @@ class DetectorPicture(Data):
 class SizeCurve(Data):
     """Both diversities of random subsets, by their size."""
 
-    noun: ClassVar[str] = "size curve"
-
     sizes: tuple[int, ...]
     nearest: tuple[float, ...]
     pairwise: tuple[float, ...]
@@ -79,8 +71,6 @@ class SizeCurve(Data):
 
 class MapPicture(Data):
     """Points on the first two principal axes of the baseline."""
-
-    noun: ClassVar[str] = "map"
 
     share: tuple[float, ...]
     """Share of the variance that each axis holds."""
@@ -91,8 +81,6 @@ class MapPicture(Data):
 class Pictures(Data):
     """The data for the report's pictures of the metrics."""
 
-    noun: ClassVar[str] = "pictures"
-
     oodness: OodnessPicture
     detector: DetectorPicture
     curves: dict[str, SizeCurve]
@@ -101,7 +89,10 @@ class Pictures(Data):
 
 
 class BaselineUsed(BaseModel):
-    """The baseline that a study was measured against; no `Data`, whose method `digest` its field would hide."""
+    """The baseline that a study was measured against.
+
+    Not a `Data`, because its field would hide the method `digest`.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -112,8 +103,6 @@ class BaselineUsed(BaseModel):
 
 class Measurements(Data):
     """The content of a study's `metrics.json`."""
-
-    noun: ClassVar[str] = "measurements"
 
     encoder: str
     baseline: BaselineUsed
@@ -147,10 +136,7 @@ def measurements(
 ) -> Measurements:
     """Return everything that a study measures of its sets of texts; empty sets are left out.
 
-    Args:
-        metrics: Metrics with a baseline of texts.
-        sets: Texts by name of the set; those of one leaf are resampled together.
-        leaves: Labels of the diverse tree's leaves by id, for their exposure.
+    Texts of one leaf are resampled together. `leaves` are the labels of the diverse tree's leaves by id.
     """
     known = {name: texts for name, texts in sets.items() if texts}
     return Measurements(
@@ -174,12 +160,7 @@ def measurements(
 
 
 def picture_data(metrics: Metrics, sets: Mapping[str, Sequence[str | Scenario]]) -> Pictures:
-    """Return the data for the report's pictures of the metrics.
-
-    Args:
-        metrics: Metrics with a baseline of texts.
-        sets: Sets of texts by name, at least one text each.
-    """
+    """Return the data for the report's pictures of the metrics; every set needs at least one text."""
     vectors = {name: metrics.vectors(texts) for name, texts in sets.items()}
     known = {"baseline": metrics.baseline_vectors, **vectors}
     control = np.array(metrics.control_scores(BEST))

@@ -22,7 +22,7 @@ from oodscen.baselines._embedded import (
 )
 from oodscen.baselines._loading import load_baseline
 from oodscen.baselines._ordinary import ordinary_driving
-from oodscen.baselines._texts import check_texts, read_records
+from oodscen.baselines._texts import Record, check_texts, read_records
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._all_minilm import all_minilm
 from oodscen.errors import DataError, Issue, UsageError
@@ -35,7 +35,6 @@ from oodscen.metrics._rarity.asking import ask_rarity
 from oodscen.metrics._rarity.estimates import Rarity, estimate_rarity
 from oodscen.metrics._rarity.exposure import Exposure, exposure
 from oodscen.metrics._report import BaselineBatch, MetricsReport, baseline_batch, report
-from oodscen.metrics._score import score_records
 from oodscen.metrics._selection import Band, BandMeasure, Method, Selection, band, select
 from oodscen.metrics._table import Table, paper_table
 from oodscen.metrics._variety import Variety, variety
@@ -109,7 +108,7 @@ class Metrics(Brief):
             draws: Independent draws of a model, whose median counts.
 
         Raises:
-            DataError: If there is no text, one is blank, or the anchors are no valid rates.
+            DataError: If there is no text, one is blank, or the anchors are not valid rates.
             EncoderError: If the encoder fails.
             LLMError: If the model cannot be reached; answers without a figure are flagged instead.
         """
@@ -137,11 +136,11 @@ class Metrics(Brief):
             anchors: As for `rarity`.
 
         Returns:
-            `None` if no rarity can be told.
+            `None` if no rarity can be estimated.
 
         Raises:
             UsageError: If there is not one choice per text.
-            DataError: As for `rarity`; it raises the same errors otherwise, too.
+            DataError: As for `rarity`, which also lists the other errors.
         """
         return exposure(self.rarity(texts, llm, anchors=anchors).per_text, chosen)
 
@@ -296,7 +295,7 @@ class Metrics(Brief):
             low: Lower bound; `-math.inf` for none.
             high: Upper bound; `math.inf` for none.
             definition: Definition of OOD-ness; or `rarity`, with bounds as decimal logarithms of kilometres:
-                4 to 7.5 keeps what is rare but real. A text whose rarity cannot be told is outside.
+                4 to 7.5 keeps what is rare but real. A text without a rarity is outside.
 
         Raises:
             UsageError: If the bounds are not numbers in order.
@@ -409,11 +408,24 @@ class Metrics(Brief):
             EncoderError: If the encoder fails.
         """
         rates = _rates(anchors)
-        found = score_records(self, path, band=band, definition=definition)
-        if llm is None and rates is None:
-            return found
-        texts = found.band.texts if found.band else [one.text for one in read_records(path)]
-        return found.model_copy(update={"rarity": self.rarity(texts, llm, anchors=rates)})
+        records = read_records(path)
+        kept = None
+        if band is not None:
+            texts = [record.text for record in records]
+            kept = self.band(texts, *band, definition=definition)
+            if not kept.texts:
+                known = [value for value in kept.scores if value is not None]
+                raise UsageError(
+                    f"none of the {len(texts)} texts has an OOD-ness in [{band[0]}, {band[1]}]; "
+                    f"theirs lie in [{min(known):.3f}, {max(known):.3f}]"
+                )
+            records = [records[index] for index in kept.indices]
+        texts = [record.text for record in records]
+        found = self.report(texts, _groups(records), definition=definition)
+        update: dict[str, object] = {"band": kept}
+        if llm is not None or rates is not None:
+            update["rarity"] = self.rarity(texts, llm, anchors=rates)
+        return found.model_copy(update=update)
 
     def compare(
         self,
@@ -472,6 +484,11 @@ def _paths(texts: Texts) -> tuple[str, ...] | None:
     """Return the path of each text, for clustering; `None` unless all are scenarios with a path."""
     paths = [" / ".join(item.path) for item in texts if isinstance(item, Scenario) and item.path]
     return tuple(paths) if len(paths) == len(texts) else None
+
+
+def _groups(records: Sequence[Record]) -> tuple[str, ...] | None:
+    labels = tuple(record.group for record in records if record.group is not None)
+    return labels if len(labels) == len(records) else None
 
 
 def _rates(

@@ -18,7 +18,7 @@ about driving at all (scores highest), and length (long texts blend several situ
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,8 +42,6 @@ Measure = Literal["tabulated", "printed", "kth", "mahalanobis", "density", "whit
 class Neighbour(Data):
     """The baseline text nearest to a text."""
 
-    noun: ClassVar[str] = "neighbour"
-
     index: int
     """Index in the baseline."""
     text: str
@@ -53,14 +51,12 @@ class Neighbour(Data):
 class Oodness(Data):
     """The OOD-ness of a set of texts; `oodscen.metrics._oodness` explains formula and pitfalls."""
 
-    noun: ClassVar[str] = "OOD-ness"
-
     mean: float
     """Mean over the texts; higher is more OOD. In [-1, 1] for both definitions."""
     per_text: tuple[float, ...]
     """One score per text, in order."""
     nearest: tuple[Neighbour, ...]
-    """One per text, in order: the nearest baseline text, for every definition."""
+    """One per text, in order: the nearest baseline text, for every definition; its text is empty if unknown."""
     interval: Interval | None
     """Interval of the mean; `None` for fewer than two texts or clusters."""
     n: int = Field(ge=1)
@@ -75,15 +71,7 @@ class Oodness(Data):
 
 
 def scores(vectors: Vectors, baseline: Rows, definition: Definition) -> NDArray[np.float64]:
-    """Return the OOD-ness of each text.
-
-    Args:
-        vectors: [n, d] vectors of the texts, rows of unit length or zero.
-        baseline: [N, d] vectors of the baseline, rows of unit length or zero.
-        definition: Definition of OOD-ness.
-
-    Returns:
-        [n], in [-1, 1].
+    """Return the OOD-ness of [n, d] texts against [N, d] of the baseline: [n], in [-1, 1].
 
     Raises:
         UnknownComponent: If there is no such definition.
@@ -101,8 +89,9 @@ def oodness(
     """Return the OOD-ness of a set of texts by a definition or a detector; see `Metrics.oodness`."""
     found = space.nearest(space.vectors(texts))
     values = 0.0 - found.cosine if definition == "tabulated" else space.scores(texts, definition)
+    known = space.baseline.texts
     neighbours = tuple(
-        Neighbour(index=index, text=space.neighbour_text(index), cosine=cosine)
+        Neighbour(index=index, text=known[index] if known else "", cosine=cosine)
         for index, cosine in zip(found.index.tolist(), found.cosine.tolist(), strict=True)
     )
     return Oodness(

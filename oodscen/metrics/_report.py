@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 class GroupScore(Data):
     """The OOD-ness of the texts of one path."""
 
-    noun: ClassVar[str] = "group score"
-
     n: int
     oodness: float
 
@@ -41,8 +39,6 @@ class ControlCheck(Data):
     AUROC is near 0.5, this measure cannot tell the set from them, however far from the baseline it
     lies.
     """
-
-    noun: ClassVar[str] = "control check"
 
     mean: float
     """OOD-ness of the ordinary controls."""
@@ -56,8 +52,6 @@ class MetricsReport(Data):
 
     Can also be read like a mapping: `report["oodness"]["mean"]`, `dict(report)`.
     """
-
-    noun: ClassVar[str] = "metrics report"
 
     schema_version: Literal[2] = 2
     oodness: Oodness
@@ -91,14 +85,21 @@ class MetricsReport(Data):
         noun = "text" if self.n == 1 else "texts"
         return f"{self.n:,} {noun} against {self.N:,} of {self.baseline} by {self.encoder}"
 
-    def __str__(self) -> str:
+    @property
+    def _main(self) -> list[tuple[str, float | None, Interval | None]]:
+        """The names, values and intervals of the paper's figures."""
         oodness, diversity = self.oodness, self.diversity
+        return [
+            (f"OOD-ness ({oodness.definition})", oodness.mean, oodness.interval),
+            ("diversity, nearest", diversity.nearest, diversity.nearest_interval),
+            ("diversity, pairwise", diversity.pairwise, diversity.pairwise_interval),
+        ]
+
+    def __str__(self) -> str:
         lines = [
             self._compared,
             *([str(self.rarity)] if self.rarity else []),
-            f"OOD-ness ({oodness.definition})  {_figure(oodness.mean, oodness.interval)}",
-            f"diversity, nearest     {_figure(diversity.nearest, diversity.nearest_interval)}",
-            f"diversity, pairwise    {_figure(diversity.pairwise, diversity.pairwise_interval)}",
+            *(f"{name:21}  {_figure(value, interval)}" for name, value, interval in self._main),
         ]
         if self.calibration is not None:
             lines.append(
@@ -126,12 +127,7 @@ class MetricsReport(Data):
 
     def _repr_html_(self) -> str:
         """Return the figures with their intervals as a table for notebooks."""
-        oodness, diversity = self.oodness, self.diversity
-        rows: list[tuple[str, float | None, Interval | None]] = [
-            (f"OOD-ness ({oodness.definition})", oodness.mean, oodness.interval),
-            ("diversity, nearest", diversity.nearest, diversity.nearest_interval),
-            ("diversity, pairwise", diversity.pairwise, diversity.pairwise_interval),
-        ]
+        rows = self._main
         if self.rarity is not None:
             rows.insert(0, ("rarity, median of log10 km", self.rarity.median, None))
         if self.control is not None:
@@ -171,8 +167,6 @@ class BaselineBatch(Data):
     This is the paper's reference for the score of ordinary text (-0.953 there). Near-duplicates in the
     baseline push it towards -1.
     """
-
-    noun: ClassVar[str] = "baseline batch"
 
     mean: float
     """Mean over the repeats."""

@@ -8,7 +8,7 @@ r"""Selection of texts: those inside a band of OOD-ness or rarity, and n of them
                     are chosen, it falls back to max-min.
 
     commonest       by exposure: the texts that drivers meet most often, by the offline rarity.
-    rarest          against exposure. Texts whose rarity cannot be told are never chosen by either.
+    rarest          against exposure. Neither ever chooses a text without a rarity.
 
 All are deterministic. For variety the first text is the one farthest from the mean of all, and ties go to the
 first in order. Time grows with n times the number of candidates, memory with the number of
@@ -19,7 +19,7 @@ Pitfall: off-topic text and gibberish are the most diverse of all. Apply a band,
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,8 +45,6 @@ class Band(Data):
     The upper bound excludes far-fetched texts, the lower bound ordinary ones.
     """
 
-    noun: ClassVar[str] = "band"
-
     low: float | None
     """`None` without a lower bound."""
     high: float | None
@@ -56,7 +54,7 @@ class Band(Data):
     indices: tuple[int, ...]
     """Their indices in the set."""
     scores: tuple[float | None, ...]
-    """OOD-ness or rarity of every text of the set; `None` where rarity cannot be told."""
+    """OOD-ness or rarity of every text of the set; `None` without a rarity."""
     below: int
     """Number of texts that are more ordinary than `low`."""
     above: int
@@ -65,8 +63,6 @@ class Band(Data):
 
 class Selection(Data):
     """The chosen texts among the candidates; see `oodscen.metrics._selection`."""
-
-    noun: ClassVar[str] = "selection"
 
     texts: tuple[str, ...]
     """The texts in the order of their selection; a longer selection starts with the same texts."""
@@ -94,16 +90,16 @@ def band(
         if definition == "rarity"
         else space.scores(texts, definition).tolist()
     )
-    told = [(i, value) for i, value in enumerate(values) if value is not None]
-    inside = tuple(i for i, value in told if low <= value <= high)
+    known = [(i, value) for i, value in enumerate(values) if value is not None]
+    inside = tuple(i for i, value in known if low <= value <= high)
     return Band(
         low=low if math.isfinite(low) else None,
         high=high if math.isfinite(high) else None,
         texts=tuple(texts[i] for i in inside),
         indices=inside,
         scores=tuple(values),
-        below=sum(value < low for _, value in told),
-        above=sum(value > high for _, value in told),
+        below=sum(value < low for _, value in known),
+        above=sum(value > high for _, value in known),
     )
 
 
@@ -111,7 +107,7 @@ def select(space: "Space", inside: Band, n: int, method: Method) -> Selection:
     """Return n texts of a band by variety or by exposure; see `Metrics.select`.
 
     Raises:
-        UsageError: If fewer lie inside, or the rarity of fewer can be told.
+        UsageError: If fewer lie inside, or fewer have a rarity.
     """
     if not n <= len(inside.indices):
         raise UsageError(
@@ -137,21 +133,16 @@ def _by_exposure(
     space: "Space", texts: Sequence[str], n: int, *, is_rarest: bool
 ) -> NDArray[np.int64]:
     found = [one.best for one in estimate_rarity(space, texts).per_text]
-    told = [
+    known = [
         (-value if is_rarest else value, i) for i, value in enumerate(found) if value is not None
     ]
-    if len(told) < n:
-        raise UsageError(f"{n} texts cannot be chosen: the rarity of {len(told)} can be told")
-    return np.array([place for _, place in sorted(told)[:n]], np.int64)
+    if len(known) < n:
+        raise UsageError(f"{n} texts cannot be chosen: only {len(known)} have a rarity")
+    return np.array([place for _, place in sorted(known)[:n]], np.int64)
 
 
 def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArray[np.int64]:
-    """Return the indices of the n rows that differ most from one another, in the order of their selection.
-
-    Args:
-        vectors: [m, d], rows of unit length or zero.
-        n: Number of rows to choose, at most m.
-        method: `max-min` or `determinantal`.
+    """Return the indices of the n of [m, d] unit rows that differ most, in the order of their selection.
 
     Raises:
         UsageError: If there are fewer rows, or no such method.
@@ -160,7 +151,7 @@ def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArra
         raise UsageError(f"{n} texts cannot be chosen from {len(vectors)}")
     if method not in ("max-min", "determinantal"):
         raise UsageError(
-            f"there is no selection {method!r}; choose max-min, determinantal, commonest or rarest"
+            f"unknown selection {method!r}: expected max-min, determinantal, commonest or rarest"
         )
     rows = np.ascontiguousarray(vectors, np.float32)
     first = int((rows @ rows.mean(axis=0, dtype=np.float64).astype(np.float32)).argmin())
@@ -171,13 +162,10 @@ def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArra
 
 def _spread(rows: Vectors, chosen: list[int], n: int) -> NDArray[np.int64]:
     """Return the chosen rows followed by those that lie farthest from them, n in all."""
-    found = list(chosen)
+    found: list[int] = []
     near = np.full(len(rows), -np.inf, np.float32)
-    for place in found:
-        np.maximum(near, rows @ rows[place], out=near)
-    near[found] = np.inf
     while len(found) < n:
-        place = int(near.argmin())
+        place = chosen[len(found)] if len(found) < len(chosen) else int(near.argmin())
         found.append(place)
         np.maximum(near, rows @ rows[place], out=near)
         near[place] = np.inf

@@ -1,7 +1,7 @@
 """The paper's table, with both definitions of each figure side by side."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,8 +18,6 @@ SIZES = (10, 100, 1000)
 class TableRow(Data):
     """One set of texts; means over random draws of its size."""
 
-    noun: ClassVar[str] = "row of the table"
-
     label: str
     n: int
     tabulated: float
@@ -30,8 +28,6 @@ class TableRow(Data):
 
 class Table(Data):
     """The paper's table for any texts and baseline."""
-
-    noun: ClassVar[str] = "table"
 
     rows: tuple[TableRow, ...]
     N: int
@@ -59,14 +55,7 @@ def paper_table(
     sizes: Sequence[int] = SIZES,
     repeats: int = 10,
 ) -> Table:
-    """Return the paper's table: batches of the baseline, and random draws of the texts by size.
-
-    Args:
-        metrics: Metrics with the baseline to measure against.
-        texts: The scenarios; all of them make the last row.
-        sizes: Sizes of the draws; sizes above the number of texts are left out.
-        repeats: Draws per size, as in the paper; figures are their means.
-    """
+    """Return the paper's table; see `Metrics.paper_table`."""
     plain = [item.text if isinstance(item, Scenario) else item for item in texts]
     below = [size for size in sizes if size < len(plain)]
     return Table(

@@ -14,7 +14,7 @@ Pitfalls: synonyms and misspellings raise variety, and a thousand events in one 
 import re
 import zlib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from oodscen.baselines._texts import check_texts
 from oodscen.data._base import Data
@@ -28,8 +28,6 @@ _WORD = re.compile(r"\w+(?:['\u2019-]\w+)*")
 
 class Variety(Data):
     """Further measures of one set; none is comparable between sets of different size."""
-
-    noun: ClassVar[str] = "variety"
 
     n: int
     vendi: float

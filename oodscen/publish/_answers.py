@@ -4,12 +4,11 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from oodscen.data._base import canonical_json
-from oodscen.data._pairing import scene_of
 from oodscen.errors import DataError, Issue
-from oodscen.judging._items import VALUES, AnswerColumns, Items
+from oodscen.judging._items import VALUES, AnswerColumns
 from oodscen.judging._items import answer_values as values_of
 from oodscen.judging._leaderboard.figures import rates
-from oodscen.judging._scoring import AnswerKey
+from oodscen.judging._scoring import AnswerKey, items_of
 from oodscen.publish._question_rows import TASKS
 
 FIGURES_OF_TASK: Mapping[str, tuple[str, ...]] = {
@@ -50,24 +49,22 @@ def figures_of(answers: Iterable[Mapping[str, Any]]) -> dict[str, float]:
         DataError: If one of them is malformed.
     """
     found = [(*_read(one), one) for one in answers]
-    keys = [key for key, _, _ in found]
-    items = Items.of([key.episode for key in keys], {scene_of(key.item): key for key in keys})
+    items = items_of([key for key, _, _ in found])
     values = {key.item: {name: one[name] for name in VALUES} for key, _, one in found}
-    purposes = {purpose for _, purpose, _ in found}
-    wanted = [
-        figure
-        for purpose in sorted(purposes)
+    known = rates(items, AnswerColumns.of_values(items, values))
+    return {
+        figure: value
+        for purpose in sorted({purpose for _, purpose, _ in found})
         for task in TASKS[purpose]
         for figure in FIGURES_OF_TASK[task]
-    ]
-    known = rates(items, AnswerColumns.of_values(items, values))
-    return {name: value for name in wanted if (value := known[name].value) is not None}
+        if (value := known[figure].value) is not None
+    }
 
 
 def _read(row: Mapping[str, Any]) -> tuple[AnswerKey, str]:
     """Return the key and the purpose of a row."""
     if not isinstance(row, Mapping) or not {"key", "purpose"} <= row.keys():
-        raise DataError("question", [Issue("", "is no row with a key and a purpose")])
+        raise DataError("question", [Issue("", "is not a row with a key and a purpose")])
     if row["purpose"] not in TASKS:
         raise DataError("question", [Issue("purpose", f"is none of {', '.join(TASKS)}")])
     return AnswerKey.parse(str(row["key"])), str(row["purpose"])

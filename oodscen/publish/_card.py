@@ -13,7 +13,7 @@ from oodscen._version import __version__
 from oodscen.data._base import canonical_json
 from oodscen.judging._kinds import merge_kinds
 from oodscen.judging._leaderboard.requirements import FIGURES
-from oodscen.judging._leaderboard.scores import LeaderboardRow, Rate
+from oodscen.judging._leaderboard.scores import Rate
 from oodscen.judging._people import person
 from oodscen.publish._question_rows import TASKS, PublishedDrive, question_rows
 from oodscen.publish._splits import SPLITS
@@ -31,11 +31,7 @@ def card(
 ) -> str:
     """Return the card as Markdown with the front matter that the Hub reads.
 
-    Args:
-        study: The study.
-        drives: The drives of the data set.
-        licence: Licence as the Hub names it.
-        hashes: SHA-256 of the files, by name.
+    `licence` is a name that the Hub knows, `hashes` the SHA-256 of the files by name.
     """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("oodscen", "publish"),
@@ -84,39 +80,31 @@ def _rows(study: Study) -> list[dict[str, Any]]:
     """Return the figures of judged models and references, by the names of requirements."""
     if not study.store.has("verdicts.jsonl"):
         return []
-    board = study.leaderboard()
-    own = [row for row in board.standings if row.protocol == "ours"]
+    own = [row for row in study.leaderboard().standings if row.protocol == "ours"]
     return [
         {
             "model": "a person" if row.model.startswith(person("")) else row.model,
             "kind": row.kind,
-            **_told(row),
+            "notice-both": _share(row.paired.notice),
+            "act-both": _share(row.paired.act),
+            "notice": _share(row.detection.sensitivity),
+            "alarms": _share(row.detection.alarms),
+            "name": _share(row.identification.open),
+            "pick": _share(row.identification.closed),
+            "safe": _share(row.control.safe),
+            "needless": _share(row.control.needless),
         }
         for row in own[:_LISTED]
     ]
 
 
-def _told(row: LeaderboardRow) -> dict[str, str]:
-    found: dict[str, Rate] = {
-        "notice-both": row.paired.notice,
-        "act-both": row.paired.act,
-        "notice": row.detection.sensitivity,
-        "alarms": row.detection.alarms,
-        "name": row.identification.open,
-        "pick": row.identification.closed,
-        "safe": row.control.safe,
-        "needless": row.control.needless,
-    }
-    return {name: _share(rate) for name, rate in found.items()}
-
-
 def _share(rate: Rate) -> str:
     if rate.value is None:
         return "–"
-    told = f"{100 * rate.value:.1f} %"
+    share = f"{100 * rate.value:.1f} %"
     if rate.interval is None:
-        return told
-    return f"{told} ({100 * rate.interval.low:.0f}–{100 * rate.interval.high:.0f})"
+        return share
+    return f"{share} ({100 * rate.interval.low:.0f}–{100 * rate.interval.high:.0f})"
 
 
 def _size(questions: int) -> str:

@@ -13,22 +13,19 @@ PARTS = {"name-aspect": "perception", "choose-aspect": "perception", "choose-act
 """DriveLM's part of a scene's questions, by purpose."""
 
 
-def write_drivelm(folder: Path, drives: Sequence[PublishedDrive]) -> int:
-    """Write one JSON file per split and the pictures, and return the number of questions.
+def write_drivelm(folder: Path, drives: Sequence[PublishedDrive]) -> None:
+    """Write one JSON file per split and the pictures.
 
     A drive is a scene, and its frames are key frames. The questions stand with the last frame and are about all of
     them; questions without a right answer are left out.
     """
     (folder / "images").mkdir(parents=True, exist_ok=True)
-    count = 0
     for split in dict.fromkeys(drive.split for drive in drives):
         found = {}
         for drive in (one for one in drives if one.split == split):
             asked = [row for row in question_rows(drive) if row.best is not None]
             found[drive.name] = _scene(drive, asked, folder)
-            count += len(asked)
         (folder / f"{split}.json").write_text(canonical_json(found) + "\n", encoding="utf-8")
-    return count
 
 
 def _scene(drive: PublishedDrive, asked: Sequence[QuestionRow], folder: Path) -> dict[str, Any]:
@@ -54,10 +51,10 @@ def _question(row: QuestionRow) -> dict[str, Any]:
     options = "\n".join(
         f"{letter}. {text}" for letter, text in zip(LETTERS, row.options, strict=False)
     )
-    answer = "" if row.best is None else f"{LETTERS[row.best]}. {row.options[row.best]}"
+    assert row.best is not None
     return {
         "Q": f"{row.stem}\n{options}",
-        "A": answer,
+        "A": f"{LETTERS[row.best]}. {row.options[row.best]}",
         "C": None,
         "con_up": None,
         "con_down": None,

@@ -61,12 +61,7 @@ def write_questions(path: Path, drives: Sequence[PublishedDrive]) -> int:
 
 
 def write_drives(path: Path, drives: Sequence[PublishedDrive], demands: dict[str, Scene]) -> int:
-    """Write what is known of some drives, and return their number.
-
-    Args:
-        path: The file.
-        drives: The drives.
-        demands: The scenes of ordinary demands, by id.
+    """Write everything known about some drives; `demands` are the scenes of ordinary demands, by id.
 
     Raises:
         MissingExtra: If pyarrow is not installed.
@@ -86,7 +81,7 @@ def _questions(drives: Sequence[PublishedDrive]) -> list[dict[str, Any]]:
             {"bytes": image.read(), "path": f"{drive.name}-{number}.jpg"}
             for number, image in enumerate(drive.images)
         ]
-        key = canonical_json(drive.key.model_dump(mode="json"))
+        key = canonical_json(drive.asked.key.model_dump(mode="json"))
         rows += [
             {
                 "id": row.name,

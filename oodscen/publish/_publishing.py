@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 from oodscen._files import check_name, file_sha256, writing
 from oodscen._numbers import finite_number
@@ -22,7 +22,7 @@ from oodscen.study._asked import asked_drives
 from oodscen.study._study import Study
 
 Form = Literal["vlmevalkit", "lmms-eval", "drivelm"]
-FORMS: tuple[Form, ...] = ("vlmevalkit", "lmms-eval", "drivelm")
+FORMS: tuple[Form, ...] = get_args(Form)
 """Forms for other tools beside the Parquet files."""
 
 LICENCE = "cc-by-4.0"
@@ -42,10 +42,10 @@ class Publication:
 
     def __str__(self) -> str:
         size = sum(self.files.values()) / 1e6
-        told = ", ".join(f"{count} in {split}" for split, count in self.drives.items())
+        splits = ", ".join(f"{count} in {split}" for split, count in self.drives.items())
         return (
             f"{self.folder}: {self.questions} questions about {sum(self.drives.values())} drives "
-            f"({told}), {len(self.files)} files, {size:.1f} MB"
+            f"({splits}), {len(self.files)} files, {size:.1f} MB"
         )
 
 
@@ -81,7 +81,7 @@ def publish(
     finite_number("validation", validation, 0.0, 0.9)
     check_name(out)
     if not _LICENCE.fullmatch(licence):
-        raise UsageError(f"licence: {licence!r} is no identifier such as {LICENCE}")
+        raise UsageError(f"licence: {licence!r} is not an identifier such as {LICENCE}")
     folder = Path(out)
     asked = asked_drives(study)
     labels = {one.truth.leaf: one.truth.path[-1] for one in asked if one.truth.path}

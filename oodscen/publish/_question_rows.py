@@ -1,16 +1,14 @@
 """The questions of a study as rows, with what their answers are scored by."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from oodscen.data._base import canonical_json
-from oodscen.data._episode import in_order
 from oodscen.data._messages import Image
 from oodscen.data._pairing import Kind, kind_of, scene_of
-from oodscen.data._verdict import NOTHING
 from oodscen.judging._people import token
 from oodscen.judging._questions import (
     OPTIONS,
@@ -20,7 +18,6 @@ from oodscen.judging._questions import (
     paragraphs,
 )
 from oodscen.judging._references import Answers, Case, Oracle
-from oodscen.judging._scoring import AnswerKey
 from oodscen.prompts._judging.choose_action import ChooseAction
 from oodscen.prompts._judging.choose_aspect import ChooseAspect
 from oodscen.prompts._judging.drive_facts import DriveQuestion
@@ -62,19 +59,13 @@ class PublishedDrive:
         return kind_of(self.asked.episode.scene_id)
 
     @property
-    def key(self) -> AnswerKey:
-        """Everything that answers are scored by."""
-        return AnswerKey.of(self.asked.episode, self.asked.truth, self.asked.options)
-
-    @property
     def images(self) -> tuple[Image, ...]:
         """The frames in order of time."""
-        frames = self.asked.frames
-        return tuple(frames[moment] for moment in in_order(frames))
+        return self.asked.shown.images
 
     @cached_property
     def oracle(self) -> Answers:
-        """The answers of the one who knows the truth."""
+        """The right answers."""
         truth, episode = self.asked.truth, self.asked.episode
         return Oracle().judge(Case(episode, truth.path, truth.leaf, self.asked.options))
 
@@ -115,8 +106,9 @@ class QuestionRow:
 
 def question_rows(drive: PublishedDrive) -> Iterator[QuestionRow]:
     """Yield the three questions about a drive."""
-    for make in (_noticed, _chosen, _acted):
-        yield make(drive)
+    yield _noticed(drive)
+    yield _chosen(drive)
+    yield _acted(drive)
 
 
 def _noticed(drive: PublishedDrive) -> QuestionRow:
@@ -128,9 +120,8 @@ def _noticed(drive: PublishedDrive) -> QuestionRow:
 
 
 def _chosen(drive: PublishedDrive) -> QuestionRow:
-    options = drive.asked.options
-    is_right = _right_option(drive)
-    right = tuple(place for place, one in enumerate(options) if is_right(one.id))
+    options, choice = drive.asked.options, drive.oracle.choice
+    right = tuple(place for place, one in enumerate(options) if one.id == choice)
     answer = canonical_json({"choice": right[0] + 1}) if right else ""
     return QuestionRow(
         drive,
@@ -142,19 +133,15 @@ def _chosen(drive: PublishedDrive) -> QuestionRow:
     )
 
 
-def _right_option(drive: PublishedDrive) -> Callable[[str], bool]:
-    if drive.asked.episode.is_ordinary:
-        return lambda name: name == NOTHING
-    return lambda name: name == drive.oracle.choice
-
-
 def _acted(drive: PublishedDrive) -> QuestionRow:
-    outcomes = drive.asked.episode.actions
     names = [option.id for option in OPTIONS]
-    safe = tuple(n for n, name in enumerate(names) if name in outcomes and outcomes[name].safe)
-    neutral = tuple(
-        n for n, name in enumerate(names) if name in outcomes and outcomes[name].marginal
-    )
+    known = [
+        (n, found)
+        for n, name in enumerate(names)
+        if (found := drive.asked.episode.actions.get(name))
+    ]
+    safe = tuple(n for n, outcome in known if outcome.safe)
+    neutral = tuple(n for n, outcome in known if outcome.marginal)
     best = names.index(str(drive.oracle.action)) if safe else None
     return QuestionRow(
         drive,

@@ -20,14 +20,11 @@ _PART = ".oodscen-part"
 
 @contextmanager
 def replacing(folder: Path) -> Iterator[Path]:
-    """Yield an empty folder whose files then take the place of the data set in a folder.
+    """Yield an empty folder whose files then take the place of the data set in a folder, which may be new or empty.
 
     If the work in the context fails, the earlier data set stays as it was, and a folder that was made for the
     new one is removed again. A call that is killed while it moves the files leaves no sums; the next one knows
     both data sets and tidies up.
-
-    Args:
-        folder: The folder, new or empty, or one that holds a data set.
 
     Raises:
         FolderTaken: If the folder holds other files.
@@ -40,7 +37,7 @@ def replacing(folder: Path) -> Iterator[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         with locked(folder, "data set"):
             earlier = _known(folder)
-            if others := sorted(set(_names(folder)) - earlier):
+            if others := sorted(set(names(folder)) - earlier):
                 raise FolderTaken(str(folder), others[:5])
             shutil.rmtree(part, ignore_errors=True)
             part.mkdir()
@@ -58,19 +55,14 @@ def replacing(folder: Path) -> Iterator[Path]:
 
 
 def names(folder: Path) -> list[str]:
-    """Return the sorted names of the files of a data set."""
-    return sorted(_names(folder))
-
-
-def _names(folder: Path) -> Iterator[str]:
-    """Yield the names of all files below a folder, and of links, but not of the lock and the new data set."""
+    """Return the sorted names of all files and links below a folder, but not of the lock and the new data set."""
+    found = []
     for place, folders, files in os.walk(folder):
         if Path(place) == folder and _PART in folders:
             folders.remove(_PART)
         links = [name for name in folders if Path(place, name).is_symlink()]
-        for name in (*files, *links):
-            if Path(place, name) != folder / LOCK:
-                yield Path(place, name).relative_to(folder).as_posix()
+        found += [Path(place, name).relative_to(folder).as_posix() for name in (*files, *links)]
+    return sorted(name for name in found if name != LOCK)
 
 
 def _known(folder: Path) -> set[str]:
@@ -85,7 +77,7 @@ def _known(folder: Path) -> set[str]:
 
 def _move(part: Path, folder: Path, earlier: set[str]) -> None:
     """Remove the earlier files that have no successor, and move the new ones to their places, the sums last."""
-    new = sorted(_names(part), key=lambda name: (name == SUMS, name))
+    new = sorted(names(part), key=lambda name: (name == SUMS, name))
     for name in sorted(earlier - set(new)):
         with suppress(ValueError, FileNotFoundError):
             inside(folder, name).unlink()

@@ -2,25 +2,22 @@
 
 import math
 from collections.abc import Mapping
-from typing import Literal
+from typing import Literal, get_args
 
 from oodscen._seeding import stream
 from oodscen.judging._kinds import merge_kinds
 
 Split = Literal["validation", "test"]
-SPLITS: tuple[Split, ...] = ("validation", "test")
+SPLITS: tuple[Split, ...] = get_args(Split)
 
 VALIDATION = 0.2
-"""Share of the kinds that go to the validation split, unless told otherwise."""
+"""Share of the kinds that go to the validation split, by default."""
 
 
 def splits(labels: Mapping[str, str], *, share: float = VALIDATION, seed: int) -> dict[str, Split]:
-    """Return the split of every leaf; leaves that frames cannot tell apart are in one split.
+    """Return the split of every leaf by their labels; leaves that frames cannot tell apart are in one split.
 
-    Args:
-        labels: Labels by leaf.
-        share: Share of the kinds in the validation split, rounded up; at least one kind stays in the test split.
-        seed: Seed of the draw.
+    The share of the validation split is rounded up, but at least one kind stays in the test split.
     """
     kinds = merge_kinds(labels)
     count = min(math.ceil(share * len(kinds)), max(len(kinds) - 1, 0))

@@ -19,8 +19,8 @@ VLMEvalKit knows those up to `split`. An `image` that is a number refers to the 
 """
 
 
-def write_tsv(path: Path, drives: Sequence[PublishedDrive]) -> int:
-    """Write the questions that have a right answer, and return their number.
+def write_tsv(path: Path, drives: Sequence[PublishedDrive]) -> None:
+    """Write the questions that have a right answer.
 
     A question about an action has several right answers; its `answer` is the best one.
     """
@@ -53,7 +53,6 @@ def write_tsv(path: Path, drives: Sequence[PublishedDrive]) -> int:
                 )
                 first = count if first is None else first
                 count += 1
-    return count
 
 
 def _images(drive: PublishedDrive) -> str:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from oodscen.judging._drive_board import drive_board
-from oodscen.judging._drive_board import sentences as about_stacks
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.sentences import sentences as about_models
 from oodscen.report._load import Material
@@ -38,7 +37,7 @@ def opening(found: Material, board: Leaderboard) -> Opening:
         drives = drive_board(
             found.drives, found.scenarios, seed=seed if isinstance(seed, int) else 0
         )
-        sentences = [*about_stacks(drives), "Brackets hold 95\N{NO-BREAK SPACE}% intervals."]
+        sentences = [*drives.sentences(), "Brackets hold 95\N{NO-BREAK SPACE}% intervals."]
     elif is_top_view:
         sentences = [
             f"These scenes are for driving stacks: {found.config.get('simulator')} draws views from above only, about "

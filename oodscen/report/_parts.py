@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from oodscen.data._sighting import TO_NAME
-from oodscen.judging._drive_board import drive_board, remarks
+from oodscen.judging._drive_board import drive_board
 from oodscen.report._charts.rounds import saturation_chart
 from oodscen.report._charts.scores import intervals
 from oodscen.report._load import Material
@@ -47,7 +47,7 @@ def driving(study: Study, found: Material) -> Variables | None:
     board = drive_board(found.drives, found.scenarios, seed=seed if isinstance(seed, int) else 0)
     return {
         "rows": board.rows,
-        "remarks": remarks(board),
+        "remarks": board.remarks(),
         "pairs": [(row.driver, row.paired) for row in board.rows if row.paired and row.paired.n],
     }
 

@@ -13,15 +13,11 @@ _NORMAL = NormalDist()
 
 
 def intraclass(values: Floats, clusters: Sequence[str]) -> float | None:
-    """Return the intraclass correlation of right and wrong within clusters (one-way ANOVA).
+    """Return the intraclass correlation of [n] right and wrong answers within clusters (one-way ANOVA).
 
     0 means that items of a path are no more alike than others, 1 that all items of a path agree.
     Source: A. Donner, A review of inference procedures for the intraclass correlation coefficient,
     Int. Stat. Rev. 54 (1986).
-
-    Args:
-        values: [n], none missing.
-        clusters: [n] labels.
 
     Returns:
         In [0, 1]; `None` if undefined: one cluster, only clusters of one item, or no variance.
@@ -52,14 +48,9 @@ def two_proportions(first: float, n_first: float, second: float, n_second: float
 def d_prime(hits: float, signals: float, alarms: float, noises: float) -> float | None:
     """Return d', the distance between an answerer's responses to scenes and twins, in standard deviations.
 
-    Uses the log-linear correction (0.5 is added to both counts and 1 to both numbers), which keeps
-    perfect answers finite. Source: M. J. Hautus, Behav. Res. Methods 27 (1995).
-
-    Args:
-        hits: Scenes that were called out of the ordinary.
-        signals: Number of scenes.
-        alarms: Twins that were called out of the ordinary.
-        noises: Number of twins.
+    `hits` of the `signals` scenes and `alarms` of the `noises` twins were called out of the ordinary. The log-linear
+    correction (0.5 is added to both counts and 1 to both numbers) keeps perfect answers finite. Source: M. J. Hautus,
+    Behav. Res. Methods 27 (1995).
 
     Returns:
         0 if scenes and twins are called OOD equally often; `None` without scenes or without twins.

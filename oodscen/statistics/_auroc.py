@@ -6,7 +6,7 @@ style, length.
 """
 
 from collections.abc import Sequence
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,6 @@ from oodscen.statistics._resampling import REPLICATES, Resampler, divided
 
 class Auroc(Data):
     """Area under the ROC curve of two sets of scores, with a bootstrap interval."""
-
-    noun: ClassVar[str] = "AUROC"
 
     value: float
     """In [0, 1]; 0.5 means no separation, 1 puts every text of the second set above all of the first."""
@@ -47,15 +45,9 @@ def auroc_interval(
     seed: int = 0,
     replicates: int = REPLICATES,
 ) -> Auroc:
-    """Return the AUROC with its interval.
+    """Return the AUROC of [m] ordinary and [n] OOD scores with its interval.
 
-    Args:
-        ordinary: [m] scores.
-        ood: [n] scores.
-        clusters: [n] labels of the OOD texts; texts with the same label are resampled together.
-        is_paired: Whether the i-th scores of both sets belong together and are resampled together.
-        seed: Seed of the draws.
-        replicates: Number of resampled sets.
+    OOD texts of one cluster are resampled together; if `is_paired`, so are the i-th scores of both sets.
     """
     drawn = Resampler(
         len(ood) if clusters is None else clusters, seed=seed, replicates=replicates, purpose="ood"

@@ -37,18 +37,7 @@ def p_below(gaps: Floats, least: float, *, seed: int = 0, times: float = 1.0) ->
 def p_below_many(
     gaps: Floats, least: float, *, seed: int = 0, times: float = 1.0, draws: int = DRAWS
 ) -> Floats:
-    """Return the p-values of many sets of gaps with the same weights.
-
-    Args:
-        gaps: [units, k], one set in each column.
-        least: As in `p_below`.
-        seed: As in `p_below`.
-        times: As in `p_below`.
-        draws: Number of weightings.
-
-    Returns:
-        [k] (1 + count) / (1 + draws).
-    """
+    """Return [k] p-values, (1 + count) / (1 + draws), of [units, k] sets of gaps with the same weights."""
     generator = stream(seed, "bound")
     units, sets = gaps.shape
     worst = least * generator.standard_exponential(draws)
@@ -64,13 +53,7 @@ def p_below_many(
 def times_needed(gaps: Floats, least: float, alpha: float, *, seed: int = 0) -> float | None:
     """Return how many times as large a study would have to be to show that the mean gap is above 0.
 
-    Its figures are taken to stay as they are.
-
-    Args:
-        gaps: As in `p_below`.
-        least: As in `p_below`.
-        alpha: Level of the test.
-        seed: As in `p_below`.
+    Its figures are taken to stay as they are; `alpha` is the level of the test.
 
     Returns:
         `None` if the mean gap is not above 0, or if more than `MOST_TIMES` are needed.

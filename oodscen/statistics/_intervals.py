@@ -25,8 +25,6 @@ class Interval(Data):
     It does not cover the choice of encoder, baseline or definition.
     """
 
-    noun: ClassVar[str] = "interval"
-
     level: ClassVar[float] = 0.95
 
     low: float
@@ -44,13 +42,8 @@ class Interval(Data):
 def wilson(hits: float, n: float, *, level: float = Interval.level) -> tuple[float, float]:
     """Return the Wilson score interval of a share; (0, 1) if nothing was counted.
 
-    Source: E. B. Wilson, Probable inference, the law of succession, and statistical inference,
-    JASA 22 (1927).
-
-    Args:
-        hits: Number of hits; fractional after a correction for clustering.
-        n: Number of trials.
-        level: Confidence level.
+    Hits and n are fractional after a correction for clustering. Source: E. B. Wilson, Probable inference, the law of
+    succession, and statistical inference, JASA 22 (1927).
     """
     if n <= 0:
         return 0.0, 1.0
@@ -85,17 +78,10 @@ def percentiles(replicates: Floats, units: int) -> Interval | None:
 def share_bounds(
     hits: float, n: int, units: int, replicates: Floats | None = None
 ) -> Interval | None:
-    """Return the interval of a share.
+    """Return the interval of `hits` of `n` answers on `units` clusters, from [r] bootstrap replicates if possible.
 
-    The clustered bootstrap if possible. With fewer than `FEWEST_CLUSTERS` paths it is Wilson's interval
-    over items instead. If all items agree, it is Wilson's with every path counted as one item, because
-    agreement within a path adds no evidence.
-
-    Args:
-        hits: Number of right answers.
-        n: Number of answers.
-        units: Number of clusters that they belong to.
-        replicates: [r] bootstrap replicates.
+    With fewer than `FEWEST_CLUSTERS` paths it is Wilson's interval over items instead. If all items agree, it is
+    Wilson's with every path counted as one item, because agreement within a path adds no evidence.
     """
     if not n:
         return None

@@ -76,15 +76,7 @@ class Resampler:
             yield from self._draws()
 
     def ratios(self, above: Floats, below: Floats) -> Floats:
-        """Return resampled ratios of sums.
-
-        Args:
-            above: [n, m]; the figure is the sum of `above` divided by that of `below`.
-            below: [n, m].
-
-        Returns:
-            [replicates, m]; NaN if a replicate's denominator is zero.
-        """
+        """Return [replicates, m] resampled ratios of the sums of [n, m] values; NaN if a denominator is zero."""
         over, under = self.summed(above), self.summed(below)
         return np.concatenate([divided(rows @ over, rows @ under) for rows in self.blocks()])
 
@@ -115,17 +107,7 @@ def bootstrap_mean(
     seed: int = 0,
     replicates: int = REPLICATES,
 ) -> Interval | None:
-    """Return the interval of a mean.
-
-    Args:
-        values: [n].
-        clusters: [n] labels; texts with the same label are drawn together.
-        seed: Seed of the draws; the same seed gives the same interval.
-        replicates: Number of resampled sets.
-
-    Returns:
-        `None` if fewer than two units can be drawn.
-    """
+    """Return the interval of the mean of [n] values; `None` if fewer than two units can be drawn."""
     drawn = _resampler(len(values), clusters, seed, replicates, "mean")
     if drawn.units < 2:
         return None
@@ -141,17 +123,11 @@ def bootstrap_pairwise(
     seed: int = 0,
     replicates: int = REPLICATES,
 ) -> Interval | None:
-    """Return the interval of the mean cosine over the pairs of a set.
+    """Return the interval of the mean cosine over the pairs of [n, d] rows of unit length or zero.
 
     A unit that is drawn twice is not paired with its own copy: such pairs do not exist in a set of
     distinct texts and would pull every replicate towards 1. A replicate that drew only one unit of a
     single text has no pairs and does not count.
-
-    Args:
-        vectors: [n, d], rows of unit length or zero.
-        clusters: [n] labels; texts with the same label are drawn together.
-        seed: Seed of the draws.
-        replicates: Number of resampled sets.
 
     Returns:
         `None` if fewer than two units can be drawn.

@@ -6,7 +6,6 @@ from random draws is (1 + count) / (1 + draws), never 0.
 
 import math
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 
@@ -25,8 +24,6 @@ _EXACT_UP_TO = 12
 class PairedTest(Data):
     """The comparison of two answerers on the same items."""
 
-    noun: ClassVar[str] = "paired test"
-
     n: int
     """Items that both answered."""
     first_only: int
@@ -43,14 +40,10 @@ class PairedTest(Data):
 
 
 def mcnemar(first_only: int, second_only: int) -> tuple[float, float]:
-    """Return the exact two-sided p of McNemar's test, and its mid-p.
+    """Return the exact two-sided p of McNemar's test, and its mid-p, by the items that only one got right.
 
     Sources: Q. McNemar, Psychometrika 12 (1947); mid-p: M. W. Fagerland, S. Lydersen, P. Laake,
     BMC Med. Res. Methodol. 13:91 (2013), who recommend it.
-
-    Args:
-        first_only: Items that only the first got right.
-        second_only: Items that only the second got right.
     """
     n, k = first_only + second_only, min(first_only, second_only)
     if n == 0:
@@ -76,7 +69,7 @@ def paired(
         first: [n] 1 if right, 0 if wrong, NaN if there is no answer.
         second: [n], in the same order.
         clusters: [n] labels; without them every item is a cluster of its own.
-        seed: Seed of the permutations; without effect if there are few enough clusters to enumerate all.
+        seed: Seed of the permutations.
     """
     both = np.isfinite(first) & np.isfinite(second)
     one, two = first[both], second[both]
@@ -104,16 +97,10 @@ def sign_flip(
     seed: int = 0,
     replicates: int = REPLICATES,
 ) -> float:
-    """Return the two-sided p of the paired permutation test that flips whole clusters.
+    """Return the two-sided p of the paired permutation test of [n] differences that flips whole clusters.
 
     If two answerers are equally good, swapping their names within a path changes nothing. With up to 12
     clusters that have a difference, all patterns are enumerated; with more, `replicates` random ones are drawn.
-
-    Args:
-        gaps: [n] differences.
-        clusters: [n] labels.
-        seed: Seed of the draws.
-        replicates: Number of random patterns.
     """
     sums = np.bincount(members(len(gaps), clusters), weights=gaps) if len(gaps) else np.zeros(0)
     sums = sums[np.abs(sums) > 1e-12]
@@ -139,14 +126,9 @@ def permutation_test(
     seed: int = 0,
     replicates: int = PERMUTATIONS,
 ) -> float:
-    """Return the two-sided p-value of a difference this large between the means of two sets.
+    """Return the two-sided p-value of a difference this large between the means of two sets of scores.
 
-    Args:
-        a: [n] scores.
-        b: [m] scores.
-        clusters: Labels of either set; whole clusters change sides.
-        seed: Seed of the draws.
-        replicates: Number of random assignments.
+    Whole clusters change sides; `clusters` holds the labels of either set.
     """
     parts = []
     for values, labels in ((a, clusters[0]), (b, clusters[1])):

@@ -14,7 +14,7 @@ from oodscen.errors import DataError, Issue
 from oodscen.judging._kinds import Kinds
 from oodscen.judging._questions import Shown, aspect_options
 from oodscen.judging._references import AspectOption
-from oodscen.judging._scoring import Truth
+from oodscen.judging._scoring import AnswerKey, Truth
 from oodscen.judging._selection import choose_items
 
 if TYPE_CHECKING:
@@ -54,6 +54,11 @@ class AskedDrive:
     def shown(self) -> Shown:
         """The frames in order, and the facts that go with them."""
         return Shown.of(self.episode, self.frames)
+
+    @property
+    def key(self) -> AnswerKey:
+        """Everything that answers are scored by."""
+        return AnswerKey.of(self.episode, self.truth, self.options)
 
     @property
     def truth(self) -> Truth:

@@ -26,7 +26,8 @@ from oodscen.errors import (
     UnknownComponent,
 )
 from oodscen.judging._drive_board import DriveBoard, drive_board
-from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
+from oodscen.judging._leaderboard.board import Leaderboard
+from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._leaderboard.requirements import (
     RequirementResult,
     parse_requirement,

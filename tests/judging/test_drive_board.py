@@ -9,7 +9,6 @@ from oodscen.judging._drive_board import (
     RULE_BASED,
     current_results,
     drive_board,
-    remarks,
 )
 from oodscen.testing._scenes import example_scene
 
@@ -89,7 +88,7 @@ def test_who_stands_still_passes_every_scene_and_ranks_last():
     test = board.of("still").paired.against_rule_based
     assert test.difference < -0.9
     assert test.p_clustered < 0.05
-    (said,) = remarks(board)
+    (said,) = board.remarks()
     assert "still passes 100% of the scenes by hardly driving" in said
 
 

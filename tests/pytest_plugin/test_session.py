@@ -300,7 +300,7 @@ def test_what_is_no_baseline_is_never_overwritten(session, pytester, text):
     [
         (["--oodscen-require="], "--oodscen-require is empty"),
         (["--oodscen-baseline", " "], "--oodscen-baseline is empty"),
-        (["--oodscen-require=safe"], "is no requirement"),
+        (["--oodscen-require=safe"], "is not a requirement"),
         (["--oodscen-require=notice>=0.5"], "no figure is called 'notice'"),
         (["--oodscen-baseline=none.json"], "does not exist"),
         (["--oodscen-baseline=test_stack.py"], "malformed baseline"),

@@ -14,6 +14,7 @@ from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ModelSkipped
 from oodscen.judging._aspects.matching import names_aspect
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
 from oodscen.judging._questions import Shown, aspect_options
+from oodscen.judging._references import AspectOption
 from oodscen.testing import ScriptedLLM
 
 PATH = ("OOD", "Environmental", "Overturned vehicles", "Overturned vehicle ahead")
@@ -280,10 +281,13 @@ def test_an_unavailable_action_is_not_safe_and_counted(frames):
 
 
 def test_the_closed_question_is_scored_by_its_leaf_and_shuffled_by_item(frames):
-    leaves = {"wreck": "Overturned vehicle", "deer": "Deer on the road"}
-    options = aspect_options(leaves, seed=1, item="x-001")
-    assert options == aspect_options(leaves, seed=1, item="x-001")
-    assert len({aspect_options(leaves, seed=1, item=str(n)) for n in range(20)}) > 1
+    kinds = [
+        AspectOption(id="deer", label="Deer on the road"),
+        AspectOption(id="wreck", label="Overturned vehicle"),
+    ]
+    options = aspect_options(kinds, seed=1, item="x-001")
+    assert options == aspect_options(kinds, seed=1, item="x-001")
+    assert len({aspect_options(kinds, seed=1, item=str(n)) for n in range(20)}) > 1
     place = [option.id for option in options].index("wreck") + 1
     llm = ScriptedLLM({**answers(), "choose-aspect": {"choice": place}})
     verdict = evaluate(EPISODE, frames, llm, path=PATH, leaf="wreck", options=options)
@@ -333,7 +337,8 @@ def test_whatever_a_model_does_its_verdict_is_typed_and_can_be_written(frames, p
             raise reply
         return reply if isinstance(reply, str) else json.dumps(reply)
 
-    options = aspect_options({"wreck": "Overturned vehicle"}, seed=1, item="x-001")
+    kinds = [AspectOption(id="wreck", label="Overturned vehicle")]
+    options = aspect_options(kinds, seed=1, item="x-001")
     verdict = evaluate(
         EPISODE, frames, ScriptedLLM(answer), path=PATH, leaf="wreck", options=options
     )

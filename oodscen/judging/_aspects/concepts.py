@@ -25,7 +25,7 @@ class Concept:
     wider: tuple[str, ...] = ()
     """The broader concepts that this one is a kind of."""
     implied: str = ""
-    """For a state: the thing that it describes when the text names none."""
+    """For a state: the thing that it describes if the text names none."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def seen_label(label: str) -> str:
 
 
 @lru_cache(maxsize=4096)
-def visible_naming(text: str) -> "Naming":
+def visible_naming(text: str) -> Naming:
     """Return what a label names that frames can show.
 
     A concept that cannot be seen gives way to what it is a kind of: an angry person to a person.
@@ -265,8 +265,6 @@ def _index() -> Mapping[str, Sequence[tuple[tuple[str, ...], Concept]]]:
             text = expression.casefold().replace("'s", "").replace("*", " * ")
             words = tuple(_forms().get(one, one) for one in re.findall(r"[^\W_]+|\*", text))
             found.setdefault(words[0], []).append((words, concept))
-    return {word: sorted(ones, key=lambda one: -_length(one[0])) for word, ones in found.items()}
-
-
-def _length(expression: Sequence[str]) -> int:
-    return sum(word != "*" for word in expression)
+    for expressions in found.values():
+        expressions.sort(key=lambda one: -sum(word != "*" for word in one[0]))
+    return found

@@ -1,6 +1,5 @@
 """Answers of a vision-language model that a person has labelled, to measure a judge by."""
 
-import json
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib import resources
@@ -25,15 +24,13 @@ def labelled_answers() -> tuple[LabelledAnswer, ...]:
     """Return the shipped answers."""
     source = resources.files("oodscen.judging._aspects").joinpath("labelled.jsonl")
     lines = source.read_text(encoding="utf-8").splitlines()
-    return tuple(LabelledAnswer.model_validate(json.loads(line)) for line in lines)
+    return tuple(LabelledAnswer.model_validate_json(line) for line in lines)
 
 
 def agreement(opinions: Iterable[Opinion], judge: str) -> tuple[int, int]:
     """Return how many labelled answers a judge sees as the person did, and how many it gave an opinion on.
 
-    Args:
-        opinions: Opinions, those on labelled answers among them.
-        judge: The judge's label.
+    `judge` is the judge's label.
     """
     judgements = {one.id: one.is_same for one in opinions if one.is_same is not None}
     pairs = [
@@ -45,16 +42,10 @@ def agreement(opinions: Iterable[Opinion], judge: str) -> tuple[int, int]:
 
 
 def agreement_in_words(info: Mapping[str, Any]) -> str:
-    """Return the agreement of a study's judge as a sentence; empty if none was measured.
-
-    Args:
-        info: Content of `study.json`; anything in it may be missing.
-    """
+    """Return the agreement of a study's judge as a sentence; empty if `study.json` has none."""
     counts = info.get("counts")
     found = counts.get("judged") if isinstance(counts, Mapping) else None
     if not isinstance(found, Mapping) or not found.get("labelled"):
         return ""
-    return (
-        f"The judge agrees with a person on {found.get('agrees', 0)} of {found['labelled']} labelled "
-        "answers."
-    )
+    agrees, labelled = found.get("agrees", 0), found["labelled"]
+    return f"The judge agrees with a person on {agrees} of {labelled} labelled answers."

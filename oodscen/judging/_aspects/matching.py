@@ -21,6 +21,9 @@ MOST_THINGS = 6
 GENERAL = frozenset({"vehicle", "person"})
 """Things too common for an ordinary act, such as standing, to single them out."""
 
+ENOUGH_SHARED = 2
+"""The number of shared acts, places and words that makes up for naming a thing by a broader word only."""
+
 
 class Named(NamedTuple):
     """The result of comparing an open answer with the truth, in two steps."""
@@ -72,19 +75,19 @@ def score_naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = 
         return Named(thing=False, right=False)
     answer_naming = naming_of(aspect)
     truths = [(path[-1], naming_of(path[-1])), (path[-1], visible_naming(path[-1]))]
-    truths += [(one.what, naming_of(text)) for one in visible if (text := _told(one))]
+    for one in visible:
+        text = " ".join(filter(None, (one.what, one.doing, one.where)))
+        if text:
+            truths.append((one.what, naming_of(text)))
     right = any(_fits(answer_naming, aspect, text, label) for text, label in truths)
     return Named(right or any(_names_thing(answer_naming, label) for _, label in truths), right)
-
-
-def _told(one: Visible) -> str:
-    return " ".join(filter(None, (one.what, one.doing, one.where)))
 
 
 def _fits(answer_naming: Naming, aspect: str, text: str, label: Naming) -> bool:
     heads = label.heads or _implied(label.concepts)
     if not heads:
-        return _names_state(answer_naming, label) or _names_word(aspect, text)
+        states = {one.name for one in label.concepts if one.kind == "state"}
+        return bool(states & _widened(answer_naming.concepts)) or _names_word(aspect, text)
     return any(
         _names_oddity(answer_naming, head) or _names_case(answer_naming, label, head)
         for head in heads
@@ -93,10 +96,13 @@ def _fits(answer_naming: Naming, aspect: str, text: str, label: Naming) -> bool:
 
 def _names_thing(answer_naming: Naming, label: Naming) -> bool:
     """Return whether an answer names a head of the label, or a broader or narrower word for one."""
-    things = {one.name for one in _things(answer_naming)}
-    broader = {name for thing in things for name in with_broader(thing)}
-    heads = {one.name for one in label.heads or _implied(label.concepts)}
-    return bool(heads & broader) or any(things & with_broader(head) for head in heads)
+    things = _things(answer_naming)
+    heads = label.heads or _implied(label.concepts)
+    return any(
+        head.name in with_broader(thing.name) or thing.name in with_broader(head.name)
+        for thing in things
+        for head in heads
+    )
 
 
 def is_same_wording(aspect: str, label: str) -> bool:
@@ -111,14 +117,11 @@ def _names_oddity(answer_naming: Naming, head: Concept) -> bool:
         return False
     if any(head.name in with_broader(one.name) for one in answer_naming.concepts):
         return True
-    wider = {one.name for one in answer_naming.concepts if one.kind == "odd"} & with_broader(
-        head.name
-    )
+    named = {one.name for one in answer_naming.concepts}
+    wider = {one.name for one in answer_naming.concepts if one.kind == "odd"}
     return any(
-        not any(
-            name in with_broader(one.name) and one.name != name for one in answer_naming.concepts
-        )
-        for name in wider
+        not any(name in with_broader(other) for other in named - {name})
+        for name in wider & with_broader(head.name)
     )
 
 
@@ -148,20 +151,12 @@ def _names_case(answer_naming: Naming, label: Naming, head: Concept) -> bool:
     if not is_narrow:
         return len(shared) >= ENOUGH_SHARED
     if head.name in GENERAL:
-        is_standing = {"stopped", "on the road"} <= broader and "stopped" in mere
-        return _is_just(things, head) and (
-            is_standing or _names_circumstance(shared, mere, places, words, head)
+        is_plain = any(
+            one.kind == "ordinary" and head.name in with_broader(one.name) for one in things
         )
+        is_standing = {"stopped", "on the road"} <= broader and "stopped" in mere
+        return is_plain and (is_standing or _names_circumstance(shared, mere, places, words, head))
     return bool(shared) or not (mere | places | words)
-
-
-ENOUGH_SHARED = 2
-"""The number of shared acts, places and words that makes up for naming a thing by a broader word only."""
-
-
-def _is_just(things: Iterable[Concept], head: Concept) -> bool:
-    """Return whether an ordinary thing of the head's kind is named."""
-    return any(one.kind == "ordinary" and head.name in with_broader(one.name) for one in things)
 
 
 def _names_other_state(answer_naming: Naming, label: Naming) -> bool:
@@ -194,13 +189,6 @@ def _widened(found: Iterable[Concept]) -> set[str]:
     return {name for one in found for name in with_broader(one.name)}
 
 
-def _names_state(answer_naming: Naming, label: Naming) -> bool:
-    return bool(
-        {one.name for one in label.concepts if one.kind == "state"}
-        & _widened(answer_naming.concepts)
-    )
-
-
 def _implied(found: Iterable[Concept]) -> list[Concept]:
     """Return the things that the named states describe."""
     return [concepts()[one.implied] for one in found if one.implied]
@@ -210,19 +198,11 @@ def _names_word(aspect: str, label: str) -> bool:
     """Rule 5: return whether an answer contains the last word of the label's first phrase."""
     phrase = _PHRASE_END.split(label.casefold(), maxsplit=1)[0]
     head = [word for word in re.findall(r"[a-z]+", phrase) if word not in COMMON][-1:]
-    return bool(head) and stem(head[0]) in affirmed_words(aspect)
+    affirmed = " ; ".join(part for part in _parts(aspect) if not _DENIAL.search(part))
+    return bool(head) and stem(head[0]) in telling_words(affirmed)
 
 
 _PHRASE_END = re.compile(r"\b(?:on|in|into|onto|at|from|over|across|with|of|by|to|behind)\b")
-
-
-def affirmed_words(text: str) -> set[str]:
-    """Return the telling words of the clauses of a text that deny nothing (unlike "no deer")."""
-    words: set[str] = set()
-    for part in _parts(text):
-        if not _DENIAL.search(part):
-            words |= telling_words(part)
-    return words
 
 
 _DENIAL = re.compile(r"\b(?:no|not|without|free\s+of|absence\s+of|never|neither|nor)\b")

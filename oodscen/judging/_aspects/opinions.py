@@ -1,7 +1,7 @@
 """Scores open aspects with a judge model, asked once per distinct answer and path."""
 
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, Literal
+from typing import Literal
 
 from oodscen._redaction import redact
 from oodscen.data._base import Data, digest
@@ -16,8 +16,6 @@ from oodscen.protocols import LLM
 
 class Opinion(Data):
     """A judge's opinion on whether one aspect names what one path is about."""
-
-    noun: ClassVar[str] = "opinion"
 
     id: str
     """Identifies the judge, aspect and path; see `opinion_id`."""
@@ -62,12 +60,6 @@ def opinion(
 
     An aspect that repeats the leaf's label word for word names it, so the judge is not asked. If the judge gives
     no usable answer, the opinion is marked as failed and no exception is raised.
-
-    Args:
-        judge: The judge model.
-        aspect: The answer to score.
-        path: Labels from the root to the leaf.
-        visible: Everything that can be seen of the hazard.
     """
     label = judge_label(judge)
     blank = Opinion(

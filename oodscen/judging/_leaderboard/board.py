@@ -1,6 +1,6 @@
 """The leaderboard as data: one row per answerer, and what follows from them."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from oodscen._display import html_table
 from oodscen.data._base import Data
@@ -18,8 +18,6 @@ from oodscen.judging._leaderboard.sentences import sentences
 
 class Leaderboard(Data):
     """The evaluation of all verdicts of a study."""
-
-    noun: ClassVar[str] = "leaderboard"
 
     schema_version: Literal[1] = 1
     scenes: int = 0
@@ -87,7 +85,5 @@ class Leaderboard(Data):
 def _cell(found: Rate | Estimate) -> str:
     if found.value is None:
         return "–"
-    interval = found.interval
-    return f"{found.value:.2f}" + (
-        f" [{interval.low:.2f}, {interval.high:.2f}]" if interval else ""
-    )
+    ends = found.interval
+    return f"{found.value:.2f}" + (f" [{ends.low:.2f}, {ends.high:.2f}]" if ends else "")

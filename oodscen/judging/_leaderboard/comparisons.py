@@ -1,12 +1,12 @@
 """Paired comparisons of models with one another, and with the best reference that does not know the truth."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
 
-from oodscen.data._verdict import Protocol
-from oodscen.judging._items import AnswerColumns, Items
+from oodscen.judging._items import Items, Sheets
 from oodscen.judging._leaderboard.scores import (
     TASKS,
     LeaderboardRow,
@@ -16,16 +16,13 @@ from oodscen.judging._leaderboard.scores import (
 )
 from oodscen.statistics._significance import holm, paired
 
-Key = tuple[str, Protocol]
-"""Model and protocol."""
-
 
 def comparisons(
     items: Items,
     seed: int,
     standings: Sequence[LeaderboardRow],
     shortcut: LeaderboardRow | None,
-    sheets: Mapping[Key, AnswerColumns],
+    sheets: Sheets,
 ) -> list[ModelComparison]:
     """Return the models' comparisons with one another, and with the best reference or shortcut, by task."""
     ours = [row for row in standings if row.protocol == "ours"]
@@ -33,8 +30,7 @@ def comparisons(
     found: list[ModelComparison] = []
     for task in TASKS:
         floor = best_floor([*ours, *([shortcut] if shortcut else [])], task)
-        pairs = [(a, b) for i, a in enumerate(models) for b in models[i + 1 :]]
-        found += _family(items, seed, task, "model", pairs, sheets)
+        found += _family(items, seed, task, "model", list(combinations(models, 2)), sheets)
         if floor is not None:
             found += _family(items, seed, task, "floor", [(m, floor) for m in models], sheets)
     return found
@@ -46,7 +42,7 @@ def _family(
     task: Task,
     against: Literal["model", "floor"],
     pairs: Sequence[tuple[LeaderboardRow, LeaderboardRow]],
-    sheets: Mapping[Key, AnswerColumns],
+    sheets: Sheets,
 ) -> list[ModelComparison]:
     """Return the comparisons of pairs in one task, with p-values corrected for all of them together."""
     tests, worst = [], []

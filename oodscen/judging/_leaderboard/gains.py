@@ -1,20 +1,19 @@
 """Leads over answerers that see no picture, on the same scenes."""
 
-from collections.abc import Mapping, Sequence
-from typing import Literal
+from collections.abc import Sequence
+from typing import Literal, get_args
 
 import numpy as np
 
-from oodscen.data._verdict import Protocol, without_pictures
-from oodscen.judging._items import AnswerColumns, Items, Ratio
+from oodscen.data._verdict import without_pictures
+from oodscen.judging._items import Items, Ratio, Sheets
 from oodscen.judging._leaderboard.figures import PairColumns
 from oodscen.judging._leaderboard.scores import Estimate, Gain, LeaderboardRow
 from oodscen.statistics._intervals import percentiles
 from oodscen.statistics._resampling import Resampler
 
 Figure = Literal["notice", "act"]
-FIGURES: tuple[Figure, ...] = ("notice", "act")
-Sheets = Mapping[tuple[str, Protocol], AnswerColumns]
+FIGURES: tuple[Figure, ...] = get_args(Figure)
 
 
 def mean_of(resampler: Resampler, column: Ratio) -> Estimate:
@@ -44,23 +43,16 @@ def with_gains(
         column = Ratio(one - two, pairs[row.model].mask)
         return Gain(against=other.model, figure=figure, difference=mean_of(resampler, column))
 
-    found = []
-    for row in rows:
+    def led(row: LeaderboardRow) -> LeaderboardRow:
         if row.kind == "reference" or row.protocol != "ours":
-            found.append(row)
-            continue
-        withheld = names.get(without_pictures(row.model))
+            return row
         best = [(max(blind, key=lambda one: _value(one, name)), name) for name in FIGURES if blind]
-        paired = row.paired.model_copy(
-            update={
-                "over_blind": tuple(gain(row, other, name) for other, name in best),
-                "over_withheld": tuple(gain(row, withheld, name) for name in FIGURES)
-                if withheld
-                else (),
-            }
-        )
-        found.append(row.model_copy(update={"paired": paired}))
-    return found
+        leads = {"over_blind": tuple(gain(row, other, name) for other, name in best)}
+        if withheld := names.get(without_pictures(row.model)):
+            leads["over_withheld"] = tuple(gain(row, withheld, name) for name in FIGURES)
+        return row.model_copy(update={"paired": row.paired.model_copy(update=leads)})
+
+    return [led(row) for row in rows]
 
 
 def _value(row: LeaderboardRow, figure: Figure) -> float:

@@ -1,7 +1,7 @@
 """The leaderboard: the scores of every model and reference, with n, intervals and tests."""
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 from oodscen.data._episode import Episode, as_offered
 from oodscen.data._pairing import is_ordinary
 from oodscen.data._scenario import Scenario
-from oodscen.data._verdict import NOTHING, Verdict
+from oodscen.data._verdict import NOTHING, Protocol, Verdict
 from oodscen.judging._items import AnswerColumns, Floats, Items, Mask, Ratio
 from oodscen.judging._leaderboard.board import Leaderboard
-from oodscen.judging._leaderboard.comparisons import Key, comparisons
+from oodscen.judging._leaderboard.comparisons import comparisons
 from oodscen.judging._leaderboard.figures import FAULTS, PairColumns, figures, rate, resample_ratios
 from oodscen.judging._leaderboard.gains import mean_of, with_gains
-from oodscen.judging._leaderboard.paper_example import paper_example
 from oodscen.judging._leaderboard.scores import (
     ActionScore,
     ActionTally,
@@ -25,38 +24,16 @@ from oodscen.judging._leaderboard.scores import (
     Estimate,
     Identification,
     LeaderboardRow,
-    ModelComparison,
     PairedScores,
     Rate,
     SceneGroup,
-    Task,
-    score,
 )
 from oodscen.judging._shortcuts.audit import Audit
-from oodscen.judging._shortcuts.calls import rule_calls, shortcut_verdicts
+from oodscen.judging._shortcuts.rules import rule_calls, shortcut_verdicts
 from oodscen.statistics._answers import above_chance, d_prime, intraclass
 from oodscen.statistics._auroc import auroc_of_items
 from oodscen.statistics._intervals import percentiles
 from oodscen.statistics._resampling import Resampler
-
-__all__ = [
-    "ActionScore",
-    "ActionTally",
-    "Confusion",
-    "Detection",
-    "Estimate",
-    "Identification",
-    "Leaderboard",
-    "LeaderboardRow",
-    "ModelComparison",
-    "PairedScores",
-    "Rate",
-    "SceneGroup",
-    "Task",
-    "leaderboard",
-    "paper_example",
-    "score",
-]  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +45,6 @@ class _SharedValues:
     groups: Sequence[tuple[SceneGroup, Mask]]
     shown: Mask
     """[n] the items whose hazard is visible under the paper's protocol."""
-    seed: int
 
 
 def leaderboard(
@@ -99,42 +75,38 @@ def leaderboard(
     found = list(episodes)
     ran = [episode for episode in whole if episode.status == "ok"]
     seen = {episode.scene_id for episode in ran if episode.hazard_visible}
-    study = _study(Items.of(found, {one.id: one for one in scenarios}), seen, seed)
-    items = study.items
-    grouped: dict[Key, list[Verdict]] = {}
+    items = Items.of(found, {one.id: one for one in scenarios})
+    study = _SharedValues(
+        items,
+        Resampler(items.clusters, seed=seed),
+        _groups(items),
+        np.array([episode.scene_id in seen for episode in items.episodes], np.bool_),
+    )
+    grouped: dict[tuple[str, Protocol], list[Verdict]] = {}
     for verdict in verdicts:
         grouped.setdefault((verdict.model, verdict.protocol), []).append(verdict)
-    sheets = {key: AnswerColumns.of(items, found) for key, found in grouped.items()}
-    rows = [_standing(study, sheets[key], found) for key, found in grouped.items()]
-    standings = sorted(
-        rows,
-        key=lambda row: (
-            row.kind == "reference",
-            row.protocol,
-            -(row.paired.act.with_missing_wrong or 0),
-            -(row.control.safe.with_missing_wrong or 0),
-            row.model,
-        ),
-    )
-    standings = with_gains(items, study.resampler, standings, sheets)
-    calls = audit.best_calls(found) if audit else None
-    asked = {one.scene_id for found in grouped.values() for one in found}
-    floor_calls = shortcut_verdicts(items, calls or rule_calls(items))
-    shortcut = [one for one in floor_calls if one.scene_id in asked]
+    sheets = {key: AnswerColumns.of(items, given) for key, given in grouped.items()}
+    rows = [_standing(study, sheets[key], given) for key, given in grouped.items()]
+    standings = with_gains(items, study.resampler, sorted(rows, key=_rank), sheets)
+    calls = (audit.best_calls(found) if audit else None) or rule_calls(items)
+    asked = {one.scene_id for given in grouped.values() for one in given}
+    shortcut = [one for one in shortcut_verdicts(items, calls) if one.scene_id in asked]
     floor = None
     if shortcut:
-        sheets[shortcut[0].model, "ours"] = AnswerColumns.of(items, shortcut)
-        floor = _standing(study, sheets[shortcut[0].model, "ours"], shortcut)
+        sheet = AnswerColumns.of(items, shortcut)
+        floor = _standing(study, sheet, shortcut)
+        sheets[floor.model, "ours"] = sheet
     real = [row for row in rows if row.is_judged] or rows
     likeness = [_likeness(items, sheets[row.model, row.protocol]) for row in real]
+    scene = items.is_scene
     return Leaderboard(
-        scenes=items.count(items.is_scene),
-        ordinary=items.count(~items.is_scene),
+        scenes=int(scene.sum()),
+        ordinary=int((~scene).sum()),
         paths=len(set(items.clusters)),
-        decidable=items.count(items.is_decidable),
-        all_safe=items.count(items.is_scene & items.has_actions & (items.unsafe == 0)),
-        none_safe=items.count(items.is_scene & items.has_actions & (items.safe == 0)),
-        chance=items.chance_over(items.is_scene & items.has_actions),
+        decidable=int(items.is_decidable.sum()),
+        all_safe=int((scene & items.has_actions & (items.unsafe == 0)).sum()),
+        none_safe=int((scene & items.has_actions & (items.safe == 0)).sum()),
+        chance=items.chance_over(scene & items.has_actions),
         icc=max((value for value in likeness if value is not None), default=None),
         judge=_judge(grouped.values()),
         whole=len(ran),
@@ -147,10 +119,14 @@ def leaderboard(
     )
 
 
-def _study(items: Items, seen: Collection[str], seed: int) -> _SharedValues:
-    """Return the shared values of a leaderboard; `seen` holds the scenes whose hazard is visible."""
-    shown = np.array([episode.scene_id in seen for episode in items.episodes], np.bool_)
-    return _SharedValues(items, Resampler(items.clusters, seed=seed), _groups(items), shown, seed)
+def _rank(row: LeaderboardRow) -> tuple[bool, str, float, float, str]:
+    return (
+        row.kind == "reference",
+        row.protocol,
+        -(row.paired.act.with_missing_wrong or 0),
+        -(row.control.safe.with_missing_wrong or 0),
+        row.model,
+    )
 
 
 def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
@@ -164,9 +140,8 @@ def _standing(
 ) -> LeaderboardRow:
     items, protocol = study.items, verdicts[0].protocol
     scene, twin = items.is_scene, ~items.is_scene
-    known = figures(items, sheet)
     columns = {
-        **known,
+        **figures(items, sheet),
         "specificity": Ratio(1.0 - sheet.called, twin),
         "open_shown": Ratio(sheet.open, scene & study.shown & (protocol == "paper")),
         "collision_free": Ratio(sheet.success, scene),
@@ -242,16 +217,12 @@ def _by_kind(
 def _group(study: _SharedValues, sheet: AnswerColumns, group: SceneGroup, mask: Mask) -> SceneGroup:
     """Return a group with the scores of one answerer in its scenes."""
     columns = {
-        "detected": sheet.called,
-        "open": sheet.open,
-        "closed": sheet.closed,
-        "safe": sheet.safe,
+        "detected": Ratio(sheet.called, mask),
+        "open": Ratio(sheet.open, mask),
+        "closed": Ratio(sheet.closed, mask),
+        "safe": Ratio(sheet.safe, mask, is_neutral=sheet.is_neutral),
     }
-    neutral = {"safe": sheet.is_neutral}
-    rates = {
-        name: rate(study.resampler, Ratio(values, mask, is_neutral=neutral.get(name)), sheet)
-        for name, values in columns.items()
-    }
+    rates = {name: rate(study.resampler, column, sheet) for name, column in columns.items()}
     return group.model_copy(update=rates)
 
 
@@ -302,43 +273,38 @@ def _detection(
     """Return the figures of detection; `replicates` are [r] by the names of the rates."""
     items, resampler = study.items, study.resampler
     sensitivity, specificity = rates["notice"], rates["specificity"]
-    balanced = (replicates["notice"] + replicates["specificity"]) / 2
-    known = np.isfinite(sheet.called)
-    units = resampler.count(known)
-    area = auroc_of_items(sheet.p_ood, items.is_scene, resampler)
-    both = sensitivity.value is not None and specificity.value is not None
-    n = sensitivity.n + specificity.n
-    columns = [
-        np.where(known, sheet.called, 0.0) * items.is_scene,
-        known * items.is_scene,
-        np.where(known, sheet.called, 0.0) * ~items.is_scene,
-        known * ~items.is_scene,
-    ]
-    counts = resampler.weights @ resampler.summed(np.stack(columns, axis=1))
-    draws = np.array([d_prime(*row) for row in counts.tolist()] if both else [], np.float64)
+    balanced = discriminability = auroc = Estimate()
+    if sensitivity.value is not None and specificity.value is not None:
+        known = np.isfinite(sheet.called)
+        n, units = sensitivity.n + specificity.n, resampler.count(known)
+        both = (replicates["notice"] + replicates["specificity"]) / 2
+        balanced = Estimate(
+            value=(sensitivity.value + specificity.value) / 2,
+            n=n,
+            interval=percentiles(both, units),
+        )
+        called = np.where(known, sheet.called, 0.0)
+        sides = (items.is_scene, ~items.is_scene)
+        columns = [values * side for side in sides for values in (called, known)]
+        counts = resampler.weights @ resampler.summed(np.stack(columns, axis=1))
+        draws = np.array([d_prime(*row) for row in counts.tolist()], np.float64)
+        alarms = specificity.n - specificity.hits
+        discriminability = Estimate(
+            value=d_prime(sensitivity.hits, sensitivity.n, alarms, specificity.n),
+            n=n,
+            interval=percentiles(draws, units),
+        )
+    if area := auroc_of_items(sheet.p_ood, items.is_scene, resampler):
+        auroc = Estimate(value=area[0], n=int(np.isfinite(sheet.p_ood).sum()), interval=area[1])
     return Detection(
         sensitivity=sensitivity,
         specificity=specificity,
         alarms=rates["alarms"],
         alarms_by_kind=_by_kind(study, sheet, sheet.called, ~items.is_scene),
-        balanced_accuracy=Estimate(
-            value=((sensitivity.value or 0) + (specificity.value or 0)) / 2 if both else None,
-            n=n if both else 0,
-            interval=percentiles(balanced, units) if both else None,
-        ),
+        balanced_accuracy=balanced,
         with_missing_wrong=_worst_balanced(study, sheet, sensitivity, specificity),
-        auroc=Estimate(
-            value=area[0] if area else None,
-            n=int(np.isfinite(sheet.p_ood).sum()) if area else 0,
-            interval=area[1] if area else None,
-        ),
-        d_prime=Estimate(
-            value=d_prime(
-                sensitivity.hits, sensitivity.n, specificity.n - specificity.hits, specificity.n
-            ),
-            n=n if both else 0,
-            interval=percentiles(draws, units) if both else None,
-        ),
+        auroc=auroc,
+        d_prime=discriminability,
         stated=int(sheet.stated.sum()),
     )
 

@@ -1,6 +1,7 @@
 """A reanalysis of the paper's table: what its numbers show, and what they cannot show."""
 
-from typing import ClassVar, Literal
+from itertools import combinations
+from typing import Literal, get_args
 
 from oodscen import _paper as paper
 from oodscen.data._base import Data
@@ -13,16 +14,15 @@ N = paper.PATHS * paper.PER_PATH
 """Scenes of the paper, ten on each of 13 paths."""
 ALPHA = 0.05
 
-TASKS: tuple[Literal["aspect", "control"], ...] = ("aspect", "control")
+Task = Literal["aspect", "control"]
+TASKS: tuple[Task, ...] = get_args(Task)
 
 
 class PaperRow(Data):
     """One cell of the paper's table with its uncertainty."""
 
-    noun: ClassVar[str] = "row"
-
     model: str
-    task: Literal["aspect", "control"]
+    task: Task
     hits: int
     n: int = N
     value: float
@@ -42,9 +42,7 @@ class PaperComparison(Data):
     stronger was too, or the two disagree as often as the totals allow.
     """
 
-    noun: ClassVar[str] = "comparison"
-
-    task: Literal["aspect", "control"]
+    task: Task
     first: str
     second: str
     difference: float
@@ -63,8 +61,6 @@ class PaperComparison(Data):
 
 class PaperExample(Data):
     """The paper's table of 130 scenes with intervals, comparisons and the baseline it lacks."""
-
-    noun: ClassVar[str] = "worked example"
 
     icc: float
     """Assumed intraclass correlation within a path."""
@@ -174,7 +170,7 @@ def _lead(
     return first, max(getattr(c, field) for c in lead)
 
 
-def _row(model: str, task: Literal["aspect", "control"], hits: int, effect: float) -> PaperRow:
+def _row(model: str, task: Task, hits: int, effect: float) -> PaperRow:
     low, high = wilson(hits, N)
     wide_low, wide_high = wilson(hits / effect, N / effect)
     return PaperRow(
@@ -189,11 +185,8 @@ def _row(model: str, task: Literal["aspect", "control"], hits: int, effect: floa
     )
 
 
-def _pairs(
-    rows: tuple[PaperRow, ...], task: Literal["aspect", "control"], effect: float
-) -> list[PaperComparison]:
-    mine = [row for row in rows if row.task == task]
-    pairs = [(a, b) for index, a in enumerate(mine) for b in mine[index + 1 :]]
+def _pairs(rows: tuple[PaperRow, ...], task: Task, effect: float) -> list[PaperComparison]:
+    pairs = list(combinations([row for row in rows if row.task == task], 2))
     plain = [two_proportions(a.hits, N, b.hits, N) for a, b in pairs]
     wide = [
         two_proportions(a.hits / effect, N / effect, b.hits / effect, N / effect) for a, b in pairs

@@ -2,7 +2,6 @@
 
 import math
 from statistics import NormalDist
-from typing import ClassVar
 
 from oodscen._numbers import finite_number, whole_number
 from oodscen.data._base import Data
@@ -15,8 +14,6 @@ _LEAST = 1e-9
 
 class SampleSize(Data):
     """The number of scenes that a comparison needs."""
-
-    noun: ClassVar[str] = "sample size"
 
     first: float
     second: float
@@ -156,16 +153,7 @@ def power_of(
 ) -> float:
     """Return the probability that a number of scenes shows the difference between two success rates.
 
-    Args:
-        first: Success rate of one model, between 0 and 1.
-        second: Success rate of the other model.
-        scenes: Scenes per model.
-        paired: As in `scenes_needed`.
-        agreement: As in `scenes_needed`.
-        alpha: As in `scenes_needed`.
-        comparisons: As in `scenes_needed`.
-        per_path: As in `scenes_needed`.
-        icc: As in `scenes_needed`.
+    The arguments are those of `scenes_needed`.
 
     Raises:
         UsageError: If an argument is out of range.
@@ -220,7 +208,7 @@ def _check(
     for name, rate in (("the first rate", first), ("the second rate", second), ("alpha", alpha)):
         finite_number(name, rate, _LEAST, 1 - _LEAST)
     if abs(first - second) < _LEAST:
-        raise UsageError("equal rates cannot be told apart by any number of scenes")
+        raise UsageError("no number of scenes can tell equal rates apart")
     finite_number("agreement, a correlation,", agreement, -1, 1)
     finite_number("icc", icc, 0, 1)
     whole_number("comparisons", comparisons, 1)

@@ -1,4 +1,4 @@
-"""Requirements on models: met, failed, or not to be told yet, with at most 5 % of boards in error.
+"""Requirements on models: met, failed, or not decided yet, with at most 5 % of boards in error.
 
 A requirement is a list of bars. A model meets it if every bar is shown to be reached, so that each is tested at
 the whole level (an intersection-union test); it fails if one is shown to be missed, each tested at its share of
@@ -10,7 +10,7 @@ the probability of any false word on a board is at most 5 %. Whole paths are the
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -27,7 +27,6 @@ ALPHA = 0.05
 """The largest probability of any false "meets" or "fails" on a board."""
 
 Grade = Literal["meets", "fails", "cannot tell yet"]
-
 _BAR = re.compile(r"\s*([a-z-]+)\s*(>=|<=)\s*(\d+(?:\.\d*)?|\.\d+)\s*(%?)\s*")
 
 FIGURES = {
@@ -46,8 +45,6 @@ FIGURES = {
 class Bar(Data):
     """A bound on one figure."""
 
-    noun: ClassVar[str] = "requirement"
-
     figure: str
     sign: Literal[">=", "<="]
     value: float
@@ -59,8 +56,6 @@ class Bar(Data):
 
 class BarResult(Data):
     """One bar, and one model's figure."""
-
-    noun: ClassVar[str] = "result"
 
     bar: Bar
     share: float | None
@@ -78,13 +73,11 @@ class BarResult(Data):
 class RequirementResult(Data):
     """The grade of a model, or of a driving stack, against a requirement."""
 
-    noun: ClassVar[str] = "result"
-
     name: str
     """Name of the judged model, or of the driving stack."""
     grade: Grade
     more_scenes: int | None = None
-    """Scenes of further paths that would tell, if all figures stayed as they are; `None` if told already, or
+    """Scenes of further paths that would decide, if all figures stayed as they are; `None` if it is decided, or
     if the figures lie at the bar or have no answers."""
     bars: tuple[BarResult, ...]
 
@@ -97,7 +90,7 @@ class RequirementResult(Data):
 
     @property
     def words(self) -> str:
-        """The grade, with the number of further scenes that would tell."""
+        """The grade, with the number of further scenes that would decide."""
         if self.grade != "cannot tell yet":
             return self.grade
         if self.more_scenes is None:
@@ -106,11 +99,7 @@ class RequirementResult(Data):
 
 
 def parse_requirement(text: str, known: Mapping[str, str] = FIGURES) -> tuple[Bar, ...]:
-    """Return the bars of a text such as `safe>=0.9,needless<=5%`.
-
-    Args:
-        text: The requirement.
-        known: The figures on which a bar can be put, by name.
+    """Return the bars of a text such as `safe>=0.9,needless<=5%`, on the known figures.
 
     Raises:
         UsageError: If it is malformed, or names an unknown figure.
@@ -119,14 +108,14 @@ def parse_requirement(text: str, known: Mapping[str, str] = FIGURES) -> tuple[Ba
     for part in text.split(","):
         found = _BAR.fullmatch(part)
         if found is None:
-            raise UsageError(f"{part.strip()!r} is no requirement; write one such as safe>=0.9")
+            raise UsageError(f"{part.strip()!r} is not a requirement: expected, e.g., safe>=0.9")
         name, sign, number, percent = found.groups()
         value = float(number) / (100 if percent else 1)
         if name not in known:
             raise UsageError(f"no figure is called {name!r}; there are {', '.join(known)}")
         if not 0 <= value <= 1:
             raise UsageError(f"the bar of {name} must lie between 0 and 1")
-        bars.append(Bar.parse({"figure": name, "sign": sign, "value": value}))
+        bars.append(Bar(figure=name, sign=sign, value=value))
     return tuple(bars)
 
 
@@ -140,12 +129,7 @@ def requirements(
 ) -> list[RequirementResult]:
     """Return the grade of every model, in order of their names; references and the paper's protocol have none.
 
-    Args:
-        verdicts: Verdicts of any models.
-        episodes: Episodes of scenes and ordinary drives.
-        scenarios: The scenarios, which give the path of each scene.
-        bars: At least one.
-        seed: Seed of the tests.
+    `episodes` are those of scenes and ordinary drives; `bars` holds at least one.
     """
     items = Items.of(list(episodes), {one.id: one for one in scenarios})
     grouped: dict[str, list[Verdict]] = {}
@@ -169,20 +153,16 @@ def _grade(
         ratio = known[bar.figure]
         values = np.where(ratio.is_there, ratio.above, np.nan)
         tests.append(RequirementTest(items.clusters, values, ratio.missing(sheet), bar, seed))
-    per_path = items.count(items.is_scene) / max(len(set(items.clusters)), 1)
+    per_path = int(items.is_scene.sum()) / max(len(set(items.clusters)), 1)
     return grade_of(model, tests, level, per_path)
 
 
 def grade_of(
     name: str, tests: Sequence["RequirementTest"], level: float, per_path: float
 ) -> RequirementResult:
-    """Return the grade of one model, or driving stack, by the tests of its bars.
+    """Return the grade of a model or a driving stack by the tests of its bars.
 
-    Args:
-        name: Name of the model or the stack.
-        tests: One test per bar.
-        level: The largest probability of a false word about it.
-        per_path: Mean number of scenes of a path.
+    `level` is the largest probability of a false word about it, `per_path` its mean number of scenes of a path.
     """
     results = tuple(test.result() for test in tests)
     level_each = level / len(tests)
@@ -206,7 +186,7 @@ def _times(
     level: float,
     level_each: float,
 ) -> float | None:
-    """Return how many times as large the study must be to tell, if its figures stay as they are."""
+    """Return how many times as large the study must be to decide, if its figures stay as they are."""
     falling = [t for test in tests if (t := test.times(level_each, is_met=False)) is not None]
     if falling:
         return min(falling)

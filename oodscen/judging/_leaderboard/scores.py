@@ -1,7 +1,7 @@
 """The scores of a leaderboard's rows: rates, figures and comparisons."""
 
 from collections.abc import Sequence
-from typing import ClassVar, Literal
+from typing import Literal, get_args
 
 from oodscen.data._base import Data
 from oodscen.data._verdict import Protocol, is_without_pictures
@@ -9,21 +9,17 @@ from oodscen.statistics._intervals import Interval
 from oodscen.statistics._significance import PairedTest
 
 Task = Literal["detection", "open", "closed", "control"]
-TASKS: tuple[Task, ...] = ("detection", "open", "closed", "control")
+TASKS: tuple[Task, ...] = get_args(Task)
 """The tasks in which answerers are compared; Holm's correction treats each as one family."""
 
 PRIVILEGED = "oracle"
-"""The reference that is told the truth: a ceiling, never a baseline to beat."""
-
-
+"""The reference that knows the truth: a ceiling, never a baseline to beat."""
 BLIND = ("constant:", "random", "blind")
 """Beginnings of the names of references that see no picture."""
 
 
 class Rate(Data):
     """A count out of a number of items."""
-
-    noun: ClassVar[str] = "rate"
 
     hits: int = 0
     n: int = 0
@@ -42,8 +38,6 @@ class Rate(Data):
 class Estimate(Data):
     """A figure other than a plain count."""
 
-    noun: ClassVar[str] = "figure"
-
     value: float | None = None
     n: int = 0
     interval: Interval | None = None
@@ -51,8 +45,6 @@ class Estimate(Data):
 
 class Detection(Data):
     """Task 1, detection: is anything out of the ordinary? Asked about scenes and their ordinary twins."""
-
-    noun: ClassVar[str] = "detection"
 
     sensitivity: Rate = Rate()
     """Scenes that were called out of the ordinary."""
@@ -77,8 +69,6 @@ class Detection(Data):
 class Identification(Data):
     """Task 1, identification: which aspect is unusual? Asked about scenes."""
 
-    noun: ClassVar[str] = "identification"
-
     open: Rate = Rate()
     """Answers in the model's own words, scored by the matcher or a judge."""
     open_shown: Rate = Rate()
@@ -93,8 +83,6 @@ class Identification(Data):
 
 class ActionScore(Data):
     """Task 2, control: choose an action, which the simulator executed."""
-
-    noun: ClassVar[str] = "control"
 
     safe: Rate = Rate()
     """Over all scenes: the ego touched nothing, stayed on the road and ran no red light."""
@@ -119,8 +107,6 @@ class ActionScore(Data):
 class Gain(Data):
     """The lead over another answerer on the same items."""
 
-    noun: ClassVar[str] = "gain"
-
     against: str
     """Model of the other row."""
     figure: Literal["notice", "act"]
@@ -130,8 +116,6 @@ class Gain(Data):
 
 class PairedScores(Data):
     """The main figures: right about a scene and about the ordinary drives that go with it."""
-
-    noun: ClassVar[str] = "paired score"
 
     notice: Rate = Rate()
     """Scenes that are called out of the ordinary while none of their ordinary drives is."""
@@ -151,8 +135,6 @@ class PairedScores(Data):
 class SceneGroup(Data):
     """The scenes of one class, family or path."""
 
-    noun: ClassVar[str] = "group"
-
     level: Literal["class", "family", "path"]
     name: str
     parent: str = ""
@@ -168,8 +150,6 @@ class SceneGroup(Data):
 class Confusion(Data):
     """The number of times that the closed question took one path for another."""
 
-    noun: ClassVar[str] = "confusion"
-
     truth: str
     """Leaf id."""
     chosen: str
@@ -179,8 +159,6 @@ class Confusion(Data):
 
 class LeaderboardRow(Data):
     """One row of the leaderboard."""
-
-    noun: ClassVar[str] = "standing"
 
     model: str
     kind: Literal["model", "reference"] = "model"
@@ -217,8 +195,6 @@ class LeaderboardRow(Data):
 class ModelComparison(Data):
     """The comparison of two answerers on the same items."""
 
-    noun: ClassVar[str] = "comparison"
-
     task: Task
     against: Literal["model", "floor"]
     """Another model, or the best reference that does not know the truth."""
@@ -239,8 +215,6 @@ class ModelComparison(Data):
 
 class ActionTally(Data):
     """The outcomes of one action over the scenes."""
-
-    noun: ClassVar[str] = "action tally"
 
     action: str
     safe: int = 0

@@ -19,20 +19,14 @@ def sentences(board: "Leaderboard") -> list[str]:
     if not models:
         return _without_models(board)
     found = [sentence for row in models for sentence in (_main(row), _unfinished(board, row))]
-    found.append(constants(board))
-    found.append(
-        f"This rests on {board.scenes} scenes of {board.paths} kinds. Brackets hold 95{_GAP}% intervals."
-    )
-    return [sentence for sentence in found if sentence]
-
-
-_SHOWN_CONSTANTS = ("stop", "emergency_brake", "keep_speed")
+    rest = f"This rests on {board.scenes} scenes of {board.paths} kinds. Brackets hold 95{_GAP}% intervals."
+    return [sentence for sentence in (*found, constants(board), rest) if sentence]
 
 
 def constants(board: "Leaderboard") -> str:
     """Return the sentence on what the same action everywhere reaches; empty without ordinary drives."""
     parts = []
-    for action in _SHOWN_CONSTANTS:
+    for action in ("stop", "emergency_brake", "keep_speed"):
         row = board.standing(f"constant:{action}")
         if row is not None and row.paired.act.value is not None:
             kinds = ", ".join(
@@ -79,14 +73,20 @@ def _main(row: LeaderboardRow) -> str:
         )
     if not parts:
         return f"{row.model} gave no answer that can be scored."
-    missing = paired.notice.missing + paired.act.missing
-    worst = (
-        f" With its missing answers counted as wrong: {percent(paired.notice.with_missing_wrong)} and "
+    found = f"{row.model} {', and '.join(parts)}."
+    if not paired.notice.missing + paired.act.missing:
+        return found
+    return (
+        f"{found} With its missing answers counted as wrong: {percent(paired.notice.with_missing_wrong)} and "
         f"{percent(paired.act.with_missing_wrong)}."
-        if missing
-        else ""
     )
-    return f"{row.model} {', and '.join(parts)}.{worst}"
+
+
+def lead(difference: float, than: str) -> str:
+    """Return a difference of two shares in words."""
+    return (
+        f"{abs(100 * difference):.0f} points {'more' if difference >= 0 else 'fewer'} than {than}"
+    )
 
 
 def _gain(scores: PairedScores, figure: str) -> str:
@@ -96,9 +96,7 @@ def _gain(scores: PairedScores, figure: str) -> str:
     parts = []
     for one, whom in against:
         if one.figure == figure and one.difference.value is not None:
-            points = 100 * one.difference.value
-            word = "more" if points >= 0 else "fewer"
-            parts.append(f"{abs(points):.0f} points {word} than {whom}")
+            parts.append(lead(one.difference.value, whom))
     return f" ({', '.join(parts)})" if parts else ""
 
 

@@ -40,9 +40,7 @@ def read_action(text: str, offered: Sequence[str] = ACTIONS) -> ParsedAnswer[str
 def read_choice(text: str, labels: Mapping[str, str]) -> ParsedAnswer[str]:
     """Return the chosen option of the closed question, given by its number or its label.
 
-    Args:
-        text: A model's answer.
-        labels: Text of every option by id, in the order in which they were offered.
+    `labels` holds the text of every option by id, in the order in which they were offered.
     """
     words = {name: re.escape(fold(tidy(label))) for name, label in labels.items()}
     return _read(text, list(labels), _marking(words, is_numbered=True), _CHOICE, is_numbered=True)
@@ -110,10 +108,8 @@ def _read(
 def _marking(words: Mapping[str, str], *, is_numbered: bool = False) -> Marking:
     """Return a function that replaces the options that prose names with characters.
 
-    Args:
-        words: Pattern by name, in the order in which the options were offered.
-        is_numbered: Whether they were offered with numbers. If so, the longest label matches first; otherwise the
-            patterns match in the order of `_ACTION_WORDS`.
+    `words` holds a pattern by name, in the order in which the options were offered. If they were offered with
+    numbers, the longest label matches first; otherwise the patterns match in the order of `_ACTION_WORDS`.
     """
     places = {name: place for place, name in enumerate(list(words)[:_MOST])}
     rank = {name: place for place, name in enumerate(_ACTION_WORDS)}

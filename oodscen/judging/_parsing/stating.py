@@ -41,7 +41,7 @@ def number(option: str) -> int:
 
 
 def _sentences(plain: str) -> list[str]:
-    """Return the sentences; what stands before ", so I would" is one of its own."""
+    """Return the sentences; the words before ", so I would" are a sentence too."""
     plain = re.sub(r"[:,]\n", lambda found: f"{found[0][0]} ", plain)
     plain = re.sub(rf"({OPTION})(?:[\s(:,=.\u2013-]{{1,3}}\1)+\)?", r"\1", plain)
     plain = _SO_THEN.sub(".\n", _READY.sub("", plain))
@@ -187,15 +187,13 @@ def is_against(plain: str, option: int | None = None) -> bool:
     return any(
         _DISOWNS.search(sentence)
         or any(
-            number(found[1] or found[2]) == option and not _is_weighed(sentence[: found.end()])
+            number(found[1] or found[2]) == option
+            and not _CONDITIONAL.search(sentence, 0, found.end())
+            and not _OTHERS.search(sentence, 0, found.end())
             for found in _AGAINST.finditer(sentence)
         )
         for sentence in re.split(r"(?<=[.!?;])\s+|\n+", plain)
     )
-
-
-def _is_weighed(words: str) -> bool:
-    return bool(_CONDITIONAL.search(words) or _OTHERS.search(words))
 
 
 _BAD = (
@@ -223,7 +221,7 @@ _DISOWNS = re.compile(
     r"|as an? (?:ai )?language model|i (?:cannot|can't|won't|will not|refuse to|decline to) (?:help|assist|comply|answer)"
     r"|(?:do not|don't|never) (?:do|use|take|choose|follow|trust) (?:this|that|it)|(?:ignore|disregard) (?:this|that|the (?:answer|action)))\b"
 )
-"""Matches a sentence that disowns the answer beside it, and reasons that are none."""
+"""Matches a sentence that disowns the answer beside it, and placeholders for reasons."""
 _CONDITIONAL = re.compile(r"\b(?:if|unless|otherwise|when|where)\b")
 _OTHERS = re.compile(
     r"\b(?:it(?! would be)|he|she|they|others?|(?:the|a|an) (?!ego\b|self\b|autonomous\b)\w+)(?: \w+){0,2}"

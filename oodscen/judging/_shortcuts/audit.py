@@ -1,8 +1,8 @@
-"""The audit: how well rare can be told from ordinary without understanding, by every shortcut known."""
+"""The audit: how well every known shortcut separates rare from ordinary drives without understanding them."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -35,8 +35,6 @@ because scenes are made so.
 class ShortcutScore(Data):
     """The score of one shortcut."""
 
-    noun: ClassVar[str] = "shortcut"
-
     name: str
     needs: Needs
     method: str
@@ -49,8 +47,6 @@ class ShortcutScore(Data):
 
 class Audit(Data):
     """The scores of all shortcuts, by cross-validation over whole paths."""
-
-    noun: ClassVar[str] = "audit"
 
     schema_version: Literal[1] = 1
     scenes: int
@@ -75,7 +71,13 @@ class Audit(Data):
         head = ("shortcut", "needs", "method", "AUROC", "balanced accuracy")
         cells = [head]
         cells += [
-            (row.name, row.needs, row.method, _cell(row.auroc, 2), _cell(row.balanced_accuracy, 0))
+            (
+                row.name,
+                row.needs,
+                row.method,
+                _cell(row.auroc, ".2f"),
+                _cell(row.balanced_accuracy, ".1%"),
+            )
             for row in self.rows
         ]
         widths = [max(len(row[at]) for row in cells) for at in range(len(head))]
@@ -89,17 +91,12 @@ class Audit(Data):
         )
 
 
-def _cell(found: Estimate, digits: int) -> str:
+def _cell(found: Estimate, form: str) -> str:
     if found.value is None:
         return "-"
-
-    def shown(value: float) -> str:
-        return f"{value:.2f}" if digits else f"{value:.1%}"
-
-    between = found.interval
-    return shown(found.value) + (
-        f" [{shown(between.low)}, {shown(between.high)}]" if between else ""
-    )
+    ends = found.interval
+    between = f" [{ends.low:{form}}, {ends.high:{form}}]" if ends else ""
+    return f"{found.value:{form}}{between}"
 
 
 def source(episodes: Iterable[Episode]) -> str:
@@ -124,12 +121,7 @@ def audit(
 ) -> Audit:
     """Return the scores of all shortcuts on the scenes of a study and their ordinary drives.
 
-    Args:
-        episodes: Episodes of scenes and ordinary drives.
-        scenes: The scenes, for maps and weather.
-        scenarios: The scenarios, which give the path of each scene.
-        folder: Folder that the names of the frames are relative to.
-        seed: Seed of the classifiers and of the resampling.
+    Names of frames are relative to `folder`; the seed is that of the classifiers and of the resampling.
 
     Raises:
         StudyError: If fewer than two paths have a scene with an ordinary drive.
@@ -154,36 +146,33 @@ def audit(
         (guess for guess, needs, _ in guesses if needs in _FLOOR),
         key=lambda guess: guess.balanced(task.is_rare),
     )
-    sizes = [float(_size(folder, one)) for one in ran]
-    place = {one.scene_id: at for at, one in enumerate(ran)}
-    owners = np.array(
-        [-1 if o < 0 else place[items.episodes[o].scene_id] for o in items.owners[there].tolist()]
-    )
-    table.append(_pairs(np.array(sizes), owners, resampler))
+    place = {row: at for at, row in enumerate(rows)}
+    owners = np.array([place.get(owner, -1) for owner in items.owners[there].tolist()])
+    table.append(_pairs(ran, owners, folder, resampler))
     return Audit(
         scenes=int(task.is_rare.sum()),
         ordinary={
             kind: int((kinds == kind).sum()) for kind in sorted(set(kinds.tolist()) - {"rare"})
         },
         paths=resampler.units,
-        rows=tuple(
-            sorted(
-                table,
-                key=lambda row: (_is_apart(row), -(row.balanced_accuracy.value or 0.0)),
-            )
-        ),
+        rows=tuple(sorted(table, key=_rank)),
         best=best.name,
-        calls={one.scene_id: bool(call) for one, call in zip(ran, best.is_called, strict=True)},
+        calls=best.calls(ran),
         made_from=source(episodes),
     )
 
 
-def _is_apart(row: ShortcutScore) -> tuple[bool, bool]:
-    """Return the place of a row below all that can be shown, which is last for outcomes."""
-    return row.needs == "outcomes", row.needs == "exact places"
+def _rank(row: ShortcutScore) -> tuple[bool, bool, float]:
+    """Return the place of a row: outcomes last, exact places before them, the others best first."""
+    return (
+        row.needs == "outcomes",
+        row.needs == "exact places",
+        -(row.balanced_accuracy.value or 0.0),
+    )
 
 
 Made = tuple[Guess, Needs, str]
+"""The calls of a shortcut, what it needs, and its method."""
 
 
 def _guesses(
@@ -197,11 +186,11 @@ def _guesses(
     together = np.stack(list(known.values()), axis=1)
     name = "distances, counts and pixels together"
     found.append((task.boosted(name, together), "ground truth", "gradient boosting"))
-    places = facts.exact_places(ran)
+    places = np.array([facts.nearest_places(one.sketch) for one in ran], np.float64)
     name = "exact places of the nearest bodies"
     found.append((task.boosted(name, places), "exact places", "gradient boosting"))
-    for name, values in facts.action_priors(ran).items():
-        found.append((task.rule(name, values), "outcomes", "rule"))
+    fails = np.array([facts.keeping_fails(one) for one in ran], np.float64)
+    found.append((task.rule("keeping the speed fails", fails), "outcomes", "rule"))
     for name, columns in facts.settings(ran, scenes).items():
         found.append((task.linear(name, columns), "settings", "logistic regression"))
     for moment in ("last", "first"):
@@ -309,13 +298,15 @@ def _score(
     )
 
 
-def _size(folder: Path, episode: Episode) -> int:
-    file = folder / episode.frames.get("last", "missing")
-    return file.stat().st_size if file.is_file() else 0
+def _pairs(
+    ran: Sequence[Episode], owners: np.ndarray[Any, Any], folder: Path, resampler: Resampler
+) -> ShortcutScore:
+    """Return the share of ordinary drives whose scene has the larger picture file; equal sizes count half.
 
-
-def _pairs(sizes: Floats, owners: np.ndarray[Any, Any], resampler: Resampler) -> ShortcutScore:
-    """Return the share of ordinary drives whose scene has the larger picture file; equal sizes count half."""
+    `owners` [n] are the places of the drives' scenes, -1 for scenes.
+    """
+    files = [folder / one.frames.get("last", "missing") for one in ran]
+    sizes = np.array([file.stat().st_size if file.is_file() else 0.0 for file in files])
     has = owners >= 0
     wins: Floats = np.where(has, np.sign(sizes[owners] - sizes) * 0.5 + 0.5, np.nan).astype(
         np.float64

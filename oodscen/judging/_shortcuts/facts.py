@@ -19,8 +19,6 @@ FAR_M = 1_000.0
 NEAR_M = 40.0
 """The distance of the fixed rule, m."""
 _HALF_LANE_M = 1.75
-KEEPING = "keeping the speed fails"
-"""Name of the rule on the outcome of keeping the speed."""
 THUMBNAIL = (16, 12)
 """Columns and rows."""
 
@@ -56,7 +54,7 @@ def swept_distance(drawn: Sketch | None) -> float:
 
 
 def nearest_places(drawn: Sketch | None) -> list[float]:
-    """Return where the middles of the three nearest bodies ahead are: metres ahead and to the left of each."""
+    """Return how far ahead and to the left the middles of the three nearest bodies ahead are: 6 numbers, m."""
     ahead = sorted(
         (body.x, body.y)
         for name, body in (drawn.bodies.items() if drawn else ())
@@ -67,7 +65,7 @@ def nearest_places(drawn: Sketch | None) -> list[float]:
 
 
 def keeping_fails(episode: Episode) -> float:
-    """Return 1 if keeping the speed is unsafe, 0 if it is safe, and one half if it is neither or not known."""
+    """Return 1 if keeping the speed is unsafe, 0 if it is safe, and 0.5 otherwise."""
     outcome = episode.actions.get("keep_speed")
     if outcome is None:
         return 0.5
@@ -87,19 +85,6 @@ def ground_truth(episodes: Sequence[Episode]) -> dict[str, Floats]:
         "pixels of visible actors": [sum(one.values()) for one in seen],
     }
     return {name: np.array(values, np.float64) for name, values in rows.items()}
-
-
-def exact_places(episodes: Sequence[Episode]) -> Floats:
-    """Return the places of the three nearest bodies ahead, exact as no picture shows them: [n, 6], m."""
-    return np.array([nearest_places(one.sketch) for one in episodes], np.float64)
-
-
-def action_priors(episodes: Sequence[Episode]) -> dict[str, Floats]:
-    """Return what the outcomes of the actions tell, by name: [n] each.
-
-    A scene is made so that going on fails, so this is next to the truth itself and no floor.
-    """
-    return {KEEPING: np.array([keeping_fails(one) for one in episodes], np.float64)}
 
 
 def settings(episodes: Sequence[Episode], scenes: Mapping[str, Scene]) -> dict[str, Floats]:

@@ -1,14 +1,19 @@
 """Rules of one number, with the threshold and the direction learnt on other paths."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 
+from oodscen.data._episode import Episode
+from oodscen.data._verdict import Verdict, verdict_id
 from oodscen.judging._items import Items, Mask
 from oodscen.judging._shortcuts.facts import ground_truth
 from oodscen.statistics._intervals import Floats
+
+Calls = tuple[str, Mapping[str, bool]]
+"""The name of a shortcut, and by item whether it calls it out of the ordinary."""
 
 FOLDS = 5
 _THRESHOLDS = 100
@@ -39,6 +44,11 @@ class Guess:
         """Return the mean of the shares of rare and ordinary items that are called rightly."""
         return float(self.is_called[is_rare].mean() + (~self.is_called[~is_rare]).mean()) / 2
 
+    def calls(self, episodes: Sequence[Episode]) -> dict[str, bool]:
+        """Return by scene id whether an item is called out of the ordinary."""
+        names = [one.scene_id for one in episodes]
+        return dict(zip(names, self.is_called.tolist(), strict=True))
+
 
 def _learnt(values: Floats, is_rare: Mask) -> tuple[float, float]:
     """Return the direction and the threshold with the best balanced accuracy."""
@@ -63,7 +73,7 @@ def folds_of(clusters: Sequence[str]) -> Floats:
 
 
 def is_audited(items: Items) -> Mask:
-    """[n] Return the items that are judged: those of scenes whose hazard can be named, with an ordinary drive."""
+    """Return [n] the items of scenes whose hazard can be named, and that have an ordinary drive."""
     scene = np.where(items.owners >= 0, items.owners, np.arange(len(items.episodes)))
     paired = np.zeros(len(items.episodes), np.bool_)
     paired[items.owners[items.owners >= 0]] = True
@@ -72,14 +82,35 @@ def is_audited(items: Items) -> Mask:
     return is_known & paired[scene] & named[scene] if len(scene) else is_known
 
 
-def best_rule(items: Items) -> tuple[Guess, Mask] | None:
-    """Return the best rule on the bodies that the simulator knows, over the audited items; `None` without two paths."""
-    there = is_audited(items)
-    rows: list[int] = np.flatnonzero(there).tolist()
+def rule_calls(items: Items) -> Calls | None:
+    """Return the calls of the best rule on the bodies that the simulator knows; `None` without two paths."""
+    rows: list[int] = np.flatnonzero(is_audited(items)).tolist()
     clusters = [items.clusters[row] for row in rows]
     if len(set(clusters)) < 2:
         return None
-    rare, folds = items.is_scene[there], folds_of(clusters)
-    facts = ground_truth([items.episodes[row] for row in rows])
+    episodes = [items.episodes[row] for row in rows]
+    rare, folds = items.is_scene[rows], folds_of(clusters)
+    facts = ground_truth(episodes)
     guesses = [Guess.of(name, values, rare, folds) for name, values in facts.items()]
-    return max(guesses, key=lambda guess: guess.balanced(rare)), there
+    best = max(guesses, key=lambda guess: guess.balanced(rare))
+    return best.name, best.calls(episodes)
+
+
+def shortcut_verdicts(items: Items, calls: Calls | None) -> list[Verdict]:
+    """Return the calls of a shortcut as verdicts of a reference, which has no action and names nothing."""
+    if calls is None:
+        return []
+    name, by_item = calls
+    model = f"shortcut: {name}"
+    return [
+        Verdict(
+            id=verdict_id(item, model),
+            scene_id=item,
+            model=model,
+            kind="reference",
+            is_ordinary=not items.is_scene[items.index[item]],
+            is_ood=is_called,
+        )
+        for item, is_called in by_item.items()
+        if item in items.index
+    ]

@@ -14,7 +14,6 @@ texts, not with driving in general.
 """
 
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +31,6 @@ _STEP = 512
 
 class Calibration(Data):
     """The OOD-ness of a set relative to that of held-out groups of the baseline."""
-
-    noun: ClassVar[str] = "calibration"
 
     percentiles: tuple[float, ...]
     """One per text, in [0, 100]."""
@@ -53,9 +50,7 @@ class Calibration(Data):
 def held_out_scores(vectors: Vectors, seed: int = 0) -> tuple[NDArray[np.float64], int]:
     """Return the scores of a baseline's texts against all groups but their own.
 
-    Args:
-        vectors: [N, d], rows of unit length or zero; at least two.
-        seed: Seed of the sample that represents a baseline of more than 20,000 texts.
+    A baseline of more than 20,000 texts is represented by a sample.
 
     Returns:
         OOD-ness (`tabulated`) of up to 2,000 texts, and the number of groups. If all texts fall into one
@@ -84,11 +79,7 @@ def separate_groups(vectors: Vectors) -> NDArray[np.int64]:
 
 
 def like_groups(vectors: Vectors, threshold: float = _ALIKE) -> NDArray[np.int64]:
-    """Group rows by similarity: each row joins the first group leader that it resembles, or becomes one.
-
-    Returns:
-        [n], number of the group, in order of appearance.
-    """
+    """Return [n] groups, numbered in order: each row joins the first leader that it resembles, or becomes one."""
     n = len(vectors)
     group = np.full(n, -1, np.int64)
     leaders = np.empty_like(vectors)

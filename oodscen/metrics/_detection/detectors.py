@@ -27,6 +27,7 @@ the baseline, mu and Sigma their mean and covariance.
 `docs/metrics.md` reports which is best, with error rates.
 """
 
+import re
 from collections.abc import Callable, Sequence
 from typing import Literal, get_args
 
@@ -35,7 +36,6 @@ from numpy.typing import NDArray
 
 from oodscen.encoders._similarity import Vectors, largest, nearest, unit
 from oodscen.errors import UnknownComponent
-from oodscen.metrics._clauses import clauses
 from oodscen.metrics._detection.anchors import anchors
 
 DetectorName = Literal["kth", "mahalanobis", "density", "whitened", "events"]
@@ -45,35 +45,34 @@ Encode = Callable[[Sequence[str]], Vectors]
 """Encodes texts to vectors of unit length or zero."""
 Scores = NDArray[np.float64]
 
+_Fitted = Callable[[Sequence[str], Vectors], Scores]
+
 _K = 10
 _SHRUNK = 0.3
 _QUARTER = 0.25
 _STEP = 2048
 
 
-class Detectors:
-    """The detectors of one baseline, each fitted on first use.
+_CUT = re.compile(
+    r"[.;:,?!]\s+|\s[-\u2013\u2014]\s"
+    r"|\s(?=(?:and|but|while|as|where|which|who|because|so|when|before|after|until|behind|towards"
+    r"|with|without)\s)"
+)
+_MOST_CLAUSES = 64
 
-    Args:
-        texts: Texts of the baseline.
-        vectors: [N, d] vectors of the baseline, rows of unit length or zero.
-        encode: Encodes other texts with the same encoder.
-    """
+
+class Detectors:
+    """The detectors of one baseline of [N, d] vectors, each fitted on first use."""
 
     def __init__(self, texts: Sequence[str], vectors: Vectors, encode: Encode) -> None:
         self._texts = texts
         self._vectors = vectors
         self._encode = encode
         self._mean = vectors.mean(axis=0, dtype=np.float64)
-        self._fitted: dict[str, Callable[[Sequence[str], Vectors], Scores]] = {}
+        self._fitted: dict[str, _Fitted] = {}
 
     def score(self, name: DetectorName, texts: Sequence[str], vectors: Vectors) -> Scores:
-        """Return one score per text; higher is more OOD.
-
-        Args:
-            name: Name of the detector.
-            texts: At least one text.
-            vectors: [n, d] vectors of the texts, rows of unit length or zero.
+        """Return one score per text, of which there is at least one; higher is more OOD.
 
         Raises:
             UnknownComponent: If there is no such detector.
@@ -91,11 +90,11 @@ class Detectors:
             self._fitted[name] = fit()
         return self._fitted[name](texts, vectors)
 
-    def _kth(self) -> Callable[[Sequence[str], Vectors], Scores]:
+    def _kth(self) -> _Fitted:
         k = min(_K, len(self._vectors))
         return lambda _, vectors: 0.0 - largest(vectors, self._vectors, k)[0][:, -1]
 
-    def _density(self) -> Callable[[Sequence[str], Vectors], Scores]:
+    def _density(self) -> _Fitted:
         n = len(self._vectors)
         k = min(_K, max(n - 1, 1))
         skip = np.arange(n) if n > 1 else None
@@ -108,7 +107,7 @@ class Detectors:
 
         return score
 
-    def _mahalanobis(self) -> Callable[[Sequence[str], Vectors], Scores]:
+    def _mahalanobis(self) -> _Fitted:
         covariance = self._covariance()
         inverse = np.linalg.pinv(shrunk(covariance, ledoit_wolf(self._vectors - self._mean)))
 
@@ -119,7 +118,7 @@ class Detectors:
 
         return score
 
-    def _whitened(self) -> Callable[[Sequence[str], Vectors], Scores]:
+    def _whitened(self) -> _Fitted:
         values, axes = np.linalg.eigh(self._covariance())
         floor = max(float(values.mean()) * 0.04, 1e-12)
         scale = axes / (np.maximum(values, 0.0) + floor) ** _QUARTER
@@ -129,36 +128,34 @@ class Detectors:
     def _turned(self, vectors: Vectors, scale: NDArray[np.float64]) -> Vectors:
         return unit(((vectors - self._mean) @ scale).astype(np.float32))
 
-    def _events(self) -> Callable[[Sequence[str], Vectors], Scores]:
+    def _events(self) -> _Fitted:
         direction = np.linalg.pinv(shrunk(self._covariance(), _SHRUNK)) @ self._axis()
-        kinds = anchors()[-1]
-        calm, odd = (self._encode([pair[side] for pair in kinds]) for side in (0, 1))
+        calm, odd = (self._encode(side) for side in zip(*anchors()[-1], strict=True))
 
         def leaning(rows: Vectors) -> Scores:
             return np.asarray((rows @ odd.T).max(axis=1) - (rows @ calm.T).max(axis=1), np.float64)
 
+        def measured(
+            vectors: Vectors, parts: Vectors, novelty: Scores, owner: NDArray[np.int64]
+        ) -> tuple[Scores, ...]:
+            return (
+                vectors @ direction,
+                _by_text(parts @ direction, owner, "mean"),
+                _by_text(novelty, owner, "max"),
+                leaning(vectors),
+                _by_text(leaning(parts), owner, "mean"),
+            )
+
         parts, owner = _cut(self._texts)
         known = self._encode(parts)
-        samples = (
-            self._vectors @ direction,
-            _by_text(known @ direction, owner, "mean"),
-            _by_text(_novelty_within(known, owner), owner, "max"),
-            leaning(self._vectors),
-            _by_text(leaning(known), owner, "mean"),
-        )
+        samples = measured(self._vectors, known, _novelty_within(known, owner), owner)
         standards = [_Standard(values) for values in samples]
         weights = np.array([0.5, 0.5, 1.0, 0.25, 0.25])
 
         def score(texts: Sequence[str], vectors: Vectors) -> Scores:
-            own_parts, whose = _cut(texts)
-            found = self._encode(own_parts)
-            values = (
-                vectors @ direction,
-                _by_text(found @ direction, whose, "mean"),
-                _by_text(1.0 - nearest(found, known).cosine, whose, "max"),
-                leaning(vectors),
-                _by_text(leaning(found), whose, "mean"),
-            )
+            parts, owner = _cut(texts)
+            found = self._encode(parts)
+            values = measured(vectors, found, 1.0 - nearest(found, known).cosine, owner)
             placed = [standard(one) for standard, one in zip(standards, values, strict=True)]
             return np.asarray(weights @ np.array(placed), np.float64)
 
@@ -167,8 +164,7 @@ class Detectors:
     def _axis(self) -> NDArray[np.float64]:
         total = np.zeros(self._vectors.shape[1])
         for pairs in anchors():
-            calm = self._encode([pair[0] for pair in pairs]).astype(np.float64)
-            odd = self._encode([pair[1] for pair in pairs]).astype(np.float64)
+            calm, odd = (self._encode(side).astype(np.float64) for side in zip(*pairs, strict=True))
             step = (odd - calm).mean(axis=0)
             total += step / max(float(np.linalg.norm(step)), 1e-12)
         return total
@@ -213,6 +209,17 @@ class _Standard:
 
     def __call__(self, values: NDArray[np.floating]) -> Scores:
         return np.asarray((values - self._mean) / self._spread, np.float64)
+
+
+def clauses(text: str) -> tuple[str, ...]:
+    """Split a text at punctuation and before conjunctions, so that an event is scored apart from its setting.
+
+    Returns:
+        1 to 64 parts of at least two words; the text itself if it cannot be split.
+    """
+    parts = [part.strip(" .,;:?!\t\n") for part in _CUT.split(text)]
+    found = tuple(part for part in parts if len(part.split()) > 1)
+    return found[:_MOST_CLAUSES] or (text,)
 
 
 def _cut(texts: Sequence[str]) -> tuple[list[str], NDArray[np.int64]]:

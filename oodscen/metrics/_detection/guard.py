@@ -17,9 +17,7 @@ The threshold holds for all-MiniLM-L6-v2; for another encoder `calibrated` is fa
 are only a hint.
 """
 
-from collections.abc import Sequence
 from functools import cache
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,15 +31,12 @@ from oodscen.metrics._detection.detectors import Encode
 
 _RIDGE = 0.3
 _NEAREST = 3
-_WEIGHT = 1.0
 THRESHOLD = 0.1
 _CALIBRATED = "all-MiniLM-L6-v2@"
 
 
 class OffTopicFlags(Data):
     """The texts of a set that are not about driving a car."""
-
-    noun: ClassVar[str] = "off-topic flags"
 
     flagged: tuple[int, ...]
     """Indices of the texts that are not about driving, in order."""
@@ -55,19 +50,13 @@ class OffTopicFlags(Data):
 
 
 class Guard:
-    """A fitted off-topic guard; the module docstring describes it.
-
-    Args:
-        encode: Encodes texts to vectors of unit length.
-        encoder: The encoder's name.
-    """
+    """A fitted off-topic guard; the module docstring describes it."""
 
     def __init__(self, encode: Encode, encoder: str) -> None:
         self._encoder = encoder
-        inside = encode(ordinary_driving().texts)
-        outside = encode([*elsewhere(), *(text.text for text in off_topic_texts("tune"))])
-        self._inside, self._outside = inside, outside
-        self._weights = _fitted([(inside, 0.5, 1.0), (outside, 0.5, -1.0)])
+        self._inside = encode(ordinary_driving().texts)
+        self._outside = encode([*elsewhere(), *(text.text for text in off_topic_texts("tune"))])
+        self._weights = _fitted(self._inside, self._outside)
 
     def scores(self, vectors: Vectors) -> NDArray[np.float64]:
         """Return [n] scores of [n, d] vectors; low is off-topic."""
@@ -76,7 +65,7 @@ class Guard:
             largest(vectors, known, _NEAREST)[0].mean(axis=1)
             for known in (self._inside, self._outside)
         )
-        return np.asarray(linear + _WEIGHT * (inside - outside), np.float64)
+        return np.asarray(linear + (inside - outside), np.float64)
 
     def flags(self, vectors: Vectors, threshold: float = THRESHOLD) -> OffTopicFlags:
         """Return the flags of the texts with these vectors, [n, d]."""
@@ -102,13 +91,13 @@ def elsewhere() -> tuple[str, ...]:
     return tuple(line for line in lines if line and not line.startswith("# "))
 
 
-def _fitted(parts: Sequence[tuple[Vectors, float, float]]) -> NDArray[np.float64]:
-    """Return ridge weights, the constant last; each part has a share of the loss and a target."""
-    size = parts[0][0].shape[1] + 1
+def _fitted(inside: Vectors, outside: Vectors) -> NDArray[np.float64]:
+    """Return ridge weights, the constant last, towards 1 inside and -1 outside, which share the loss equally."""
+    size = inside.shape[1] + 1
     left, right = np.eye(size) * _RIDGE, np.zeros(size)
     left[-1, -1] = 1e-9
-    for vectors, share, target in parts:
+    for vectors, target in ((inside, 1.0), (outside, -1.0)):
         wide = np.hstack([vectors.astype(np.float64), np.ones((len(vectors), 1))])
-        left += share / len(wide) * (wide.T @ wide)
-        right += share / len(wide) * target * wide.sum(axis=0)
+        left += 0.5 / len(wide) * (wide.T @ wide)
+        right += 0.5 / len(wide) * target * wide.sum(axis=0)
     return np.asarray(np.linalg.solve(left, right), np.float64)

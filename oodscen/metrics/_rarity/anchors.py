@@ -37,7 +37,7 @@ class PublishedRate(Data):
     kind: Kind = "met"
     grade: Literal["A", "B", "C", "M"] = "A"
     """A from a primary source, B from a secondary one, C with an assumed denominator, M from memory."""
-    km: tuple[float, float, float] = Field()
+    km: tuple[float, float, float]
     """Kilometres between two events: least, best, most."""
     source: str = Field(min_length=1)
     texts: tuple[str, ...] = Field(min_length=1)
@@ -62,8 +62,6 @@ class PublishedRate(Data):
 class Calibration(Data):
     """A map from estimates to published rates, in decimal logarithms of kilometres."""
 
-    noun: ClassVar[str] = "calibration of rarity"
-
     slope: float
     offsets: dict[Kind, float]
     anchors: int = Field(ge=1)
@@ -74,8 +72,7 @@ class Calibration(Data):
 
     def apply(self, value: float, kind: Kind = "met") -> float:
         """Return the calibrated value; a kind without anchors gets the mean offset."""
-        offset = self.offsets.get(kind, sum(self.offsets.values()) / len(self.offsets))
-        return offset + self.slope * value
+        return _calibrated(self.slope, self.offsets, value, kind)
 
 
 def published_rates() -> tuple[PublishedRate, ...]:
@@ -97,7 +94,7 @@ def _rates(content: str, source: str) -> tuple[PublishedRate, ...]:
         rows = tomllib.loads(content).get("rate")
     except (ValueError, RecursionError) as error:
         raise DataError(
-            "file of rates", [Issue("", f"is no TOML: {error}")], source=source
+            "file of rates", [Issue("", f"is not TOML: {error}")], source=source
         ) from None
     if not isinstance(rows, list) or not rows:
         raise DataError("file of rates", [Issue("rate", "holds no [[rate]]")], source=source)
@@ -134,10 +131,13 @@ def left_out(rates: Sequence[PublishedRate], estimates: Sequence[float]) -> NDAr
     found = []
     for place, rate in enumerate(rates):
         rest = [one for number, one in enumerate(rates) if number != place]
-        slope, offsets = _fit(rest, np.delete(values, place))
-        offset = offsets.get(rate.kind, sum(offsets.values()) / len(offsets))
-        found.append(offset + slope * values[place] - rate.log10_km)
+        fitted = _fit(rest, np.delete(values, place))
+        found.append(_calibrated(*fitted, values[place], rate.kind) - rate.log10_km)
     return np.array(found)
+
+
+def _calibrated(slope: float, offsets: dict[Kind, float], value: float, kind: Kind) -> float:
+    return offsets.get(kind, sum(offsets.values()) / len(offsets)) + slope * value
 
 
 def _fit(

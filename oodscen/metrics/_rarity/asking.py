@@ -32,55 +32,49 @@ def ask_rarity(
     anchors: Sequence[PublishedRate] | None = None,
     draws: int = DRAWS,
     per_call: int = PER_CALL,
-    population: str = POPULATION,
 ) -> Rarity:
     """Return the rarity of texts by a model: the median over independent draws.
 
-    The interval runs from the median of the low ends to that of the high ends, widened to hold all draws. Texts whose
-    answers stay invalid are flagged `not answered`; a flag of half of the draws or more holds.
+    The interval runs from the median of the low ends to that of the high ends, widened to hold all draws. Texts without
+    a valid answer are flagged `not answered`; a flag of half of the draws or more holds.
 
     Raises:
         LLMError: If the model cannot be reached.
     """
     calls: list[Call] = []
     logged = LoggedLLM(llm, calls.append)
-    per_text = _drawn(logged, texts, draws, per_call, population)
+    per_text = _drawn(logged, texts, draws, per_call)
     own: list[float] = []
     kept = anchors
     if anchors is not None:
         wordings = [text for rate in anchors for text in rate.texts]
-        found = iter(_drawn(logged, wordings, draws, per_call, population))
+        found = iter(_drawn(logged, wordings, draws, per_call))
         groups = [[next(found).best for _ in rate.texts] for rate in anchors]
-        told = [[one for one in group if one is not None] for group in groups]
-        kept = [rate for rate, group in zip(anchors, told, strict=True) if group]
-        own = [float(np.mean(group)) for group in told if group]
+        known = [[one for one in group if one is not None] for group in groups]
+        kept = [rate for rate, group in zip(anchors, known, strict=True) if group]
+        own = [float(np.mean(group)) for group in known if group]
     costs = [call.cost_usd for call in calls if call.status == "ok"]
-    known = [cost for cost in costs if cost is not None]
     usage = {
         "input_tokens": sum(call.input_tokens for call in calls),
         "output_tokens": sum(call.output_tokens for call in calls),
-        "cost_usd": sum(known) if len(known) == len(costs) else None,
+        "cost_usd": None if None in costs else sum(filter(None, costs)),
     }
     rarity = gather_rarity(per_text, speaker(llm), kept or None, own)
-    return rarity.model_copy(update={"population": population, **usage})
+    return rarity.model_copy(update=usage)
 
 
-def questions(
-    texts: Sequence[str], per_call: int = PER_CALL, population: str = POPULATION
-) -> list[EstimateRarity]:
+def questions(texts: Sequence[str], per_call: int = PER_CALL) -> list[EstimateRarity]:
     """Return the questions about texts, several texts in each."""
     shown = [text[:LONGEST] for text in texts]
     return [
-        EstimateRarity(texts=tuple(shown[first : first + per_call]), population=population)
+        EstimateRarity(texts=tuple(shown[first : first + per_call]), population=POPULATION)
         for first in range(0, len(shown), per_call)
     ]
 
 
-def _drawn(
-    llm: LLM, texts: Sequence[str], draws: int, per_call: int, population: str
-) -> list[TextRarity]:
+def _drawn(llm: LLM, texts: Sequence[str], draws: int, per_call: int) -> list[TextRarity]:
     answers: list[list[RarityEstimate]] = [[] for _ in texts]
-    for block, prompt in enumerate(questions(texts, per_call, population)):
+    for block, prompt in enumerate(questions(texts, per_call)):
         first = block * per_call
         for sample in range(draws):
             try:
@@ -106,17 +100,17 @@ def _join(found: Sequence[RarityEstimate], text: str) -> TextRarity:
         for problem, flag in names.items()
         if found and 2 * sum(one.problem == problem for one in found) >= len(found)
     ]
-    told = [
+    known = [
         (one.low, one.best, one.high)
         for one in found
         if one.low is not None and one.best is not None and one.high is not None
     ]
-    if not told and not UNTOLD & set(flags):
+    if not known and not UNTOLD & set(flags):
         flags.append("not answered")
-    draws = tuple(best for _, best, _ in told)
-    if not told or UNTOLD & set(flags):
+    draws = tuple(best for _, best, _ in known)
+    if UNTOLD & set(flags):
         return TextRarity(flags=tuple(flags), draws=draws)
-    low, best, high = np.median(np.array(told), axis=0).tolist()
+    low, best, high = np.median(np.array(known), axis=0).tolist()
     return TextRarity(
         low=min(low, *draws), best=best, high=max(high, *draws), flags=tuple(flags), draws=draws
     )

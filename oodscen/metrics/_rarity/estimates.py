@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, get_args
+from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 
 import numpy as np
 from pydantic import Field, computed_field, model_validator
@@ -41,14 +41,12 @@ _ASCII_LETTER, _LETTER = re.compile(r"[A-Za-z]"), re.compile(r"[^\W\d_]")
 class TextRarity(Data):
     """Rarity of one text, as decimal logarithms of kilometres between two meetings with its kind."""
 
-    noun: ClassVar[str] = "rarity of a text"
-
     low: float | None = None
-    """Lower end of the 90 % interval; `None` where the rarity cannot be told."""
+    """Lower end of the 90 % interval; `None` without a figure."""
     best: float | None = None
     high: float | None = None
     flags: tuple[Flag, ...] = ()
-    """Faults of the text, and why there is no figure if there is none."""
+    """Faults of the text, among them the reasons for a missing figure."""
     draws: tuple[float, ...] = ()
     """Answers of a model, one per draw; empty for the offline estimate."""
 
@@ -82,8 +80,6 @@ class TextRarity(Data):
 
 class Rarity(Data):
     """Rarity of a set of texts: expected kilometres between two meetings with each kind, as logarithms."""
-
-    noun: ClassVar[str] = "rarity"
 
     unit: Literal["log10 km"] = "log10 km"
     population: str = POPULATION
@@ -124,14 +120,7 @@ def gather_rarity(
     anchors: Sequence[PublishedRate] | None,
     own: Sequence[float],
 ) -> Rarity:
-    """Return the rarity of a set, calibrated if there are anchors.
-
-    Args:
-        per_text: One per text.
-        by: The encoder or the model.
-        anchors: Rates to calibrate on.
-        own: The estimate of every anchor.
-    """
+    """Return the rarity of a set, calibrated if there are anchors, whose own estimates are `own`."""
     calibration = None if anchors is None else calibrate(anchors, own)
     if calibration is not None:
         per_text = [one.calibrated(calibration) for one in per_text]
@@ -162,7 +151,8 @@ def estimate_rarity(
         low, best, high = (
             (None,) * 3 if UNTOLD & set(flags) else (round(float(one), 2) for one in values)
         )
-        per_text.append(TextRarity(low=low, best=best, high=high, flags=_in_order(flags)))
+        ordered = tuple(flag for flag in FLAGS if flag in flags)
+        per_text.append(TextRarity(low=low, best=best, high=high, flags=ordered))
     own = [] if anchors is None else anchor_estimates(space, anchors)
     return gather_rarity(per_text, name if head.uses_vectors else "words", anchors, own)
 
@@ -170,12 +160,10 @@ def estimate_rarity(
 def estimated_km(encoder: Encoder | None, text: str) -> float | None:
     """Return the kilometres between two meetings with a text's kind by the offline head, two digits.
 
-    Args:
-        encoder: The encoder of the head; without one the head uses stems alone.
-        text: The text.
+    Without an encoder the head uses stems alone.
 
     Returns:
-        `None` where the head cannot tell.
+        `None` if a flag in `UNTOLD` applies.
     """
     name = "" if encoder is None else encoder.name
     head, found, _ = estimated(
@@ -226,7 +214,3 @@ def _flags(text: str, head: Head, found: Estimates, place: int) -> list[Flag]:
     if found.near[place] < head.nearest:
         flags.append("far")
     return flags
-
-
-def _in_order(flags: Sequence[Flag]) -> tuple[Flag, ...]:
-    return tuple(flag for flag in FLAGS if flag in flags)

@@ -5,7 +5,6 @@ theirs over the sum of all; it is ruled by the commonest kinds, whose number is 
 """
 
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -23,8 +22,6 @@ _Z = 1.645
 class Exposure(Data):
     """The share of meetings that some of a set's kinds make up."""
 
-    noun: ClassVar[str] = "exposure"
-
     share: float = Field(ge=0.0, le=1.0)
     low: float
     """Lower end of the 90 % interval, if the errors of the kinds are independent."""
@@ -33,7 +30,7 @@ class Exposure(Data):
     """Number of the kinds whose share it is."""
     total: int
     untold: int
-    """Number of kinds whose rarity cannot be told; they count in neither sum."""
+    """Number of kinds without a rarity; they count in neither sum."""
 
     def __str__(self) -> str:
         return f"{self.share:.0%} of what a driver would meet ({self.low:.0%} to {self.high:.0%})"
@@ -42,16 +39,14 @@ class Exposure(Data):
 class TreeRarity(Data):
     """The rarity of a tree's leaves by their labels."""
 
-    noun: ClassVar[str] = "rarity of a tree"
-
     leaves: tuple[str, ...]
     """Ids of the leaves."""
     rarity: Rarity
 
     def per_km(self) -> dict[str, float]:
-        """Return meetings per kilometre by leaf, for those whose rarity can be told."""
-        told = zip(self.leaves, self.rarity.per_text, strict=True)
-        return {leaf: 10.0**-one.best for leaf, one in told if one.best is not None}
+        """Return meetings per kilometre by leaf, for those with a rarity."""
+        pairs = zip(self.leaves, self.rarity.per_text, strict=True)
+        return {leaf: 10.0**-one.best for leaf, one in pairs if one.best is not None}
 
     def of(self, leaves: set[str]) -> Exposure | None:
         """Return the exposure of some leaves; see `exposure`."""
@@ -59,22 +54,22 @@ class TreeRarity(Data):
 
 
 def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure | None:
-    """Return the share of meetings that the chosen kinds make up; `None` if no rarity can be told.
+    """Return the share of meetings that the chosen kinds make up; `None` if no kind has a rarity.
 
     Raises:
         UsageError: If there is not one choice per text.
     """
     if len(per_text) != len(chosen):
         raise UsageError(f"{len(chosen)} choices do not fit {len(per_text)} texts")
-    told = [
+    known = [
         (one.low, one.best, one.high, is_chosen)
         for one, is_chosen in zip(per_text, chosen, strict=True)
-        if one.low is not None and one.best is not None and one.high is not None
+        if one.best is not None
     ]
-    if not told:
+    if not known:
         return None
-    low, best, high, own = np.array(told, np.float64).T
-    errors = stream(0, "exposure").standard_normal((_DRAWS, len(told)))
+    low, best, high, own = np.array(known, np.float64).T
+    errors = stream(0, "exposure").standard_normal((_DRAWS, len(known)))
     drawn = best + errors * np.where(errors < 0.0, best - low, high - best) / _Z
     shares = np.array([_share(values, own) for values in (best, *drawn)])
     ends = np.quantile(shares[1:], [0.05, 0.95])
@@ -84,7 +79,7 @@ def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure
         high=max(ends[1], shares[0]),
         chosen=sum(map(bool, chosen)),
         total=len(per_text),
-        untold=len(per_text) - len(told),
+        untold=len(per_text) - len(known),
     )
 
 

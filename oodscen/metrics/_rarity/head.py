@@ -42,12 +42,7 @@ class Estimates(NamedTuple):
 
 
 class Head:
-    """A fitted head.
-
-    Args:
-        arrays: Its arrays, as `tools/rarity/train.py` wrote them.
-        kind: `minilm` or `words`.
-    """
+    """A fitted head of a kind, `minilm` or `words`, from arrays that `tools/rarity/train.py` wrote."""
 
     def __init__(self, arrays: dict[str, NDArray[Any]], kind: str) -> None:
         self.kind = kind
@@ -58,16 +53,14 @@ class Head:
         self._alpha = part["alpha"].astype(np.float32)
         self._constant, self._gamma = float(part["constant"]), float(part["gamma"])
         self.nearest = float(part["nearest"])
-        """Nearness below which the head cannot tell."""
+        """Nearness below which the head gives no figure."""
         self._low, self._high = part["low"], part["high"]
         self._points = inducing_points(arrays, self.uses_vectors)
 
     def estimate(self, texts: Sequence[str], vectors: Vectors | None = None) -> Estimates:
-        """Return the estimates of texts; memory is bounded by blocks of 512 texts.
+        """Return the estimates of texts; a head that uses vectors takes theirs, [n, d] of unit length.
 
-        Args:
-            texts: Any number.
-            vectors: [n, d] vectors of unit length, for a head that uses them.
+        Memory is bounded by blocks of 512 texts.
         """
         best, near = np.empty(len(texts)), np.empty(len(texts))
         for first in range(0, len(texts), _BLOCK):

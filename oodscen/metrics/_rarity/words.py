@@ -55,12 +55,7 @@ def _courtesy() -> tuple[frozenset[str], frozenset[str]]:
 
 
 class Words:
-    """Maps texts to rows of weighted stems.
-
-    Args:
-        vocabulary: The stems that count.
-        weights: Inverse document frequency of each, [V].
-    """
+    """Maps texts to rows of weighted stems; [V] weights are the inverse document frequencies of a vocabulary."""
 
     def __init__(self, vocabulary: Sequence[str], weights: NDArray[np.floating]) -> None:
         self._place = {stem: place for place, stem in enumerate(vocabulary)}

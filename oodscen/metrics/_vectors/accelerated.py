@@ -42,12 +42,9 @@ def chosen_device(name: str) -> str:
 
 
 def nearest(queries: Vectors, references: Rows, device: str) -> Nearest:
-    """Return the nearest reference of each query, computed on a torch device.
+    """Return the nearest reference of each query, both [., d] rows of unit length or zero, on a torch device.
 
-    Args:
-        queries: [n, d], rows of unit length or zero.
-        references: [m, d], rows of unit length or zero; read once, in blocks.
-        device: `cuda`, `cuda:1`, ..., or `cpu` for torch's own product on the CPU.
+    References are read once, in blocks.
     """
     import torch
 

@@ -26,12 +26,7 @@ _MEDIAN = 1000
 
 
 def mmd(a: Vectors, b: Vectors) -> float:
-    """Return the unbiased squared maximum mean discrepancy of two sets; `b` is the reference.
-
-    Args:
-        a: [n, d], rows of unit length or zero, n at least 2.
-        b: [m, d], rows of unit length or zero, m at least 2.
-    """
+    """Return the unbiased squared maximum mean discrepancy of two sets of at least 2 rows; `b` is the reference."""
     _need(2, a, b)
     some = b[:: max(1, len(b) // _MEDIAN)].astype(np.float64)
     spread = float(np.median(_squared(some, some)[np.triu_indices(len(some), 1)]))

@@ -31,14 +31,10 @@ _MOST_GROUPED = 20_000
 
 
 class Space:
-    """An encoder's space with a baseline in it.
+    """An encoder's space with a baseline in it, whose nearest vectors are searched for on a device.
 
-    Args:
-        encoder: Encodes each text once. Vectors of the baseline and of this library's texts are kept in the
-            user's cache folder if the encoder's name determines its values (`cacheable`).
-        baseline: Texts, or embeddings on disk.
-        seed: Seed of random draws.
-        device: `cpu`, or the torch device that searches for nearest vectors.
+    Vectors of the baseline and of this library's texts are kept in the user's cache folder if the encoder's name
+    determines its values (`cacheable`).
     """
 
     def __init__(
@@ -54,6 +50,8 @@ class Space:
         self.seed = seed
         self.device = accelerated.chosen_device(device)
         self._memory = encoder if isinstance(encoder, CachedEncoder) else CachedEncoder(encoder)
+        self._held_out: dict[str, tuple[NDArray[np.float64], int]] = {}
+        self._stores: dict[str, CachedEncoder] = {}
 
     def vectors(self, texts: Sequence[str]) -> Vectors:
         """Return the vectors of texts to score; they are kept in memory."""
@@ -92,21 +90,15 @@ class Space:
         """Return the OOD-ness of each text by a definition or a detector."""
         return self._scored(texts, self.vectors(texts), measure)
 
-    def neighbour_text(self, index: int) -> str:
-        """Return a baseline text; empty if only its embedding is known."""
-        return "" if isinstance(self.baseline, EmbeddedBaseline) else self.baseline.texts[index]
-
     @cached_property
     def detectors(self) -> Detectors:
         """The detectors fitted to the baseline."""
-        whole = self.whole
-        texts = self.baseline.texts if isinstance(self.baseline, Baseline) else ()
-        return Detectors(texts, whole, self._kept)
+        return Detectors(self.baseline.texts, self.whole, self._kept)
 
     @cached_property
     def guard(self) -> Guard:
         """The off-topic guard."""
-        return Guard(self._shipped, self.encoder.name)
+        return Guard(self._stored, self.encoder.name)
 
     def held_out(self, measure: Measure) -> tuple[NDArray[np.float64], int]:
         """Return scores of held-out baseline texts by any definition or detector, and the number of groups.
@@ -145,7 +137,7 @@ class Space:
     def control_scores(self, measure: Measure) -> NDArray[np.float64]:
         """Return the OOD-ness of the ordinary controls reserved for reporting."""
         texts = [control.text for control in load_controls("frozen")[::2]]
-        return self._scored(texts, self._shipped(texts), measure)
+        return self._scored(texts, self._stored(texts), measure)
 
     def _scored(
         self, texts: Sequence[str], vectors: Vectors, measure: Measure
@@ -159,23 +151,12 @@ class Space:
     def _kept(self, texts: Sequence[str]) -> Vectors:
         digest = self.baseline.digest()
         is_shipped = digest == ordinary_driving().digest()
-        return self._from(_SHIPPED if is_shipped else f"baselines/{digest[:16]}", texts)
+        return self._stored(texts, _SHIPPED if is_shipped else f"baselines/{digest[:16]}")
 
-    def _shipped(self, texts: Sequence[str]) -> Vectors:
-        return self._from(_SHIPPED, texts)
-
-    def _from(self, folder: str, texts: Sequence[str]) -> Vectors:
+    def _stored(self, texts: Sequence[str], folder: str = _SHIPPED) -> Vectors:
         encoder = self.encoder
         if getattr(encoder, "cacheable", False):
             encoder = self._stores.setdefault(
                 folder, CachedEncoder(encoder, cache_folder() / folder)
             )
         return unit(encode(encoder, texts))
-
-    @cached_property
-    def _held_out(self) -> dict[str, tuple[NDArray[np.float64], int]]:
-        return {}
-
-    @cached_property
-    def _stores(self) -> dict[str, CachedEncoder]:
-        return {}

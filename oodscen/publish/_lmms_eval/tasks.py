@@ -29,13 +29,8 @@ metadata:
 """
 
 
-def write_tasks(folder: Path, files: Collection[tuple[str, str]]) -> list[str]:
-    """Write the task folder, and return the names of its tasks.
-
-    Args:
-        folder: The folder.
-        files: The file of every split, relative to the folder.
-    """
+def write_tasks(folder: Path, files: Collection[tuple[str, str]]) -> None:
+    """Write the task folder; `files` holds the file of every split, relative to the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     listed = "\n".join(f"    {split}: {file}" for split, file in files)
     _put(folder / "_common.yaml", _COMMON.format(files=listed))
@@ -58,7 +53,6 @@ def write_tasks(folder: Path, files: Collection[tuple[str, str]]) -> list[str]:
     _put(folder / "oodscen.yaml", f"group: oodscen\ntask:\n{listed}")
     source = resources.files("oodscen.publish._lmms_eval").joinpath("utils.py")
     _put(folder / "utils.py", source.read_text(encoding="utf-8"))
-    return names
 
 
 def _put(path: Path, text: str) -> None:

@@ -1,6 +1,6 @@
 import pytest
 
-from oodscen.judging._leaderboard.leaderboard import paper_example
+from oodscen.judging._leaderboard.paper_example import paper_example
 from oodscen.statistics._significance import mcnemar
 
 

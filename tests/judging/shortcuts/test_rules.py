@@ -11,7 +11,7 @@ from oodscen.data._bird_sketch import Sketch, SketchBody, SketchLane
 from oodscen.judging._items import Items
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._shortcuts.facts import FAR_M, lane_distance, nearest_places, swept_distance
-from oodscen.judging._shortcuts.rules import Guess, best_rule, folds_of, is_audited
+from oodscen.judging._shortcuts.rules import Guess, folds_of, is_audited, rule_calls
 from tests.judging.cases import Case
 from tests.judging.leaderboard.test_leaderboard import knows
 
@@ -108,5 +108,5 @@ def test_scenes_without_ordinary_drives_and_single_paths_are_not_audited():
     scenarios = {one.id: one for one in case.scenarios}
     items = Items.of(kept, scenarios)
     assert is_audited(items).sum() == 4
-    assert best_rule(Items.of(case.episodes[:2], scenarios)) is None
-    assert best_rule(Items.of([], {})) is None
+    assert rule_calls(Items.of(case.episodes[:2], scenarios)) is None
+    assert rule_calls(Items.of([], {})) is None

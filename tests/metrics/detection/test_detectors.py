@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 
 from oodscen import Metrics
-from oodscen.metrics._clauses import clauses
 from oodscen.metrics._detection.anchors import anchors
-from oodscen.metrics._detection.detectors import DETECTORS, ledoit_wolf, shrunk
+from oodscen.metrics._detection.detectors import DETECTORS, clauses, ledoit_wolf, shrunk
 from oodscen.testing._encoder import HashEncoder
 
 ORDINARY = [

@@ -19,7 +19,7 @@ from oodscen.data._episode import ACTIONS
 from oodscen.data._pairing import scene_of
 from oodscen.errors import BudgetExceeded, DataError, LLMError, UsageError
 from oodscen.judging._constant_answerers import ConstantAnswerer
-from oodscen.judging._leaderboard.leaderboard import Leaderboard
+from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.llm._remote.limits import Limits
 from oodscen.report._quiz import drawn, write_quiz
 from oodscen.testing import AnsweringServer, ScriptedLLM
