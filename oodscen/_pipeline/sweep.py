@@ -24,7 +24,7 @@ from oodscen.data._scene import Scene
 from oodscen.driving._trace_table import to_parquet
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
 from oodscen.protocols import Camera, Frame, Simulator
-from oodscen.stages._annotations import annotate, semantic_map
+from oodscen.stages._annotations import FrameAnnotations, annotate
 from oodscen.stages._decision_retiming import retime
 from oodscen.stages._demands.demanding import draw_demand
 from oodscen.stages._rerun import Rerunner
@@ -334,7 +334,7 @@ def _extra_files(
         for moment, frame in simulated.frames.items():
             state = simulated.state_of(moment)
             notes = annotate(frame, state, scene, catalogue, job.camera)
-            classes = semantic_map(frame, state, scene, catalogue, job.camera)
+            classes = FrameAnnotations.semantic_map(frame, state, scene, catalogue, job.camera)
             for name, data in notes.encoded(moment, frame, classes).items():
                 files[f"frames/{scene.id}/{name}"] = data
     if job.outputs.video:

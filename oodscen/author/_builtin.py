@@ -13,9 +13,8 @@ from oodscen._seeding import stream
 from oodscen.author._feasibility import BranchJudge
 from oodscen.author._imagining import Imagination
 from oodscen.author._knowledge.base import HazardKind
-from oodscen.author._knowledge.designs import design
+from oodscen.author._knowledge.designs import design_motion, design_prop
 from oodscen.author._knowledge.loading import load_knowledge, stamp_of
-from oodscen.author._knowledge.motions import design_motion
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._settings import Scope, Showable
 from oodscen.author._staging.drafting import Stager
@@ -86,18 +85,24 @@ class BuiltinAuthor(Brief):
         self._stager = Stager(self._knowledge, self._recogniser)
         self._answers: dict[type, Callable[[Any, Request], BaseModel]] = {
             GiveExamples: self._give_examples,
-            ClassifyExamples: self._classify,
-            ProposeTree: self._propose,
+            ClassifyExamples: lambda prompt, request: Classification(
+                examples=[self._class_of(n, text) for n, text in enumerate(prompt.given, start=1)]
+            ),
+            ProposeTree: lambda prompt, request: self._trees.propose(
+                prompt, self._stream(request, prompt.nodes)
+            ),
             ImagineScenario: self._imagine,
             PlaceScenario: lambda prompt, request: self._trees.place(prompt),
             JudgeBranch: lambda prompt, request: self._judge.judge(prompt),
             JudgeBranches: lambda prompt, request: self._judge.judge_all(prompt),
             DesignMotion: lambda prompt, request: design_motion(prompt),
-            DesignProp: lambda prompt, request: design(prompt),
+            DesignProp: lambda prompt, request: design_prop(prompt),
             DescribePath: self._describe,
             DescribeOrdinary: self._ordinary,
             ExtractClaims: lambda prompt, request: _claimed(prompt),
-            StageScene: self._stage,
+            StageScene: lambda prompt, request: self._stager.stage(
+                prompt, self.seed, request.attempt - 1
+            ),
             MarkHazard: lambda prompt, request: _marked(prompt),
         }
 
@@ -144,26 +149,18 @@ class BuiltinAuthor(Brief):
         shuffled = [new[i] for i in rng.permutation(len(new))]
         return sorted(shuffled, key=lambda hazard: not hazard.first)
 
-    def _classify(self, prompt: ClassifyExamples, request: Request) -> Classification:
-        numbered = enumerate(prompt.given, start=1)
-        return Classification(examples=[self._class_of(number, text) for number, text in numbered])
-
     def _class_of(self, number: int, text: str) -> ClassifiedExample:
         hazard = self._hazard(text)
+        acts = _ACTS.intersection(plain(text).split())
+        name = "interactional" if acts else "environmental"
         if hazard is not None:
             name = hazard.class_name
-        else:
-            acts = _ACTS.intersection(plain(text).split())
-            name = "interactional" if acts else "environmental"
         reason = (
             "An element of the surroundings deviates from its usual state."
             if name == "environmental"
             else "A moving actor does something unusual to which the ego vehicle must react."
         )
         return ClassifiedExample(number=number, reasoning=reason, scenario_class=name)
-
-    def _propose(self, prompt: ProposeTree, request: Request) -> BaseModel:
-        return self._trees.propose(prompt, self._stream(request, prompt.nodes))
 
     # -------------------------------------------------------------- red teaming
 
@@ -235,9 +232,6 @@ class BuiltinAuthor(Brief):
             return ()
         head = covered[0]
         return (head, *(kin for kin in covered[1:] if _is_as_easy(kin, head)))
-
-    def _stage(self, prompt: StageScene, request: Request) -> BaseModel:
-        return self._stager.stage(prompt, self.seed, request.attempt - 1)
 
     def _hazard(self, text: str) -> HazardKind | None:
         return self._recogniser.recognise(text).hazard

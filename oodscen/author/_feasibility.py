@@ -10,7 +10,7 @@ from oodscen.author._settings import Showable
 from oodscen.author._staging.anchors import has_landmarks, landmarks_needed
 from oodscen.data._additions import Addition, map_with
 from oodscen.data._scene import is_weather_kind
-from oodscen.prompts._digest import CatalogueDigest, WeatherLimits
+from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.judge_branch import (
     BranchJudgement,
     BranchJudgements,
@@ -20,8 +20,6 @@ from oodscen.prompts._tree.judge_branch import (
     Substitute,
 )
 from oodscen.tree._scenario_tree import MAX_LABEL
-
-__all__ = ["BranchJudge", "Realisation", "WeatherLimits", "realise"]
 
 NO_RECIPE = Addition(kind="other", name="a staging recipe for this kind of scenario")
 """A missing recipe, which no catalogue can supply: the author does not know how to stage the scenario."""
@@ -35,6 +33,9 @@ class Realisation:
 
     hazard: HazardKind | None
     """`None` if the author knows no such hazard."""
+    catalogue: CatalogueDigest
+    knowledge: Knowledge
+    """The knowledge base, for acceptable substitutes."""
     assets: list[str] = field(default_factory=list)
     states: list[str] = field(default_factory=list)
     behaviours: list[str] = field(default_factory=list)
@@ -49,6 +50,64 @@ class Realisation:
         """Record a missing item, once."""
         if not any(known.brings(addition) for known in self.missing):
             self.missing.append(addition)
+
+    def use(self, options: Sequence[str], states: Sequence[str] = ()) -> None:
+        """Use the first asset that is one of the options, or an acceptable substitute for one."""
+        there = [asset for name in options for asset in self.catalogue.called(name)]
+        able = [asset for asset in there if set(states) <= set(asset.states)]
+        if able:
+            self.assets.append(able[0].id)
+            if states and states[0] != able[0].states[0]:
+                self.states.append(f"{able[0].id}: {states[0]}")
+            return
+        if there:
+            lacking = [f"{options[0]}: {one}" for one in states if one not in there[0].states]
+            if there[0].category == "signal":
+                for name in lacking:
+                    self.lack(Addition(kind="state", name=name))
+                return
+            self.assets.append(there[0].id)
+            self.substitutes += [Substitute(asset=there[0].id, stands_for=name) for name in lacking]
+            return
+        for wanted in options:
+            for name in self.knowledge.substitutes.get(wanted, ()):
+                near = [a for a in self.catalogue.called(name) if set(states) <= set(a.states)]
+                if near:
+                    self.assets.append(near[0].id)
+                    self.substitutes.append(Substitute(asset=near[0].id, stands_for=wanted))
+                    return
+        category = self.knowledge.category(options[0])
+        self.lack(Addition(kind="asset", name=options[0], category=category))
+
+    def cast(self, actor: RecipeActor) -> None:
+        """Use an asset for an actor and, if it needs another one, for its counterpart."""
+        states = [actor.state] if actor.state else []
+        twin = actor.ordinary if isinstance(actor.ordinary, Counterpart) else Counterpart()
+        if states and twin.state and not twin.asset:
+            states.append(twin.state)
+        self.use(actor.asset, states)
+        if twin.asset:
+            counterpart = Realisation(self.hazard, self.catalogue, self.knowledge)
+            counterpart.use(twin.asset)
+            for addition in counterpart.missing:
+                self.lack(addition)
+
+    def find_map(self, hazard: HazardKind) -> None:
+        """Record the traits of a map that shows the hazard, or that it is missing."""
+        traits, recipe = hazard.needs.traits, hazard.stage
+        marks = landmarks_needed(recipe) if recipe else ()
+        maps = self.catalogue.maps
+        fitting = [road for road in maps if set(traits) <= set(road.features)]
+        if any(has_landmarks(road, recipe) for road in fitting):
+            self.traits = list(dict.fromkeys((*traits, *marks)))
+            shown = Showable(self.knowledge, self.catalogue)
+            wanted = shown.lacking_place(hazard) if recipe else ()
+            if wanted:
+                self.lack(map_with((*wanted, *traits, *marks)))
+            return
+        there = {trait for road in maps for trait in road.features}
+        is_one = not fitting and len(traits) == 1 and traits[0] in there
+        self.lack(map_with(traits if is_one else (*traits, *marks)))
 
 
 @dataclass
@@ -70,10 +129,9 @@ class Option:
 
 
 class BranchJudge:
-    """Answers `JudgeBranch` and `JudgeBranches`."""
+    """Answers `JudgeBranch` and `JudgeBranches`, by the hazards that a recogniser finds."""
 
     def __init__(self, recogniser: Recogniser) -> None:
-        """Judge by the hazards that a recogniser finds."""
         self.recogniser = recogniser
         self.knowledge = recogniser.knowledge
 
@@ -118,11 +176,11 @@ class BranchJudge:
     def _option(self, alternative: Alternative, catalogue: CatalogueDigest) -> Option:
         found = []
         for part in alternative.parts:
-            one = Realisation(part.hazard)
+            one = Realisation(None, catalogue, self.knowledge)
             if part.hazard is not None:
                 one = realise(part.hazard, catalogue, self.knowledge)
             for name in part.things:
-                _use((name,), (), one, catalogue, self.knowledge)
+                one.use((name,))
             for name in part.weather:
                 if catalogue.limits.offers(name):
                     one.weather = list(dict.fromkeys((*one.weather, name)))
@@ -160,11 +218,11 @@ class BranchJudge:
         least = next((one for one in options if NO_RECIPE not in one.missing), options[0])
         reason = _lacks(least.found, catalogue)
         if len(options) > 1 and not reading.is_any:
-            told = (
-                f"not {_quoted(one)}: {_lacks(one.found, catalogue, is_short=True)}"
+            whys = (
+                f"not {_small(one.words)}: {_lacks(one.found, catalogue, is_short=True)}"
                 for one in options
             )
-            reason = f"{'; '.join(told)}."
+            reason = f"{'; '.join(whys)}."
             reason = f"{reason[0].upper()}{reason[1:]}"
         return BranchJudgement(reasoning=reason, simulatable=False, missing=least.missing)
 
@@ -196,9 +254,11 @@ class BranchJudge:
             reason = f"The simulator shows {'; '.join(dict.fromkeys(map(_with_what, shown)))}."
         for option in hidden:
             lacks = _lacks(option.found, catalogue, is_short=True)
-            reason += f" Not {_quoted(option)}: {lacks}."
+            reason += f" Not {_small(option.words)}: {lacks}."
         if standing:
-            parts = (f"{s.asset} stands for {_words(s.stands_for)}" for s in standing.values())
+            parts = (
+                f"{s.asset} stands for {s.stands_for.replace('_', ' ')}" for s in standing.values()
+            )
             reason += f" Not with the thing itself: {', '.join(parts)}."
         return BranchJudgement(
             reasoning=reason,
@@ -217,21 +277,16 @@ class BranchJudge:
 
 
 def realise(hazard: HazardKind, catalogue: CatalogueDigest, knowledge: Knowledge) -> Realisation:
-    """Look up everything that a hazard needs in a catalogue.
-
-    Args:
-        hazard: The hazard with its needs and, if there is one, its recipe.
-        catalogue: The digest of the simulator's catalogue.
-        knowledge: The knowledge base, for acceptable substitutes.
-    """
-    found = Realisation(hazard)
+    """Look up everything that a hazard needs in a catalogue."""
+    found = Realisation(hazard, catalogue, knowledge)
     recipe = hazard.stage
-    for actor in recipe.actors if recipe else ():
-        _cast(actor, found, catalogue, knowledge)
-    options = {name for one in (recipe.actors if recipe else ()) for name in one.asset}
+    actors = recipe.actors if recipe else ()
+    for actor in actors:
+        found.cast(actor)
+    options = {name for actor in actors for name in actor.asset}
     for name in hazard.needs.assets:
         if name not in options:
-            _use((name,), (), found, catalogue, knowledge)
+            found.use((name,))
     behaviours = {behaviour.id for behaviour in catalogue.behaviours}
     used = recipe.behaviours if recipe else ()
     for name in dict.fromkeys((*hazard.needs.behaviours, *used)):
@@ -245,81 +300,13 @@ def realise(hazard: HazardKind, catalogue: CatalogueDigest, knowledge: Knowledge
             found.lack(Addition(kind="weather", name=name))
         elif is_weather_kind(name):
             found.weather.append(name)
-    _find_map(hazard, found, Showable(knowledge, catalogue))
+    found.find_map(hazard)
     if recipe is None:
         found.lack(NO_RECIPE)
     else:
         found.behaviours = [name for name in found.behaviours if name in used]
     found.assets = list(dict.fromkeys(found.assets))
     return found
-
-
-def _cast(
-    actor: RecipeActor,
-    found: Realisation,
-    catalogue: CatalogueDigest,
-    knowledge: Knowledge,
-) -> None:
-    states = [actor.state] if actor.state else []
-    if isinstance(actor.ordinary, Counterpart) and not actor.ordinary.asset and states:
-        states += [actor.ordinary.state] if actor.ordinary.state else []
-    _use(actor.asset, states, found, catalogue, knowledge)
-    if isinstance(actor.ordinary, Counterpart) and actor.ordinary.asset:
-        twin = Realisation(found.hazard)
-        _use(actor.ordinary.asset, (), twin, catalogue, knowledge)
-        for addition in twin.missing:
-            found.lack(addition)
-
-
-def _use(
-    options: Sequence[str],
-    states: Sequence[str],
-    found: Realisation,
-    catalogue: CatalogueDigest,
-    knowledge: Knowledge,
-) -> None:
-    """Use the first asset that is one of the options, or an acceptable substitute for one."""
-    there = [asset for name in options for asset in catalogue.called(name)]
-    able = [asset for asset in there if set(states) <= set(asset.states)]
-    if able:
-        found.assets.append(able[0].id)
-        if states and states[0] != able[0].states[0]:
-            found.states.append(f"{able[0].id}: {states[0]}")
-        return
-    if there:
-        lacking = [f"{options[0]}: {one}" for one in states if one not in there[0].states]
-        if there[0].category == "signal":
-            for name in lacking:
-                found.lack(Addition(kind="state", name=name))
-            return
-        found.assets.append(there[0].id)
-        found.substitutes += [Substitute(asset=there[0].id, stands_for=name) for name in lacking]
-        return
-    for wanted in options:
-        for name in knowledge.substitutes.get(wanted, ()):
-            near = [a for a in catalogue.called(name) if set(states) <= set(a.states)]
-            if near:
-                found.assets.append(near[0].id)
-                found.substitutes.append(Substitute(asset=near[0].id, stands_for=wanted))
-                return
-    found.lack(Addition(kind="asset", name=options[0], category=knowledge.category(options[0])))
-
-
-def _find_map(hazard: HazardKind, found: Realisation, shown: Showable) -> None:
-    traits, recipe, catalogue = hazard.needs.traits, hazard.stage, shown.digest
-    marks = landmarks_needed(recipe) if recipe else ()
-    fitting = [road for road in catalogue.maps if set(traits) <= set(road.features)]
-    if any(has_landmarks(road, recipe) for road in fitting):
-        found.traits = list(dict.fromkeys((*traits, *marks)))
-        wanted = shown.lacking_place(hazard) if recipe else ()
-        if wanted:
-            found.lack(map_with((*wanted, *traits, *marks)))
-    elif fitting or not traits:
-        found.lack(map_with((*traits, *marks)))
-    else:
-        there = {trait for road in catalogue.maps for trait in road.features}
-        lacking = [trait for trait in traits if trait not in there]
-        found.lack(map_with((*traits, *marks) if lacking or len(traits) > 1 else traits))
 
 
 def _originals(standing: Iterable[Substitute], knowledge: Knowledge) -> list[Addition]:
@@ -397,11 +384,6 @@ def _with_what(option: Option) -> str:
     return f"{_listed(option.found)}{by}"
 
 
-def _quoted(option: Option) -> str:
-    """Quote an alternative that cannot be shown."""
-    return _small(option.words)
-
-
 def _united(lists: Iterable[Iterable[str]]) -> list[str]:
     return list(dict.fromkeys(name for names in lists for name in names))[:_MOST]
 
@@ -419,7 +401,3 @@ def _joined(labels: Sequence[str]) -> tuple[str, int]:
             return text, number
         text = longer
     return text, len(labels)
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")

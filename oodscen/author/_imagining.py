@@ -43,7 +43,6 @@ class Imagination:
     def __init__(
         self, seed: int, knowledge: Knowledge, recogniser: Recogniser, habits: Habits | None = None
     ) -> None:
-        """Draw from a knowledge base; the seed sets the order of preference."""
         self.knowledge = knowledge
         self.recogniser = recogniser
         self.habits = habits or Habits()

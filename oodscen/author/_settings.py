@@ -17,7 +17,7 @@ from oodscen.author._staging.anchors import has_landmarks
 from oodscen.claims._roads import is_of_kind, is_so, of_roads
 from oodscen.claims._things import mentions
 from oodscen.data._claim import Claim
-from oodscen.prompts._digest import CatalogueDigest, MapLine, WeatherLimits
+from oodscen.prompts._digest import CatalogueDigest, MapLine
 
 _OF_LANES = frozenset({"one_way", "oncoming", "two_lane", "three_lane", "four_lane"})
 """Traits that the phrases of a place tell in words of their own, or not at all."""
@@ -37,7 +37,7 @@ class Scope(NamedTuple):
 
 def every_setting(hazard: HazardKind, knowledge: Knowledge) -> Scope:
     """Return all settings that suit a hazard, in whatever simulator."""
-    return Scope(_places(hazard, knowledge), hazard.conditions, knowledge.traffic)
+    return Scope(places_of(hazard, knowledge), hazard.conditions, knowledge.traffic)
 
 
 @dataclass(frozen=True)
@@ -56,14 +56,14 @@ class Showable:
         known = self.knowledge.condition_keys
         shown = [key for key in hazard.conditions if key not in known or self._has(known[key])]
         return Scope(
-            self._shown(hazard) or _places(hazard, self.knowledge),
+            self._shown(hazard) or places_of(hazard, self.knowledge),
             shown or hazard.conditions,
             self._traffic,
         )
 
     def lacking_place(self, hazard: HazardKind) -> tuple[str, ...]:
         """Return the traits of a road on which a hazard could be met; none if the catalogue has such a road."""
-        places = _places(hazard, self.knowledge)
+        places = places_of(hazard, self.knowledge)
         if not places or self._shown(hazard):
             return ()
         first = places[0]
@@ -71,7 +71,7 @@ class Showable:
 
     def _shown(self, hazard: HazardKind) -> list[RoadKind]:
         """Return the places of a hazard that the catalogue has, in the author's words or else in the catalogue's."""
-        places, roads = _places(hazard, self.knowledge), roads_for(hazard, self.digest)
+        places, roads = places_of(hazard, self.knowledge), roads_for(hazard, self.digest)
         return _phrased(places, roads) or _described(places, roads)
 
     @cached_property
@@ -84,12 +84,8 @@ class Showable:
             and (one.actor is None or one.actor.behaviour in behaviours)
         )
 
-    @cached_property
-    def _limits(self) -> WeatherLimits:
-        return self.digest.limits
-
     def _has(self, condition: Condition) -> bool:
-        limits, weather = self._limits, condition.weather
+        limits, weather = self.digest.limits, condition.weather
         highest = _number(weather.get("sun_elevation_deg"), 90.0)
         if highest < limits.sun_deg or (highest < _LOW_DEG and not limits.sun_is_drawn):
             return False
@@ -119,7 +115,8 @@ def roads_for(hazard: HazardKind, digest: CatalogueDigest) -> list[MapLine]:
     ]
 
 
-def _places(hazard: HazardKind, knowledge: Knowledge) -> list[RoadKind]:
+def places_of(hazard: HazardKind, knowledge: Knowledge) -> list[RoadKind]:
+    """Return the kinds of road on which a hazard can be met."""
     return [place for key in hazard.places for place in knowledge.place_keys.get(key, ())]
 
 
@@ -157,17 +154,12 @@ def _is_true(phrase: str, place: RoadKind, road: MapLine) -> bool:
         if not any(re.search(rf"\b{re.escape(word)}", phrase) for word in words)
     }
     traits = set(place.traits) - _OF_LANES - untold
-    return all(_is(trait, road) for trait in traits) and all(
-        _holds(claim, road) for claim in _claimed(phrase)
-    )
+    are_there = all(is_of_kind(trait, road) or trait in road.features for trait in traits)
+    return are_there and all(_holds(claim, road) for claim in _claimed(phrase))
 
 
 def _holds(claim: Claim, road: MapLine) -> bool:
     return is_so(claim, road) or (claim.kind == "road" and claim.value in road.features)
-
-
-def _is(trait: str, road: MapLine) -> bool:
-    return is_of_kind(trait, road) or trait in road.features
 
 
 @lru_cache(maxsize=512)

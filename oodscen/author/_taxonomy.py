@@ -12,18 +12,12 @@ from oodscen.prompts._tree.place_scenario import MOST_ALSO, AlsoFits, PlacedScen
 from oodscen.prompts._tree.propose_tree import ProposedNode, ProposedTree, ProposeTree
 from oodscen.tree._scenario_tree import CLASSES, ROOT, Node
 
-_ROOT_LABEL = "Out-of-distribution driving scenario"
-
-
-# ------------------------------------------------------------------ proposing a tree
-
 
 @dataclass
 class _Draft:
-    """The hazards chosen so far, by family, and the remaining number of nodes."""
+    """The hazards chosen so far, by family, and the number of nodes still available."""
 
     room: int
-    """Number of nodes still available."""
     families: dict[str, list[HazardKind]] = field(default_factory=dict)
     bare: list[HazardKind] = field(default_factory=list)
     """Leaves directly below their class, because a family would take one node too many."""
@@ -44,7 +38,6 @@ class TreeAuthor:
     """Answers `ProposeTree` and `PlaceScenario`."""
 
     def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
-        """Build trees from a knowledge base; the paper's scenarios are looked up in it once."""
         self.knowledge = knowledge
         self.recogniser = recogniser
         self.simulated = self._named(knowledge.paper.simulated)
@@ -113,53 +106,39 @@ class TreeAuthor:
             def rank(hazard: HazardKind, counts: dict[str, int] = counts) -> tuple[int, int]:
                 size = len(draft.families.get(hazard.family, ()))
                 lonely = {1: 0, 0: 1, 2: 2}.get(size, size + 1)
-                return lonely if draft.room > 2 or size else 9, counts[hazard.class_name]
+                return counts[hazard.class_name], lonely if draft.room > 2 or size else 9
 
-            best = min(left, key=lambda h: (rank(h)[1], rank(h)[0]))
+            best = min(left, key=rank)
             if draft.cost(best) > draft.room:
                 fitting = [hazard for hazard in left if draft.cost(hazard) <= draft.room]
                 if not fitting:
                     draft.bare.append(best)
                     draft.room -= 1
                     return
-                best = min(fitting, key=lambda h: (rank(h)[1], rank(h)[0]))
+                best = min(fitting, key=rank)
             draft.add(best)
             left.remove(best)
 
     def _lay_out(self, draft: _Draft, examples: Mapping[str, int]) -> ProposedTree:
-        nodes = [ProposedNode(number=1, parent=0, label=_ROOT_LABEL)]
-        classes = {}
-        for label in CLASSES:
-            classes[label.casefold()] = len(nodes) + 1
-            nodes.append(ProposedNode(number=len(nodes) + 1, parent=1, label=label))
+        nodes: list[ProposedNode] = []
+
+        def add(parent: int, label: str, example: int | None = None) -> int:
+            number = len(nodes) + 1
+            nodes.append(ProposedNode(number=number, parent=parent, label=label, example=example))
+            return number
+
+        root = add(0, "Out-of-distribution driving scenario")
+        classes = {label.casefold(): add(root, label) for label in CLASSES}
         for class_name, top in classes.items():
             for family, leaves in draft.families.items():
-                if leaves[0].class_name != class_name:
-                    continue
-                parent = len(nodes) + 1
-                nodes.append(ProposedNode(number=parent, parent=top, label=family))
-                for hazard in leaves:
-                    nodes.append(
-                        ProposedNode(
-                            number=len(nodes) + 1,
-                            parent=parent,
-                            label=hazard.label,
-                            example=examples.get(hazard.id),
-                        )
-                    )
+                if leaves[0].class_name == class_name:
+                    parent = add(top, family)
+                    for hazard in leaves:
+                        add(parent, hazard.label, examples.get(hazard.id))
             for hazard in draft.bare:
                 if hazard.class_name == class_name:
-                    nodes.append(
-                        ProposedNode(
-                            number=len(nodes) + 1,
-                            parent=top,
-                            label=hazard.label,
-                            example=examples.get(hazard.id),
-                        )
-                    )
+                    add(top, hazard.label, examples.get(hazard.id))
         return ProposedTree(nodes=nodes)
-
-    # -------------------------------------------------------------- placing a scenario
 
     def place(self, prompt: PlaceScenario) -> PlacedScenario:
         """Return the branch for a text, or the change that makes the tree cover it."""
@@ -244,7 +223,7 @@ class TreeAuthor:
                 node=family.id,
                 label=label,
             )
-        top = outline.class_node(hazard.class_name)
+        top = next((n for n in outline.tops if n.label.casefold() == hazard.class_name), None)
         if top is None:
             reason = f"The tree has no class for {hazard.class_name} scenarios."
             return PlacedScenario(reasoning=reason, decision="not-ood")
@@ -278,15 +257,11 @@ class _TreeOutline:
         nodes = prompt.nodes
         parents = {node.parent for node in nodes} | {item.id for item in prompt.hidden}
         self.full = frozenset(prompt.full)
-        tops = {node.id for node in nodes if node.parent == ROOT}
         self.labels = {node.label.casefold() for node in nodes}
-        self.classes = [node for node in nodes if node.id in tops]
+        self.tops = [node for node in nodes if node.parent == ROOT]
         below = [node for node in nodes if node.parent not in (None, ROOT)]
         self.leaves = [node for node in below if node.id not in parents]
         self.families = [node for node in below if node.id in parents]
-
-    def class_node(self, name: str) -> Node | None:
-        return next((node for node in self.classes if node.label.casefold() == name), None)
 
     def free(self, *labels: str) -> str:
         """Return the first label that the tree does not have; if it has all, number the first one."""

@@ -19,15 +19,12 @@ from oodscen.driving._trace import Trace
 
 _CASTS = 2_000
 """Largest number of assignments of subjects to actors to try."""
-_DENSE = 2
-"""Number of other road users, besides the hazard, that makes traffic dense."""
-_USERS = frozenset({"vehicle", "cyclist"})
-
 _UNFITTING = 1000
 """Number of failed claims that a thing without a fitting actor counts as."""
-_STATUSES: Mapping[bool, Literal["holds", "fails"]] = {True: "holds", False: "fails"}
 _OUT_OF_ORDER = frozenset({"off", "all_on", "flashing"})
 """States that a map's own signals never show."""
+
+Status = Literal["holds", "fails", "open"]
 
 
 class ClaimFinding(Data):
@@ -36,7 +33,7 @@ class ClaimFinding(Data):
     noun: ClassVar[str] = "finding"
 
     claim: Claim
-    status: Literal["holds", "fails", "open"]
+    status: Status
     """`open` if neither the scene nor the catalogue decides the claim."""
     found: str
     """Description of the content of the scene."""
@@ -121,12 +118,11 @@ def _road(scene: Scene, catalogue: Catalogue) -> RoadMap | None:
 
 def _groups(subjects: Mapping[str, Sequence[Claim]]) -> list[list[str]]:
     """Group the subjects whose names differ only in a trailing number."""
-    groups: dict[object, list[str]] = {}
+    groups: dict[str, list[str]] = {}
     for subject in subjects:
         thing = thing_named(subject)
-        groups.setdefault(thing.name if thing else subject.rstrip(" 0123456789"), []).append(
-            subject
-        )
+        name = thing.name if thing else subject.rstrip(" 0123456789")
+        groups.setdefault(name, []).append(subject)
     return list(groups.values())
 
 
@@ -309,12 +305,11 @@ def _of_scenery(claim: Claim, fault: str) -> ClaimFinding:
 
 
 def _traffic(claim: Claim, seen: Sequence[ObservedActor], taken: set[str]) -> ClaimFinding:
-    users = [one for one in seen if one.asset.category in _USERS]
+    users = [one for one in seen if one.asset.category in ("vehicle", "cyclist")]
     if claim.value == "none":
         extra = [one.id for one in users if one.id not in taken and one.is_traffic]
         return _finding(claim, not extra, f"there are also {', '.join(extra)}", "actors")
-    found = f"there are {len(users)} other road users"
-    return _finding(claim, len(users) >= _DENSE, found, "actors")
+    return _finding(claim, len(users) >= 2, f"there are {len(users)} other road users", "actors")
 
 
 def _faults(findings: Mapping[Claim, ClaimFinding]) -> int:
@@ -322,5 +317,5 @@ def _faults(findings: Mapping[Claim, ClaimFinding]) -> int:
 
 
 def _finding(claim: Claim, holds: bool | None, found: str, path: str) -> ClaimFinding:
-    status = "open" if holds is None else _STATUSES[holds]
+    status: Status = "open" if holds is None else "holds" if holds else "fails"
     return ClaimFinding(claim=claim, status=status, found=found, path=path)

@@ -17,8 +17,6 @@ from oodscen.protocols import LLM, Encoder
 class Faithfulness(Data):
     """The comparison of a scene with its text."""
 
-    noun: ClassVar[str] = "faithfulness"
-
     id: str
     """Id of the scene."""
     findings: tuple[ClaimFinding, ...]

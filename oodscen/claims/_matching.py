@@ -79,14 +79,9 @@ def doubt(
     catalogue: Catalogue,
     likeness: Likeness | None = None,
 ) -> str:
-    """Return the reason why an asset does not fit a noun phrase; empty if it fits.
+    """Return the reason why an asset does not fit a noun phrase such as `uprooted maple`; empty if it fits.
 
-    Args:
-        subject: The noun phrase, such as `uprooted maple`.
-        quotes: The words of the text about it.
-        asset: The asset that is said to stand for it.
-        catalogue: The asset's catalogue.
-        likeness: Nearness in meaning; without it, a noun that no asset is known by may be any of them.
+    `quotes` are the words of the text about it. Without `likeness`, a noun that no asset is known by may be any of them.
     """
     if may_be(subject, asset):
         return ""

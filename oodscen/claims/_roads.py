@@ -1,33 +1,15 @@
 """Checks of claims about the road against the catalogue's entry for its map."""
 
 from collections.abc import Iterable, Sequence
-from typing import Protocol
 
 from oodscen.data._catalogue import RoadMap
 from oodscen.data._claim import Claim
+from oodscen.prompts._digest import MapLine
 
-
-class RoadFacts(Protocol):
-    """The known properties of a map: a `RoadMap`, or a line of a catalogue's digest."""
-
-    @property
-    def lanes(self) -> int:
-        """Number of driving lanes in the ego's direction."""
-        ...
-
-    @property
-    def oncoming_lanes(self) -> int:
-        """Number of driving lanes for oncoming traffic."""
-        ...
-
-    @property
-    def traits(self) -> tuple[str, ...]:
-        """Kinds of road that the map is."""
-        ...
+Road = RoadMap | MapLine
 
 
 def of_roads(claims: Iterable[Claim]) -> list[Claim]:
-    """Return the claims about the road."""
     return [claim for claim in claims if claim.kind in ("road", "lanes", "own_lanes")]
 
 
@@ -45,7 +27,7 @@ def is_so_or_has(claim: Claim, road: RoadMap) -> bool:
     return is_so(claim, road) or (claim.value == "shoulder" and road.has_shoulder)
 
 
-def is_so(claim: Claim, road: RoadFacts) -> bool:
+def is_so(claim: Claim, road: Road) -> bool:
     """Return whether a claim of kind road, lanes or own_lanes holds on a map that has traits."""
     if claim.kind == "road":
         return is_of_kind(claim.value, road)
@@ -56,7 +38,7 @@ def is_so(claim: Claim, road: RoadFacts) -> bool:
     return both or ("divided" in road.traits and road.lanes == wanted)
 
 
-def is_of_kind(value: str, road: RoadFacts) -> bool:
+def is_of_kind(value: str, road: Road) -> bool:
     """Return whether a map that has traits is a kind of road, or has a feature."""
     if value == "two_way":
         return road.oncoming_lanes > 0

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 
+from oodscen.claims._actors import Verdict
 from oodscen.claims._roads import is_so_or_has
 from oodscen.data._catalogue import RoadMap
 from oodscen.data._claim import Claim
@@ -17,20 +18,11 @@ LIGHT_SNOW, HEAVY_SNOW = 2.0, 4.0
 """The same limits for snow, as water equivalent; visual range and road surface are separate claims."""
 _TURN_RAD = math.radians(50.0)
 
-Verdict = tuple[bool | None, str]
-"""A verdict on a claim (`None` if it cannot be decided), and a description of the scene."""
-
 
 def judge_surroundings(
     claim: Claim, scene: Scene, road: RoadMap | None, trace: Trace
 ) -> tuple[bool | None, str, str]:
-    """Compare a claim that is not about a thing with a scene.
-
-    Args:
-        claim: A claim of kind weather, time, road, lanes, own_lanes, ego or ego_speed.
-        scene: The scene in which it should hold.
-        road: The scene's map; `None` if the catalogue lacks it and its traits are unknown.
-        trace: The ground truth, for the path of the ego.
+    """Compare a claim of kind weather, time, road, lanes, own_lanes, ego or ego_speed with a scene.
 
     Returns:
         The verdict, what the scene shows, and the path in the scene.
@@ -39,7 +31,12 @@ def judge_surroundings(
         test = {**_WEATHER, **_TIME}[claim.value]
         return test(scene.weather), f"it is {_words(scene.weather)}", "weather"
     if claim.kind == "ego_speed":
-        return *_ego_speed(float(claim.value), scene), "ego.speed"
+        kmh, own = float(claim.value), 3.6 * scene.ego.speed
+        return (
+            abs(own - kmh) <= max(6.0, 0.2 * kmh),
+            f"the ego drives at {own:.0f} km/h",
+            "ego.speed",
+        )
     if claim.kind == "ego":
         holds, found = _ego(claim.value, scene, road, trace)
         return holds, found, "ego"
@@ -64,11 +61,6 @@ def _ego(value: str, scene: Scene, road: RoadMap | None, trace: Trace) -> Verdic
     return holds, f"the ego drives in lane {lane} of {road.lanes}, counted from the right"
 
 
-def _ego_speed(kmh: float, scene: Scene) -> Verdict:
-    own = 3.6 * scene.ego.speed
-    return abs(own - kmh) <= max(6.0, 0.2 * kmh), f"the ego drives at {own:.0f} km/h"
-
-
 def _words(weather: Weather) -> str:
     sun = weather.sun_elevation_deg
     rain = (
@@ -82,16 +74,12 @@ def _words(weather: Weather) -> str:
     )
 
 
-def _is_dry(weather: Weather) -> bool:
-    return weather.precipitation == "none" and weather.friction >= 0.75
-
-
 _WEATHER: Mapping[str, Callable[[Weather], bool]] = {
     "clear": lambda w: (
         w.precipitation == "none" and w.fog_visual_range_m > MIST_M and w.cloud_cover <= 0.5
     ),
     "cloudy": lambda w: w.cloud_cover >= 0.5,
-    "dry": _is_dry,
+    "dry": lambda w: w.precipitation == "none" and w.friction >= 0.75,
     "rain": lambda w: w.precipitation == "rain",
     "light_rain": lambda w: w.precipitation == "rain" and w.precipitation_mm_h <= LIGHT_RAIN,
     "heavy_rain": lambda w: w.precipitation == "rain" and w.precipitation_mm_h >= HEAVY_RAIN,

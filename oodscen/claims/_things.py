@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple
 
-from oodscen.data._catalogue import RoadMap
+from oodscen.data._catalogue import Asset, RoadMap
+from oodscen.prompts._digest import AssetLine
 
 _IRREGULAR = {
     "man": "men",
@@ -28,24 +29,7 @@ _UNCHANGED = frozenset(
 )
 _PLURAL = frozenset({"cattle", "people", "livestock"})
 
-
-class Named(Protocol):
-    """Something with an id, a category and a description: an `Asset`, or a line of a digest."""
-
-    @property
-    def id(self) -> str:
-        """Id in the catalogue."""
-        ...
-
-    @property
-    def category(self) -> str:
-        """Category of assets."""
-        ...
-
-    @property
-    def description(self) -> str:
-        """Description of the asset as a person sees it."""
-        ...
+Named = Asset | AssetLine
 
 
 @dataclass(frozen=True)
@@ -62,18 +46,16 @@ class Thing:
     plural: bool = False
     """True if the singular already means several."""
     faint: bool = False
-    """True if naming the thing does not imply that it is visible."""
+    """True if naming the thing does not imply that it is visible, as for all that are vague."""
     vague: bool = False
     """True if the name means anyone or anything. Each claim about it then needs only one actor for
     which it holds."""
 
     @property
     def name(self) -> str:
-        """The name that claims use."""
         return self.words[0]
 
-    def fits(self, asset: "Named") -> bool:
-        """Return whether the name fits an asset."""
+    def fits(self, asset: Named) -> bool:
         words = words_of(asset)
         return any(
             all((part[1:] not in words) if part[0] == "!" else part in words for part in parts)
@@ -102,19 +84,14 @@ class Mention(NamedTuple):
 def things() -> tuple[Thing, ...]:
     """Return all known kinds of things; those without terms are never matched in texts."""
     source = resources.files("oodscen.claims").joinpath("things.toml").read_text(encoding="utf-8")
-    rows = tomllib.loads(source)["thing"]
-    keys = ("words", "terms", "map")
-    return tuple(
-        Thing(
-            **{key: tuple(row.get(key, ())) for key in keys},
-            group=row.get("group", ""),
-            many=row.get("many", False),
-            plural=row.get("plural", False),
-            faint=row.get("faint", False) or row.get("vague", False),
-            vague=row.get("vague", False),
-        )
-        for row in rows
-    )
+    found = []
+    for row in tomllib.loads(source)["thing"]:
+        fields: dict[str, Any] = {
+            key: tuple(value) if isinstance(value, list) else value for key, value in row.items()
+        }
+        fields["faint"] = row.get("faint", False) or row.get("vague", False)
+        found.append(Thing(**fields))
+    return tuple(found)
 
 
 def mentions(text: str) -> Iterator[Mention]:
@@ -146,7 +123,7 @@ def is_head(subject: str) -> bool:
     return bool(found) and found[-1].end >= len(head.rstrip(" 0123456789"))
 
 
-def may_be(subject: str, asset: "Named") -> bool:
+def may_be(subject: str, asset: Named) -> bool:
     """Return whether an asset fits a noun phrase.
 
     An unknown name is compared with the words of the asset.
@@ -160,8 +137,8 @@ def may_be(subject: str, asset: "Named") -> bool:
 
 
 def words_of(asset: Named) -> frozenset[str]:
-    """Return the words by which an asset is known."""
-    return _named_by(asset.id, asset.category, getattr(asset, "tags", None), asset.description)
+    tags = asset.tags if isinstance(asset, Asset) else None
+    return _named_by(asset.id, asset.category, tags, asset.description)
 
 
 @cache

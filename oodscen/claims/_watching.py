@@ -1,9 +1,6 @@
 """Rollouts of a scene without a reacting ego: the approach, the decision and the time after it."""
 
-from collections.abc import Mapping
-
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
@@ -63,16 +60,3 @@ def decision_s(scene: Scene, trace: Trace) -> float:
     value = away if trigger.kind == "distance" else trace["ttc_s"][:, row]
     due = np.flatnonzero(value <= trigger.value)
     return float(time[due[0]]) if len(due) else float(time[-1])
-
-
-def beside(scene: Scene, catalogue: Catalogue, trace: Trace) -> Mapping[str, NDArray[np.float64]]:
-    """Return the lateral offset of every actor from the middle of the ego's starting lane, m.
-
-    Returns:
-        Arrays [steps] by actor id, positive to the left.
-    """
-    course = Course.of(scene, catalogue)
-    strip, corridor = course.corridor.strips[course.strip], course.corridor
-    middle = 0.5 * (strip.left + strip.right)
-    lane = np.interp(trace["s"], corridor.s, middle)
-    return {name: trace["t"][:, row] - lane[:, row] for row, name in enumerate(trace.ids)}

@@ -86,8 +86,6 @@ class ActorAnnotation(Data):
 class FrameAnnotations(Data):
     """All annotations of one frame."""
 
-    noun: ClassVar[str] = "frame annotations"
-
     schema_version: Literal[1] = 1
     scene_id: str
     time: float
@@ -112,10 +110,39 @@ class FrameAnnotations(Data):
     ) -> NDArray[np.uint8]:
         """Return the class of every pixel of a frame, by `classes`: [height, width] uint8.
 
-        Road and pavement are found by position: pixels on the surface of a strip of the road. The arguments are
-        those of `annotate`.
+        Road and pavement are found by position: pixels on the surface of a strip of the road.
+
+        Args:
+            frame: The rendered frame.
+            state: State of the world at that moment.
+            scene: The scene they belong to.
+            catalogue: The simulator's catalogue.
+            camera: The camera that rendered the frame; by default the ego's dash camera.
         """
-        return semantic_map(frame, state, scene, catalogue, camera)
+        camera = camera_for(catalogue, camera)
+        cast = bodies(scene, catalogue, state.poses)
+        assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
+        table = [CLASSES["scenery"], CLASSES["ego"]]
+        table += [CLASSES[assets[body.asset].category] for body in cast[1:]]
+        classes: NDArray[np.uint8] = np.array(table, np.uint8)[frame.ids]
+        classes[(frame.ids == 0) & ~np.isfinite(frame.depth)] = CLASSES["sky"]
+        eye = Eye(camera, cast[0].solid)
+        rows, columns = np.nonzero((frame.ids == 0) & np.isfinite(frame.depth))
+        u = (columns + 0.5 - 0.5 * camera.width) / eye.focal
+        v = (rows + 0.5 - 0.5 * camera.height) / eye.focal
+        depth = frame.depth[rows, columns].astype(np.float64)
+        x, y, z = (
+            eye.place[axis] + depth * (eye.forward[axis] + u * eye.right[axis] + v * eye.down[axis])
+            for axis in range(3)
+        )
+        corridor = load_corridor(scene.map, catalogue)
+        kinds = _ground(corridor, x, y, z)
+        for other in corridor.others:
+            beside = kinds == 0
+            kinds[beside] = _ground(other.corridor, x[beside], y[beside], z[beside])
+        is_ground = kinds > 0
+        classes[rows[is_ground], columns[is_ground]] = kinds[is_ground]
+        return classes
 
     def save(
         self, folder: str | Path, name: str, frame: Frame, classes: NDArray[np.uint8]
@@ -133,11 +160,10 @@ class FrameAnnotations(Data):
         """
         target = Path(folder)
         target.mkdir(parents=True, exist_ok=True)
-        written = []
-        for file, data in self.encoded(name, frame, classes).items():
+        files = self.encoded(name, frame, classes)
+        for file, data in files.items():
             (target / file).write_bytes(data)
-            written.append(target / file)
-        return written
+        return [target / file for file in files]
 
     def encoded(self, name: str, frame: Frame, classes: NDArray[np.uint8]) -> dict[str, bytes]:
         """Return the files of `save` as data by name."""
@@ -166,17 +192,14 @@ def annotate(
     camera = camera_for(catalogue, camera)
     cast = bodies(scene, catalogue, state.poses)
     eye = Eye(camera, cast[0].solid)
-    extents = _extents(frame.ids, len(cast))
     assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
     found = []
-    for row, body in enumerate(cast):
-        if row == 0:
-            continue
+    for row, body in enumerate(cast[1:], start=1):
         one = body.solid
         outline = eye.silhouette(one)
         shown = clipped(outline, camera.width, camera.height)
         whole, inside = area(outline), area(shown)
-        count, box = extents[row]
+        count, box = _extent(frame.ids == row + 1)
         centre = (one.x, one.y, one.z + 0.5 * one.height)
         unhidden = None if frame.unhidden is None else int(frame.unhidden[row])
         share = None if not unhidden else round(min(1.0, count / unhidden), 4)
@@ -213,46 +236,6 @@ def annotate(
     )
 
 
-def semantic_map(
-    frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
-) -> NDArray[np.uint8]:
-    """Return the class of every pixel, by `CLASSES`: [height, width] uint8.
-
-    Road and pavement are found by position: pixels on the surface of a strip of the road.
-
-    Args:
-        frame: The rendered frame.
-        state: State of the world at that moment.
-        scene: The scene they belong to.
-        catalogue: The simulator's catalogue.
-        camera: The camera that rendered the frame; by default the ego's dash camera.
-    """
-    camera = camera_for(catalogue, camera)
-    cast = bodies(scene, catalogue, state.poses)
-    assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
-    table = [CLASSES["scenery"], CLASSES["ego"]]
-    table += [CLASSES[assets[body.asset].category] for body in cast[1:]]
-    classes: NDArray[np.uint8] = np.array(table, np.uint8)[frame.ids]
-    classes[(frame.ids == 0) & ~np.isfinite(frame.depth)] = CLASSES["sky"]
-    eye = Eye(camera, cast[0].solid)
-    rows, columns = np.nonzero((frame.ids == 0) & np.isfinite(frame.depth))
-    u = (columns + 0.5 - 0.5 * camera.width) / eye.focal
-    v = (rows + 0.5 - 0.5 * camera.height) / eye.focal
-    depth = frame.depth[rows, columns].astype(np.float64)
-    x, y, z = (
-        eye.place[axis] + depth * (eye.forward[axis] + u * eye.right[axis] + v * eye.down[axis])
-        for axis in range(3)
-    )
-    corridor = load_corridor(scene.map, catalogue)
-    kinds = _ground(corridor, x, y, z)
-    for other in corridor.others:
-        beside = kinds == 0
-        kinds[beside] = _ground(other.corridor, x[beside], y[beside], z[beside])
-    is_ground = kinds > 0
-    classes[rows[is_ground], columns[is_ground]] = kinds[is_ground]
-    return classes
-
-
 def _ground(
     corridor: Corridor, x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64]
 ) -> NDArray[np.uint8]:
@@ -274,29 +257,18 @@ def _ground(
     return kinds
 
 
-def _extents(ids: NDArray[np.int32], count: int) -> list[tuple[int, Box | None]]:
-    """Return every body's pixel count and bounding box, the ego first."""
-    found: list[tuple[int, Box | None]] = []
-    for row in range(count):
-        mask = ids == row + 1
-        total = int(mask.sum())
-        if not total:
-            found.append((0, None))
-            continue
-        rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-        box = (float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1))
-        found.append((total, box))
-    return found
+def _extent(mask: NDArray[np.bool_]) -> tuple[int, Box | None]:
+    """Return the number of the pixels of a mask, and the box around them."""
+    if not mask.any():
+        return 0, None
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    box = (float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1))
+    return int(mask.sum()), box
 
 
 def _around(outline: Sequence[tuple[float, float]]) -> Box:
-    columns, rows = [u for u, _ in outline], [v for _, v in outline]
-    return (
-        round(min(columns), 2),
-        round(min(rows), 2),
-        round(max(columns), 2),
-        round(max(rows), 2),
-    )
+    columns, rows = ([round(value, 2) for value in values] for values in zip(*outline, strict=True))
+    return min(columns), min(rows), max(columns), max(rows)
 
 
 def _rounded(point: Sequence[float]) -> tuple[float, float, float]:

@@ -53,12 +53,6 @@ def retime(
     stay safe. If there is none, the ego approaches more slowly. If that does not help either, the first moment at
     which every action is safe is taken: the scene still asks what is there. If nothing helps, the scene and its run
     are returned unchanged, with the reasons.
-
-    Args:
-        scene: A scene whose hazard cannot be named at the decision.
-        simulated: Its run.
-        rerunner: Runs the trials.
-        claims: Claims of the scene's text, which the changed scene must not contradict.
     """
     tried: list[Attempt] = []
     before, catalogue = simulated.episode, rerunner.simulator.catalogue()

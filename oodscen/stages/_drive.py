@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -82,11 +82,12 @@ def drive(
     if not isinstance(label, str) or not label.strip() or whole(label) != label:
         raise UsageError(f"drive() needs a name for the driver, not {label!r:.80}")
     scenes = _distinct(scenes, twins)
+    drives = _Drives(driver, simulator, label, seed, twins, camera)
     with reporting(progress) as report_progress:
         results = [
             result
             for scene in counted(scenes, "drive", len(scenes), report_progress)
-            for result in _both(scene, driver, simulator, label, seed, twins, camera)
+            for result in drives.of(scene)
         ]
     digests = {item: one.digest() for one in scenes for item in (one.id, twin_id(one.id))}
     return [one.model_copy(update={"made_from": digests[one.scene_id]}) for one in results]
@@ -149,11 +150,10 @@ class RuleBasedDriver(Brief):
         control = self._keep.act(observation)
         if self._desired is None:
             self._desired = max(observation.speed, 0.1)
-        speed = observation.speed
         if self._closing > 0 and self._gap / self._closing < self.emergency_ttc_s:
             return replace(control, acceleration=-8.0)
         acceleration = following_acceleration(
-            speed,
+            observation.speed,
             self._desired,
             self._gap,
             self._closing,
@@ -162,9 +162,6 @@ class RuleBasedDriver(Brief):
             comfortable=self.comfortable,
         )
         return replace(control, acceleration=max(-8.0, min(control.acceleration, acceleration)))
-
-
-# ------------------------------------------------------------------ one drive
 
 
 class DrivePlan:
@@ -199,12 +196,7 @@ class DrivePlan:
 
 
 def is_needless(twin: DriveResult, is_clear: bool) -> bool | None:
-    """Return whether a drive of a twin braked hard for nothing; `None` if the drive failed.
-
-    Args:
-        twin: The drive.
-        is_clear: True if keeping the speed is safe in the twin.
-    """
+    """Return whether a drive of a twin braked hard for nothing; `None` if the drive failed."""
     if twin.status != "ok":
         return None
     return is_clear and twin.peak_deceleration > NEEDLESS_BRAKING
@@ -216,29 +208,45 @@ def brakes_hard(before: State, after: State) -> bool:
     return lost / (after.time - before.time) > NEEDLESS_BRAKING
 
 
-def _both(
-    scene: Scene,
-    driver: MakeDriver,
-    simulator: Simulator,
-    label: str,
-    seed: int,
-    twins: bool,
-    camera: Camera | None,
-) -> list[DriveResult]:
-    """Drive a scene and, if asked to, its twin."""
-    try:
-        plan = DrivePlan(scene, simulator, seed)
-    except OodscenError as error:
-        return [failed_drive(scene.id, label, error)]
-    one = _drive(scene, driver, simulator, label, seed, plan.steps, camera)
-    if not twins or scene.is_twin:
-        return [one]
-    try:
-        is_clear = plan.is_clear
-        other = _drive(plan.twin, driver, simulator, label, seed, plan.steps, camera)
-    except OodscenError as error:
-        return [one, failed_drive(twin_id(scene.id), label, error)]
-    return _pair(one, other, is_needless(other, is_clear))
+@dataclass(frozen=True)
+class _Drives:
+    """Drives of one driver in one simulator."""
+
+    make: MakeDriver
+    simulator: Simulator
+    name: str
+    seed: int
+    twins: bool
+    camera: Camera | None
+
+    def of(self, scene: Scene) -> list[DriveResult]:
+        """Drive a scene and, if asked to, its twin."""
+        try:
+            plan = DrivePlan(scene, self.simulator, self.seed)
+        except OodscenError as error:
+            return [failed_drive(scene.id, self.name, error)]
+        one = self._one(scene, plan.steps)
+        if not self.twins or scene.is_twin:
+            return [one]
+        try:
+            is_clear = plan.is_clear
+            other = self._one(plan.twin, plan.steps)
+        except OodscenError as error:
+            return [one, failed_drive(twin_id(scene.id), self.name, error)]
+        return _pair(one, other, is_needless(other, is_clear))
+
+    def _one(self, scene: Scene, steps: int) -> DriveResult:
+        simulator = self.simulator
+        try:
+            driver = self.make()
+            own = driver.camera if isinstance(driver, MountsCamera) else None
+            camera = camera_for(simulator.catalogue(), self.camera or own)
+            states = list(drive_states(scene, driver, simulator, self.seed, steps, camera))
+        except BaseException as error:
+            if is_interruption(error):
+                raise
+            return failed_drive(scene.id, self.name, error)
+        return drive_result(scene, states, simulator.catalogue(), self.name, steps, simulator.dt)
 
 
 def horizon(
@@ -274,27 +282,6 @@ def horizon(
     return steps, decision_s, Trace.of(states, scene, simulator.catalogue())
 
 
-def _drive(
-    scene: Scene,
-    make: MakeDriver,
-    simulator: Simulator,
-    name: str,
-    seed: int,
-    steps: int,
-    camera: Camera | None,
-) -> DriveResult:
-    try:
-        controlling = make()
-        own = controlling.camera if isinstance(controlling, MountsCamera) else None
-        camera = camera_for(simulator.catalogue(), camera or own)
-        states = list(drive_states(scene, controlling, simulator, seed, steps, camera))
-    except BaseException as error:
-        if is_interruption(error):
-            raise
-        return failed_drive(scene.id, name, error)
-    return drive_result(scene, states, simulator.catalogue(), name, steps, simulator.dt)
-
-
 def drive_result(
     scene: Scene,
     states: Sequence[State],
@@ -303,16 +290,7 @@ def drive_result(
     steps: int,
     dt: float,
 ) -> DriveResult:
-    """Return the result of one drive from its states.
-
-    Args:
-        scene: The scene or twin that was driven.
-        states: The states from the start to the end of the drive.
-        catalogue: The catalogue of the scene.
-        name: The driver's name.
-        steps: Steps of a whole drive, to which progress is compared.
-        dt: Seconds per step.
-    """
+    """Return the result of a drive; its progress is compared with that of `steps` at the initial speed."""
     trace = Trace.from_states(states, Course.of(scene, catalogue))
     met = trace.summary().values()
     ttc = trace["ttc_s"][:, 1:].min(axis=1, initial=np.inf)
@@ -363,17 +341,12 @@ def drive_states(
 
 def _pair(one: DriveResult, other: DriveResult, needless: bool | None) -> list[DriveResult]:
     """Add to both results how the same driver fared in the other."""
+    braking = {"brakes_needlessly": needless}
     if other.status == "ok":
-        both = one.status == "ok"
-        lost = round(other.progress - one.progress, 4) if both else None
-        one = one.model_copy(
-            update={
-                "twin_passed": other.passed,
-                "progress_lost": lost,
-                "brakes_needlessly": needless,
-            }
-        )
-    return [one, other.model_copy(update={"brakes_needlessly": needless})]
+        lost = round(other.progress - one.progress, 4) if one.status == "ok" else None
+        fields = {"twin_passed": other.passed, "progress_lost": lost, **braking}
+        one = one.model_copy(update=fields)
+    return [one, other.model_copy(update=braking)]
 
 
 def failed_drive(scene_id: str, name: str, error: BaseException) -> DriveResult:

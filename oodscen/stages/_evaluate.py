@@ -154,10 +154,7 @@ class _Interview:
     ) -> dict[str, Any]:
         """Ask all questions and return the verdict's fields about the answers that came.
 
-        Args:
-            shown: The drive.
-            before: The drive up to the decision, if the action is asked first and about it alone.
-            options: Options of the closed question, which is skipped without them.
+        With a drive up to the decision, `before`, the action is asked first and about it alone.
         """
         fields: dict[str, Any] = {}
         try:

@@ -63,16 +63,9 @@ def visible_of(
     catalogue: Catalogue,
     motions: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Visible, ...]:
-    """Return everything that can be seen of a hazard; equal things are told once.
+    """Return everything that can be seen of a hazard; equal things are named once.
 
-    Args:
-        actors: All actors of the scene.
-        hazard: Its hazard.
-        weather: Its weather.
-        ego: The ego's lane, and its speed, m/s.
-        map_id: Its map.
-        catalogue: The catalogue of its simulator.
-        motions: What motions made to order look like, by id.
+    The ego is given by lane and speed, m/s; `motions` has the looks of motions made to order, by id.
     """
     known = {asset.id: asset for asset in catalogue.assets}
     kinds = catalogue.details or DetailKinds()

@@ -67,8 +67,6 @@ class RedTeamOptions(Data):
 class DescribeOptions(Data):
     """Options of a `Describer`: how many texts, in which style, and how they are chosen."""
 
-    noun: ClassVar[str] = "describe options"
-
     per_path: int = Field(default=PER_PATH, ge=1)
     """Texts per path, as far as its kind bears them."""
     style: Style = "natural"

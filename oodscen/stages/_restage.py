@@ -46,12 +46,6 @@ def restage(
 
     Other actors keep their behaviour: an actor that did not yield before does not yield now. If no variant helps, the scene and its
     run are returned unchanged, with the rejected variants and the reasons.
-
-    Args:
-        scene: A scene in which all or none of the actions are safe.
-        simulated: Its run.
-        rerunner: Runs the variants.
-        claims: Claims of the scene's text, which no variant may contradict.
     """
     if not simulated.episode.is_deterministic:
         why = "replaying the approach gave another trace, so that no action can be called safe"
@@ -105,13 +99,7 @@ def contradiction(
 
 
 def variants(scene: Scene, catalogue: Catalogue, is_too_easy: bool) -> Iterator[tuple[Scene, str]]:
-    """Yield changed scenes, the smallest change first, each with a description of the change.
-
-    Args:
-        scene: The scene to change.
-        catalogue: The simulator's catalogue, which may have a car to add.
-        is_too_easy: True if every action is safe, false if none is.
-    """
+    """Yield changed scenes, the smallest change first, each with a description of the change."""
     later = scene.decision.kind == "time"
     factors = (0.85, 0.7, 0.55) if is_too_easy is not later else (1.2, 1.4, 1.7)
     for factor in factors:

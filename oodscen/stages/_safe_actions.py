@@ -57,11 +57,9 @@ class Trials(NamedTuple):
         return cls(middle, tuple(one for one in grid if one != Variation(middle)))
 
     def other_variations(self, action: str, passed: bool) -> Iterator[Variation]:
-        """Yield the other variations of an action, those first whose outcome most likely differs.
+        """Yield the other variations of an action, those first whose outcome most likely differs from the middle driver's.
 
-        Args:
-            action: The action; who keeps the speed has nothing to react to.
-            passed: Whether the middle driver passed.
+        An ego that keeps the speed has nothing to react to.
         """
         for one in reversed(self.others) if passed else self.others:
             if action != "keep_speed" or one.reaction_s == self.middle:

@@ -1,10 +1,10 @@
 """Simulation of a scene: the approach up to the decision point, and every action from there."""
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -153,97 +153,151 @@ def simulate(
         seconds = finite_number("horizon", horizon, 0.1, LONGEST_HORIZON_S)
         scene = scene.model_copy(update={"horizon_s": seconds})
     with working("simulator", simulator.name):
-        return _simulated(scene, simulator, seed, camera, actions, render, traces, trials, moments)
+        shown = camera_for(simulator.catalogue(), camera) if render else None
+        return _Run(scene, simulator, seed, shown, moments, trials).simulated(actions, traces)
 
 
-def _simulated(
-    scene: Scene,
-    simulator: Simulator,
-    seed: int,
-    camera: Camera | None,
-    actions: Sequence[str],
-    render: bool,
-    traces: bool,
-    trials: Trials,
-    moments: Sequence[str],
-) -> Simulated:
-    is_paper = trials.collisions_only
-    going_back = None
-    if scene.is_ordinary and not is_paper and isinstance(simulator, Snapshots):
-        going_back = _Steps(simulator)
-    states, controls, fired = approach(scene, simulator, seed, going_back)
-    decided = states[-1]
-    digest, decision_s = fingerprint(states), round(decided.time, 6)
-    shown = camera_for(simulator.catalogue(), camera) if render else None
-    if is_paper:
-        whole = [*controls, *_blind(scene, simulator, states[-1])]
-        frames, states = _shown_again(scene, simulator, seed, whole, shown, moments)
-        _, again = _shown_again(scene, simulator, seed, controls, None)
-        is_deterministic = fingerprint(again) == digest
-    elif going_back:
-        frames, is_deterministic = going_back.frames(shown, moments), True
-    else:
-        frames, again = _shown_again(scene, simulator, seed, controls, shown, moments)
-        is_deterministic = fingerprint(again) == digest
-    course = Course.of(scene, simulator.catalogue())
-    rollouts = Rollouts(simulator, scene, seed, controls, digest, course, trials)
-    outcomes: dict[str, ActionOutcome] = {}
-    kept: dict[str, Trace] = {}
-    for action in actions:
-        outcomes[action], rollout, same = rollouts.outcome(action)
-        is_deterministic &= same
-        if rollout is not None:
-            kept[action] = rollout
-    if not is_deterministic:
-        outcomes = {
-            name: outcome.model_copy(update={"safe": False, "marginal": False})
-            for name, outcome in outcomes.items()
+class _Shown(NamedTuple):
+    """The approach to a decision, and the frames of it."""
+
+    states: list[State]
+    """States up to the decision; in the paper's protocol, up to the end."""
+    controls: list[Control]
+    """Controls up to the decision."""
+    decided: State
+    """The state at the decision."""
+    fired: bool
+    """True if the trigger of the decision fired."""
+    frames: dict[str, Frame]
+    digest: str
+    """Fingerprint of the states up to the decision."""
+    is_deterministic: bool
+
+
+@dataclass(frozen=True)
+class _Run:
+    """One run of a scene."""
+
+    scene: Scene
+    simulator: Simulator
+    seed: int
+    camera: Camera | None
+    """`None` takes no frames."""
+    moments: Sequence[str]
+    trials: Trials
+
+    def simulated(self, actions: Sequence[str], traces: bool) -> Simulated:
+        scene, simulator, catalogue = self.scene, self.simulator, self.simulator.catalogue()
+        shown = self._shown()
+        states, frames, is_deterministic = shown.states, shown.frames, shown.is_deterministic
+        course = Course.of(scene, catalogue)
+        rollouts = Rollouts(
+            simulator, scene, self.seed, shown.controls, shown.digest, course, self.trials
+        )
+        outcomes: dict[str, ActionOutcome] = {}
+        kept: dict[str, Trace] = {}
+        for action in actions:
+            outcomes[action], rollout, same = rollouts.outcome(action)
+            is_deterministic &= same
+            if rollout is not None:
+                kept[action] = rollout
+        if not is_deterministic:
+            outcomes = {
+                name: outcome.model_copy(update={"safe": False, "marginal": False})
+                for name, outcome in outcomes.items()
+            }
+        trace = Trace.from_states(states, course)
+        behind = followers(trace)
+        others = {one.reaction_s for one in self.trials.others}
+        episode = Episode(
+            id=scene.id,
+            scene_id=scene.id,
+            status="ok",
+            simulator=simulator.name,
+            seed=self.seed,
+            dt=simulator.dt,
+            decision_s=round(shown.decided.time, 6),
+            decision_fired=shown.fired,
+            **self._sights(states, frames),
+            trace_sha256=shown.digest,
+            is_deterministic=is_deterministic,
+            actions=outcomes,
+            sketch=sketch(course, trace, kept),
+            reaction_s=tuple(sorted({self.trials.middle, *others})),
+            horizon_s=scene.horizon_s,
+            stop_line=rollouts.line,
+            ego_speed_mps=round(shown.decided.speeds[0].item(), 3),
+            followers=behind,
+            follower=_follower(scene, trace, behind),
+        )
+        rolled = kept if traces else {}
+        return Simulated(episode, tuple(states), frames, trace, rolled, scene, catalogue)
+
+    def _shown(self) -> _Shown:
+        """Drive to the decision, and again for the frames."""
+        scene, simulator = self.scene, self.simulator
+        is_paper = self.trials.collisions_only
+        if scene.is_ordinary and not is_paper and isinstance(simulator, Snapshots):
+            kept: list[Any] = []
+            states, controls, fired = approach(
+                scene, simulator, self.seed, lambda: kept.append(simulator.snapshot())
+            )
+            frames = {}
+            for moment, step in _steps_shown(len(kept) - 1, self.moments).items():
+                state = simulator.restore(kept[step])
+                if self.camera:
+                    frames[moment] = render_checked(simulator, self.camera, len(state.ids))
+            digest = fingerprint(states)
+            return _Shown(states, controls, states[-1], fired, frames, digest, True)
+        states, controls, fired = approach(scene, simulator, self.seed)
+        decided, digest = states[-1], fingerprint(states)
+        if is_paper:
+            whole = [*controls, *_blind(scene, simulator, decided)]
+            frames, states = self._again(whole, self.camera)
+            _, again = self._again(controls, None)
+        else:
+            frames, again = self._again(controls, self.camera)
+        is_same = fingerprint(again) == digest
+        return _Shown(states, controls, decided, fired, frames, digest, is_same)
+
+    def _again(
+        self, controls: Sequence[Control], camera: Camera | None
+    ) -> tuple[dict[str, Frame], list[State]]:
+        """Replay controls and return the frames and the states."""
+        frames: dict[str, Frame] = {}
+        states: list[State] = []
+        steps = _steps_shown(len(controls), self.moments) if camera else {}
+        for index, control in enumerate([None, *controls]):
+            states.append(
+                self.simulator.step(control)
+                if control
+                else self.simulator.reset(self.scene, self.seed)
+            )
+            for moment, step in steps.items():
+                if index == step and camera:
+                    frames[moment] = render_checked(self.simulator, camera, len(states[-1].ids))
+        return frames, states
+
+    def _sights(self, states: Sequence[State], frames: Mapping[str, Frame]) -> dict[str, Any]:
+        """Return the fields of an episode about its frames."""
+        visible = {moment: visible_pixels(one, states[0].ids) for moment, one in frames.items()}
+        seen = None
+        if self.camera and not self.trials.collisions_only:
+            catalogue = self.simulator.catalogue()
+            seen = sighting(self.scene, states[-1], frames["last"], catalogue, self.camera)
+        return {
+            "frame_sha256": {
+                moment: hashlib.sha256(frame.rgb.tobytes()).hexdigest()
+                for moment, frame in frames.items()
+            },
+            "visible": visible,
+            "hazard_visible": _shows_hazard(self.scene, self.camera, visible),
+            "sighting": seen,
+            "frame_times_s": {
+                moment: round(states[step].time, 6)
+                for moment, step in _steps_shown(len(states) - 1, tuple(frames)).items()
+            },
         }
-    visible = {moment: visible_pixels(frame, states[0].ids) for moment, frame in frames.items()}
-    trace = Trace.from_states(states, course)
-    behind = followers(trace)
-    episode = Episode(
-        id=scene.id,
-        scene_id=scene.id,
-        status="ok",
-        simulator=simulator.name,
-        seed=seed,
-        dt=simulator.dt,
-        decision_s=decision_s,
-        decision_fired=fired,
-        frame_sha256={
-            moment: hashlib.sha256(frame.rgb.tobytes()).hexdigest()
-            for moment, frame in frames.items()
-        },
-        visible=visible,
-        hazard_visible=_shows_hazard(scene, shown, visible),
-        sighting=sighting(scene, states[-1], frames["last"], simulator.catalogue(), shown)
-        if shown and not is_paper
-        else None,
-        trace_sha256=digest,
-        is_deterministic=is_deterministic,
-        actions=outcomes,
-        sketch=sketch(course, trace, kept),
-        reaction_s=tuple(sorted({trials.middle, *(one.reaction_s for one in trials.others)})),
-        horizon_s=scene.horizon_s,
-        stop_line=rollouts.line,
-        ego_speed_mps=round(decided.speeds[0].item(), 3),
-        frame_times_s={
-            moment: round(states[step].time, 6)
-            for moment, step in _steps_shown(len(states) - 1, tuple(frames)).items()
-        },
-        followers=behind,
-        follower=_follower(scene, trace, behind),
-    )
-    return Simulated(
-        episode,
-        tuple(states),
-        frames,
-        trace,
-        kept if traces else {},
-        scene,
-        simulator.catalogue(),
-    )
 
 
 def followers(trace: Trace) -> tuple[str, ...]:
@@ -269,26 +323,6 @@ def _follower(scene: Scene, trace: Trace, behind: Sequence[str]) -> Follower | N
     return Follower(gap_m=round(gap, 3), speed_mps=round(speed, 3), what=what)
 
 
-def _shown_again(
-    scene: Scene,
-    simulator: Simulator,
-    seed: int,
-    controls: Sequence[Control],
-    camera: Camera | None,
-    moments: Sequence[str] = (),
-) -> tuple[dict[str, Frame], list[State]]:
-    """Replay controls and return the frames and the states."""
-    frames: dict[str, Frame] = {}
-    states: list[State] = []
-    steps = _steps_shown(len(controls), moments)
-    for index, control in enumerate([None, *controls]):
-        states.append(simulator.step(control) if control else simulator.reset(scene, seed))
-        for moment, step in steps.items():
-            if index == step and camera:
-                frames[moment] = render_checked(simulator, camera, len(states[-1].ids))
-    return frames, states
-
-
 def _blind(scene: Scene, simulator: Simulator, state: State) -> list[Control]:
     """Continue blindly until a collision or the horizon, and return the controls."""
     driver = Cruise()
@@ -304,27 +338,6 @@ def _blind(scene: Scene, simulator: Simulator, state: State) -> list[Control]:
 def _steps_shown(last: int, moments: Sequence[str] = MOMENTS) -> dict[str, int]:
     """Return the steps that the frames show, by moment."""
     return {moment: int(last * share_of(moment)) for moment in moments}
-
-
-class _Steps:
-    """Returns to the steps of one approach in a simulator with snapshots."""
-
-    def __init__(self, simulator: Any) -> None:
-        self.simulator = simulator
-        self.kept: list[Any] = []
-
-    def keep(self) -> None:
-        """Take a snapshot of the current step."""
-        self.kept.append(self.simulator.snapshot())
-
-    def frames(self, camera: Camera | None, moments: Sequence[str]) -> dict[str, Frame]:
-        """Return the frames, and leave the simulator at the last step."""
-        frames = {}
-        for moment, step in _steps_shown(len(self.kept) - 1, moments).items():
-            state = self.simulator.restore(self.kept[step])
-            if camera:
-                frames[moment] = render_checked(self.simulator, camera, len(state.ids))
-        return frames
 
 
 def visible_pixels(frame: Frame, ids: Sequence[str]) -> dict[str, int]:
@@ -351,9 +364,15 @@ def _shows_hazard(
 
 
 def approach(
-    scene: Scene, simulator: Simulator, seed: int, snapshots: _Steps | None = None
+    scene: Scene, simulator: Simulator, seed: int, keep: Callable[[], None] = lambda: None
 ) -> tuple[list[State], list[Control], bool]:
     """Drive blindly until the decision's trigger fires, a collision or leaving the road, or the time limit.
+
+    Args:
+        scene: The scene.
+        simulator: The simulator; it is left at the end of the drive.
+        seed: Seed of the simulator's random streams.
+        keep: Called at every state.
 
     Returns:
         The states, the controls between them, and true if the trigger fired.
@@ -363,18 +382,14 @@ def approach(
     driver = Cruise()
     states = [state]
     controls: list[Control] = []
+    keep()
     while state.time < MAX_APPROACH_S:
-        if snapshots:
-            snapshots.keep()
         if is_due(scene.decision, None, state, corridor):
             return states, controls, True
         if state.contacts or state.off_road:
             break
-        control = driver.act(simulator.observe())
-        controls.append(control)
-        state = simulator.step(control)
+        controls.append(driver.act(simulator.observe()))
+        state = simulator.step(controls[-1])
         states.append(state)
-    else:
-        if snapshots:
-            snapshots.keep()
+        keep()
     return states, controls, False

@@ -25,13 +25,6 @@ def sighting(
 
     A simulator whose frames hold no instance ids is measured by geometry alone, without contrast and light.
 
-    Args:
-        scene: The scene.
-        state: The world's state at the moment of the frame.
-        frame: The frame.
-        catalogue: Source of the actors' sizes.
-        camera: The camera of the frame.
-
     Returns:
         The look of the unusual actor or group that is easiest to name; `None` if the hazard has no actors.
     """

@@ -1,10 +1,10 @@
 import pytest
 
 from oodscen.author._builtin import BuiltinAuthor
-from oodscen.author._feasibility import WeatherLimits, realise
+from oodscen.author._feasibility import realise
 from oodscen.author._knowledge.base import Knowledge
-from oodscen.author._knowledge.motions import load_motions
-from oodscen.prompts._digest import CatalogueDigest
+from oodscen.author._knowledge.designs import load_motions
+from oodscen.prompts._digest import CatalogueDigest, WeatherLimits
 from oodscen.prompts._tree.judge_branch import JudgeBranch
 
 

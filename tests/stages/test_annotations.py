@@ -10,7 +10,6 @@ from oodscen.stages._annotations import (
     CLASSES,
     FrameAnnotations,
     annotate,
-    semantic_map,
 )
 from oodscen.testing._flat import FlatSimulator
 
@@ -106,7 +105,7 @@ def test_visibility_needs_to_know_what_is_unhidden(seen, notes):
 
 def test_every_pixel_has_a_class(seen):
     frame, state, catalogue = seen
-    classes = semantic_map(frame, state, SCENE, catalogue, CAMERA)
+    classes = FrameAnnotations.semantic_map(frame, state, SCENE, catalogue, CAMERA)
     assert classes.shape == frame.ids.shape
     assert (classes[frame.ids == 2] == CLASSES["vehicle"]).all()
     assert (classes[frame.ids == 4] == CLASSES["animal"]).all()
@@ -119,7 +118,7 @@ def test_every_pixel_has_a_class(seen):
 
 def test_files_hold_all_of_it(seen, notes, tmp_path):
     frame, state, catalogue = seen
-    classes = semantic_map(frame, state, SCENE, catalogue, CAMERA)
+    classes = FrameAnnotations.semantic_map(frame, state, SCENE, catalogue, CAMERA)
     files = notes.save(tmp_path / "deep", "last", frame, classes)
     assert FrameAnnotations.load(files[0]) == notes
     ids, semantic, depth = (cv2.imread(str(file), cv2.IMREAD_UNCHANGED) for file in files[1:])

@@ -22,6 +22,8 @@ def _as_choice(value: Any) -> Any:
 
 Range = Annotated[tuple[float, float], BeforeValidator(_as_range)]
 """Lower and upper limit; a single number stands for both."""
+Drawn = Range | Literal["ego"]
+"""A range to draw from; `ego` stands for the ego's speed."""
 Names = Annotated[tuple[str, ...], BeforeValidator(_as_choice)]
 """One or several names to choose from."""
 Lanes = Annotated[tuple[int, ...], BeforeValidator(_as_choice)]
@@ -64,14 +66,9 @@ class Counterpart(Data):
     offset: Range | None = None
     heading_deg: Range | None = None
     behaviour: str | None = None
-    parameters: dict[str, Range | Literal["ego"]] | None = None
-    """`ego` stands for the ego's speed."""
+    parameters: dict[str, Drawn] | None = None
     trigger: RecipeTrigger | None = None
     state: str | None = None
-
-
-Drawn = Range | Literal["ego"]
-"""A range to draw from; `ego` stands for the ego's speed."""
 
 
 class RecipeActor(Data):
@@ -158,11 +155,6 @@ class Recipe(Data):
         return all(actor.behaviour == "stand" for actor in self.actors)
 
     @property
-    def assets(self) -> tuple[tuple[str, ...], ...]:
-        """Suitable assets for each actor."""
-        return tuple(actor.asset for actor in self.actors)
-
-    @property
     def behaviours(self) -> tuple[str, ...]:
         """All behaviours of the recipe, including the twin's."""
         twins = [a.ordinary for a in self.actors if isinstance(a.ordinary, Counterpart)]
@@ -241,8 +233,7 @@ class TrafficActor(Data):
     side: Literal["oncoming", "left"]
     ahead: Range
     behaviour: str = "follow_lane"
-    parameters: dict[str, Range | Literal["ego"]] = {}
-    """`ego` stands for the ego's speed."""
+    parameters: dict[str, Drawn] = {}
 
 
 class BackgroundTraffic(Data):

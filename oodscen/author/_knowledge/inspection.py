@@ -14,7 +14,8 @@ from oodscen.author._feasibility import NO_RECIPE, realise
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._knowledge.loading import gather, load_knowledge, own_files
 from oodscen.author._knowledge.validation import validate_knowledge
-from oodscen.author._reading.recognition import Recogniser, stems
+from oodscen.author._reading.recognition import Recogniser
+from oodscen.author._reading.stemming import stems
 from oodscen.author._staging.drafting import Stager
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario
@@ -59,7 +60,7 @@ def inspect_knowledge(
             that has everything the hazard needs and the files of its maps.
     """
     faults = validate_knowledge(path)
-    if _is_unreadable(faults):
+    if any(not issue.path for issue in faults):  # a file could not be read at all
         return Inspection(tuple(faults), (), 0, 0, 0, {})
     shelf, knowledge = gather(path, salvaged=True)
     if knowledge is None:
@@ -98,23 +99,22 @@ def inspect_knowledge(
         for name in _uncategorised(hazards, knowledge)
     ]
     author = _StagingLLM(Stager(knowledge, recogniser))
-    shown = dict.fromkeys(offered, 0)
-    fitted: set[str] = set()
-    tried: set[str] = set()
+    recipes = [hazard for hazard in hazards if hazard.stage is not None]
+    shown = {}
+    untried = {hazard.id for hazard in recipes}
+    is_first = True
     for name, digest in offered.items():
+        able = [hazard for hazard in recipes if not realise(hazard, digest, knowledge).missing]
+        shown[name] = len(able)
         stage = Augmenter(author, (catalogues or {})[name], claims=False)
-        has_files = any(road.file for road in stage.catalogue.maps)
-        for hazard in hazards:
-            if hazard.stage is None:
-                continue
-            if has_files and hazard.id not in fitted:
-                fitted.add(hazard.id)
-                faults += at(hazard, _unfit(hazard, stage.catalogue))
-            if realise(hazard, digest, knowledge).missing:
-                continue
-            shown[name] += 1
-            if has_files and hazard.id not in tried:
-                tried.add(hazard.id)
+        if not any(road.file for road in stage.catalogue.maps):
+            continue
+        for hazard in recipes if is_first else ():
+            faults += at(hazard, _unfit(hazard, stage.catalogue))
+        is_first = False
+        for hazard in able:
+            if hazard.id in untried:
+                untried.remove(hazard.id)
                 faults += at(hazard, _unstaged(hazard, stage, name))
     whole = [hazard for hazard in hazards if chosen[hazard.id] not in shelf.salvaged]
     return Inspection(
@@ -151,18 +151,13 @@ class _StagingLLM:
         return Completion(text=draft.model_dump_json())
 
 
-def _is_unreadable(faults: Iterable[Issue]) -> bool:
-    """Return whether a file could not be read at all, which leaves nothing to gather."""
-    return any(not issue.path for issue in faults)
-
-
 def _wording(hazard: HazardKind, recogniser: Recogniser) -> Iterator[Issue]:
     """Yield phrasings that duplicate each other or are recognised as another hazard."""
     bare = [frozenset(stems(event.replace("{where}", ""))) for event in hazard.events]
     for (i, one), (j, other) in combinations(enumerate(bare), 2):
         share = len(one & other) / max(1, len(one | other))
         if share >= _NEAR:
-            message = f"shares {share:.0%} of its words with events[{i}]: say it otherwise"
+            message = f"shares {share:.0%} of its words with events[{i}]: rephrase one of them"
             yield Issue(f"events[{j}]", message)
     for i, event in enumerate(hazard.events):
         taken = recogniser.recognise(event.replace("{where}", _DISTANCE)).hazard
@@ -227,9 +222,8 @@ def _uncategorised(hazards: Iterable[HazardKind], knowledge: Knowledge) -> list[
     """Return the things that hazards need but that have no category."""
     named = {name for hazard in hazards for name in hazard.needs.assets}
     for hazard in hazards:
-        named.update(
-            name for options in (hazard.stage.assets if hazard.stage else ()) for name in options
-        )
+        for actor in hazard.stage.actors if hazard.stage else ():
+            named.update(actor.asset)
     return sorted(name for name in named if knowledge.category(name) is None)
 
 

@@ -47,7 +47,6 @@ class KnowledgeFiles:
     """The content of the files read so far, and its faults."""
 
     def __init__(self) -> None:
-        """Start without any content."""
         self.entries: dict[str, list[Any]] = {name: [] for name in _TABLES}
         self.single: dict[str, Any] = {}
         self.issues: list[Issue] = []
@@ -127,27 +126,24 @@ class KnowledgeFiles:
     def knowledge(self, *, salvaged: bool = False) -> Knowledge | None:
         """Build the knowledge base; a later hazard replaces an earlier one with the same id.
 
-        Args:
-            salvaged: Whether to include the readable parts of faulty hazards, for inspection.
+        Inspection includes the readable parts of faulty hazards: `salvaged`.
         """
         if "wording" not in self.single:
             self.issues.append(Issue("wording", "no file has this table"))
             return None
-        chosen = self.hazards if salvaged else self.entries["hazard"]
-        hazards = {hazard.id: hazard for _, hazard in chosen}
-        conditions = {condition.key: condition for _, condition in self.entries["condition"]}
+        tables = {name: [one for _, one in rows] for name, rows in self.entries.items()}
+        hazards = {
+            hazard.id: hazard
+            for _, hazard in (self.hazards if salvaged else self.entries["hazard"])
+        }
+        conditions = {condition.key: condition for condition in tables.pop("condition")}
+        tables.pop("hazard")
         return Knowledge(
             hazards=tuple(hazards.values()),
-            places=tuple(place for _, place in self.entries["place"]),
             conditions=tuple(conditions.values()),
-            traffic=tuple(traffic for _, traffic in self.entries["traffic"]),
-            clash=tuple(clash for _, clash in self.entries["clash"]),
-            driving=tuple(driving for _, driving in self.entries["driving"]),
-            company=tuple(company for _, company in self.entries["company"]),
-            things=tuple(things for _, things in self.entries["things"]),
-            substitute=tuple(one for _, one in self.entries["substitute"]),
-            wording=self.single["wording"],
-            paper=self.single.get("paper", Paper()),
+            places=tuple(tables.pop("place")),
+            **{name: tuple(rows) for name, rows in tables.items()},
+            **self.single,
         )
 
 
@@ -232,10 +228,6 @@ def gather(
     path: str | Path | None, *, salvaged: bool = False
 ) -> tuple[KnowledgeFiles, Knowledge | None]:
     """Read the shipped files and a user's own, and collect all faults.
-
-    Args:
-        path: As for `load_knowledge`.
-        salvaged: Whether to include the readable parts of faulty hazards, for inspection.
 
     Raises:
         DataError: If a file cannot be read at all.

@@ -67,14 +67,14 @@ def _faults(hazard: HazardKind, knowledge: Knowledge) -> Iterable[Issue]:
     """Yield the faults of one readable hazard."""
     for index, key in enumerate(hazard.places):
         if key not in knowledge.place_keys:
-            yield Issue(f"places[{index}]", f"there is no place {key!r}")
+            yield Issue(f"places[{index}]", f"unknown place {key!r}")
     for index, key in enumerate(hazard.conditions):
         if key not in knowledge.condition_keys:
-            yield Issue(f"conditions[{index}]", f"there is no condition {key!r}")
+            yield Issue(f"conditions[{index}]", f"unknown condition {key!r}")
     for index, name in enumerate(hazard.kin):
         other = knowledge.by_id.get(name)
         if other is None:
-            yield Issue(f"kin[{index}]", f"there is no hazard {name!r}")
+            yield Issue(f"kin[{index}]", f"unknown hazard {name!r}")
         elif other.class_name != hazard.class_name:
             yield Issue(f"kin[{index}]", f"{name!r} belongs to the other class")
     if hazard.kin and not hazard.wider:
@@ -100,7 +100,7 @@ def _unknown_keys(one: Clash | Driving, knowledge: Knowledge) -> Iterable[Issue]
     for field, keys in known.items():
         for index, key in enumerate(getattr(one, field, ())):
             if key not in keys:
-                yield Issue(f"{field}[{index}]", f"there is no {key!r}")
+                yield Issue(f"{field}[{index}]", f"unknown: {key!r}")
 
 
 def _misplaced(hazard: HazardKind, agreement: Agreement) -> Iterable[Issue]:
@@ -124,13 +124,13 @@ def _misplaced(hazard: HazardKind, agreement: Agreement) -> Iterable[Issue]:
 
 def _phrasing(event: str) -> Iterable[str]:
     if not event[:1].isupper():
-        yield "start with a capital"
+        yield "must start with a capital letter"
     if event.rstrip()[-1:] in ".!?":
-        yield "end without a stop"
+        yield "must end without a full stop"
     if event.count("{where}") > 1 or "{" in event.replace("{where}", ""):
         yield "the only placeholder is {where}, at most once"
     if not 20 <= len(event) <= 260:
-        yield "use 20 to 260 characters"
+        yield "must have 20 to 260 characters"
 
 
 def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
@@ -141,13 +141,13 @@ def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
     if not unusual and not recipe.ordinary_weather:
         yield Issue("stage", "name a hazard actor, or the ordinary weather")
     if recipe.decision.actor is not None and recipe.decision.actor not in names:
-        yield Issue("stage.decision.actor", f"there is no actor {recipe.decision.actor!r}")
+        yield Issue("stage.decision.actor", f"unknown actor {recipe.decision.actor!r}")
     if recipe.decision.kind != "time" and recipe.decision.actor is None and not unusual:
         yield Issue("stage.decision.actor", "say to which actor it is measured")
     for index, actor in enumerate(recipe.actors):
         for field, target in (("trigger.actor", actor.trigger.actor), ("other", actor.other)):
             if target is not None and target not in names:
-                yield Issue(f"stage.actors[{index}].{field}", f"there is no actor {target!r}")
+                yield Issue(f"stage.actors[{index}].{field}", f"unknown actor {target!r}")
         earlier = {one.id for one in recipe.actors[:index]}
         if actor.at != "start" and actor.at not in LANDMARKS | earlier:
             message = f"{actor.at!r} is neither a landmark nor an actor listed before"
@@ -157,11 +157,11 @@ def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
     known = {actor.id for actor in recipe.actors}
     for index, variant in enumerate(recipe.variants):
         for name in sorted(set(variant.actors) - known):
-            yield Issue(f"stage.variants[{index}].actors", f"there is no actor {name!r}")
+            yield Issue(f"stage.variants[{index}].actors", f"unknown actor {name!r}")
     for field in ("weather", "ordinary_weather"):
         for key in getattr(recipe, field):
             if key not in Weather.model_fields:
-                yield Issue(f"stage.{field}.{key}", "is no field of the weather")
+                yield Issue(f"stage.{field}.{key}", "is not a field of the weather")
     for path, low, high in _ranges(recipe):
         if low > high:
             yield Issue(f"stage.{path}", f"{low:g} is more than {high:g}")

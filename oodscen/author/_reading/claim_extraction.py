@@ -58,9 +58,13 @@ class _ClaimReading:
         self.found: dict[tuple[Kind, str, str], Claim] = {}
         self.clauses = clauses_of(text)
         self.nouns, self.subjects = nouns_of(text)
-        starts = [clause.start for clause in self.clauses]
+        self.starts = [clause.start for clause in self.clauses]
         for noun in self.nouns:
-            self.clauses[bisect_right(starts, noun.start) - 1].nouns.append(noun)
+            self.clauses[self._clause_at(noun.start)].nouns.append(noun)
+
+    def _clause_at(self, position: int) -> int:
+        """Return the number of the clause with a position."""
+        return bisect_right(self.starts, position) - 1
 
     def claims(self) -> tuple[Claim, ...]:
         self._settings()
@@ -99,9 +103,8 @@ class _ClaimReading:
     # -------------------------------------------------------------- predicates
 
     def _predicate(self, pattern: Pattern, found: re.Match[str]) -> None:
-        start, end = found.span()
-        while start < end and self.text[start] == " ":
-            start += 1
+        start = found.end() - len(found.group(0).lstrip(" "))
+        end = found.end()
         is_verb = pattern.kind == "motion"
         if self._is_denied(pattern, start, end):
             return
@@ -165,9 +168,8 @@ class _ClaimReading:
             if not drivers:
                 return None
             subject = self._walker(drivers[-1])
-        if subject.is_faint and phrases.ON_FOOT.match(self.text, start):
-            subject = self._walker(subject)
-        return subject
+        is_walker = subject.is_faint and phrases.ON_FOOT.match(self.text, start)
+        return self._walker(subject) if is_walker else subject
 
     def _walker(self, subject: Subject) -> Subject:
         """Return a subject for an unnamed pedestrian, unless the text names people."""
@@ -183,7 +185,7 @@ class _ClaimReading:
     def _comer(self, start: int, end: int) -> Subject | None:
         """Return the thing that comes from a side; if the side opens a clause, the thing after it."""
         subject = self._owner(start, end, is_verb=True)
-        clause = self.clauses[bisect_right([one.start for one in self.clauses], start) - 1]
+        clause = self.clauses[self._clause_at(start)]
         if any(noun.end <= start and not noun.is_oblique for noun in clause.nouns):
             return subject
         after = [n for n in clause.nouns if n.start >= end and not n.is_oblique]
@@ -195,7 +197,7 @@ class _ClaimReading:
         if pattern.kind != "distance" and pattern.value not in ("ahead", "in_lane", *sides):
             return
         start, end = found.span()
-        at = bisect_right([clause.start for clause in self.clauses], start) - 1
+        at = self._clause_at(start)
         clause = self.clauses[at]
         words = self.text[clause.start : clause.end]
         lies = pattern.kind == "place" and phrases.LIES.search(words)
@@ -251,14 +253,12 @@ class _ClaimReading:
         following = next((noun for noun in self.nouns if noun.start >= end), None)
         if following is None or following.subject is None or following.subject.is_faint:
             return False
-        return (
-            re.fullmatch(r" (?:(?!(?:an?|the|its)\b)[\w-]+ )?", self.text[end : following.start])
-            is not None
-        )
+        between = self.text[end : following.start]
+        return re.fullmatch(r" (?:(?!(?:an?|the|its)\b)[\w-]+ )?", between) is not None
 
     def _owner(self, start: int, end: int, *, is_verb: bool) -> Subject | None:
         """Return the thing that a predicate describes; `None` for the ego or if it is unclear."""
-        at = bisect_right([clause.start for clause in self.clauses], start) - 1
+        at = self._clause_at(start)
         clause = self.clauses[at]
         before = [noun for noun in clause.nouns if noun.end <= start]
         heads = [noun for noun in before if not noun.is_oblique]
@@ -381,15 +381,12 @@ class _ClaimReading:
                 if pattern.kind != "traffic" and phrases.DENIED.search(before[-40:]):
                     continue
                 is_weather = pattern.kind == "weather"
-                if is_weather and phrases.ENDED.match(self.text[found.end() :]):
+                has_ended = phrases.ENDED.match(self.text[found.end() :])
+                if is_weather and (has_ended or phrases.PAST.search(before[-40:])):
                     continue
-                if is_weather and phrases.PAST.search(before[-40:]):
-                    continue
-                value = pattern.value
-                if not value:
-                    word = found.group(1).casefold()
-                    value = str(phrases.NUMBER_WORDS.get(word) or word)
-                self._add(pattern.kind, value, "", *found.span())
+                self._add(
+                    pattern.kind, pattern.value or number_of(found.group(1)), "", *found.span()
+                )
                 if pattern.kind == "own_lanes" and re.search("each|either|per", found.group(0)):
                     self._add("road", "two_way", "", *found.span())
 

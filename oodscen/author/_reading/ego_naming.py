@@ -29,15 +29,16 @@ def named(text: str, name: Name) -> str:
         text = _POSSESSIVE.sub(lambda m: _as(m[1], f"ego's{m[2] or ''}"), text)
         return _VEHICLE.sub(lambda m: _as(m[1], "ego"), text)
     if name == "the ego car":
-        text = _POSSESSIVE.sub(lambda m: _as(m[1], _of_car(m[2])), text)
+        text = _POSSESSIVE.sub(
+            lambda m: _as(
+                m[1], "the ego lane" if m[2] == " lane" else f"the ego car's{m[2] or ''}"
+            ),
+            text,
+        )
         return _VEHICLE.sub(lambda m: _as(m[1], "the ego car"), text)
     if name == "I":
         return _told_by_driver(text)
     return text
-
-
-def _of_car(lane: str | None) -> str:
-    return "the ego lane" if lane == " lane" else f"the ego car's{lane or ''}"
 
 
 def _as(first: str, words: str) -> str:

@@ -26,13 +26,14 @@ from oodscen.author._reading.label_reading import (
 from oodscen.author._reading.stemming import stems
 from oodscen.prompts._scenario.describe_path import plain
 
-__all__ = ["Recogniser", "Recognition", "stem", "stems"]
-
 Value = TypeVar("Value")
 
 _DRIVING = frozenset(
-    """ego vehicle car road street lane traffic driver driving drive highway junction intersection
-    truck lorry bus pedestrian cyclist motorcycle motorway carriageway""".split()
+    map(
+        stem,
+        """ego vehicle car road street lane traffic driver driving drive highway junction intersection
+        truck lorry bus pedestrian cyclist motorcycle motorway carriageway""".split(),
+    )
 )
 _ACCEPTED_SHARE = 0.5
 """Share of a phrase's weight that a text must contain to match it."""
@@ -65,7 +66,6 @@ class Recogniser:
     """Recognises hazards, places, weather and traffic in texts, with an index built once."""
 
     def __init__(self, knowledge: Knowledge) -> None:
-        """Index the phrasings, labels and words of every hazard."""
         self.knowledge = knowledge
         phrases = [
             (h, parts) for h, hazard in enumerate(knowledge.hazards) for parts in _phrases(hazard)
@@ -100,7 +100,10 @@ class Recogniser:
             if label
         }
         self._families = {plain(label): label for label in knowledge.families}
-        self._contexts = _Contexts(knowledge)
+        contexts = _Contexts(knowledge)
+        self.place = contexts.place
+        self.conditions = contexts.conditions
+        self.traffic = contexts.traffic
         self._reader = LabelReader(knowledge, self._resembles, self._written)
         self.recognise = lru_cache(maxsize=8192)(self._recognise)
         self.label = lru_cache(maxsize=8192)(self._label)
@@ -134,7 +137,7 @@ class Recogniser:
 
     def _recognise(self, text: str, least: float = _ACCEPTED_WEIGHT) -> Recognition:
         scores, shares, named = self._scores(text)
-        is_driving = "ego" in text.casefold() or not _DRIVING_STEMS.isdisjoint(stems(text))
+        is_driving = "ego" in text.casefold() or not _DRIVING.isdisjoint(stems(text))
         if not scores:
             return Recognition(None, 0.0, 0.0, is_driving)
         best = max(scores, key=lambda owner: (scores[owner], -owner))
@@ -146,14 +149,9 @@ class Recogniser:
         return Recognition(hazard, weight, share, is_driving)
 
     def candidates(self, text: str, share: float = 0.2) -> tuple[tuple[HazardKind, float], ...]:
-        """Return the hazards that a text may be about, best first.
+        """Return the hazards that a text may be about, best first, with their weights in nats.
 
-        Args:
-            text: The text.
-            share: Smallest fraction of the best hazard's weight that another hazard needs.
-
-        Returns:
-            Hazards with their weights in nats; empty if the text is too far from all of them.
+        A hazard needs at least a `share` of the best one's weight; a text that is too far from all of them has none.
         """
         scores = self._scores(text)[0]
         best = max(scores.values(), default=0.0)
@@ -186,8 +184,7 @@ class Recogniser:
 
     def _written(self, text: str) -> HazardKind | None:
         """Return the hazard of a label that the author wrote."""
-        found = self._labels.get(plain(text))
-        return found[0] if found else None
+        return self._labels.get(plain(text), (None, False))[0]
 
     def covered_by(self, label: str) -> tuple[HazardKind, ...]:
         """Return the hazards of a leaf's label: one, with its kin if widened, or several."""
@@ -204,21 +201,6 @@ class Recogniser:
     def family(self, label: str) -> str | None:
         """Return the family that a label names."""
         return self._families.get(plain(label))
-
-    def place(self, text: str, allowed: Sequence[str] = ()) -> RoadKind | None:
-        """Return the kind of road that a text names; `allowed` keys are preferred."""
-        return self._contexts.place(text, allowed)
-
-    def conditions(self, text: str, hazard: HazardKind | None = None) -> tuple[Condition, ...]:
-        """Return the weather and time of day that a text names, ignoring the hazard's own words."""
-        return self._contexts.conditions(text, hazard)
-
-    def traffic(self, text: str) -> BackgroundTraffic | None:
-        """Return the ordinary traffic that a text names."""
-        return self._contexts.traffic(text)
-
-
-_DRIVING_STEMS = frozenset(stem(word) for word in _DRIVING)
 
 
 def _phrases(hazard: HazardKind) -> Iterable[list[str]]:
@@ -253,7 +235,8 @@ class _Contexts:
         )
         self._traffic = _by_length((phrase, t) for t in knowledge.traffic for phrase in t.phrases)
 
-    def place(self, text: str, allowed: Sequence[str]) -> RoadKind | None:
+    def place(self, text: str, allowed: Sequence[str] = ()) -> RoadKind | None:
+        """Return the kind of road that a text names; `allowed` keys are preferred."""
         words = f" {plain(text)} "
         for phrase, place in self._places:
             if phrase in words:
@@ -267,7 +250,8 @@ class _Contexts:
                 best = score, place
         return best[1] if best else None
 
-    def conditions(self, text: str, hazard: HazardKind | None) -> tuple[Condition, ...]:
+    def conditions(self, text: str, hazard: HazardKind | None = None) -> tuple[Condition, ...]:
+        """Return the weather and time of day that a text names, ignoring the hazard's own words."""
         words = f" {plain(text)} "
         for phrase, condition in self._conditions:
             if phrase in words:
@@ -283,6 +267,7 @@ class _Contexts:
         )
 
     def traffic(self, text: str) -> BackgroundTraffic | None:
+        """Return the ordinary traffic that a text names."""
         words = f" {plain(text)} "
         return next((traffic for phrase, traffic in self._traffic if phrase in words), None)
 

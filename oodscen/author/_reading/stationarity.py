@@ -15,17 +15,10 @@ _STAYS = "stationary"
 def usual_motion(
     text: str, subject: Subject, nouns: Sequence[Noun], told: Collection[str]
 ) -> str | None:
-    """Return the motion that a thing's name, or its effect on the road, implies.
+    """Return the motion that a thing's name, or its effect on the road, implies; `None` if the text leaves it open.
 
-    Args:
-        text: The text that names it.
-        subject: The thing.
-        nouns: All noun phrases of the text.
-        told: Existing claims about the thing, as kind and value, such as `place in_lane`. If one of
-            them is a motion, nothing is added.
-
-    Returns:
-        A value of claims of kind motion, or `None` if the text leaves it open.
+    `told` has the claims that exist about the thing, as kind and value, such as `place in_lane`. If one of them is
+    a motion, nothing is added.
     """
     thing, mention = subject.mention.thing, subject.mention
     if any(claim.startswith("motion ") for claim in told):

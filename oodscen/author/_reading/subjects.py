@@ -27,12 +27,10 @@ class NounInContext:
 
     @cached_property
     def before(self) -> str:
-        """The text before the noun."""
         return self.text[: self.mention.start]
 
     @cached_property
     def after(self) -> str:
-        """The text after the noun."""
         return self.text[self.mention.end :]
 
     @cached_property
@@ -53,7 +51,6 @@ class NounInContext:
 
     @cached_property
     def count(self) -> int:
-        """The number of things that the noun means."""
         return count_of(self.lead, self.mention)
 
     @property
@@ -64,18 +61,11 @@ class NounInContext:
 
     @property
     def name(self) -> str:
-        """The name of the thing."""
         return self.mention.thing.name
 
     @property
     def group(self) -> str:
-        """The group of the thing."""
         return self.mention.thing.group
-
-
-def _is_absent(at: NounInContext) -> bool:
-    is_all = at.name == "traffic light" and phrases.ALL_OF_THEM.search(at.before)
-    return bool(phrases.NOT_THERE.search(at.sentence) and not is_all)
 
 
 def _is_carried(at: NounInContext) -> bool:
@@ -86,13 +76,11 @@ def _is_carried(at: NounInContext) -> bool:
     return phrases.CARRIED.fullmatch(between.lstrip()) is not None
 
 
-def _is_of_someone(at: NounInContext) -> bool:
-    is_left = phrases.LEFT_ITS.search(at.lead) is not None
-    return at.determiner == "its" and not is_left and at.group in ("vehicle", "object")
-
-
 _NOTHING: tuple[Callable[[NounInContext], object], ...] = (
-    _is_absent,
+    lambda at: (
+        phrases.NOT_THERE.search(at.sentence)
+        and not (at.name == "traffic light" and phrases.ALL_OF_THEM.search(at.before))
+    ),
     lambda at: phrases.NOT_ITSELF.match(at.after),
     lambda at: at.name == "traffic light" and phrases.LIGHTS_UP.match(at.after),
     lambda at: phrases.AS_A.search(at.before) and phrases.ENDS.match(at.after),
@@ -115,7 +103,11 @@ _NOTHING_NEW: tuple[Callable[[NounInContext], object], ...] = (
         and at.mention.word == "cab"
         and not phrases.CAB_OF_ITS_OWN.match(at.after)
     ),
-    _is_of_someone,
+    lambda at: (
+        at.determiner == "its"
+        and at.group in ("vehicle", "object")
+        and not phrases.LEFT_ITS.search(at.lead)
+    ),
     lambda at: at.determiner == "the" and at.name == "tree" and at.mention.is_plural,
     lambda at: at.mention.thing.vague and at.determiner in _POSSESSIVE,
     lambda at: phrases.BEHIND.match(at.after) and phrases.LEFT_A.search(at.lead[-40:]),

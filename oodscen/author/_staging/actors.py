@@ -4,12 +4,13 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from oodscen.author._knowledge.base import (
     Counterpart,
+    Drawn,
     Range,
     Recipe,
     RecipeActor,
@@ -62,12 +63,7 @@ class SceneDraftState:
         return round(float(self.rng.uniform(*limits)), 2)
 
     def choose(self, options: tuple[str, ...], named: tuple[Thing, ...] | None = None) -> str:
-        """Choose an asset that the simulator offers and the text may mean.
-
-        Args:
-            options: Ids of the assets.
-            named: Things that the text names; those of the scene if left out.
-        """
+        """Choose an asset that the simulator offers and the text may mean, by default by the things of the scene."""
         offered = {asset.id: asset for asset in self.digest.assets}
         fitting = [option for option in options if option in offered] or list(options)
         fitting = _meant(fitting, offered, self.named if named is None else named)
@@ -93,12 +89,7 @@ class SceneDraftState:
         return speed * _DIRECTIONS.get(course, 0.0)
 
     def pixels(self, actor: RecipeActor, away: float) -> float:
-        """Return the smallest area that an actor may cover in the dash camera's image, square pixels.
-
-        Args:
-            actor: An actor of the recipe.
-            away: Distance from the camera, m.
-        """
+        """Return the smallest area that an actor some metres away may cover in the dash camera's image, square pixels."""
         heading = math.radians(0.5 * sum(actor.heading_deg))
         cosine, sine = abs(math.cos(heading)), abs(math.sin(heading))
         areas = []
@@ -140,12 +131,9 @@ class _AnchorSpot(NamedTuple):
 def cast(
     part: RecipeActor, scene: SceneDraftState, shift: float
 ) -> list[tuple[Actor, Actor | None]]:
-    """Draw an actor, or a row of them, each with its ordinary counterpart.
+    """Draw an actor, or a row of them, each with its ordinary counterpart; the first is recorded in `placed`.
 
-    Args:
-        part: The actor of the recipe.
-        scene: The state of the scene; the first actor is recorded in `placed`.
-        shift: Displacement along the road of actors measured from the ego's start, m.
+    Actors that are measured from the ego's start are shifted along the road, m.
     """
     first = _ahead(part, scene, shift)
     aside, asset = scene.draw(part.offset), scene.choose(part.asset)
@@ -217,14 +205,9 @@ def _spots(part: RecipeActor, scene: SceneDraftState) -> Iterator[_AnchorSpot]:
 def _away(
     scene: SceneDraftState, ahead: float, heading_deg: float, behaviour: Behaviour, late: float
 ) -> float:
-    """Return the lateral starting position of crossing traffic, m to the left.
+    """Return the lateral start of traffic that crosses some way ahead, late after the ego, s; m to the left.
 
-    Args:
-        scene: The scene with the ego's speed.
-        ahead: Distance of the crossing point ahead of the ego's start, m.
-        heading_deg: Heading of the actor; positive if it comes from the right.
-        behaviour: The behaviour with the actor's speed.
-        late: Time by which it reaches the middle of the ego's lane after the ego, s.
+    A positive heading comes from the right.
     """
     seconds = max(ahead / scene.speed + late, 0.5)
     away = min(behaviour.parameters.get("speed", 0.0) * seconds, _FARTHEST)
@@ -252,8 +235,7 @@ def _ordinary(
     if change.trigger is not None:
         trigger = _trigger(change.trigger, scene)
     asset = scene.choose(change.asset) if change.asset else actor.asset
-    drawn: dict[str, Range | Literal["ego"]] = {}
-    drawn.update((key, (value, value)) for key, value in behaviour.parameters.items())
+    drawn: dict[str, Drawn] = {key: (one, one) for key, one in behaviour.parameters.items()}
     parameters = _parameters(name, drawn, scene)
     parameters.update(_parameters(name, change.parameters or {}, scene, asset))
     state = actor.state if change.state is None else change.state
@@ -289,18 +271,13 @@ def _there(lane: int, scene: SceneDraftState) -> int:
 
 def _parameters(
     name: str,
-    limits: Mapping[str, Range | Literal["ego"]],
+    limits: Mapping[str, Drawn],
     scene: SceneDraftState,
     asset: str | None = None,
 ) -> dict[str, float]:
-    """Draw the parameters that a behaviour has, within the limits of the catalogue.
+    """Draw the parameters that a behaviour has, within the limits of the catalogue; others are ignored.
 
-    Args:
-        name: Name of the behaviour.
-        limits: Ranges to draw from; parameters that the behaviour lacks are ignored.
-        scene: The scene with the random generator.
-        asset: The asset whose speed is scaled down if the road's limit slows the ego down; `None`
-            if the speed is already scaled.
+    The speed of an asset is scaled down if the road's limit slows the ego down.
     """
     category = next((line.category for line in scene.digest.assets if line.id == asset), "")
     line = next((b.parameters for b in scene.digest.behaviours if b.id == name), "")
@@ -336,13 +313,7 @@ def _details(wanted: Details | None, digest: CatalogueDigest) -> Details | None:
 def named_traffic(
     part: TrafficActor, scene: SceneDraftState, named: tuple[Thing, ...]
 ) -> list[Actor]:
-    """Return the ordinary road user that the text mentions, if the road has a lane for it.
-
-    Args:
-        part: The road user.
-        scene: The scene with the lanes.
-        named: Things of the traffic phrase.
-    """
+    """Return the ordinary road user that the text mentions, if the road has a lane for it."""
     left = scene.road.lanes - scene.ego_lane
     lane = left if part.side == "oncoming" else 1
     there = scene.road.oncoming_lanes > 0 if part.side == "oncoming" else left > 1

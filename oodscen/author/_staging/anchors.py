@@ -12,12 +12,10 @@ LANDMARKS: frozenset[str] = frozenset(get_args(LandmarkName))
 
 
 def landmarks_needed(recipe: Recipe) -> tuple[str, ...]:
-    """Return the kinds of landmarks that a recipe needs, in order."""
     return tuple(dict.fromkeys(actor.at for actor in recipe.actors if actor.at in LANDMARKS))
 
 
 def has_landmarks(road: MapLine, recipe: Recipe | None) -> bool:
-    """Return whether a map has every landmark of a recipe."""
     there = {mark.kind for mark in road.landmarks} | set(road.somewhere)
     return recipe is None or there.issuperset(landmarks_needed(recipe))
 
@@ -34,19 +32,21 @@ def marks(road: MapLine, actor: RecipeActor) -> tuple[Landmark, ...]:
     return found if actor.at == "traffic_light" else found[:1]
 
 
-def root(recipe: Recipe, actor: RecipeActor) -> RecipeActor:
-    """Return the first actor in the chain of anchors, which is the actor itself if it has no anchor actor."""
+def anchors(recipe: Recipe, actor: RecipeActor) -> list[RecipeActor]:
+    """Return an actor, the actor from which it is measured, and so on to the one that is measured from none."""
     by_id = {one.id: one for one in recipe.actors}
-    while actor.at in by_id:
-        actor = by_id[actor.at]
-    return actor
+    chain = [actor]
+    while chain[-1].at in by_id:
+        chain.append(by_id[chain[-1].at])
+    return chain
 
 
 def ahead_of_start(recipe: Recipe, actor: RecipeActor) -> Range | None:
     """Return an actor's distance ahead of the ego's start, m; `None` if it depends on the map."""
-    by_id = {one.id: one for one in recipe.actors}
+    chain = anchors(recipe, actor)
+    if chain[-1].at in LANDMARKS:
+        return None
     low, high = actor.ahead
-    while actor.at in by_id:
-        actor = by_id[actor.at]
-        low, high = low + actor.ahead[0], high + actor.ahead[1]
-    return None if actor.at in LANDMARKS else (low, high)
+    for one in chain[1:]:
+        low, high = low + one.ahead[0], high + one.ahead[1]
+    return low, high

@@ -47,16 +47,9 @@ def company(
 ) -> list[Actor]:
     """Draw the ordinary traffic beside the ego and in the oncoming lane.
 
-    Args:
-        kinds: Kinds of background traffic.
-        road: The map with the lanes.
-        ego: The ego's lane, counted from the right, and its speed in m/s.
-        actors: Actors of the scene, including counterparts; a lane that one of them uses is left
-            free.
-        decision: The trigger of the decision, and the actor to which it is measured.
-        rng: Random generator.
-        free: Side that must stay free: 1 left, -1 right, 0 neither.
-        is_dense: Whether every kind that has room appears.
+    The ego is given by lane, counted from the right, and speed, m/s; the decision by trigger and actor. Lanes that
+    actors use stay free, and so does one side: 1 left, -1 right, 0 neither. In dense traffic every kind that has
+    room appears.
     """
     lane, speed = ego
     found: list[Actor] = []
@@ -102,27 +95,22 @@ def company(
 def is_followed(
     kinds: Sequence[AmbientTraffic],
     recipe: Recipe,
-    told: BackgroundTraffic | None,
+    named: BackgroundTraffic | None,
     rng: np.random.Generator,
     *,
     is_dense: bool = False,
 ) -> AmbientTraffic | None:
-    """Return the kind of vehicle close behind the ego, if there is one.
+    """Return the kind of vehicle close behind the ego, if there is one; exactly one number is drawn in every case.
 
-    Args:
-        kinds: Kinds of background traffic.
-        recipe: The recipe, which may forbid or require a follower.
-        told: Traffic that the text mentions; if there is any, no other is added.
-        rng: Random generator; exactly one number is drawn in every case.
-        is_dense: Whether every kind that has room appears.
+    If the text mentions traffic, no other is added.
     """
     draw = float(rng.random())
     behind = next((kind for kind in kinds if kind.side == "behind"), None)
     if behind is None or not recipe.company:
         return None
-    if recipe.company == "follower" or (told is not None and told.key == "follower"):
+    if recipe.company == "follower" or (named is not None and named.key == "follower"):
         return behind
-    return behind if told is None and (is_dense or draw < behind.share) else None
+    return behind if named is None and (is_dense or draw < behind.share) else None
 
 
 def follower(kind: AmbientTraffic, scene: SceneDraftState, actors: Sequence[Actor]) -> list[Actor]:
@@ -131,11 +119,6 @@ def follower(kind: AmbientTraffic, scene: SceneDraftState, actors: Sequence[Acto
     It wants to drive faster than the ego, keeps less than the usual distance and brakes less hard
     than a car. It can stop behind an ego that brakes calmly, but not behind one that brakes with
     full force.
-
-    Args:
-        kind: The kind of vehicle and its way of driving.
-        scene: The scene with the ego's speed and lane.
-        actors: Actors placed so far.
     """
     if any(_is_behind(actor) for actor in actors):
         return []
@@ -182,13 +165,7 @@ def _takes(actor: Actor, side: int) -> bool:
 def expected_decision_s(
     decision: tuple[Trigger, str | None], actors: Sequence[Actor], speed: float
 ) -> float:
-    """Estimate the time of the decision, s; infinite if the actor that it waits for is missing.
-
-    Args:
-        decision: The trigger of the decision, and the actor to which it is measured.
-        actors: Actors of the scene.
-        speed: The ego's speed, m/s.
-    """
+    """Estimate the time of the decision, s; infinite if the actor that it waits for is missing."""
     trigger, name = decision
     if trigger.kind == "time":
         return trigger.value

@@ -23,14 +23,7 @@ _IN_VIEW = (2.1, 2.4)
 def replaced(
     one: StandIn, scene: SceneDraftState, hazard: Actor, decision_s: float
 ) -> dict[str, Actor]:
-    """Return the ordinary road user in the place of a hazard, by that one's id.
-
-    Args:
-        one: The road user that the twin's text names.
-        scene: The draft so far.
-        hazard: The decisive hazard.
-        decision_s: Time of the decision, s.
-    """
+    """Return the ordinary road user in the place of a hazard, by that one's id."""
     does = "follow_lane" if one.is_ahead else "walk_along"
     can = {kind.id for kind in scene.digest.behaviours}
     if does not in can or not set(one.assets) <= {asset.id for asset in scene.digest.assets}:
@@ -63,13 +56,6 @@ def drawn_near(
 
     They would have driven away by the decision. Those that are slower than the ego stay where they are, and so do
     those that tow or carry another.
-
-    Args:
-        unusual: The counterparts, by the ids of the unusual actors.
-        scene: The draft so far.
-        actors: Its actors.
-        hazard: The decisive hazard.
-        decision_s: Time of the decision, s.
     """
     tied = {one.behaviour.other for one in (*actors, *unusual.values()) if one}
     row = {

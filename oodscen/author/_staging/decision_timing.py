@@ -78,10 +78,7 @@ def _stopping(speed: float, deceleration: float) -> float:
 def swerving(speed: float, width: float, aside: float = 0.0) -> float:
     """Return the centre distance at which the slowest driver's lane change just avoids an obstacle, m.
 
-    Args:
-        speed: Speed of the ego, m/s.
-        width: Width of the obstacle, m.
-        aside: Offset of the obstacle from the lane's centre, away from the ego's new lane, m.
+    The obstacle may lie aside of its lane's centre, away from the ego's new lane.
     """
     share = (0.5 * (_EGO_WIDTH + width) + 0.25 - aside) / _LANE_WIDTH
     low, high = 0.0, 1.0

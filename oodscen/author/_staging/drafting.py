@@ -1,12 +1,12 @@
 """Staging: drafts a scene by recipe from a text and a catalogue's digest."""
 
 import re
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 
 from oodscen._seeding import stream
-from oodscen.author._feasibility import WeatherLimits
 from oodscen.author._knowledge.base import (
     BackgroundTraffic,
     HazardKind,
@@ -16,10 +16,10 @@ from oodscen.author._knowledge.base import (
     RoadKind,
 )
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.author._settings import roads_for
+from oodscen.author._settings import places_of, roads_for
 from oodscen.author._staging import decision_timing as timing
 from oodscen.author._staging.actors import SceneDraftState, cast, named_traffic
-from oodscen.author._staging.anchors import LANDMARKS, root
+from oodscen.author._staging.anchors import LANDMARKS, anchors
 from oodscen.author._staging.aside import moved_aside
 from oodscen.author._staging.background_traffic import (
     company,
@@ -32,14 +32,14 @@ from oodscen.author._staging.counterparts import drawn_near, replaced
 from oodscen.author._staging.lanes import settled, varied
 from oodscen.author._staging.weather import draw_weather
 from oodscen.author._writing.stand_in import stand_in
-from oodscen.claims._roads import is_so
+from oodscen.claims._roads import is_so, of_roads
 from oodscen.claims._things import Thing, may_be, mentions
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Ego, Hazard, Trigger
 from oodscen.driving._motion.behaviours import STAYS
 from oodscen.driving._motion.off_centre import off_centre
 from oodscen.errors import LLMError
-from oodscen.prompts._digest import CatalogueDigest, MapLine
+from oodscen.prompts._digest import CatalogueDigest, MapLine, WeatherLimits
 from oodscen.prompts._scenario.describe_path import plain
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 
@@ -72,17 +72,11 @@ class Stager:
     """Answers `StageScene`."""
 
     def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
-        """Stage with the recipes of a knowledge base."""
         self.knowledge = knowledge
         self.recogniser = recogniser
 
     def stage(self, prompt: StageScene, seed: int, attempt: int) -> SceneDraft:
-        """Stage a scene for a text.
-
-        Args:
-            prompt: The text and the simulator's catalogue.
-            seed: Seed of the author.
-            attempt: Number of the attempt, from 0; each attempt draws other values.
+        """Stage a scene for a text; each attempt, from 0, draws other values.
 
         Raises:
             LLMError: If the text shows nothing that the author can stage.
@@ -98,9 +92,9 @@ class Stager:
         rng = stream(seed, "stage", prompt.text, attempt)
         place = self._place(prompt.text, hazard, rng)
         road = _map_for(place, hazard, prompt.catalogue, said)
-        told = self.recogniser.conditions(prompt.text, hazard)
+        conditions = self.recogniser.conditions(prompt.text, hazard)
         limits = WeatherLimits.of(prompt.catalogue.weather)
-        weather, ordinary = draw_weather(recipe, told, self.knowledge, limits, rng, said)
+        weather, ordinary = draw_weather(recipe, conditions, self.knowledge, limits, rng, said)
         distance = _distance(prompt.text)
         recipe, lane = settled(recipe, road, prompt.text, rng)
         scene = _set(prompt.catalogue, road, recipe, place, lane, rng)
@@ -112,17 +106,11 @@ class Stager:
         scene.is_followed = tailgater is not None
         shift, decision = _timing(scene, weather.friction, distance)
         recipe = scene.recipe
-        actors: list[Actor] = []
-        unusual: dict[str, Actor | None] = {}
-        for part in recipe.actors:
-            for actor, counterpart in cast(part, scene, shift):
-                actors.append(actor)
-                if part.hazard:
-                    unusual[actor.id] = counterpart
+        actors, unusual = _cast_all(scene, shift)
         if traffic is not None and traffic.actor is not None:
             actors += named_traffic(traffic.actor, scene, others)
-        is_told = is_dense or (traffic is not None and traffic.key == "follower")
-        if tailgater is not None and (scene.is_followed or is_told):
+        is_asked = is_dense or (traffic is not None and traffic.key == "follower")
+        if tailgater is not None and (scene.is_followed or is_asked):
             actors += follower(tailgater, scene, actors)
         decisive = decision.actor or next(iter(unusual), None)
         one = stand_in(hazard, prompt.text, self.recogniser.place(prompt.text, hazard.places))
@@ -179,14 +167,26 @@ class Stager:
         return hazard
 
     def _place(self, text: str, hazard: HazardKind, rng: np.random.Generator) -> RoadKind:
-        told = self.recogniser.place(text, hazard.places)
-        if told is not None and told.key in hazard.places:
-            return told
-        fitting = [p for key in hazard.places for p in self.knowledge.place_keys.get(key, ())]
-        if told is not None:
-            alike = max(len(set(told.traits) & set(p.traits)) for p in fitting)
-            fitting = [p for p in fitting if len(set(told.traits) & set(p.traits)) == alike]
+        named = self.recogniser.place(text, hazard.places)
+        if named is not None and named.key in hazard.places:
+            return named
+        fitting = places_of(hazard, self.knowledge)
+        if named is not None:
+            alike = max(len(set(named.traits) & set(p.traits)) for p in fitting)
+            fitting = [p for p in fitting if len(set(named.traits) & set(p.traits)) == alike]
         return fitting[int(rng.integers(len(fitting)))]
+
+
+def _cast_all(scene: SceneDraftState, shift: float) -> tuple[list[Actor], dict[str, Actor | None]]:
+    """Place the recipe's actors; return all, and the counterparts of the unusual ones by id."""
+    actors: list[Actor] = []
+    unusual: dict[str, Actor | None] = {}
+    for part in scene.recipe.actors:
+        for actor, counterpart in cast(part, scene, shift):
+            actors.append(actor)
+            if part.hazard:
+                unusual[actor.id] = counterpart
+    return actors, unusual
 
 
 def _off_centre(
@@ -236,13 +236,9 @@ def _named(
     phrase = next((p for p in traffic.phrases if plain(p) in words), "") if traffic else ""
     of_traffic = {mention.thing for mention in mentions(phrase)}
     quotes = [claim.quote for claim in said if claim.kind == "thing"]
-    things = list(dict.fromkeys(m.thing for quote in quotes for m in mentions(quote)))
-    told = [thing for thing in things if thing not in of_traffic or _is_twice(thing, quotes)]
-    return tuple(told), tuple(of_traffic)
-
-
-def _is_twice(thing: Thing, quotes: Sequence[str]) -> bool:
-    return sum(mention.thing is thing for quote in quotes for mention in mentions(quote)) > 1
+    counts = Counter(m.thing for quote in quotes for m in mentions(quote))
+    named = [thing for thing in counts if thing not in of_traffic or counts[thing] > 1]
+    return tuple(named), tuple(of_traffic)
 
 
 def _is_busy(claim: Claim) -> bool:
@@ -259,11 +255,11 @@ def _map_for(
     fitting = roads_for(hazard, digest)
     if not fitting:
         raise LLMError("no map of the simulator fits the text", model="builtin")
-    told = [claim for claim in said if claim.kind in ("road", "lanes", "own_lanes")]
+    about_roads = of_roads(said)
     return max(
         fitting,
         key=lambda road: (
-            sum(is_so(claim, road) for claim in told),
+            sum(is_so(claim, road) for claim in about_roads),
             len(set(place.traits) & set(road.traits)),
         ),
     )
@@ -303,7 +299,7 @@ def _timing(
     value = scene.draw(decision.value)
     actor = timing.decisive(recipe)
     shift = 0.0
-    if actor is not None and root(recipe, actor).at in LANDMARKS:
+    if actor is not None and anchors(recipe, actor)[-1].at in LANDMARKS:
         if timing.scales(recipe):
             value = _room(scene, actor, friction)(scene.speed)
     elif actor is not None and timing.scales(recipe):

@@ -1,7 +1,6 @@
 """The lane of the ego, and its consequences for the actors that a recipe places."""
 
 import re
-from collections.abc import Iterable
 
 import numpy as np
 
@@ -17,8 +16,6 @@ _OTHER_LANE = 0.75
 """Share of the scenes with the ego outside the rightmost lane, if the recipe permits it."""
 _MIRRORED = 0.5
 _REACHES_FARTHER = having(lambda row: row.reaches_farther)
-_SIDED = frozenset({"lanes", "lateral"})
-"""Parameters that are positive to the left."""
 _NAMES_LANE = re.compile(
     r"\b(?:left|right|nearside|offside|inside|outside|outer|inner|middle|centre|slow|fast|overtaking|"
     r"left-hand|right-hand|nearside \w+|kerbside|first|second|third) lane\b|"
@@ -67,13 +64,7 @@ def _changed(actor: RecipeActor, change: Counterpart | None) -> RecipeActor:
 def settled(
     recipe: Recipe, road: MapLine, text: str, rng: np.random.Generator
 ) -> tuple[Recipe, int]:
-    """Choose the ego's lane.
-
-    Args:
-        recipe: A recipe with placements for the rightmost lane.
-        road: The map with the lanes.
-        text: The text; if it names a lane or a side, there is no free choice.
-        rng: Random generator.
+    """Choose the ego's lane for a recipe with placements for the rightmost one, unless the text names a lane or side.
 
     Returns:
         The recipe with placements for the chosen lane, and the lane, counted from the right.
@@ -86,7 +77,8 @@ def settled(
     if recipe.ego_lane == "mirror":
         if draw >= _MIRRORED or _NAMES_SIDE.search(text):
             return recipe, lane
-        return _mirrored(recipe), road.lanes - 1
+        mirrored = tuple(map(_mirrored, recipe.actors))
+        return recipe.model_copy(update={"actors": mirrored}), road.lanes - 1
     if draw >= _OTHER_LANE:
         return recipe, lane
     actors = tuple(_at_the_kerb(actor, other) for actor in recipe.actors)
@@ -113,8 +105,9 @@ def _at_the_kerb(actor: RecipeActor, lanes: int) -> RecipeActor:
             low, high = actor.trigger.value
             value = (low + sooner, high + sooner)
             update["trigger"] = actor.trigger.model_copy(update={"value": value})
-    twin = actor.ordinary
-    if "lane" not in update and isinstance(twin, Counterpart) and _steps_aside(twin):
+    twin = actor.ordinary if isinstance(actor.ordinary, Counterpart) else Counterpart()
+    is_aside = twin.lane is None and twin.offset is not None and max(twin.offset) < -_BESIDE
+    if "lane" not in update and is_aside:
         update["ordinary"] = twin.model_copy(update={"lane": -lanes})
     return actor.model_copy(update=update)
 
@@ -124,40 +117,28 @@ def _numbers(actor: RecipeActor, name: str, default: float) -> Range:
     return (default, default) if limits == "ego" else limits
 
 
-def _steps_aside(twin: Counterpart) -> bool:
-    return twin.lane is None and twin.offset is not None and max(twin.offset) < -_BESIDE
-
-
-def _mirrored(recipe: Recipe) -> Recipe:
-    """Return a recipe with left and right exchanged."""
-    return recipe.model_copy(update={"actors": tuple(_mirrored_actors(recipe.actors))})
-
-
-def _mirrored_actors(actors: Iterable[RecipeActor]) -> Iterable[RecipeActor]:
-    for actor in actors:
-        update: dict[str, object] = {
-            "lane": tuple(-lane for lane in actor.lane),
-            "offset": _negative(actor.offset),
-            "heading_deg": _negative(actor.heading_deg),
-            "parameters": {
-                key: _negative(limits) if key in _SIDED and limits != "ego" else limits
-                for key, limits in actor.parameters.items()
-            },
-            "spread_offset": -actor.spread_offset,
-            "state": _OTHER_STATE.get(actor.state, actor.state),
+def _mirrored(actor: RecipeActor) -> RecipeActor:
+    """Return an actor with left and right exchanged."""
+    update: dict[str, object] = {
+        "lane": tuple(-lane for lane in actor.lane),
+        "offset": _negative(actor.offset),
+        "heading_deg": _negative(actor.heading_deg),
+        "parameters": {
+            key: _negative(limits) if key in ("lanes", "lateral") and limits != "ego" else limits
+            for key, limits in actor.parameters.items()
+        },
+        "spread_offset": -actor.spread_offset,
+        "state": _OTHER_STATE.get(actor.state, actor.state),
+    }
+    twin = actor.ordinary
+    if isinstance(twin, Counterpart):
+        other = {
+            "lane": None if twin.lane is None else -twin.lane,
+            "offset": twin.offset and _negative(twin.offset),
+            "heading_deg": twin.heading_deg and _negative(twin.heading_deg),
         }
-        twin = actor.ordinary
-        if isinstance(twin, Counterpart):
-            update["ordinary"] = twin.model_copy(
-                update={
-                    "lane": None if twin.lane is None else -twin.lane,
-                    "offset": None if twin.offset is None else _negative(twin.offset),
-                    "heading_deg": (
-                        None if twin.heading_deg is None else _negative(twin.heading_deg)
-                    ),
-                }
-            )
-        yield actor.model_copy(update=update)
+        update["ordinary"] = twin.model_copy(update=other)
+    return actor.model_copy(update=update)
 
 
 def _negative(limits: Range) -> Range:

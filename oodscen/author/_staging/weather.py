@@ -5,17 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from oodscen.author._feasibility import WeatherLimits
 from oodscen.author._knowledge.base import Condition, Knowledge, Range, Recipe
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Weather
+from oodscen.prompts._digest import WeatherLimits
 
 _DRY = {"precipitation": "none", "precipitation_mm_h": 0.0}
 
 
 def draw_weather(
     recipe: Recipe,
-    told: tuple[Condition, ...],
+    conditions: tuple[Condition, ...],
     knowledge: Knowledge,
     limits: WeatherLimits,
     rng: np.random.Generator,
@@ -23,23 +23,19 @@ def draw_weather(
 ) -> tuple[Weather, Weather | None]:
     """Return the weather of a scene, and the ordinary weather if the weather is the hazard.
 
-    Args:
-        recipe: The hazard's recipe; its weather takes precedence over the text's.
-        told: Conditions that the text names; clear weather if there are none.
-        knowledge: The knowledge base, for the fields of clear weather.
-        limits: Limits of the simulator.
-        rng: Random generator.
-        said: Claims of the text, which are more detailed than conditions.
+    The recipe's weather takes precedence over the text's conditions, and the claims of the text over both of
+    what is left open. Without conditions the weather is clear.
     """
     fields: dict[str, Any] = {}
     clear = knowledge.condition_keys.get("clear")
     layers = [clear.weather] if clear is not None else []
     layers += [
-        c.weather for c in sorted(told, key=lambda c: c.weather.get("sun_elevation_deg", 0) != 0)
+        c.weather
+        for c in sorted(conditions, key=lambda c: c.weather.get("sun_elevation_deg", 0) != 0)
     ]
     for layer in (*layers, recipe.weather):
         fields.update(_drawn(layer, rng))
-    dark = [c for c in told if _is_dark(c)]
+    dark = [c for c in conditions if _is_dark(c)]
     if dark and "sun_elevation_deg" not in recipe.weather:
         fields.update(_drawn({"sun_elevation_deg": dark[0].weather["sun_elevation_deg"]}, rng))
     _agree(fields, {c.value for c in said if c.kind in ("weather", "time")}, recipe, rng)
@@ -53,13 +49,9 @@ def draw_weather(
 def _agree(
     fields: dict[str, Any], said: set[str], recipe: Recipe, rng: np.random.Generator
 ) -> None:
-    """Adjust the weather to the text, except for fields that the recipe sets.
+    """Adjust the weather to the claims of the text, in place, except for fields that the recipe sets.
 
-    Args:
-        fields: Fields of the weather; changed in place.
-        said: Values of claims of kind weather and time.
-        recipe: The hazard's recipe.
-        rng: Random generator; the number of draws is the same for every text.
+    The number of draws is the same for every text.
     """
     draw = float(rng.random())
     for value, field, (least, most), (low, high), more in _AGREED:

@@ -19,7 +19,6 @@ class Agreement:
     """Finds words that are incompatible with a setting."""
 
     def __init__(self, knowledge: Knowledge) -> None:
-        """Use the clashes of a knowledge base."""
         self._clashes = knowledge.clash
         self._found: dict[str, tuple[Clash, ...]] = {}
 
@@ -32,11 +31,9 @@ class Agreement:
         ]
 
     def suits(self, clause: str, setting: Setting) -> bool:
-        """Return whether a clause is compatible with a setting."""
         return not any(_applies(one, setting) for one in self._in(clause))
 
     def suiting(self, clauses: Iterable[str], setting: Setting) -> list[str]:
-        """Return the clauses that are compatible with a setting."""
         return [clause for clause in clauses if self.suits(clause, setting)]
 
     def _in(self, clause: str) -> tuple[Clash, ...]:

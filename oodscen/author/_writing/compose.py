@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -27,36 +27,29 @@ Option = TypeVar("Option")
 
 _IDLE_TRIES = 400
 """Number of consecutive repeated drafts after which a hazard counts as exhausted."""
-_MOSTLY_EGO: tuple[Name, ...] = ("ego",) * 6
-_NAMES: dict[Style, tuple[Name, ...]] = {
-    "natural": (*_MOSTLY_EGO, "the ego vehicle", "the ego vehicle", "the ego car"),
-    "paper": ("ego", "the ego vehicle"),
-    "terse": ("ego",),
-    "verbose": ("ego", "the ego vehicle", "the ego vehicle"),
-    "first-person": ("I",),
-}
-_TRAFFIC_SHARE: dict[Style, float] = {
-    "natural": 0.12,
-    "paper": 0.3,
-    "terse": 0.0,
-    "verbose": 0.7,
-    "first-person": 0.1,
-}
-_DETAIL_SHARE: dict[Style, float] = {
-    "natural": 0.2,
-    "paper": 0.5,
-    "terse": 0.0,
-    "verbose": 1.0,
-    "first-person": 0.3,
-}
 _BRIEF_OPENING = "The ego vehicle is"
 """Short opening for places that need no more: `on a country road`."""
-_BRIEF_SHARE: dict[Style, float] = {
-    "natural": 0.75,
-    "paper": 0.0,
-    "terse": 0.0,
-    "verbose": 0.0,
-    "first-person": 0.4,
+
+
+class _Register(NamedTuple):
+    """Habits of a style: names of the ego that take turns, and shares of the texts with something more."""
+
+    names: tuple[Name, ...]
+    traffic: float
+    detail: float
+    brief: float
+    """Share with the short opening."""
+
+
+_NAMES: tuple[Name, ...] = (*6 * ("ego",), "the ego vehicle", "the ego vehicle", "the ego car")
+_REGISTERS: dict[Style, _Register] = {
+    "natural": _Register(_NAMES, traffic=0.12, detail=0.2, brief=0.75),
+    "paper": _Register(("ego", "the ego vehicle"), traffic=0.3, detail=0.5, brief=0.0),
+    "terse": _Register(("ego",), traffic=0.0, detail=0.0, brief=0.0),
+    "verbose": _Register(
+        ("ego", "the ego vehicle", "the ego vehicle"), traffic=0.7, detail=1.0, brief=0.0
+    ),
+    "first-person": _Register(("I",), traffic=0.1, detail=0.3, brief=0.4),
 }
 _PREPOSED = 0.3
 """Share of the separate event sentences that begin with the distance."""
@@ -72,12 +65,10 @@ class Composer:
     """Writes texts about hazards."""
 
     def __init__(self, knowledge: Knowledge) -> None:
-        """Write with the phrases of a knowledge base."""
         self.knowledge = knowledge
         self._agreement = Agreement(knowledge)
 
     def text(self, hazard: HazardKind, rng: np.random.Generator, style: Style = "natural") -> str:
-        """Return one text."""
         return next(self.texts(hazard, rng, set(), style))
 
     def texts(
@@ -88,16 +79,10 @@ class Composer:
         style: Style = "natural",
         scope: Scope | None = None,
     ) -> Iterator[str]:
-        """Yield texts until no new ones can be found.
+        """Yield texts until no new ones can be found, and add them to `taken`, without case and punctuation.
 
-        Events, roads, conditions and constructions take turns, so that even a few texts vary.
-
-        Args:
-            hazard: The hazard to write about.
-            rng: Random generator for every choice.
-            taken: Texts to avoid, without case and punctuation; new texts are added.
-            style: Register of the texts.
-            scope: Settings to choose from; all that suit the hazard if left out.
+        Events, roads, conditions and constructions take turns, so that even a few texts vary. The settings are those
+        of the scope, or all that suit the hazard.
         """
         scope = scope or every_setting(hazard, self.knowledge)
         turns = _Turns(rng)
@@ -109,7 +94,7 @@ class Composer:
             construction = built or FALLBACK
             event = self._located(plot, hazard, construction, rng)
             text = construction.build(replace(plot, event=event))
-            text = named(text, turns.next("name", _NAMES[style]))
+            text = named(text, turns.next("name", _REGISTERS[style].names))
             key = plain(text)
             if key in taken or not 20 <= len(text) <= 600:
                 idle += 1
@@ -148,7 +133,7 @@ class Composer:
         opening = turns.next("opening", self.knowledge.wording.openings)
         named_place = f"place {place.key} {len(wheres)}"
         where = turns.next(named_place, wheres)
-        if where.startswith(("on ", "in ", "inside ")) and rng.random() < _BRIEF_SHARE[style]:
+        if where.startswith(("on ", "in ", "inside ")) and rng.random() < _REGISTERS[style].brief:
             opening = _BRIEF_OPENING
         return Plot(
             event=event,
@@ -160,9 +145,11 @@ class Composer:
             if condition and statements
             else "",
             is_act=hazard.class_name == "interactional",
-            traffic=self._traffic(hazard, event, place, rng, _TRAFFIC_SHARE[style], scope),
+            traffic=self._traffic(hazard, event, place, rng, _REGISTERS[style].traffic, scope),
             opening=opening,
-            detail=_pick(rng, details) if details and rng.random() < _DETAIL_SHARE[style] else "",
+            detail=_pick(rng, details)
+            if details and rng.random() < _REGISTERS[style].detail
+            else "",
             has_pronoun=style != "first-person",
         )
 
@@ -269,7 +256,6 @@ class _Turns:
         self._decks: dict[str, list[int]] = {}
 
     def next(self, deck: str, options: Sequence[Option]) -> Option:
-        """Return the next option of a deck."""
         return options[self._deck(deck, len(options)).pop()]
 
     def first(self, deck: str, options: Sequence[Option], suits: Sequence[bool]) -> Option | None:

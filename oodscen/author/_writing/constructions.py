@@ -15,43 +15,6 @@ KEEPS_ON = "keeps to its lane at the usual speed"
 """The ego's behaviour before anything happens, in a full account."""
 
 
-@dataclass(frozen=True)
-class Plot:
-    """The content of a text, before it is worded."""
-
-    event: str
-    """The event, with its placeholder until the construction is chosen."""
-    place: RoadKind
-    where: str
-    """Phrase for the place."""
-    condition: Condition | None = None
-    weather: str = ""
-    """Phrase for the condition."""
-    statement: str = ""
-    """Clause for the condition."""
-    is_act: bool = False
-    """True if an actor does something unusual."""
-    traffic: str = ""
-    opening: str = ""
-    detail: str = ""
-    has_pronoun: bool = True
-    """True if `it` may refer to the ego vehicle."""
-
-
-@dataclass(frozen=True)
-class Construction:
-    """One way to word a plot."""
-
-    build: Callable[[Plot], str]
-    suits: Callable[[Plot], bool] = lambda plot: True
-    names_ego: bool = True
-    """True if it has a separate part about the ego."""
-    is_apart: bool = False
-    """True if the event is a separate sentence, whose parts may be reordered."""
-    is_line: bool = False
-    """True if it is a single line, as in a test catalogue."""
-
-
 _ADVERBIAL = re.compile(
     r"(On|In|At|Late|By|Within|From|Behind|Without|After|Since|Towards?|Between|While|Under|Beneath|"
     r"Beyond|Although|Coming|Instead|It|Over|Across|Along|Beside|Before|Near|Once|As|With|Every|"
@@ -79,275 +42,282 @@ def standing(where: str) -> str:
     return re.sub(r"^along (?=an? )", "on ", where)
 
 
-def starts_plainly(plot: Plot) -> bool:
-    """Return whether the event begins with its subject."""
-    if _PLAIN.match(plot.event) is not None:
-        return True
-    return not plot.is_act and _ADVERBIAL.match(plot.event) is None
+@dataclass(frozen=True)
+class Plot:
+    """The content of a text, before it is worded."""
 
+    event: str
+    """The event, with its placeholder until the construction is chosen."""
+    place: RoadKind
+    where: str
+    """Phrase for the place."""
+    condition: Condition | None = None
+    weather: str = ""
+    """Phrase for the condition."""
+    statement: str = ""
+    """Clause for the condition."""
+    is_act: bool = False
+    """True if an actor does something unusual."""
+    traffic: str = ""
+    opening: str = ""
+    detail: str = ""
+    has_pronoun: bool = True
+    """True if `it` may refer to the ego vehicle."""
 
-def _starts_with_ego(plot: Plot) -> bool:
-    return plot.event.startswith(("The ego vehicle", "Ego"))
+    # ---------------------------------------------------------------- words of the templates
 
+    @property
+    def at(self) -> str:
+        """The place as the location of something that need not move along it."""
+        return standing(self.where)
 
-def _is_short(plot: Plot) -> bool:
-    return len(plot.event.split()) <= _LONG_EVENT and "," not in plot.event
+    @property
+    def noun(self) -> str:
+        return nominal(self.where)
 
+    @property
+    def heading(self) -> str:
+        """The place as in a heading, without an article."""
+        return re.sub(r"^(?:an?|the) ", "", self.noun) or self.where
 
-def _happens(plot: Plot) -> bool:
-    """Return whether the event is an occurrence, so that `when` can introduce it."""
-    if re.search(r"\b(when|while|as|after|before|until|because)\b", plot.event):
-        return False
-    return plot.is_act and _LASTING.search(" ".join(plot.event.split()[:9])) is None
+    @property
+    def headline(self) -> str:
+        """The event without the words that a headline omits."""
+        return headline(_clause(re.sub(r"(?<=\d) metres\b", " m", self.event)))
 
+    @property
+    def clause(self) -> str:
+        return _clause(self.event)
 
-def _names_ego(plot: Plot) -> bool:
-    return re.search(r"\bego\b|(?<!from )\{where\}", plot.event) is not None
+    @property
+    def ego_clause(self) -> str:
+        return re.sub(r"^(The ego vehicle|Ego) ", "the ego vehicle ", self.event)
 
+    @property
+    def event_of_it(self) -> str:
+        """The event, with `it` for an ego that was named right before."""
+        if not self.has_pronoun or self.traffic:
+            return self.event
+        return re.sub(r"^(The ego vehicle|Ego)(?= )", "It", self.event)
 
-def _leads(plot: Plot) -> bool:
-    """Return whether the place can come first, followed by the event as its clause."""
-    return (
-        starts_plainly(plot)
-        and _names_ego(plot)
-        and not _starts_with_ego(plot)
-        and plot.where.startswith(("on ", "in ", "along "))
-        and not plot.traffic
-    )
+    @property
+    def clause_of_it(self) -> str:
+        return _clause(self.event_of_it)
 
+    @property
+    def later_opening(self) -> str:
+        return re.sub(r"^(Ego|The ego vehicle)\b", "the ego vehicle", self.opening)
 
-def _introduces(plot: Plot) -> bool:
-    """Return whether the event can precede the place, because it does not presuppose it."""
-    event = f" {plot.event.casefold()} "
-    words = " ".join(plot.place.words).split()
-    return not any(f" the {word} " in event for word in words)
+    @property
+    def statement_clause(self) -> str:
+        return _clause(self.statement)
 
+    @property
+    def aside(self) -> str:
+        return f", {self.traffic}" if self.traffic else ""
 
-def _fits_weather(plot: Plot) -> bool:
-    """Return whether weather can precede the place without repeating its preposition."""
-    return bool(plot.weather) and plot.weather.split()[0] != standing(plot.where).split()[0]
+    @property
+    def routine(self) -> str:
+        """The ego's behaviour before anything happens."""
+        if not self.has_pronoun:
+            return ""
+        return f"{'The ego vehicle' if self.traffic else 'It'} {KEEPS_ON}"
 
+    # ---------------------------------------------------------------- what suits them
 
-# ------------------------------------------------------------------ parts of sentences
+    @property
+    def starts_plainly(self) -> bool:
+        """True if the event begins with its subject."""
+        if _PLAIN.match(self.event) is not None:
+            return True
+        return not self.is_act and _ADVERBIAL.match(self.event) is None
 
+    @property
+    def starts_with_ego(self) -> bool:
+        return self.event.startswith(("The ego vehicle", "Ego"))
 
-def _sentence(*parts: str) -> str:
-    text = " ".join(part for part in parts if part).replace(" ,", ",").replace(" :", ":")
-    return f"{text[0].upper()}{text[1:].rstrip('.')}."
+    @property
+    def is_short(self) -> bool:
+        """True if the event fits into a sentence with the place."""
+        return len(self.event.split()) <= _LONG_EVENT and "," not in self.event
 
+    @property
+    def happens(self) -> bool:
+        """True if the event is an occurrence, so that `when` can introduce it."""
+        if re.search(r"\b(when|while|as|after|before|until|because)\b", self.event):
+            return False
+        return self.is_act and _LASTING.search(" ".join(self.event.split()[:9])) is None
 
-def _it(plot: Plot) -> str:
-    if not plot.has_pronoun or plot.traffic:
-        return plot.event
-    return re.sub(r"^(The ego vehicle|Ego)(?= )", "It", plot.event)
+    @property
+    def names_ego(self) -> bool:
+        """True if the event, or its location, names the ego."""
+        return re.search(r"\bego\b|(?<!from )\{where\}", self.event) is not None
+
+    @property
+    def leads(self) -> bool:
+        """True if the place can come first, followed by the event as its clause."""
+        return (
+            self.starts_plainly
+            and self.names_ego
+            and not self.starts_with_ego
+            and self.where.startswith(("on ", "in ", "along "))
+            and not self.traffic
+        )
+
+    @property
+    def introduces(self) -> bool:
+        """True if the event can precede the place, because it does not presuppose it."""
+        event = f" {self.event.casefold()} "
+        return not any(f" the {word} " in event for word in " ".join(self.place.words).split())
+
+    @property
+    def fits_weather(self) -> bool:
+        """True if weather can precede the place without repeating its preposition."""
+        return bool(self.weather) and self.weather.split()[0] != self.at.split()[0]
+
+    @property
+    def can_be_noted(self) -> bool:
+        """True if the place can be a sentence without a verb."""
+        return bool(self.noun) and self.names_ego and not self.traffic
 
 
 def _clause(event: str) -> str:
-    return event if event.startswith("Ego") else event[0].lower() + event[1:]
+    return event if event.startswith("Ego") else event[:1].lower() + event[1:]
 
 
-def _at(plot: Plot) -> str:
-    """Return the place as the location of something that need not move along it."""
-    return standing(plot.where)
+@dataclass(frozen=True)
+class Construction:
+    """One way to word a plot."""
+
+    sentences: tuple[str, ...]
+    """Templates of its sentences, with properties of the plot; one that comes out empty is left out."""
+    suits: Callable[[Plot], bool] = lambda plot: True
+    names_ego: bool = True
+    """True if it has a separate part about the ego."""
+    is_apart: bool = False
+    """True if the event is a separate sentence, whose parts may be reordered."""
+    is_line: bool = False
+    """True if it is a single line, as in a test catalogue."""
+
+    def build(self, plot: Plot) -> str:
+        words = (" ".join(one.format(plot).split()) for one in self.sentences)
+        return " ".join(_sentence(text) for text in words if text)
 
 
-def _opening(plot: Plot) -> str:
-    return re.sub(r"^(Ego|The ego vehicle)\b", "the ego vehicle", plot.opening)
+def _sentence(text: str) -> str:
+    text = text.replace(" ,", ",").replace(" :", ":")
+    return f"{text[0].upper()}{text[1:].rstrip('.')}."
 
 
-def _aside(plot: Plot) -> str:
-    return f", {plot.traffic}" if plot.traffic else ""
-
-
-def _after(plot: Plot, text: str) -> str:
-    """Append the consequence to a single sentence."""
-    return f"{text} {_sentence(plot.detail)}" if plot.detail else text
-
-
-# ------------------------------------------------------------------ constructions
-
-
-def _two_sentences(plot: Plot) -> str:
-    first = _sentence(plot.opening, plot.where, plot.weather, _aside(plot))
-    return f"{first} {_sentence(_it(plot))}"
-
-
-def _weather_first(plot: Plot) -> str:
-    first = _sentence(plot.weather, ",", _opening(plot), plot.where, _aside(plot))
-    return f"{first} {_sentence(_it(plot))}"
-
-
-def _stated(plot: Plot) -> str:
-    first = _sentence(plot.statement, ", and", _opening(plot), plot.where)
-    return f"{first} {_sentence(_it(plot))}"
-
-
-def _joined(plot: Plot) -> str:
-    event = _clause(_it(plot))
-    return _after(plot, _sentence(plot.opening, plot.where, plot.weather, ", and", event))
-
-
-def _occurring(plot: Plot) -> str:
-    event = _clause(_it(plot))
-    return _after(plot, _sentence(plot.opening, plot.where, plot.weather, "when", event))
-
-
-def _place_first(plot: Plot) -> str:
-    return _after(plot, _sentence(_at(plot), plot.weather, ",", _clause(plot.event)))
-
-
-def _place_alone(plot: Plot) -> str:
-    return _after(plot, _sentence(_at(plot), ",", _clause(plot.event)))
-
-
-def _weather_and_place(plot: Plot) -> str:
-    return _after(plot, _sentence(plot.weather, _at(plot), ",", _clause(plot.event)))
-
-
-def _stated_place(plot: Plot) -> str:
-    return f"{_sentence(plot.statement)} {_sentence(_at(plot), ',', _clause(plot.event))}"
-
-
-def _stated_last(plot: Plot) -> str:
-    return f"{_sentence(_at(plot), ',', _clause(plot.event))} {_sentence(plot.statement)}"
-
-
-def _meanwhile(plot: Plot) -> str:
-    return _after(plot, _sentence(plot.event, "while", _opening(plot), plot.where, plot.weather))
-
-
-def _noted(plot: Plot) -> str:
-    return f"{_sentence(nominal(plot.where), plot.weather)} {_sentence(plot.event)}"
-
-
-def _noted_as_stated(plot: Plot) -> str:
-    place = _sentence(f"{nominal(plot.where)};", _clause(plot.statement))
-    return f"{place} {_sentence(plot.event)}"
-
-
-def _event_first(plot: Plot) -> str:
-    return f"{_sentence(plot.event)} {_sentence(plot.opening, plot.where, plot.weather)}"
-
-
-def _event_then_place(plot: Plot) -> str:
-    return f"{_sentence(plot.event)} {_sentence('it happens', plot.where, plot.weather)}"
-
-
-def _doing(plot: Plot) -> str:
-    rest = re.sub(r"^(The ego vehicle|Ego) ", "the ego vehicle ", plot.event)
-    return _after(plot, _sentence("driving", plot.where, plot.weather, ",", rest))
-
-
-def _line(plot: Plot) -> str:
-    noun = re.sub(r"^(?:an?|the) ", "", nominal(plot.where)) or plot.where
-    event = re.sub(r"(?<=\d) metres\b", " m", plot.event)
-    return _sentence(noun, plot.weather, ":", headline(_clause(event)))
-
-
-def _account(plot: Plot) -> str:
-    first = _sentence(plot.opening, plot.where, _aside(plot))
-    if plot.has_pronoun:
-        subject = "The ego vehicle" if plot.traffic else "It"
-        first += f" {subject} {KEEPS_ON}."
-    second = _sentence(plot.statement) if plot.statement else ""
-    last = _sentence(plot.detail) if plot.detail else ""
-    return " ".join(part for part in (first, second, _sentence(_it(plot)), last) if part)
-
-
-_TWO = Construction(_two_sentences, is_apart=True)
-_WEATHER_FIRST = Construction(_weather_first, lambda plot: bool(plot.weather), is_apart=True)
+_DETAIL = "{0.detail}"
+_TWO = Construction(
+    ("{0.opening} {0.where} {0.weather} {0.aside}", "{0.event_of_it}"), is_apart=True
+)
+_WEATHER_FIRST = Construction(
+    ("{0.weather} , {0.later_opening} {0.where} {0.aside}", "{0.event_of_it}"),
+    lambda plot: bool(plot.weather),
+    is_apart=True,
+)
 _STATED = Construction(
-    _stated, lambda plot: bool(plot.statement) and not plot.traffic, is_apart=True
+    ("{0.statement} , and {0.later_opening} {0.where}", "{0.event_of_it}"),
+    lambda plot: bool(plot.statement) and not plot.traffic,
+    is_apart=True,
 )
 _JOINED = Construction(
-    _joined, lambda plot: starts_plainly(plot) and _is_short(plot) and not plot.traffic
+    ("{0.opening} {0.where} {0.weather} , and {0.clause_of_it}", _DETAIL),
+    lambda plot: plot.starts_plainly and plot.is_short and not plot.traffic,
 )
 _OCCURRING = Construction(
-    _occurring, lambda plot: starts_plainly(plot) and _happens(plot) and not plot.traffic
+    ("{0.opening} {0.where} {0.weather} when {0.clause_of_it}", _DETAIL),
+    lambda plot: plot.starts_plainly and plot.happens and not plot.traffic,
 )
 _MEANWHILE = Construction(
-    _meanwhile,
+    ("{0.event} while {0.later_opening} {0.where} {0.weather}", _DETAIL),
     lambda plot: (
-        starts_plainly(plot)
-        and _is_short(plot)
-        and not _starts_with_ego(plot)
+        plot.starts_plainly
+        and plot.is_short
+        and not plot.starts_with_ego
         and re.search(r"\b(when|while|where|as|until|although)\b", plot.event) is None
         and not plot.traffic
-        and _introduces(plot)
+        and plot.introduces
     ),
 )
 _PLACE_FIRST = Construction(
-    _place_first,
-    lambda plot: _leads(plot) and (not plot.weather or _fits_weather(plot)),
+    ("{0.at} {0.weather} , {0.clause}", _DETAIL),
+    lambda plot: plot.leads and (not plot.weather or plot.fits_weather),
     names_ego=False,
 )
-_PLACE_ALONE = Construction(_place_alone, _leads, names_ego=False)
+_PLACE_ALONE = Construction(
+    ("{0.at} , {0.clause}", _DETAIL), lambda plot: plot.leads, names_ego=False
+)
 _WEATHER_AND_PLACE = Construction(
-    _weather_and_place,
-    lambda plot: _leads(plot) and _fits_weather(plot) and "," not in plot.weather,
+    ("{0.weather} {0.at} , {0.clause}", _DETAIL),
+    lambda plot: plot.leads and plot.fits_weather and "," not in plot.weather,
     names_ego=False,
 )
 _STATED_PLACE = Construction(
-    _stated_place, lambda plot: _leads(plot) and bool(plot.statement), names_ego=False
+    ("{0.statement}", "{0.at} , {0.clause}"),
+    lambda plot: plot.leads and bool(plot.statement),
+    names_ego=False,
 )
 _STATED_LAST = Construction(
-    _stated_last, lambda plot: _leads(plot) and bool(plot.statement), names_ego=False
+    ("{0.at} , {0.clause}", "{0.statement}"),
+    lambda plot: plot.leads and bool(plot.statement),
+    names_ego=False,
 )
-
-
-def _can_be_noted(plot: Plot) -> bool:
-    return bool(nominal(plot.where)) and _names_ego(plot) and not plot.traffic
-
-
 _NOTED = Construction(
-    _noted,
-    lambda plot: _can_be_noted(plot) and bool(plot.weather),
+    ("{0.noun} {0.weather}", "{0.event}"),
+    lambda plot: plot.can_be_noted and bool(plot.weather),
     names_ego=False,
     is_apart=True,
 )
 _NOTED_AS_STATED = Construction(
-    _noted_as_stated,
-    lambda plot: _can_be_noted(plot) and bool(plot.statement),
+    ("{0.noun}; {0.statement_clause}", "{0.event}"),
+    lambda plot: plot.can_be_noted and bool(plot.statement),
     names_ego=False,
     is_apart=True,
 )
 _EVENT_FIRST = Construction(
-    _event_first,
-    lambda plot: not plot.traffic and "ego vehicle" not in plot.event and _introduces(plot),
+    ("{0.event}", "{0.opening} {0.where} {0.weather}"),
+    lambda plot: not plot.traffic and "ego vehicle" not in plot.event and plot.introduces,
     is_apart=True,
 )
 _EVENT_THEN_PLACE = Construction(
-    _event_then_place,
+    ("{0.event}", "it happens {0.where} {0.weather}"),
     lambda plot: (
         plot.is_act
-        and _names_ego(plot)
+        and plot.names_ego
         and not plot.traffic
         and plot.where.startswith(("on ", "in "))
-        and _introduces(plot)
+        and plot.introduces
     ),
     names_ego=False,
     is_apart=True,
 )
-_DOING = Construction(_doing, lambda plot: _starts_with_ego(plot) and not plot.traffic)
-_LINE = Construction(_line, names_ego=False, is_line=True)
-_ACCOUNT = Construction(_account, is_apart=True)
+_DOING = Construction(
+    ("driving {0.where} {0.weather} , {0.ego_clause}", _DETAIL),
+    lambda plot: plot.starts_with_ego and not plot.traffic,
+)
+_LINE = Construction(("{0.heading} {0.weather} : {0.headline}",), names_ego=False, is_line=True)
+_ACCOUNT = Construction(
+    (
+        "{0.opening} {0.where} {0.aside}",
+        "{0.routine}",
+        "{0.statement}",
+        "{0.event_of_it}",
+        _DETAIL,
+    ),
+    is_apart=True,
+)
 
 _WITHOUT_EGO = (
-    _PLACE_FIRST,
-    _PLACE_FIRST,
-    _PLACE_FIRST,
-    _PLACE_ALONE,
-    _PLACE_ALONE,
-    _WEATHER_AND_PLACE,
-    _WEATHER_AND_PLACE,
-    _WEATHER_AND_PLACE,
+    *3 * (_PLACE_FIRST,),
+    *2 * (_PLACE_ALONE,),
+    *3 * (_WEATHER_AND_PLACE,),
     _STATED_PLACE,
-    _STATED_LAST,
-    _STATED_LAST,
-    _NOTED,
-    _NOTED,
-    _NOTED_AS_STATED,
-    _NOTED_AS_STATED,
+    *2 * (_STATED_LAST,),
+    *2 * (_NOTED,),
+    *2 * (_NOTED_AS_STATED,),
     _EVENT_THEN_PLACE,
 )
 """Constructions of place and event that say nothing about the ego beyond the event."""

@@ -77,7 +77,6 @@ class OrdinaryAuthor:
     """Writes ordinary twins."""
 
     def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
-        """Use the phrases and ordinary counterparts of a knowledge base."""
         self._recogniser = recogniser
         self._agreement = Agreement(knowledge)
         self._driving = knowledge.driving
@@ -93,12 +92,7 @@ class OrdinaryAuthor:
         )
 
     def twin(self, text: str, label: str, rng: np.random.Generator) -> str:
-        """Return the ordinary twin of a text.
-
-        Args:
-            text: A text with an unusual event.
-            label: Label of the leaf, for texts that are not recognised themselves.
-            rng: Random generator for choices among ordinary clauses of similar length.
+        """Return the ordinary twin of a text; a text that is not recognised is about the hazard of its leaf's label.
 
         Raises:
             LLMError: If the text contains no place in the words of the knowledge base.
@@ -111,8 +105,9 @@ class OrdinaryAuthor:
                 "the built-in author finds none of its own phrases for a place in the text, and "
                 "writes ordinary twins only of texts that have one"
             )
-        parts = list(self._told_apart(text))
-        place = next((n for n, part in enumerate(parts) if self._is_event(part)), None)
+        parts = list(self._split(text))
+        events = (n for n, part in enumerate(parts) if plain(part.event) not in self._details)
+        place = next((n for n in events if parts[n].event), None)
         if place is None:
             place = len(parts) - 1
             parts[place] = _SentenceParts("", _whole(parts[place]), "")
@@ -130,18 +125,15 @@ class OrdinaryAuthor:
         last = _worded(event, told_by(headline(clause) if is_line else clause, name))
         missing = room - len(clause.split())
         if missing > _SLACK:
-            told = f"{frame} {clause}"
-            more = told_by(self._more(clause, told, missing, setting, rng), name)
+            more = told_by(self._more(clause, f"{frame} {clause}", missing, setting, rng), name)
             more = headline(more) if is_line else more
-            last = _lengthened(
-                last, more, is_joined=_is_joined(event.lead, clause) or " and " in more
-            )
+            if more and (_is_joined(event.lead, clause) or " and " in more):
+                last = f"{last} {more[0].upper()}{more[1:]}."
+            elif more:
+                last = f"{last.rstrip('.')}, and {more}."
         return " ".join(last if part is event else _whole(part) for part in kept)
 
-    def _is_event(self, part: _SentenceParts) -> bool:
-        return bool(part.event) and plain(part.event) not in self._details
-
-    def _told_apart(self, text: str) -> Iterator[_SentenceParts]:
+    def _split(self, text: str) -> Iterator[_SentenceParts]:
         """Split the text into sentences and their parts; the ego's location is recognised only once."""
         is_placed = False
         for sentence in _SENTENCES.split(text.strip()):
@@ -222,7 +214,12 @@ class OrdinaryAuthor:
         if _TURNS.search(told):
             fitting = [phrase for phrase in fitting if "straight" not in phrase]
         said = set(plain(told).split()) - _LITTLE
-        fitting.sort(key=lambda phrase: _length_penalty(phrase, missing, said))
+
+        def penalty(phrase: str) -> float:
+            words = plain(phrase).split()
+            return abs(len(words) - missing) + _REPEATED * len(said & set(words))
+
+        fitting.sort(key=penalty)
         return fitting[int(rng.integers(min(_NEAREST, len(fitting))))] if fitting else ""
 
 
@@ -241,14 +238,9 @@ def _not_twice(frame: str, clause: str) -> str:
     return re.sub(named, r"\1 is free", clause)
 
 
-def _length_penalty(phrase: str, missing: int, said: set[str]) -> float:
-    words = plain(phrase).split()
-    return abs(len(words) - missing) + _REPEATED * len(said & set(words))
-
-
 def _placed_first(
-    event: "_SentenceParts", kept: "list[_SentenceParts]"
-) -> "tuple[_SentenceParts, list[_SentenceParts]]":
+    event: _SentenceParts, kept: list[_SentenceParts]
+) -> tuple[_SentenceParts, list[_SentenceParts]]:
     """Move the event after the part that says where the ego is."""
     rest = [part for part in kept if part is not event]
     where = rest[-1].lead
@@ -266,14 +258,6 @@ def _is_joined(lead: str, clause: str) -> bool:
         or ", " in clause
         or re.search(r"\b(?:and|while|when) $", lead) is not None
     )
-
-
-def _lengthened(text: str, more: str, *, is_joined: bool) -> str:
-    if not more:
-        return text
-    if is_joined:
-        return f"{text} {more[0].upper()}{more[1:]}."
-    return f"{text.rstrip('.')}, and {more}."
 
 
 def _worded(part: _SentenceParts, clause: str) -> str:

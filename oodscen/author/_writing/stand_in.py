@@ -34,13 +34,7 @@ _WALKER = StandIn(("adult",), False, "the lane is free and a person walks along 
 
 
 def stand_in(hazard: HazardKind | None, text: str, place: RoadKind | None) -> StandIn | None:
-    """Return the road user in place of a hazard that its recipe removes; `None` if there is none.
-
-    Args:
-        hazard: The hazard of the text.
-        text: The text with the hazard.
-        place: The road of the text.
-    """
+    """Return the road user in place of a hazard that its recipe removes; `None` if there is none."""
     if hazard is None or hazard.stage is None or place is None:
         return None
     parts = [actor for actor in hazard.stage.actors if actor.hazard]

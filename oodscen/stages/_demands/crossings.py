@@ -7,7 +7,7 @@ import numpy as np
 from oodscen.data._episode import REACTIONS_S
 from oodscen.data._scene import BEFORE_LIGHT_M, Actor
 from oodscen.prompts._landmarks import landmarks
-from oodscen.stages._demands.setting import CARS, FRONT_M, PEOPLE, Draft, Setting, actor, claims
+from oodscen.stages._demands.setting import CARS, FRONT_M, PEOPLE, Draft, Setting, actor, demand
 
 _FIRM = 4.0
 """Deceleration that a crossing may ask of the ego, m/s^2."""
@@ -15,6 +15,8 @@ _CLEAR_S = 0.8
 """Time for which a light is red before anyone steps onto the crossing, s."""
 _APART_M = (0.0, 1.0, -1.0)
 """Places of people along the road on a crossing, m from its middle."""
+
+_RED = ("traffic light", "the traffic light is red")
 
 
 def red_light(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -45,9 +47,9 @@ def _at_the_junction(at: Setting, rng: np.random.Generator) -> Draft | None:
         )
         for number, mark in enumerate(marks, start=1)
     ]
-    quote = "the traffic light is red"
-    thing_claims = claims("traffic light", quote, ("state", "red"))
-    return Draft([*waits, *lights], f"{quote} and a car waits at the line ahead", thing_claims)
+    return demand(
+        [*waits, *lights], *_RED, ("state", "red"), rest=" and a car waits at the line ahead"
+    )
 
 
 def _waiting(at: Setting, rng: np.random.Generator, line: float) -> list[Actor]:
@@ -69,7 +71,6 @@ def _waiting(at: Setting, rng: np.random.Generator, line: float) -> list[Actor]:
 
 
 def _stripes(at: Setting, ahead: float) -> list[Actor]:
-    """Return a zebra crossing over all lanes."""
     return [
         actor(f"zebra-{number}", "zebra_crossing", ahead, offset=offset)
         for number, offset in enumerate(at.lane_offsets(ahead), start=1)
@@ -77,14 +78,7 @@ def _stripes(at: Setting, ahead: float) -> list[Actor]:
 
 
 def _walkers(at: Setting, rng: np.random.Generator, ahead: float, count: int) -> list[Actor]:
-    """Return people on a crossing at the decision; the first is in the way when the ego would arrive.
-
-    Args:
-        at: The setting.
-        rng: Random generator.
-        ahead: Place of the crossing, from the ego's start, m.
-        count: Number of people.
-    """
+    """Return people on a crossing at the decision; the first is in the way when the ego would arrive."""
     low, high = -at.edge(ahead) - 0.6, at.edge(ahead, 1) + 0.6
     row = []
     for number in range(1, count + 1):
@@ -146,9 +140,8 @@ def _pelican(at: Setting, rng: np.random.Generator) -> Draft | None:
             place = ahead - 3.6 - 0.5 * at.length(asset)
             name = f"beside{lane + 3}"
             row.append(actor(name, asset, place, lane=lane, does="follow_lane", speed=0.0))
-    quote = "the traffic light is red"
-    thing_claims = claims("traffic light", quote, ("state", "red"))
-    return Draft(row, f"{quote} while someone crosses the road on the zebra crossing", thing_claims)
+    rest = " while someone crosses the road on the zebra crossing"
+    return demand(row, *_RED, ("state", "red"), rest=rest)
 
 
 def _turns_red(walkers: Sequence[Actor]) -> float:
@@ -183,5 +176,4 @@ def zebra(at: Setting, rng: np.random.Generator) -> Draft | None:
     if not people:
         return None
     quote = "someone crosses the road on the zebra crossing ahead"
-    thing_claims = claims("person", quote, ("motion", "crossing"), ("place", "ahead"))
-    return Draft([*people, *row], quote, thing_claims)
+    return demand([*people, *row], "person", quote, ("motion", "crossing"), ("place", "ahead"))

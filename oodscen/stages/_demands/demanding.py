@@ -54,11 +54,6 @@ def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> Deman
     scene's, until one is accepted by the checks of a scene, is seen, leaves an action safe, and is unsafe for a
     driver who keeps the speed. One in which some or all drivers may keep the speed is the last resort.
 
-    Args:
-        scene: A scene that was run.
-        simulated: Its run.
-        rerunner: Runs the trials.
-
     Raises:
         SceneError: When no kind fits.
     """

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from oodscen.data._claim import Kind
 from oodscen.data._scene import Actor
 from oodscen.stages._demands.setting import (
     CARS,
@@ -10,7 +11,7 @@ from oodscen.stages._demands.setting import (
     Draft,
     Setting,
     actor,
-    claims,
+    demand,
     everyday_name,
     with_article,
 )
@@ -50,11 +51,9 @@ def queue(at: Setting, rng: np.random.Generator) -> Draft | None:
     gap = max(at.gap_m - 0.5 * at.length(first), FRONT_M + 2.5 + at.room(_CALM))
     rear = at.decision_m + gap
     row = _line(at, rng, rear, first, int(rng.integers(2, 5)))
-    quote = "a queue of vehicles stands ahead"
-    thing_claims = claims("vehicle", quote, ("motion", "stationary"), ("place", "ahead"))
     if at.lanes == 1:
         if at.has("tunnel", "roundabout", "junction") or "temporary_light" not in at.assets:
-            return Draft(row, f"{quote} in the lane", thing_claims)
+            return _queued(row, "in the lane")
         end = max(one.placement.ahead_m for one in row) + 5.0
         side = at.edge(end)
         light = actor("light", "temporary_light", end, offset=-side - 0.6, state="red")
@@ -62,11 +61,17 @@ def queue(at: Setting, rng: np.random.Generator) -> Draft | None:
         if "road_works_sign" in at.assets:
             near = max(rear - float(rng.uniform(8.0, 14.0)), 8.0)
             row.append(actor("sign", "road_works_sign", near, offset=-at.edge(near) - 0.6))
-        return Draft(row, f"{quote} in the lane before a temporary light that is red", thing_claims)
+        return _queued(row, "in the lane before a temporary light that is red")
     for lane in range(-at.lane, at.lanes - at.lane):
         if lane:
             row += _line(at, rng, rear + float(rng.uniform(-3.0, 8.0)), "", 2, lane)
-    return Draft(row, f"{quote} in all lanes", thing_claims)
+    return _queued(row, "in all lanes")
+
+
+def _queued(row: list[Actor], where: str) -> Draft:
+    quote = "a queue of vehicles stands ahead"
+    said: tuple[tuple[Kind, str], ...] = (("motion", "stationary"), ("place", "ahead"))
+    return demand(row, "vehicle", quote, *said, rest=f" {where}")
 
 
 def leader(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -97,8 +102,8 @@ def leader(at: Setting, rng: np.random.Generator) -> Draft | None:
     stop = at.decision_m + gap + slow * slow / (2.0 * hard) + reach + 3.0
     row = _line(at, rng, stop, at.choose(rng, *CARS), 2)
     quote = f"{with_article(noun)} ahead slows down"
-    thing_claims = claims(noun, quote, ("motion", "braking"), ("place", "ahead"))
-    return Draft([lead, *row], f"{quote} behind a queue of vehicles", thing_claims)
+    said: tuple[tuple[Kind, str], ...] = (("motion", "braking"), ("place", "ahead"))
+    return demand([lead, *row], noun, quote, *said, rest=" behind a queue of vehicles")
 
 
 def slow_vehicle(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -119,11 +124,9 @@ def slow_vehicle(at: Setting, rng: np.random.Generator) -> Draft | None:
     begin = at.decision_m + gap - speed * at.decision_s
     noun = everyday_name(asset)
     quote = f"{with_article(noun)} drives slowly ahead in the lane"
-    thing_claims = claims(
-        noun, quote, ("motion", "moving"), ("place", "ahead"), ("place", "in_lane")
-    )
-    return Draft(
-        [actor("slow", asset, begin, does="follow_lane", speed=speed)], quote, thing_claims
+    slow = actor("slow", asset, begin, does="follow_lane", speed=speed)
+    return demand(
+        [slow], noun, quote, ("motion", "moving"), ("place", "ahead"), ("place", "in_lane")
     )
 
 
@@ -148,4 +151,4 @@ def cyclist(at: Setting, rng: np.random.Generator) -> Draft | None:
     noun = {"e_scooter": "person on an electric scooter"}.get(asset, "cyclist")
     quote = f"a {noun} rides ahead in the lane"
     about = {"e_scooter": "electric scooter"}.get(asset, "cyclist")
-    return Draft(riders, quote, claims(about, quote, ("motion", "moving"), ("place", "ahead")))
+    return demand(riders, about, quote, ("motion", "moving"), ("place", "ahead"))

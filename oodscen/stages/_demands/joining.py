@@ -8,7 +8,7 @@ from oodscen.stages._demands.setting import (
     Draft,
     Setting,
     actor,
-    claims,
+    demand,
     everyday_name,
     with_article,
 )
@@ -52,8 +52,7 @@ def merging_car(at: Setting, rng: np.random.Generator) -> Draft | None:
     )
     noun = everyday_name(asset)
     quote = f"{with_article(noun)} ahead merges into the lane with its indicator on"
-    thing_claims = claims(noun, quote, ("motion", "into_lane"), ("place", "ahead"))
-    return Draft([car], quote, thing_claims)
+    return demand([car], noun, quote, ("motion", "into_lane"), ("place", "ahead"))
 
 
 def _leaves_the_kerb(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -93,8 +92,7 @@ def _leaves_the_kerb(at: Setting, rng: np.random.Generator) -> Draft | None:
     cars.append(actor("parked-front", front, ahead, offset=aside))
     noun = everyday_name(asset)
     quote = f"{with_article(noun)} leaves its parking space ahead with its indicator on"
-    thing_claims = claims(noun, quote, ("motion", "moving"), ("place", "ahead"))
-    return Draft(cars, quote, thing_claims)
+    return demand(cars, noun, quote, ("motion", "moving"), ("place", "ahead"))
 
 
 def ambulance(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -119,7 +117,6 @@ def ambulance(at: Setting, rng: np.random.Generator) -> Draft | None:
         duration=_MOVE_S,
     )
     quote = "an ambulance with its blue lights on passes and moves over ahead of the ego vehicle"
-    thing_claims = claims("ambulance", quote, ("state", "beacon"), ("motion", "moving"))
     slower = at.choose(rng, *CARS)
     lead = actor(
         "lead",
@@ -128,4 +125,4 @@ def ambulance(at: Setting, rng: np.random.Generator) -> Draft | None:
         does="follow_lane",
         speed=0.6 * at.speed,
     )
-    return Draft([one, lead], quote, thing_claims)
+    return demand([one, lead], "ambulance", quote, ("state", "beacon"), ("motion", "moving"))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from oodscen.data._scene import Actor
-from oodscen.stages._demands.setting import FRONT_M, Draft, Setting, actor, claims
+from oodscen.stages._demands.setting import FRONT_M, Draft, Setting, actor, demand
 
 _CALM = 3.6
 """Deceleration that a standing vehicle may ask of the ego, m/s^2."""
@@ -41,8 +41,7 @@ def bus_stop(at: Setting, rng: np.random.Generator) -> Draft | None:
             heading = float(rng.uniform(50.0, 120.0))
             row.append(actor(f"passenger-{number}", who, along, offset=-out, heading=heading))
     quote = "a bus stands at its stop with its indicator on"
-    thing_claims = claims("bus", quote, ("motion", "stationary"))
-    return Draft(row, f"{quote} ahead in the lane", thing_claims)
+    return demand(row, "bus", quote, ("motion", "stationary"), rest=" ahead in the lane")
 
 
 def refuse_lorry(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -59,8 +58,7 @@ def refuse_lorry(at: Setting, rng: np.random.Generator) -> Draft | None:
         turn = float(rng.uniform(-12.0, 12.0))
         row.append(actor(f"bin-{number}", "wheelie_bin", along, offset=-kerb - 0.6, heading=turn))
     quote = "a refuse lorry with its beacon on stands ahead and collects bins from the pavement"
-    thing_claims = claims("refuse lorry", quote, ("motion", "stationary"), ("state", "beacon"))
-    return Draft(row, quote, thing_claims)
+    return demand(row, "refuse lorry", quote, ("motion", "stationary"), ("state", "beacon"))
 
 
 def works(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -75,8 +73,7 @@ def works(at: Setting, rng: np.random.Generator) -> Draft | None:
     if not row:
         return None
     quote = "road works with a sign and a row of cones close the lane ahead"
-    thing_claims = claims("cone", quote, ("motion", "stationary"), ("place", "ahead"))
-    return Draft(row, quote, thing_claims)
+    return demand(row, "cone", quote, ("motion", "stationary"), ("place", "ahead"))
 
 
 def _closure_of_one(

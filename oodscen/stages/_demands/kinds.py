@@ -96,7 +96,6 @@ class Candidate(NamedTuple):
 
     @property
     def actors(self) -> tuple[Actor, ...]:
-        """All its actors."""
         return (*self.draft.actors, *self.company)
 
 
@@ -108,12 +107,6 @@ def ranked_candidates(
     A kind that looks like the scene's own hazard is left out; the more alike a draw and the rare scene are in the
     number and the size of what stands before the ego, the earlier it comes, by chance. Otherwise how much there
     is to see would tell demands from rare scenes.
-
-    Args:
-        scene: The rare scene.
-        at: Its setting.
-        seed: Seed of the random streams.
-        company: The traffic that drives along in the scene; draws without it come last.
     """
     unusual = [one for one in scene.actors if one.id in scene.hazard.actors]
     found: list[tuple[bool, float, Candidate]] = []

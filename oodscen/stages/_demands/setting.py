@@ -54,11 +54,7 @@ class Look(NamedTuple):
 
     @classmethod
     def of(cls, bodies: Iterable[tuple[float, float, float]]) -> Self:
-        """Return the look of bodies.
-
-        Args:
-            bodies: Distances of every body ahead and to the left, m, and its frontal area, square metres.
-        """
+        """Return the look of bodies, given by distance ahead and to the left, m, and frontal area, square metres."""
         found = list(bodies)
         seen = [
             area / (x * x + y * y) for x, y, area in found if x > _NEAREST_M and abs(y) < 0.5 * x
@@ -94,14 +90,7 @@ class Setting:
     def of(
         cls, scene: Scene, catalogue: Catalogue, trace: Trace, drawn: Sketch | None
     ) -> "Setting":
-        """Return the setting of a scene that was run.
-
-        Args:
-            scene: The rare scene.
-            catalogue: The catalogue of its simulator.
-            trace: Its approach, up to the decision.
-            drawn: The sketch of its decision.
-        """
+        """Return the setting of a scene, from its approach up to the decision and the sketch of the decision."""
         catalogue = catalogue.for_scene(scene)
         corridor = load_corridor(scene.map, catalogue)
         bodies = drawn.bodies if drawn else {}
@@ -128,22 +117,21 @@ class Setting:
 
     def look_of(self, actors: Iterable[Actor]) -> Look:
         """Return the look that actors will have at the decision, as far as their placements tell."""
-        return Look.of(self._foreseen(one) for one in actors)
-
-    def _foreseen(self, one: Actor) -> tuple[float, float, float]:
-        place, does = one.placement, one.behaviour
-        speed = 0.0 if does.name in STAYS else does.parameters.get("speed", 0.0)
-        ahead = place.ahead_m + speed * self.decision_s - self.decision_m
-        return ahead, _LANE_M * place.lane + place.offset_m, _frontal_area(self.assets[one.asset])
+        bodies = []
+        for one in actors:
+            place, does = one.placement, one.behaviour
+            speed = 0.0 if does.name in STAYS else does.parameters.get("speed", 0.0)
+            ahead = place.ahead_m + speed * self.decision_s - self.decision_m
+            left = _LANE_M * place.lane + place.offset_m
+            bodies.append((ahead, left, _frontal_area(self.assets[one.asset])))
+        return Look.of(bodies)
 
     @cached_property
     def corridor(self) -> Corridor:
-        """The ego's road."""
         return load_corridor(self.scene.map, self.catalogue)
 
     @cached_property
     def road(self) -> RoadMap:
-        """The description of the map."""
         return find_map(self.scene.map, self.catalogue)
 
     @property
@@ -153,16 +141,13 @@ class Setting:
 
     @property
     def lanes(self) -> int:
-        """Lanes in the ego's direction."""
         return len(self.corridor.ego_lanes)
 
     @cached_property
     def assets(self) -> dict[str, Asset]:
-        """The simulator's assets by id."""
         return {asset.id: asset for asset in self.catalogue.assets}
 
     def has(self, *traits: str) -> bool:
-        """Return whether the map has one of some traits."""
         return not set(traits).isdisjoint(self.road.traits)
 
     def choose(self, rng: np.random.Generator, *options: str) -> str:
@@ -171,43 +156,36 @@ class Setting:
         return fitting[int(rng.integers(len(fitting)))] if fitting else ""
 
     def length(self, asset: str) -> float:
-        """Return the length of an asset, m."""
         return self.assets[asset].length
-
-    def _beside(self, index: int, ahead: float) -> float:
-        s = self.corridor.start + ahead
-        own = self.corridor.centre(self.corridor.ego_lanes[self.lane], s)
-        return self.corridor.centre(index, s) - own
 
     def lane_offsets(self, ahead: float) -> list[float]:
         """Return the offset of every driving lane to the left of the ego's, m."""
-        return [self._beside(index, ahead) for index in self.corridor.driving]
+        corridor, s = self.corridor, self.corridor.start + ahead
+        own = corridor.centre(corridor.ego_lanes[self.lane], s)
+        return [corridor.centre(index, s) - own for index in corridor.driving]
 
     def edge(self, ahead: float, side: int = -1) -> float:
-        """Return the distance from the middle of the ego's lane to the edge of the asphalt, m.
-
-        Args:
-            ahead: Place along the road, from the ego's start, m.
-            side: -1 for the right edge, 1 for the left one.
-        """
+        """Return the distance from the middle of the ego's lane to the right (-1) or left (1) edge of the asphalt, m."""
         corridor, s = self.corridor, self.corridor.start + ahead
         index = corridor.ego_lanes[self.lane]
         own = corridor.centre(index, s)
-        sample = min(max(round(s / corridor.step), 0), len(corridor.s) - 1)
         while 0 <= index + side < len(corridor.strips):
             if corridor.strips[index + side].kind not in DRIVABLE:
                 break
             index += side
         strip = corridor.strips[index]
         edge = strip.right if side < 0 else strip.left
-        return abs(float(edge[sample]) - own)
+        return abs(float(edge[self._sample(s)]) - own)
 
     def half_width(self, ahead: float) -> float:
         """Return half the width of the ego's lane, m."""
         corridor, s = self.corridor, self.corridor.start + ahead
         strip = corridor.strips[corridor.ego_lanes[self.lane]]
-        sample = min(max(round(s / corridor.step), 0), len(corridor.s) - 1)
+        sample = self._sample(s)
         return 0.5 * float(strip.left[sample] - strip.right[sample])
+
+    def _sample(self, s: float) -> int:
+        return min(max(round(s / self.corridor.step), 0), len(self.corridor.s) - 1)
 
     def room(self, deceleration: float, to_speed: float = 0.0) -> float:
         """Return the distance in which the ego loses its speed at a deceleration, m."""
@@ -231,19 +209,9 @@ def actor(
     state: str = "",
     **parameters: float,
 ) -> Actor:
-    """Return an actor.
+    """Return an actor `ahead` of the ego's start, m, with an offset to the left of a lane's middle, m.
 
-    Args:
-        name: Its id.
-        asset: Its asset.
-        ahead: Place along the road, from the ego's start, m.
-        lane: Lanes to the left of the ego's.
-        offset: Offset to the left of that lane's middle, m.
-        heading: Heading against the lane, degrees.
-        does: Its behaviour.
-        start: Time of the behaviour's trigger, s.
-        state: State of the asset.
-        **parameters: Parameters of the behaviour.
+    The heading is in degrees, the start of its behaviour in s.
     """
     return Actor(
         id=name,
@@ -263,20 +231,21 @@ def actor(
     )
 
 
-def claims(subject: str, quote: str, *more: tuple[Kind, str]) -> list[Claim]:
-    """Return the claims that a thing is there, and whatever else is said of it."""
+def demand(
+    actors: Sequence[Actor], subject: str, quote: str, *more: tuple[Kind, str], rest: str = ""
+) -> Draft:
+    """Return a demand whose event is the quote and the rest; the quote claims that the subject is there, and more."""
     stated: list[tuple[Kind, str]] = [("thing", "present"), *more]
-    return [Claim(kind=kind, value=value, subject=subject, quote=quote) for kind, value in stated]
+    claims = [Claim(kind=kind, value=value, subject=subject, quote=quote) for kind, value in stated]
+    return Draft(actors, f"{quote}{rest}", claims)
 
 
 def everyday_name(asset: str) -> str:
-    """Return the everyday name of an asset."""
     return _NAMES.get(asset, asset.replace("_", " "))
 
 
 _NAMES = {
     "suv": "car",
-    "taxi": "taxi",
     "pickup": "pickup truck",
     "truck": "lorry",
     "tanker": "tanker lorry",
@@ -286,7 +255,6 @@ _NAMES = {
     "adult": "person",
     "elderly_person": "person",
     "person_with_stroller": "person",
-    "child": "child",
 }
 
 

@@ -36,7 +36,7 @@ def read_props(path: Path) -> list[Prop]:
         prop = Prop.parse(value, source=source)
         found.setdefault(prop.id, prop)
     if not found:
-        raise DataError(Prop.noun, [Issue("", "there is no design here")], source=str(path))
+        raise DataError(Prop.noun, [Issue("", "no design found")], source=str(path))
     return list(found.values())
 
 
@@ -56,14 +56,16 @@ def _values(path: Path) -> Iterator[tuple[str, Any]]:
         try:
             tables = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
-            raise DataError(Prop.noun, [Issue("", f"is no TOML: {error}")], source=source) from None
+            raise DataError(
+                Prop.noun, [Issue("", f"is not valid TOML: {error}")], source=source
+            ) from None
         for name, table in tables.items():
             yield f"{source}, {name}", {"id": name, **table} if isinstance(table, dict) else table
     elif path.suffix == ".jsonl":
         for number, line in object_lines(text.encode()):
             here = f"{source}, line {number}"
             if isinstance(line, ValueError):
-                raise DataError(Prop.noun, [Issue("", f"is no JSON: {line}")], source=here)
+                raise DataError(Prop.noun, [Issue("", f"is not valid JSON: {line}")], source=here)
             made = line.get("made")
             if isinstance(made, list):
                 yield from ((here, one) for one in made)

@@ -71,7 +71,6 @@ class ShownProp:
     pictures: tuple[Image, ...]
 
     def judged(self, recognised: str, taken_for: str) -> "ShownProp":
-        """Return it with the verdict of a vision model."""
         look = self.look.model_copy(update={"recognised": recognised, "taken_for": taken_for})
         return ShownProp(look, self.pictures)
 
@@ -80,14 +79,6 @@ def look_at(
     props: Iterable[Prop], simulator: Simulator, *, camera: Camera | None = None
 ) -> Iterator[ShownProp]:
     """Show things one by one on an empty road: animals aside, as they cross, and others from behind.
-
-    Args:
-        props: The designs.
-        simulator: Draws them.
-        camera: By default the ego's dash camera.
-
-    Yields:
-        One value per design, in order.
 
     Raises:
         SceneError: When the simulator refuses a design.
@@ -107,10 +98,6 @@ def look_at(
 
 def look_at_details(simulator: Simulator, *, camera: Camera | None = None) -> Iterator[ShownProp]:
     """Show every pose of people and every state of vehicles' parts, each on the first asset that has it.
-
-    Args:
-        simulator: Draws them.
-        camera: By default the ego's dash camera.
 
     Yields:
         One value per pose and per part, in the catalogue's order; none if the catalogue has none.

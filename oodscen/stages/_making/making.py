@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from threading import Lock
-from typing import ClassVar, NamedTuple
+from typing import Literal, NamedTuple, Self
 
 from oodscen._text import one_line
 from oodscen.data._additions import Addition
+from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
 from oodscen.data._prop import Prop, check_prop
@@ -14,17 +15,41 @@ from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_prop import DesignedProp, DesignProp, KnownPart
 from oodscen.protocols import LLM, Simulator
 from oodscen.stages._making.looking import PropLook, ShownProp, look_at
-from oodscen.stages._making.made import Made
 from oodscen.stages._making.recognition import PropRecogniser
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.tree._scenario_tree import ScenarioTree
 
 
+class Made(Data):
+    """Something that was to be made: a subclass has its design."""
+
+    id: str
+    status: Literal["ok", "failed"] = "ok"
+    error: str | None = None
+    retryable: bool = False
+    reason: str = ""
+    """Why it could not be made."""
+    model: str = ""
+    """Name of the model that designed it."""
+    prompt: str = ""
+    """The question that the model was asked: `purpose@version`."""
+
+    @classmethod
+    def failed(cls, name: str, error: LLMError, *, model: str, prompt: str) -> Self:
+        """Return something that was not made because its model failed."""
+        return cls(
+            id=name,
+            status="failed",
+            error=one_line(str(error)),
+            retryable=error.retryable,
+            model=model,
+            prompt=prompt,
+        )
+
+
 class MadeProp(Made):
     """A thing that was to be made: its design and look, or the reason why there is none."""
-
-    noun: ClassVar[str] = "made prop"
 
     prop: Prop | None = None
     """`None` if it could not be made."""
@@ -39,9 +64,6 @@ class Wanted(NamedTuple):
     category: Category
     path: tuple[str, ...]
     """Labels of the first leaf that lacks it."""
-
-
-_STANDING: tuple[Category, ...] = ("object", "work_zone", "vegetation", "signal")
 
 
 class PropMaker:
@@ -72,7 +94,6 @@ class PropMaker:
         self._drawing = Lock()
 
     def make(self, wanted: Wanted) -> MadeProp:
-        """Return one thing, made or not."""
         question = DesignProp(
             name=wanted.name,
             category=wanted.category,
@@ -99,7 +120,7 @@ class PropMaker:
         return tuple(
             KnownPart(id=one.id, length_m=one.length, width_m=one.width, height_m=one.height)
             for one in self.catalogue.assets
-            if one.category in (*_STANDING, category)
+            if one.category in ("object", "work_zone", "vegetation", "signal", category)
         )
 
     def _faults(self, answer: DesignedProp, looks: dict[str, ShownProp]) -> Sequence[Issue]:
@@ -161,16 +182,9 @@ def judged_again(
     decisions: Sequence[PruneDecision],
     made: Collection[str],
 ) -> list[PruneDecision]:
-    """Judge the leaves again whose lacking things and movements have all been made.
+    """Judge the leaves again whose lacking things and movements have all been `made`.
 
-    Args:
-        pruner: A pruner whose catalogue has the things and movements.
-        tree: The diverse tree.
-        decisions: The decisions about its leaves.
-        made: Ids of the things and movements.
-
-    Returns:
-        The new decisions; a leaf is kept only if it is shown with a thing that was made for it.
+    The pruner's catalogue must have them. A leaf is kept only if it is shown with a thing that was made for it.
     """
     names = {
         one.id: tuple(lack.name for lack in one.lacks)

@@ -1,19 +1,18 @@
 """Making movements that a catalogue lacks, so that dropped branches can be shown after all."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
 from oodscen.data._motion import ABILITIES, Motion
-from oodscen.data._scene import Scene
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.errors import Issue, LLMError, OodscenError
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_motion import DesignedMotion, DesignMotion
 from oodscen.protocols import LLM, Control, Simulator
-from oodscen.stages._making.made import Made
-from oodscen.stages._making.making import is_id, is_makeable
+from oodscen.stages._making.making import Made, is_id, is_makeable
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -25,8 +24,6 @@ _TRIAL_S = 3.0
 
 class MadeMotion(Made):
     """A movement that was to be made: its design, or the reason why there is none."""
-
-    noun: ClassVar[str] = "made motion"
 
     motion: Motion | None = None
     """`None` if it could not be made."""
@@ -58,7 +55,6 @@ class MotionMaker:
         self.catalogue: Catalogue = simulator.catalogue()
 
     def make(self, wanted: WantedMotion) -> MadeMotion:
-        """Return one movement, made or not."""
         if not getattr(self.simulator, "plays_motions", True):
             reason = f"{self.simulator.name} moves bodies by itself and plays no motions"
             return MadeMotion(id=wanted.name, reason=reason)
@@ -92,30 +88,20 @@ def trial_scene(motion: Motion, catalogue: Catalogue) -> Scene | None:
     carrier = next((asset for asset in catalogue.assets if asset.category == "vehicle"), None)
     if mover is None or (carrier is None and motion.frame == "other"):
         return None
-    actors = [
-        {
-            "id": "mover",
-            "asset": mover.id,
-            "placement": {"ahead_m": 30.0},
-            "behaviour": {
-                "name": motion.id,
-                "other": "carrier" if motion.frame == "other" else None,
-            },
-        }
-    ]
-    if carrier is not None and motion.frame == "other":
-        actors.append({"id": "carrier", "asset": carrier.id, "placement": {"ahead_m": 50.0}})
-    return Scene.model_validate(
-        {
-            "id": "trial",
-            "scenario_id": "trial",
-            "map": max(catalogue.maps, key=lambda road: road.length_m).id,
-            "ego": {"speed": 0.0},
-            "actors": actors,
-            "hazard": {"actors": {actor["id"]: None for actor in actors}},
-            "decision": {"kind": "time", "value": 1.0},
-            "motions": [motion.model_dump()],
-        }
+    other = "carrier" if motion.frame == "other" else None
+    does = Behaviour(name=motion.id, other=other)
+    actors = [Actor(id="mover", asset=mover.id, placement=Placement(ahead_m=30.0), behaviour=does)]
+    if carrier is not None and other:
+        actors.append(Actor(id=other, asset=carrier.id, placement=Placement(ahead_m=50.0)))
+    return Scene(
+        id="trial",
+        scenario_id="trial",
+        map=max(catalogue.maps, key=lambda road: road.length_m).id,
+        ego=Ego(speed=0.0),
+        actors=tuple(actors),
+        hazard=Hazard(actors=dict.fromkeys(actor.id for actor in actors)),
+        decision=Trigger(kind="time", value=1.0),
+        motions=(motion,),
     )
 
 

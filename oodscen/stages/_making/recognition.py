@@ -35,7 +35,6 @@ class PropRecogniser:
 
     @property
     def name(self) -> str:
-        """The name of the model."""
         return speaker(self.llm)
 
     def mistakes(self, prop: Prop, seen: ShownProp) -> str:

@@ -1,7 +1,7 @@
 """Decisions of pruning: one per node, and what follows from those on the leaves."""
 
-from collections.abc import Hashable, Iterable, Sequence
-from typing import Any, ClassVar, Literal, TypeVar
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal
 
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
@@ -10,7 +10,8 @@ from oodscen.data._additions import Addition
 from oodscen.data._base import Data
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
-Means = TypeVar("Means", bound=Hashable)
+MEANS = ("assets", "states", "behaviours", "weather", "traits")
+"""Fields of a decision, and of an answer, that say what a branch is shown with."""
 
 Match = Literal["full", "substitute", "part", "none"]
 """The quality of a match between a branch and a catalogue.
@@ -29,8 +30,6 @@ class StandIn(Data):
 
 class PruneDecision(Data):
     """The decision about one node, with its reason."""
-
-    noun: ClassVar[str] = "prune decision"
 
     id: str
     """Id of the node."""
@@ -106,21 +105,14 @@ def fates(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDeci
         is_whole = bool(children) and all(by_id[child].match == "full" for child in children)
         match: Match = "full" if is_whole else "part" if kept else "none"
         reason = f"{len(kept)} of {len(children)} branches can be shown"
-        if not children:
-            reason = "nothing lies below it"
         below = [by_id[child] for child in kept]
         by_id[node.id] = PruneDecision(
             id=node.id,
             path=(),
             keep=bool(kept) or node.parent is None,
-            reason=reason,
+            reason=reason if children else "nothing lies below it",
             match=match,
-            assets=_all([one.assets for one in below]),
-            states=_all([one.states for one in below]),
-            behaviours=_all([one.behaviours for one in below]),
-            weather=_all([one.weather for one in below]),
-            traits=_all([one.traits for one in below]),
-            substitutes=_all([one.substitutes for one in below]),
+            **{name: _all(below, name) for name in (*MEANS, "substitutes")},
             catalogue=next((by_id[child].catalogue for child in children), ""),
         )
     return [by_id[node.id] for node, _ in tree.walk()]
@@ -149,7 +141,7 @@ def apply_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> Scen
 
     A narrowed leaf stays attested only if its new label still names what the paper simulated.
     """
-    return tree.apply(*(_edit(decision) for decision in reversed(fates(tree, judged))))
+    return tree.apply(*map(_edit, reversed(fates(tree, judged))))
 
 
 def _edit(decision: PruneDecision) -> TreeEdit:
@@ -167,21 +159,10 @@ def _edit(decision: PruneDecision) -> TreeEdit:
 
 
 def _means(decision: PruneDecision) -> tuple[frozenset[str], ...]:
-    """Return everything that a decision demands of a simulator."""
-    return tuple(
-        frozenset(names)
-        for names in (
-            decision.assets,
-            decision.states,
-            decision.behaviours,
-            decision.weather,
-            decision.traits,
-        )
-    )
+    return tuple(frozenset(getattr(decision, name)) for name in MEANS)
 
 
-def _all(lists: Sequence[tuple[Means, ...]]) -> tuple[Means, ...]:
-    """Return the union of the assets, behaviours and weather that show the branches below a node."""
-    if len(lists) == 1:
-        return lists[0]
-    return tuple(dict.fromkeys(one for means in lists for one in means))
+def _all(below: Sequence[PruneDecision], field: str) -> tuple[Any, ...]:
+    if len(below) == 1:
+        return tuple(getattr(below[0], field))
+    return tuple(dict.fromkeys(one for decision in below for one in getattr(decision, field)))

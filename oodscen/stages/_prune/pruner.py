@@ -19,6 +19,7 @@ from oodscen.prompts._fitting import fitted
 from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch, JudgeBranches
 from oodscen.protocols import LLM
 from oodscen.stages._prune.decisions import (
+    MEANS,
     Match,
     PruneDecision,
     StandIn,
@@ -31,8 +32,6 @@ from oodscen.tree._scenario_tree import Node, ScenarioTree
 
 TOGETHER = 8
 """Number of leaves that one question is about: the catalogue is longer than all that is said of them."""
-_LONGEST_REASON = 1_000
-"""Maximum length of a model's reason that is stored, in characters."""
 
 
 class Pruner(Brief):
@@ -116,25 +115,22 @@ class Pruner(Brief):
         self, leaves: Sequence[Node], paths: Sequence[tuple[str, ...]]
     ) -> list[PruneDecision]:
         """Judge leaves in one call, or one by one if the model does not manage several."""
-        if len(leaves) > 1:
+        asked = list(zip(leaves, paths, strict=True))
+        if len(asked) > 1:
             question = JudgeBranches(
                 paths=tuple(paths), catalogue=self.catalogue, exact=not self.substitutes
             )
             try:
-                answers = ask(self.llm, question).judgements
+                by_number = {one.number: one for one in ask(self.llm, question).judgements}
             except LLMError as error:
                 if error.retryable:
-                    return [
-                        self._failed(leaf, path, error, question)
-                        for leaf, path in zip(leaves, paths, strict=True)
-                    ]
+                    return [self._failed(leaf, path, error, question) for leaf, path in asked]
             else:
-                by_number = {one.number: one for one in answers}
                 return [
                     self._decision(leaf, path, by_number[number], question)
-                    for number, (leaf, path) in enumerate(zip(leaves, paths, strict=True), start=1)
+                    for number, (leaf, path) in enumerate(asked, start=1)
                 ]
-        return [self._judge(leaf, path) for leaf, path in zip(leaves, paths, strict=True)]
+        return [self._judge(leaf, path) for leaf, path in asked]
 
     def _judge(self, leaf: Node, path: tuple[str, ...]) -> PruneDecision:
         judge = JudgeBranch(path=path, catalogue=self.catalogue, exact=not self.substitutes)
@@ -145,11 +141,8 @@ class Pruner(Brief):
             return self._failed(leaf, path, error, question)
 
     def _asked(self, question: Prompt[Any]) -> dict[str, str]:
-        return {
-            "catalogue": self.name,
-            "model": speaker(self.llm),
-            "prompt": question.citation(),
-        }
+        model = speaker(self.llm)
+        return {"catalogue": self.name, "model": model, "prompt": question.citation()}
 
     def _failed(
         self, leaf: Node, path: tuple[str, ...], error: LLMError, question: Prompt[Any]
@@ -181,19 +174,16 @@ class Pruner(Brief):
         lacks = tuple(dict.fromkeys(answer.missing)) if match != "full" else ()
         if answer.simulatable and not keep:
             lacks = lacks or self._stood_for(standing)
-        used = answer if keep else None
+        reason = one_line(answer.reasoning)[:1_000] or _said(keep, lacks)
+        means = {name: tuple(dict.fromkeys(getattr(answer, name))) for name in MEANS}
         return PruneDecision(
             id=leaf.id,
             path=path,
             keep=keep,
-            reason=one_line(answer.reasoning)[:_LONGEST_REASON] or _said(keep, lacks),
+            reason=reason,
             match=match,
             label=one_line(answer.label) if keep else "",
-            assets=_unique(used.assets) if used else (),
-            states=_unique(used.states) if used else (),
-            behaviours=_unique(used.behaviours) if used else (),
-            weather=_unique(used.weather) if used else (),
-            traits=_unique(used.traits) if used else (),
+            **means if keep else {},
             substitutes=standing if keep else (),
             missing=tuple(one.words for one in lacks),
             lacks=lacks,
@@ -207,10 +197,6 @@ class Pruner(Brief):
             Addition(kind="asset", name=one.stands_for, category=category.get(one.asset))
             for one in standing
         )
-
-
-def _unique(names: Sequence[str]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(names))
 
 
 def _said(keep: bool, lacks: Sequence[Addition]) -> str:

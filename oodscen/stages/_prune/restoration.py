@@ -1,7 +1,7 @@
 """Additions that would restore the pruned branches, ranked by the number of paths that each unlocks."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import ClassVar, Literal
+from collections.abc import Iterable, Mapping
+from typing import Literal
 
 from oodscen.data._additions import Addition
 from oodscen.data._base import Data
@@ -42,8 +42,6 @@ class Step(Data):
 
 class Restoration(Data):
     """The additions that would restore everything that was dropped."""
-
-    noun: ClassVar[str] = "restoration"
 
     schema_version: Literal[1] = 1
     catalogue: str = ""
@@ -101,14 +99,6 @@ def _key(addition: Addition) -> tuple[str, str]:
 Needs = dict[str, tuple[Addition, ...]]
 
 
-def _restored(needs: Needs, additions: Sequence[Addition]) -> tuple[str, ...]:
-    return tuple(
-        leaf
-        for leaf, lacks in needs.items()
-        if all(any(one.brings(lack) for one in additions) for lack in lacks)
-    )
-
-
 def _alone(needs: Needs) -> Iterable[Unlocked]:
     users: dict[Addition, list[str]] = {}
     for leaf, lacks in needs.items():
@@ -128,13 +118,13 @@ def _by_category(needs: Needs) -> Iterable[Unlocked]:
         if addition.kind == "asset" and addition.category is not None:
             groups.setdefault(addition.category, []).append(addition)
     for category, group in groups.items():
-        helped = [lacks for lacks in needs.values() if set(lacks) & set(group)]
-        yield Unlocked(
-            additions=tuple(group),
-            category=category,
-            paths=_restored(needs, group),
-            helps=len(helped),
+        restored = tuple(
+            leaf
+            for leaf, lacks in needs.items()
+            if all(any(one.brings(lack) for one in group) for lack in lacks)
         )
+        helps = sum(not set(lacks).isdisjoint(group) for lacks in needs.values())
+        yield Unlocked(additions=tuple(group), category=category, paths=restored, helps=helps)
 
 
 def _ranked(found: Iterable[Unlocked]) -> tuple[Unlocked, ...]:
@@ -167,7 +157,10 @@ def _sequence(needs: Needs) -> tuple[Step, ...]:
             for wanted in groups
         }
         first = min(worth.values())
-        best = min((one for one in groups if worth[one] == first), key=_words)
+        best = min(
+            (one for one in groups if worth[one] == first),
+            key=lambda wanted: sorted(addition.words for addition in wanted),
+        )
         paths = sorted((leaf for g in restored[best] for leaf in groups[g]), key=order.__getitem__)
         total += len(paths)
         additions = tuple(sorted(best, key=lambda one: one.words))
@@ -189,21 +182,12 @@ def _closure(wanted: Wanted, users: Mapping[Addition, object]) -> Wanted:
     return wanted.union(brought)
 
 
-def _words(wanted: Wanted) -> list[str]:
-    return sorted(addition.words for addition in wanted)
-
-
 def restoration_rows(
     found: Restoration, labels: dict[str, str], *, limit: int = 10
 ) -> list[dict[str, str | int]]:
     """Return the ranking as table rows: `addition`, `paths`, `helps` and the leaves' `labels`.
 
     All values may come from a model: escape them for display.
-
-    Args:
-        found: The ranking.
-        labels: Labels of the leaves by id.
-        limit: Maximum number of rows.
     """
     return [
         {

@@ -195,14 +195,8 @@ def _side(decision: PruneDecision) -> Side:
 
 
 def _word(side: Side) -> str:
-    words = {
-        "full": "yes",
-        "substitute": "with substitutes",
-        "part": "in part",
-        "none": "no",
-        None: "not judged",
-    }
     if side.match == "full":
         return "yes"
+    words = {"substitute": "with substitutes", "part": "in part", "none": "no", None: "not judged"}
     narrower = f" ({side.label})" if side.label else ""
     return f"{words[side.match]}{narrower}: {side.reason}"

@@ -27,12 +27,6 @@ def edits_of(
     the one that shares the most words with the text stands for it. A leaf that such a label would only lengthen keeps its own
     label, and the other kinds become leaves beside it.
 
-    Args:
-        tree: The current tree.
-        placed: The decision.
-        splits_lists: Make one leaf of each kind that a label lists.
-        why: Provenance, as fields of `TreeEdit`.
-
     Returns:
         The edits, and the id of the leaf that stands for the text; no edits and `None` for a refused text.
     """
@@ -75,7 +69,6 @@ class _Draft:
         self.edits: list[TreeEdit] = []
 
     def add(self, parent: str, label: str) -> str:
-        """Add a node and return its id."""
         node = self._tree.apply(*self.edits).new_id(label)
         mark = attestation(label)
         edit = TreeEdit(op="add", node=node, parent=parent, label=label, attested=mark, **self._why)

@@ -30,12 +30,8 @@ def excerpt(tree: ScenarioTree, ranked: Callable[[], Sequence[str]], *, tokens: 
     """Choose the part of a tree that fits into a prompt.
 
     The branches of the nearest leaves come first, then the upper levels, breadth first. A tree that fits is
-    shown whole. Takes linear time in the size of the tree.
-
-    Args:
-        tree: The tree.
-        ranked: Returns the ids of its leaves, nearest first; called only if the tree does not fit.
-        tokens: Room for the outline, at four characters each.
+    shown whole; otherwise `ranked` returns the ids of the leaves, nearest first. Takes linear time in the size of
+    the tree.
     """
     depths = {node.id: depth for node, depth in tree.walk()}
     costs = {key: _cost(tree.by_id[key], depth) for key, depth in depths.items()}
@@ -129,11 +125,6 @@ def corner(tree: ScenarioTree, number: int, *, of: int) -> str:
 
     Proposals in flight together get different families, as far as there are as many, in both classes by
     turns. A single proposal at a time is free: its corner is empty.
-
-    Args:
-        tree: The tree.
-        number: The round's number.
-        of: Number of proposals in flight.
     """
     if of <= 1:
         return ""

@@ -35,7 +35,6 @@ class Names(NamedTuple):
         return cls(shown)
 
     def asked(self, question: PlaceScenario) -> PlaceScenario:
-        """Return a question with the names of the nodes."""
         if not self.shown:
             return question
         nodes = tuple(
@@ -52,7 +51,6 @@ class Names(NamedTuple):
         return question.model_copy(update={"nodes": nodes, "hidden": hidden, "full": full})
 
     def answered(self, answer: PlacedScenario) -> PlacedScenario:
-        """Return an answer with the ids of the tree."""
         ids = {name: node for node, name in self.shown.items()}
         if not ids:
             return answer

@@ -110,12 +110,7 @@ class NoveltyFilter:
         return [leaves[place].id for place in order]
 
     def learn(self, item: Round, tree: ScenarioTree) -> None:
-        """Remember the proposal and the changes of a round.
-
-        Args:
-            item: The round.
-            tree: The tree after it.
-        """
+        """Remember the proposal and the changes of a round that led to a tree."""
         for edit in item.edits:
             self._update(edit.node, tree)
             if edit.parent is not None:

@@ -1,7 +1,13 @@
 """The rarity of the kinds that a red-LLM is asked for: broad and plausible ones first."""
 
 from oodscen.stages._redteam.rounds import NEW, Round
-from oodscen.stages._redteam.thresholds import BARREN, COMMON_KM, RAREST_KM
+
+COMMON_KM = 1e5
+"""Rarity of the kinds that are asked for first: met about once in so many kilometres."""
+RAREST_KM = 1e9
+"""Greatest rarity that is asked for."""
+BARREN = 3
+"""Number of rounds without a new kind after which kinds ten times as rare are asked for."""
 
 
 class Rarity:
@@ -21,7 +27,6 @@ class Rarity:
 
     @property
     def wanted(self) -> tuple[float, float]:
-        """The least and most kilometres to ask for."""
         return self.band or (0.01 * self._most, self._most)
 
     def add(self, item: Round) -> None:

@@ -1,5 +1,6 @@
 """Red teaming: a red-LLM imagines scenarios, and the tree-LLM makes the tree cover them."""
 
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, ClassVar, NamedTuple
@@ -21,7 +22,7 @@ from oodscen.stages._options import RedTeamOptions, with_changes
 from oodscen.stages._redteam.changes import edits_of, misfits, resolve_decision, runners_up
 from oodscen.stages._redteam.excerpt import corner, excerpt, list_leaves, thin
 from oodscen.stages._redteam.naming import Names
-from oodscen.stages._redteam.near_duplicates import ClosestText, NoveltyFilter
+from oodscen.stages._redteam.near_duplicates import NoveltyFilter
 from oodscen.stages._redteam.rarity import Rarity
 from oodscen.stages._redteam.rounds import Round, RunnerUp
 from oodscen.stages._redteam.saturation import Saturation, saturation
@@ -29,9 +30,6 @@ from oodscen.stages._redteam.stopping import Stop, Stopping
 from oodscen.tree._scenario_tree import ScenarioTree
 
 __all__ = ["RedTeamer", "Round", "RunnerUp"]
-
-_REFUSED = 5
-"""Number of rejected proposals that the red-LLM sees."""
 
 
 class RedTeamer(Brief):
@@ -168,11 +166,11 @@ class _Proposal(NamedTuple):
 
 
 class _CountingLLM:
-    """Counts the model calls of one question."""
+    """Counts the model calls of one round."""
 
-    def __init__(self, llm: LLM) -> None:
+    def __init__(self, llm: LLM, calls: int = 0) -> None:
         self.name = llm.name
-        self.calls = 0
+        self.calls = calls
         self._llm = llm
 
     def complete(self, request: Request) -> Completion:
@@ -198,15 +196,13 @@ class _Session:
         )
         self.questions: dict[int, ImagineScenario] = {}
         """Questions of the next rounds, made as soon as the tree that they show is known."""
-        self._broadened: dict[str, int] = {}
-        self._in_vain: list[str] = []
-        for edit in tree.edits:
-            self._count(edit.op, edit.node)
+        self._broadened = Counter(edit.node for edit in tree.edits if edit.op == "broaden")
+        self._in_vain: deque[str] = deque(maxlen=5)
+        """The last rejected proposals, which the red-LLM sees."""
         for number in range(1, self.options.in_flight + 1):
             self.questions[number] = self._question(number)
 
     def play(self, proposal: _Proposal) -> Round:
-        """Decide on the proposal of the next round, and add the round."""
         item = self._decide(self.progress.round + 1, proposal)
         self.add(item)
         return item
@@ -218,17 +214,12 @@ class _Session:
         if self.options.closed_loop:
             self.novelty.learn(item, self.tree)
             self.rarity.add(item)
-            for edit in item.edits:
-                self._count(edit.op, edit.node)
+            self._broadened.update(edit.node for edit in item.edits if edit.op == "broaden")
             if item.text and not any(edit.op in ("add", "broaden") for edit in item.edits):
-                self._in_vain = [*self._in_vain, item.text][-_REFUSED:]
+                self._in_vain.append(item.text)
         self.questions.pop(item.round, None)
         ahead = item.round + self.options.in_flight
         self.questions[ahead] = self._question(ahead)
-
-    def _count(self, op: str, node: str) -> None:
-        if op == "broaden":
-            self._broadened[node] = self._broadened.get(node, 0) + 1
 
     def _question(self, number: int) -> ImagineScenario:
         if not self.options.closed_loop:
@@ -248,52 +239,52 @@ class _Session:
         )
 
     def _decide(self, number: int, proposal: _Proposal) -> Round:
-        record = Round(
-            round=number,
-            text=proposal.text,
-            once_in_km=proposal.once_in_km,
-            nodes=len(self.tree),
-            calls=proposal.calls,
-            seen=max(number - self.options.in_flight, 0) if self.options.closed_loop else 0,
-        )
+        closed = self.options.closed_loop
+        fields: dict[str, Any] = {
+            "round": number,
+            "text": proposal.text,
+            "once_in_km": proposal.once_in_km,
+            "nodes": len(self.tree),
+            "calls": proposal.calls,
+            "seen": max(number - self.options.in_flight, 0) if closed else 0,
+        }
         if proposal.error is not None:
-            return _fail(record, proposal.error)
-        if self.options.closed_loop:
+            return Round(**fields | _failure(proposal.error))
+        if closed:
             found = self.novelty.nearness(proposal.text)
-            record = record.model_copy(
-                update={
-                    "similarity": found.similarity,
-                    "nearest": found.node,
-                    "nearest_by": found.by,
-                }
-            )
+            fields |= {
+                "similarity": found.similarity,
+                "nearest": found.node,
+                "nearest_by": found.by,
+            }
             if found.is_too_near:
-                return _refuse(record, found)
-            record = self._with_rarity(record)
-            if why := self.rarity.fault(record.once_in_km):
-                return record.model_copy(update={"decision": "implausible", "reason": why})
-        return self._place(record)
+                what = "the leaf" if found.by == "label" else "the earlier proposal"
+                why = f"{found.similarity:.2f} near to {what} {found.words!r}"
+                return Round(**fields, decision="duplicate", reason=why, kind=found.node)
+            fields |= self._rarity_of(proposal)
+            if why := self.rarity.fault(fields["once_in_km"]):
+                return Round(**fields, decision="implausible", reason=why)
+        return Round(**fields | self._place(number, proposal))
 
-    def _with_rarity(self, record: Round) -> Round:
-        """Return the round with the offline estimate, if the red-LLM gave none."""
-        if record.once_in_km is not None:
-            return record.model_copy(update={"once_in_km_by": "model"})
-        km = estimated_km(self.teamer.encoder, record.text)
-        return record.model_copy(
-            update={"once_in_km": km, "once_in_km_by": None if km is None else "head"}
-        )
+    def _rarity_of(self, proposal: _Proposal) -> dict[str, Any]:
+        """Return the red-LLM's own figure, or else the offline estimate."""
+        if proposal.once_in_km is not None:
+            return {"once_in_km": proposal.once_in_km, "once_in_km_by": "model"}
+        km = estimated_km(self.teamer.encoder, proposal.text)
+        return {"once_in_km": km, "once_in_km_by": None if km is None else "head"}
 
-    def _place(self, record: Round) -> Round:
+    def _place(self, number: int, proposal: _Proposal) -> dict[str, Any]:
+        """Ask where the proposal belongs, and return the round's fields about the answer."""
         teamer, tree = self.teamer, self.tree
-        counted = _CountingLLM(teamer.llm)
-        attempts = self.progress.attempts(record.calls)
+        counted = _CountingLLM(teamer.llm, proposal.calls)
+        attempts = self.progress.attempts(proposal.calls)
         try:
-            question, names = self._where(record.text)
+            question, names = self._where(proposal.text)
             placed = names.answered(
                 ask(
                     counted,
                     question,
-                    sample=record.round,
+                    sample=number,
                     check=lambda answer: _misfits(question, tree, answer, names),
                     attempts=attempts,
                 )
@@ -305,25 +296,24 @@ class _Session:
                 placed,
                 splits_lists=self.options.closed_loop,
                 stage="redteam",
-                round=record.round,
+                round=number,
                 reason=placed.reasoning,
-                source=record.text,
+                source=proposal.text,
                 model=speaker(teamer.llm),
                 prompt=question.citation(),
             )
             after = tree.apply(*edits)
         except (LLMError, DataError) as error:
-            return _fail(_with_calls(record, counted.calls), error)
-        return _with_calls(record, counted.calls).model_copy(
-            update={
-                "decision": resolve_decision(placed, edits),
-                "reason": placed.reasoning,
-                "edits": edits,
-                "nodes": len(after),
-                "kind": kind,
-                "runners_up": runners_up(after, placed),
-            }
-        )
+            return {"calls": counted.calls, **_failure(error)}
+        return {
+            "calls": counted.calls,
+            "decision": resolve_decision(placed, edits),
+            "reason": placed.reasoning,
+            "edits": edits,
+            "nodes": len(after),
+            "kind": kind,
+            "runners_up": runners_up(after, placed),
+        }
 
     def _where(self, text: str) -> tuple[PlaceScenario, Names]:
         """Return the question about the whole tree, or about the part of a large one that matters for a text.
@@ -338,7 +328,7 @@ class _Session:
         often = [
             name
             for name in shown
-            if self._broadened.get(name, 0) >= self.options.broadenings and not tree.children[name]
+            if self._broadened[name] >= self.options.broadenings and not tree.children[name]
         ]
         question = PlaceScenario(
             text=text,
@@ -363,28 +353,11 @@ def _misfits(
     return misfits(tree, answer)
 
 
-def _with_calls(record: Round, calls: int) -> Round:
-    return record.model_copy(update={"calls": record.calls + calls})
-
-
-def _refuse(record: Round, found: ClosestText) -> Round:
-    what = "the leaf" if found.by == "label" else "the earlier proposal"
-    return record.model_copy(
-        update={
-            "decision": "duplicate",
-            "reason": f"{found.similarity:.2f} near to {what} {found.words!r}",
-            "kind": found.node,
-        }
-    )
-
-
-def _fail(record: Round, error: LLMError | DataError) -> Round:
+def _failure(error: LLMError | DataError) -> dict[str, Any]:
     is_malformed = isinstance(error, (AnswerError, DataError))
-    return record.model_copy(
-        update={
-            "status": "failed",
-            "error": str(error),
-            "retryable": getattr(error, "retryable", False),
-            "decision": "malformed" if is_malformed else None,
-        }
-    )
+    return {
+        "status": "failed",
+        "error": str(error),
+        "retryable": getattr(error, "retryable", False),
+        "decision": "malformed" if is_malformed else None,
+    }

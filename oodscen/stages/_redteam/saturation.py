@@ -7,7 +7,6 @@ tree are known; all others are new. `f1` and `f2` count the new kinds that were 
 import math
 from collections import Counter
 from collections.abc import Iterable
-from typing import ClassVar
 
 from oodscen.data._base import Data
 from oodscen.stages._redteam.rounds import NEW, Round
@@ -19,8 +18,6 @@ _Z = 1.959964
 
 class SaturationPoint(Data):
     """The state after one round."""
-
-    noun: ClassVar[str] = "saturation point"
 
     round: int
     calls: int
@@ -40,8 +37,6 @@ class Saturation(Data):
     In the closed loop the red-LLM is steered away from what is covered: kinds are met only once more often
     than by chance, so `unseen` tends to be too high and `coverage` too low.
     """
-
-    noun: ClassVar[str] = "saturation"
 
     rounds: int
     calls: int
@@ -145,24 +140,20 @@ class KindTally:
     """Counts of the encounters with each new kind, updated round by round."""
 
     def __init__(self) -> None:
-        """Start without observations."""
         self.observations = 0
         self._met: Counter[str] = Counter()
         self._kinds_met: Counter[int] = Counter()
 
     @property
     def kinds(self) -> int:
-        """New kinds so far."""
         return len(self._met)
 
     @property
     def once(self) -> int:
-        """New kinds met once so far."""
         return self._kinds_met[1]
 
     @property
     def twice(self) -> int:
-        """New kinds met twice so far."""
         return self._kinds_met[2]
 
     @property
@@ -191,13 +182,8 @@ def good_turing(n: int, once: int, twice: int) -> tuple[float, float, float]:
 
     Source: I. J. Good, Biometrika 40 (1953); the variance is that of W. W. Esty, Annals of Statistics 11 (1983).
 
-    Args:
-        n: Observations.
-        once: Kinds that were met once.
-        twice: Kinds that were met twice.
-
     Returns:
-        Estimate, lower and upper bound; three zeros before the first observation.
+        Estimate, lower and upper bound; three zeros before the first of the `n` observations.
     """
     if not n:
         return 0.0, 0.0, 0.0
@@ -207,13 +193,7 @@ def good_turing(n: int, once: int, twice: int) -> tuple[float, float, float]:
 
 
 def chao1(n: int, seen: int, once: int, twice: int) -> tuple[float, float, float]:
-    """Estimate the number of unseen kinds, with its 95 % interval.
-
-    Args:
-        n: Observations.
-        seen: Kinds that were met.
-        once: Kinds that were met once.
-        twice: Kinds that were met twice.
+    """Estimate the number of unseen kinds after `n` observations of `seen` kinds, with its 95 % interval.
 
     Returns:
         Estimate, lower and upper bound; three zeros if the estimate is 0.

@@ -19,7 +19,6 @@ class Stopping:
     """The state that the stopping rules examine, updated round by round."""
 
     def __init__(self, options: RedTeamOptions) -> None:
-        """Start before the first round."""
         self.options = options
         self.round = 0
         self.calls = 0
@@ -43,10 +42,9 @@ class Stopping:
         return self._stop(0)
 
     def attempts(self, spent: int = 0) -> int:
-        """Return how many calls the next question may take; the first question leaves one for the second.
+        """Return how many calls the next question may take, after those that the round has spent.
 
-        Args:
-            spent: Calls that the round has used; above 0 for its second question.
+        The first question of a round leaves one for the second.
         """
         if self.options.budget is None:
             return ATTEMPTS

@@ -10,11 +10,5 @@ NEAREST_LABEL = 0.55
 """Minimum similarity to a leaf's label at which a proposal is of that kind."""
 BROADENINGS = 2
 """Number of broadenings of a leaf before it is split."""
-COMMON_KM = 1e5
-"""Rarity of the kinds that are asked for first: met about once in so many kilometres."""
-RAREST_KM = 1e9
-"""Greatest rarity that is asked for."""
-BARREN = 3
-"""Number of rounds without a new kind after which kinds ten times as rare are asked for."""
 TOKENS = 4_000
 """Room for the tree in a prompt, in tokens."""

@@ -127,7 +127,7 @@ def test_a_fault_of_form_hides_no_other_fault(
     faults = "\n".join(inspected(tmp_path, text.replace(old, new, 1)))
     assert f"grand-piano: {broken}: " in faults or not broken
     for known in (
-        "places[1]: there is no place 'nowhere'",
+        "places[1]: unknown place 'nowhere'",
         "did you mean cardboard_box?",
         "cardboard_box has no 'open'",
     ):

@@ -3,10 +3,10 @@ import pytest
 from oodscen.author._knowledge.base import Knowledge, Recipe
 from oodscen.author._staging.anchors import (
     ahead_of_start,
+    anchors,
     has_landmarks,
     landmarks_needed,
     marks,
-    root,
 )
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import MapLine
@@ -47,7 +47,7 @@ LIGHTS = (
 
 def test_a_chain_of_actors_begins_where_the_first_is() -> None:
     car, trailer, box, signal = RECIPE.actors
-    assert root(RECIPE, box) is car
+    assert anchors(RECIPE, box)[-1] is car
     assert ahead_of_start(RECIPE, trailer) == (35.0, 45.0)
     assert ahead_of_start(RECIPE, box) == (34.0, 45.0)
     assert ahead_of_start(RECIPE, signal) is None

@@ -2,7 +2,7 @@ from typing import Any
 
 import pytest
 
-from oodscen.author._knowledge.motions import load_motions
+from oodscen.author._knowledge.designs import load_motions
 from oodscen.data._additions import Addition
 from oodscen.data._motion import Motion
 from oodscen.data._scenario import Scenario

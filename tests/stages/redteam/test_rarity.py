@@ -6,9 +6,8 @@ from hypothesis import strategies as st
 
 from oodscen import RedTeamer
 from oodscen.errors import UsageError
-from oodscen.stages._redteam.rarity import Rarity
+from oodscen.stages._redteam.rarity import BARREN, COMMON_KM, RAREST_KM, Rarity
 from oodscen.stages._redteam.rounds import Round
-from oodscen.stages._redteam.thresholds import BARREN, COMMON_KM, RAREST_KM
 from oodscen.testing import ScriptedLLM
 from tests.stages.redteam.test_red_teamer import ADDED, PIANO, TREE, model
 
