@@ -170,8 +170,8 @@ def _solid(pose: Sequence[float] | Floats, asset: Asset) -> Solid:
 def tangents(camera: Camera) -> tuple[Floats, Floats]:
     """Return the tangents of the angles to the optical axis: of columns to the right, and of rows down."""
     focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
-    u: Floats = (np.arange(camera.width) + 0.5 - 0.5 * camera.width) / focal
-    v: Floats = (np.arange(camera.height) + 0.5 - 0.5 * camera.height) / focal
+    u = (np.arange(camera.width, dtype=np.float64) + 0.5 - 0.5 * camera.width) / focal
+    v = (np.arange(camera.height, dtype=np.float64) + 0.5 - 0.5 * camera.height) / focal
     return u, v
 
 
