@@ -3,12 +3,19 @@
 import hashlib
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    field_validator,
+    model_serializer,
+)
 
 from oodscen._display import Brief
 from oodscen._files import read_utf8
@@ -110,6 +117,21 @@ class Data(Brief, _Model):
         return digest(self.model_dump(mode="json"))
 
 
+class LeanData(Data):
+    """Value whose JSON text leaves out some of its fields while they are empty."""
+
+    _left_out: ClassVar[Collection[str]] = ()
+    """The fields that are left out while they are `None`, false or of no length."""
+
+    @model_serializer(mode="wrap")
+    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        value: dict[str, Any] = serialise(self)
+        for name in self._left_out:
+            if not value.get(name) and not isinstance(value.get(name), float):
+                value.pop(name, None)
+        return value
+
+
 def canonical_json(value: Any) -> str:
     """Serialise plain data to the same text for equal values."""
     return json.dumps(
@@ -137,15 +159,18 @@ def issues_of(error: ValidationError) -> list[Issue]:
         path = dotted(item["loc"])
         cause = item.get("ctx", {}).get("error")
         if isinstance(cause, IssuesError):
-            issues += [Issue(_below(path, i.path), i.message) for i in cause.issues]
+            issues += below(path, cause.issues)
         else:
             issues.append(Issue(path, item["msg"].removeprefix("Value error, ")))
     return issues
 
 
-def _below(path: str, inner: str) -> str:
-    joint = "." if path and inner and not inner.startswith("[") else ""
-    return f"{path}{joint}{inner}"
+def below(path: str, issues: Iterable[Issue]) -> list[Issue]:
+    """Return the issues of a part as issues of the whole, in which the part has a path."""
+    joints = ("." if path and i.path and not i.path.startswith("[") else "" for i in issues)
+    return [
+        Issue(f"{path}{joint}{i.path}", i.message) for joint, i in zip(joints, issues, strict=True)
+    ]
 
 
 def dotted(location: Iterable[str | int]) -> str:

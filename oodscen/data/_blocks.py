@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from oodscen.data import _shapes as shapes
-from oodscen.data._extents import Place, Space, around
+from oodscen.data._extents import Place, Space, around, corners_of
 from oodscen.data._lettering import HEIGHT, width_of
 from oodscen.data._shapes import Part, Point
 
@@ -64,7 +64,7 @@ def _blocks(box: Space, part: Part, place: Place) -> list[Space]:
     """Return small boxes that fill a solid more closely than the box around it, if they can."""
     match part:
         case shapes.Box():
-            return _cut(box, [place.point(corner) for corner in _corners(part.box, part.size)])
+            return _cut(box, [place.point(corner) for corner in corners_of(part.box, part.size)])
         case shapes.Hull():
             corners = [
                 place.point((x, y, flat[4]))
@@ -103,9 +103,7 @@ def _blocks(box: Space, part: Part, place: Place) -> list[Space]:
             rim = [
                 (x + length / 2 * c, y + width / 2 * s, part.height) for c, s in _circle(_SECTORS)
             ]
-            return [
-                around([place.point(p) for p in ((x, y, part.height), *two)]) for two in _pairs(rim)
-            ]
+            return [place.box(((x, y, part.height), *two)) for two in _pairs(rim)]
         case _:
             return [box]
 
@@ -123,14 +121,8 @@ def _written(part: shapes.Text) -> list[Point]:
     return [_between(whole, (0.0, up, along)) for up, along in shares]
 
 
-def _corners(centre: Point, size: Sequence[float]) -> list[Point]:
-    """Return the corners of a box: y changes fastest, then x, then z."""
-    (x, y, z), (a, b, c) = centre, (value / 2 for value in size)
-    return [(x + i * a, y + j * b, z + k * c) for k in (-1, 1) for i in (-1, 1) for j in (-1, 1)]
-
-
 def _flat(quad: Sequence[Point]) -> list[Point]:
-    """Return a quad as a body without thickness, in the order of `_corners`."""
+    """Return a quad as a body without thickness, in the order of `corners_of`."""
     a, b, c, d = quad
     return [a, b, d, c, a, b, d, c]
 
@@ -282,4 +274,4 @@ def _round(
                 [middle + share * radius for share in end]
                 for middle, radius, end in zip(centre, radii, ends, strict=True)
             ]
-            yield around([place.point(corner) for corner in itertools.product(*scaled)])
+            yield place.box(itertools.product(*scaled))

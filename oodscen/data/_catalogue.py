@@ -1,30 +1,39 @@
 """A simulator's vocabulary: static data that is readable without starting the simulator."""
 
-from collections.abc import Collection, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, ClassVar, Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import Field
 
 from oodscen._field_docs import with_fields
-from oodscen.data._base import Data
+from oodscen.data._base import Data, LeanData, below
 from oodscen.data._category import Category
-from oodscen.data._details import AssetDetails, DetailKinds, Details, check_details, shown_as
+from oodscen.data._details import (
+    AssetDetails,
+    DetailKinds,
+    check_details,
+    shown_as,
+    unknown_words,
+)
 from oodscen.data._map_state import MapPart
 from oodscen.data._motion import KEYED, Motion, motion_faults
 from oodscen.data._prop import Prop, check_prop, sizes_of
 from oodscen.data._scene import CLEAR_AIR_M, Actor, Precipitation, Scene, Weather
-from oodscen.errors import Issue, close_matches
+from oodscen.errors import Issue
 
 if TYPE_CHECKING:
     from oodscen.data._additions import Addition
+
 
 FLAT_M = 0.08
 """Maximum height of things that lie flat on the road, m: others can drive over and stand on them."""
 
 
 @with_fields
-class Asset(Data):
+class Asset(LeanData):
     """A kind of object that can be placed in a scene."""
+
+    _left_out: ClassVar = ("offers",)
 
     id: str
     category: Category
@@ -46,10 +55,6 @@ class Asset(Data):
     """Ids of the same thing in other catalogues, e.g. `police_car`; the asset serves wherever one is needed."""
     offers: AssetDetails | None = None
     """Poses, open parts and other details that it can show; left out of the JSON text if there are none."""
-
-    @model_serializer(mode="wrap")
-    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return _without("offers", serialise(self))
 
     def is_passable(self, state: str = "") -> bool:
         """Return whether a vehicle can drive over or through the asset in the given state."""
@@ -143,8 +148,10 @@ class WeatherRange(Data):
     """Weather that can be shown but has no scale in a scene: `dust`, `wind` ..."""
 
 
-class Catalogue(Data):
+class Catalogue(LeanData):
     """The closed vocabulary of scenes in one simulator."""
+
+    _left_out: ClassVar = ("details", "draws_props")
 
     schema_version: Literal[1] = 1
     simulator: str
@@ -163,10 +170,6 @@ class Catalogue(Data):
     """Poses and states of parts that the simulator draws; left out of the JSON text if there are none."""
     draws_props: bool = False
     """Things made to order are drawn from their designs, not as boxes; left out of the JSON text if not."""
-
-    @model_serializer(mode="wrap")
-    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return _without("draws_props", _without("details", serialise(self)))
 
     def asset(self, name: str) -> Asset:
         """Return an asset by id; raises `KeyError` if it is unknown."""
@@ -252,16 +255,11 @@ class Catalogue(Data):
         Only the vocabulary is checked here; `oodscen.driving.check_scene` checks room on the road, overlap
         and reachability.
         """
-        faults = [
-            Issue(f"made[{index}].{fault.path}", fault.message)
-            for index, prop in enumerate(scene.made)
-            for fault in check_prop(prop, self.assets)
-        ]
-        faults += [
-            Issue(f"motions[{index}].{fault.path}", fault.message)
-            for index, motion in enumerate(scene.motions)
-            for fault in self._check_motion(motion, scene)
-        ]
+        faults: list[Issue] = []
+        for index, prop in enumerate(scene.made):
+            faults += below(f"made[{index}]", check_prop(prop, self.assets))
+        for index, motion in enumerate(scene.motions):
+            faults += below(f"motions[{index}]", self._check_motion(motion, scene))
         return faults or self.for_scene(scene)._check(scene)
 
     def _check_motion(self, motion: Motion, scene: Scene) -> list[Issue]:
@@ -275,20 +273,12 @@ class Catalogue(Data):
         issues: list[Issue] = []
         if not scene.map.endswith(".xodr"):
             issues += _unknown("map", "map", scene.map, [road.id for road in self.maps])
-        issues += [
-            Issue(f"weather.{i.path}", i.message) for i in self._check_weather(scene.weather)
-        ]
-        if scene.hazard.weather is not None:
-            issues += [
-                Issue(f"hazard.weather.{i.path}", i.message)
-                for i in self._check_weather(scene.hazard.weather)
-            ]
-        if scene.hazard.weather is not None and not self.weather.sun_is_drawn:
-            suns = (scene.weather.sun_elevation_deg, scene.hazard.weather.sun_elevation_deg)
-            if suns[0] != suns[1]:
-                message = (
-                    f"must be {suns[0]:g} as in the scene: the simulator draws every sun alike"
-                )
+        issues += below("weather", self._check_weather(scene.weather))
+        if (ordinary := scene.hazard.weather) is not None:
+            issues += below("hazard.weather", self._check_weather(ordinary))
+            sun = scene.weather.sun_elevation_deg
+            if not self.weather.sun_is_drawn and ordinary.sun_elevation_deg != sun:
+                message = f"must be {sun:g} as in the scene: the simulator draws every sun alike"
                 issues.append(Issue("hazard.weather.sun_elevation_deg", message))
         if scene.map_state is not None:
             issues += [
@@ -296,54 +286,37 @@ class Catalogue(Data):
                 for part, state in scene.map_state.faults()
                 if part not in self.map_parts
             ]
-        ordinary = {
-            f"hazard.actors.{key}": actor
-            for key, actor in scene.hazard.actors.items()
-            if actor is not None
-        }
-        actors = {f"actors[{index}]": actor for index, actor in enumerate(scene.actors)}
-        for path, actor in (*actors.items(), *ordinary.items()):
-            issues += self._check_actor(path, actor)
-            if actor.details is not None:
-                issues += self._check_details(f"{path}.details", actor, actor.details, scene)
+        for index, actor in enumerate(scene.actors):
+            issues += below(f"actors[{index}]", self._check_actor(actor, scene.made))
+        for key, counterpart in scene.hazard.actors.items():
+            if counterpart is not None:
+                found = self._check_actor(counterpart, scene.made)
+                issues += below(f"hazard.actors.{key}", found)
         return issues + _check_belonging(scene)
 
-    def _check_details(
-        self, path: str, actor: Actor, details: Details, scene: Scene
-    ) -> list[Issue]:
-        things = {asset.id: asset for asset in self.assets}
-        asset = things.get(actor.asset)
-        if asset is None:
-            return []
-        does = next((one for one in self.behaviours if one.id == actor.behaviour.name), None)
-        found = check_details(
-            details,
-            asset,
-            does.built_in if does else "stand",
-            things,
-            self.details or DetailKinds(),
-            {prop.id: prop for prop in scene.made},
-        )
-        return [Issue(f"{path}.{one.path}", one.message) for one in found]
-
-    def _check_actor(self, path: str, actor: Actor) -> list[Issue]:
+    def _check_actor(self, actor: Actor, made: Sequence[Prop]) -> list[Issue]:
         assets = {asset.id: asset for asset in self.assets}
         kinds = {kind.id: kind for kind in self.behaviours}
-        asset, kind = assets.get(actor.asset), kinds.get(actor.behaviour.name)
-        here = f"{path}.behaviour"
-        issues = _unknown(f"{path}.asset", "asset", actor.asset, assets)
-        issues += _unknown(f"{here}.name", "behaviour", actor.behaviour.name, kinds)
+        does = actor.behaviour
+        asset, kind = assets.get(actor.asset), kinds.get(does.name)
+        issues = _unknown("asset", "asset", actor.asset, assets)
+        issues += _unknown("behaviour.name", "behaviour", does.name, kinds)
         if asset and kind and asset.category not in kind.categories:
             able = ", ".join(kind.categories)
             message = f"{asset.id!r} is a {asset.category}; {kind.id!r} is for {able}"
-            issues.append(Issue(f"{here}.name", message))
+            issues.append(Issue("behaviour.name", message))
         if asset and actor.state:
-            issues += _unknown(f"{path}.state", "state", actor.state, asset.states)
+            issues += _unknown("state", "state", actor.state, asset.states)
         if kind:
-            issues += _check_parameters(f"{here}.parameters", kind, actor.behaviour.parameters)
-        if kind and kind.needs_other and actor.behaviour.other is None:
+            issues += below("behaviour.parameters", _check_parameters(kind, does.parameters))
+        if kind and kind.needs_other and does.other is None:
             message = f"{kind.id!r} needs the actor that carries, tows or owns this one"
-            issues.append(Issue(f"{here}.other", message))
+            issues.append(Issue("behaviour.other", message))
+        if asset and actor.details is not None:
+            built_in = kind.built_in if kind else "stand"
+            drawn, props = self.details or DetailKinds(), {prop.id: prop for prop in made}
+            found = check_details(actor.details, asset, built_in, assets, drawn, props)
+            issues += below("details", found)
         return issues
 
     def _check_weather(self, weather: Weather) -> list[Issue]:
@@ -366,13 +339,6 @@ class Catalogue(Data):
         return issues
 
 
-def _without(name: str, value: dict[str, Any]) -> dict[str, Any]:
-    """Return the fields of a value without one that is empty."""
-    if value.get(name) in (None, False):
-        value.pop(name, None)
-    return value
-
-
 def _check_belonging(scene: Scene) -> list[Issue]:
     """Return issues for actors that belong to each other in a cycle."""
     owners = {actor.id: actor.behaviour.other for actor in scene.actors}
@@ -389,23 +355,17 @@ def _check_belonging(scene: Scene) -> list[Issue]:
     return issues
 
 
-def _check_parameters(path: str, kind: BehaviourKind, given: Mapping[str, float]) -> list[Issue]:
+def _check_parameters(kind: BehaviourKind, given: Mapping[str, float]) -> list[Issue]:
     issues: list[Issue] = []
     for name, value in given.items():
         if (allowed := kind.parameters.get(name)) is None:
-            issues += _unknown(f"{path}.{name}", "parameter", name, kind.parameters)
+            issues += _unknown(name, "parameter", name, kind.parameters)
         elif not allowed.minimum <= value <= allowed.maximum:
             limits = f"{allowed.minimum:g} to {allowed.maximum:g}"
-            issues.append(Issue(f"{path}.{name}", f"{value:g} is outside {limits}"))
+            issues.append(Issue(name, f"{value:g} is outside {limits}"))
     return issues
 
 
 def _unknown(path: str, kind: str, name: str, known: Collection[str]) -> list[Issue]:
     """Return one issue with close matches if `name` is unknown, else none."""
-    if name in known:
-        return []
-    matches = close_matches(name, known)
-    hint = f"known: {', '.join(known)}" if known else "there are none"
-    if matches:
-        hint = f"did you mean {' or '.join(matches)}?"
-    return [Issue(path, f"unknown {kind} {name!r}; {hint}")]
+    return [] if name in known else [Issue(path, unknown_words(kind, name, known))]

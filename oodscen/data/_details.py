@@ -1,6 +1,6 @@
 """Details of an actor: the pose of a person and what it holds; the parts, colour and load of a vehicle."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import (
@@ -11,7 +11,7 @@ from pydantic import (
     model_serializer,
 )
 
-from oodscen.data._base import Data
+from oodscen.data._base import Data, LeanData
 from oodscen.data._category import Category
 from oodscen.data._colours import LIT, rgb_of
 from oodscen.errors import Issue, close_matches
@@ -43,8 +43,10 @@ def _known_colour(name: str) -> str:
     return name
 
 
-class Details(Data):
+class Details(LeanData):
     """The look of one actor beyond its asset and state; what is empty is as usual."""
+
+    _left_out: ClassVar = ("pose", "holds", "parts", "colour", "cargo", "text")
 
     pose: Word = ""
     """A pose of a person, such as `kneel`."""
@@ -64,19 +66,12 @@ class Details(Data):
     def _sorted(cls, parts: tuple[str, ...]) -> tuple[str, ...]:
         return tuple(sorted(set(parts) - {""}))
 
-    @model_serializer(mode="wrap")
-    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        value: dict[str, Any] = serialise(self)
-        return {name: one for name, one in value.items() if one}
-
     def __bool__(self) -> bool:
         return bool(self.words())
 
     def given(self) -> Iterator[str]:
         """Yield the names of the details that are not as usual."""
-        for name in type(self).model_fields:
-            if getattr(self, name):
-                yield name
+        return (name for name in self._left_out if getattr(self, name))
 
     def words(self) -> tuple[str, ...]:
         """Return the details in the order of the fields, each as it is given."""
@@ -306,7 +301,7 @@ def check_details(
         issues += _pose_issues(details, offers, behaviour, kinds)
     if able["parts"]:
         issues += [
-            Issue(f"parts[{index}]", _unknown("part", name, offers.parts))
+            Issue(f"parts[{index}]", unknown_words("part", name, offers.parts))
             for index, name in enumerate(details.parts)
             if name not in offers.parts
         ]
@@ -323,7 +318,7 @@ def _pose_issues(
 ) -> Iterator[Issue]:
     name = posed(details)
     if name and name not in offers.poses:
-        yield Issue("pose", _unknown("pose", name, offers.poses))
+        yield Issue("pose", unknown_words("pose", name, offers.poses))
         return
     pose = kinds.pose(name)
     if pose is None:
@@ -340,7 +335,7 @@ def _thing_issues(
 ) -> Iterator[Issue]:
     thing = things.get(name)
     if thing is None:
-        yield Issue(path, _unknown("asset", name, things))
+        yield Issue(path, unknown_words("asset", name, things))
         return
     if thing.category not in LOADABLE:
         message = f"{name!r} is a {thing.category} and an actor of its own; this is for {_LOADS}"
@@ -363,7 +358,10 @@ def _able(able: Mapping[str, bool]) -> str:
     return f"it can show: {', '.join(offered)}" if offered else "it has one look"
 
 
-def _unknown(noun: str, name: str, known: "Mapping[str, object]") -> str:
+def unknown_words(noun: str, name: str, known: Collection[str]) -> str:
+    """Return the message about an unknown name, with close matches or all known names."""
     matches = close_matches(name, known)
-    hint = f"did you mean {' or '.join(matches)}?" if matches else f"known: {', '.join(known)}"
+    hint = f"known: {', '.join(known)}" if known else "there are none"
+    if matches:
+        hint = f"did you mean {' or '.join(matches)}?"
     return f"unknown {noun} {name!r}; {hint}"

@@ -2,12 +2,10 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal
-
-from pydantic import SerializerFunctionWrapHandler, model_serializer
+from typing import ClassVar, Literal
 
 from oodscen._display import escaped, html_table
-from oodscen.data._base import Data
+from oodscen.data._base import Data, LeanData
 from oodscen.data._bird_sketch import Sketch
 from oodscen.data._pairing import is_ordinary, is_twin
 from oodscen.data._scene import StopLine
@@ -75,8 +73,10 @@ INTERVENTIONS = (
 Label = Literal["safe", "unsafe", "marginal", "unavailable"]
 
 
-class ActionOutcome(Data):
+class ActionOutcome(LeanData):
     """The outcome of one action executed from the decision point."""
+
+    _left_out: ClassVar = ("ran_red",)
 
     safe: bool
     """True if the ego touched nothing, stayed on drivable road and passed no stop line at a red light up to the
@@ -105,10 +105,6 @@ class ActionOutcome(Data):
     """Hardest braking of the ego, m/s^2, never negative; `None` if unavailable or not measured."""
     peak_jerk: float | None = None
     """Largest jerk of the ego along its path, m/s^3, over 0.2 s."""
-
-    @model_serializer(mode="wrap")
-    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return _without(serialise(self), "ran_red")
 
     @property
     def is_unsafe(self) -> bool:
@@ -173,8 +169,10 @@ class Follower(Data):
     """Id of its asset in the catalogue."""
 
 
-class Episode(Data):
+class Episode(LeanData):
     """One run of one scene: the approach to the decision point, and every action from there."""
+
+    _left_out: ClassVar = ("stop_line",)
 
     schema_version: Literal[1] = 1
     id: str
@@ -236,10 +234,6 @@ class Episode(Data):
     """The change that made some action safe and another unsafe; empty if the scene was not re-staged."""
     made_from: str = ""
     """In a study: SHA-256 of the scene as run; its ordinary drives have the same value."""
-
-    @model_serializer(mode="wrap")
-    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return _without(serialise(self), "stop_line")
 
     @property
     def is_twin(self) -> bool:
@@ -314,13 +308,6 @@ class Episode(Data):
         head = ("action", "outcome", "margin", "minimum TTC", "touched")
         when = "" if self.decision_s is None else f", decision at {self.decision_s:.2f} s"
         return html_table(rows, head=head, caption=f"{title}{when}")
-
-
-def _without(value: dict[str, Any], name: str) -> dict[str, Any]:
-    """Remove an entry that says nothing."""
-    if not value.get(name):
-        value.pop(name, None)
-    return value
 
 
 def _figure(value: float | None, unit: str) -> str:

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import singledispatch
 from typing import NamedTuple
@@ -54,6 +54,10 @@ class Place:
         x, y, z = (a + b for a, b in zip(self.direction(point), self.shift, strict=True))
         return x, y, z
 
+    def box(self, points: Iterable[Sequence[float]], is_airy: bool = False) -> Space:
+        """Return the box around points, as seen from outside."""
+        return around([self.point(point) for point in points], is_airy)
+
     def moved(self, offset: Point) -> "Place":
         """Return the place of what is moved within this one."""
         return Place(self.rows, self.point(offset))
@@ -101,7 +105,7 @@ class Measured:
         return around([point for box in boxes for point in (box.low, box.high)])
 
 
-MOST_SOLIDS = 2_000
+LONGEST_WALK = 2_000
 """Number of parts after repetition beyond which a walk ends; far more than any design may have."""
 
 
@@ -129,7 +133,7 @@ class _Walk:
 
     def through(self, parts: Sequence[Part], place: Place, path: str) -> None:
         for index, part in enumerate(parts):
-            if self.found.solids > MOST_SOLIDS:
+            if self.found.solids > LONGEST_WALK:
                 return
             self.part(part, place, f"{path}[{index}]")
 
@@ -217,13 +221,16 @@ def around(points: Sequence[Sequence[float]], is_airy: bool = False) -> Space:
     return Space((low[0], low[1], low[2]), (high[0], high[1], high[2]), is_airy)
 
 
+def corners_of(centre: Sequence[float], size: Sequence[float]) -> list[Point]:
+    """Return the corners of a box: y changes fastest, then x, then z."""
+    (x, y, z), (a, b, c) = centre, (value / 2 for value in size)
+    return [(x + i * a, y + j * b, z + k * c) for k in (-1, 1) for i in (-1, 1) for j in (-1, 1)]
+
+
 def _upright(
     place: Place, centre: Sequence[float], size: Sequence[float], is_airy: bool = False
 ) -> Space:
-    a, b, c = (value / 2 for value in size)
-    x, y, z = centre
-    corners = [(x + i * a, y + j * b, z + k * c) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)]
-    return around([place.point(corner) for corner in corners], is_airy)
+    return place.box(corners_of(centre, size), is_airy)
 
 
 def _bar(start: Point, end: Point, radius: float, last: float) -> Iterator[Space]:
@@ -258,7 +265,7 @@ def _(part: shapes.Hull, place: Place) -> list[Space]:
     corners = [
         (x, y, flat[4]) for flat in (part.hull, part.top) for x in flat[:2] for y in flat[2:4]
     ]
-    return [around([place.point(corner) for corner in corners])]
+    return [place.box(corners)]
 
 
 @spaces.register
@@ -319,7 +326,7 @@ def _rings(part: shapes.Column) -> Iterator[tuple[float, ...]]:
 
 @spaces.register
 def _(part: shapes.Sheet, place: Place) -> list[Space]:
-    return [around([place.point(corner) for corner in part.sheet])]
+    return [place.box(part.sheet)]
 
 
 @spaces.register
@@ -330,12 +337,12 @@ def _(part: shapes.Wheel, place: Place) -> list[Space]:
 
 @spaces.register
 def _(part: shapes.Panel, place: Place) -> list[Space]:
-    return [around([place.point(corner) for corner in part.panel])]
+    return [place.box(part.panel)]
 
 
 @spaces.register
 def _(part: shapes.Text, place: Place) -> list[Space]:
-    return [around([place.point(corner) for corner in part.on])]
+    return [place.box(part.on)]
 
 
 @spaces.register
@@ -372,7 +379,7 @@ def _(part: shapes.Strip, place: Place) -> list[Space]:
             for sign in (-1, 1)
             for z in (0.0, part.height)
         ]
-        boxes.append(around([place.point(corner) for corner in corners]))
+        boxes.append(place.box(corners))
     return boxes
 
 

@@ -3,16 +3,11 @@
 import math
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Self
 
-from pydantic import (
-    Field,
-    SerializerFunctionWrapHandler,
-    model_serializer,
-    model_validator,
-)
+from pydantic import Field, model_validator
 
-from oodscen.data._base import Data, IssuesError
+from oodscen.data._base import IssuesError, LeanData
 from oodscen.data._category import Category
 from oodscen.data._courses import Circle, Drift, KeyPose, Roll, Swing, Walk
 from oodscen.data._poses import PoseTrack
@@ -75,10 +70,10 @@ ABILITIES: dict[BodyKind, Ability] = {
 }
 
 
-class Motion(Data):
+class Motion(LeanData):
     """The design of one movement: a body's key poses, or a course that yields them."""
 
-    noun: ClassVar[str] = "motion"
+    _left_out: ClassVar = ("let_go", *_COURSES)
 
     schema_version: Literal[1] = 1
     id: str = Field(pattern=r"^[a-z][a-z0-9_]{1,39}$")
@@ -113,11 +108,6 @@ class Motion(Data):
     drift: Drift | None = None
     swing: Swing | None = None
     circle: Circle | None = None
-
-    @model_serializer(mode="wrap")
-    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        value: dict[str, Any] = serialise(self)
-        return {name: one for name, one in value.items() if one not in (None, (), [])}
 
     @model_validator(mode="after")
     def _sound(self) -> Self:

@@ -7,15 +7,9 @@ JSON: nothing may depend on the order of keys.
 
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeGuard, get_args
 
-from pydantic import (
-    Field,
-    SerializerFunctionWrapHandler,
-    field_validator,
-    model_serializer,
-    model_validator,
-)
+from pydantic import Field, field_validator, model_validator
 
-from oodscen.data._base import Data, IssuesError
+from oodscen.data._base import Data, IssuesError, LeanData
 from oodscen.data._claim import Claim
 from oodscen.data._details import Details
 from oodscen.data._map_state import MapState
@@ -118,8 +112,10 @@ class Behaviour(Data):
         return dict(sorted(parameters.items()))
 
 
-class Actor(Data):
+class Actor(LeanData):
     """Anything placed in a scene: road user, animal, object, barrier, signal."""
+
+    _left_out: ClassVar = ("details",)
 
     id: str = Identifier
     asset: str
@@ -135,13 +131,6 @@ class Actor(Data):
     @classmethod
     def _not_empty(cls, details: Details | None) -> Details | None:
         return details or None
-
-    @model_serializer(mode="wrap")
-    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        value: dict[str, Any] = serialise(self)
-        if value.get("details") is None:
-            value.pop("details", None)
-        return value
 
 
 class Ego(Data):
@@ -198,10 +187,11 @@ class Demand(Data):
     """Claims of the text, which hold in the scene."""
 
 
-class Scene(Data):
+class Scene(LeanData):
     """Everything a simulator needs to run one scenario."""
 
-    _refuses_conversion: ClassVar[bool] = True
+    _refuses_conversion: ClassVar = True
+    _left_out: ClassVar = ("stands_for", "visible", "demand", "made", "motions", "map_state")
 
     schema_version: Literal[1] = 1
     id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.~-]*$", max_length=200)
@@ -229,14 +219,6 @@ class Scene(Data):
     """Designs of the behaviours that no catalogue has; left out of the JSON text if empty."""
     map_state: MapState | None = None
     """Faults of the map's own lamps, lights and signs; left out of the JSON text if nothing is."""
-
-    @model_serializer(mode="wrap")
-    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        value: dict[str, Any] = serialise(self)
-        for name in ("stands_for", "visible", "demand", "made", "motions", "map_state"):
-            if not value.get(name):
-                value.pop(name, None)
-        return value
 
     @field_validator("hazard")
     @classmethod

@@ -5,7 +5,7 @@ a red cube on the ground. Lengths are in metres, x forward, y left, z up; angles
 """
 
 import itertools
-from typing import Annotated, Literal, Self, TypeVar
+from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
@@ -27,11 +27,18 @@ Sides = Annotated[int, Field(ge=3, le=64)]
 Caps = Literal["bt", "b", "t", ""]
 """The ends that are closed: bottom, top, both or none."""
 Key = Annotated[int, Field(ge=0, le=1_000_000)]
-PartT = TypeVar("PartT", bound="Part")
 
 
 class Part(Data):
     """One part of a design."""
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        self._check()
+        return self
+
+    def _check(self) -> None:
+        """Raise a `ValueError` if the fields do not fit together."""
 
 
 class Box(Part):
@@ -57,14 +64,12 @@ class Hull(Part):
     sides: tuple[Colour, Colour, Colour, Colour] | None = None
     """Colours of the sides right, front, left and back, if they differ."""
 
-    @model_validator(mode="after")
-    def _upright(self) -> Self:
+    def _check(self) -> None:
         for x0, x1, y0, y1, _ in (self.hull, self.top):
             if x0 > x1 or y0 > y1:
                 raise ValueError("the order of a face is x0, x1, y0, y1, z, the smaller first")
         if self.hull[4] >= self.top[4]:
             raise ValueError("the top must be above the bottom")
-        return self
 
 
 class Beam(Part):
@@ -77,9 +82,8 @@ class Beam(Part):
     end_width: Length | None = None
     colour: Colour
 
-    @model_validator(mode="after")
-    def _is_long(self) -> Self:
-        return _distinct(self, (self.beam, self.to))
+    def _check(self) -> None:
+        _check_apart((self.beam, self.to))
 
 
 class Tube(Part):
@@ -95,9 +99,8 @@ class Tube(Part):
     sag: Annotated[float, Field(ge=0, le=4)] = 0.0
     """Distance by which the middle of every stretch hangs down, m."""
 
-    @model_validator(mode="after")
-    def _is_long(self) -> Self:
-        return _distinct(self, self.tube)
+    def _check(self) -> None:
+        _check_apart(self.tube)
 
 
 class Cylinder(Part):
@@ -113,9 +116,8 @@ class Cylinder(Part):
     """Colour of both ends, if it differs."""
     sides: Sides = 10
 
-    @model_validator(mode="after")
-    def _is_long(self) -> Self:
-        return _distinct(self, (self.cylinder, self.to))
+    def _check(self) -> None:
+        _check_apart((self.cylinder, self.to))
 
 
 class Lathe(Part):
@@ -129,10 +131,9 @@ class Lathe(Part):
     cap_colour: Colour | None = None
     sides: Sides = 10
 
-    @model_validator(mode="after")
-    def _colours_fit(self) -> Self:
-        _distinct(self, tuple(ring[:3] for ring in self.lathe))
-        return _one_colour_per_stretch(self, len(self.lathe), self.colours)
+    def _check(self) -> None:
+        _check_apart(tuple(ring[:3] for ring in self.lathe))
+        _check_colours(len(self.lathe), self.colours)
 
 
 class Ball(Part):
@@ -167,14 +168,12 @@ class Column(Part):
     sides: Sides = 8
     caps: Caps = "bt"
 
-    @model_validator(mode="after")
-    def _colours_fit(self) -> Self:
+    def _check(self) -> None:
         along = [ring[0 if self.axis == "x" else 2] for ring in self.column]
         if any(b < a for a, b in itertools.pairwise(along)):
             raise ValueError("the rings must be ordered upwards, or forwards along x")
-        if self.colour:
-            return self
-        return _one_colour_per_stretch(self, len(self.column), self.colours)
+        if not self.colour:
+            _check_colours(len(self.column), self.colours)
 
 
 class Sheet(Part):
@@ -186,9 +185,8 @@ class Sheet(Part):
     back: Colour | None = None
     """Colour of the back, which is invisible otherwise."""
 
-    @model_validator(mode="after")
-    def _has_area(self) -> Self:
-        return _with_area(self, self.sheet)
+    def _check(self) -> None:
+        _check_area(self.sheet)
 
 
 class Wheel(Part):
@@ -230,9 +228,8 @@ class Panel(Part):
     key: Key = 0
     """Seed of the speckle."""
 
-    @model_validator(mode="after")
-    def _has_area(self) -> Self:
-        return _with_area(self, self.panel)
+    def _check(self) -> None:
+        _check_area(self.panel)
 
 
 class Text(Part):
@@ -244,10 +241,9 @@ class Text(Part):
     paper: Colour | None = None
     """Colour of the ground; left out if it stands on another part."""
 
-    @model_validator(mode="after")
-    def _has_area(self) -> Self:
-        _distinct(self, (*self.on, self.on[0]))
-        return _with_area(self, self.on)
+    def _check(self) -> None:
+        _check_apart((*self.on, self.on[0]))
+        _check_area(self.on)
 
 
 class Heap(Part):
@@ -319,9 +315,8 @@ class Strip(Part):
     """Length of a dash and of a gap, m; 0 for an unbroken line."""
     height: Annotated[float, Field(ge=0.005, le=0.07)] = 0.016
 
-    @model_validator(mode="after")
-    def _is_long(self) -> Self:
-        return _distinct(self, tuple((x, y, 0.0) for x, y in self.strip))
+    def _check(self) -> None:
+        _check_apart(tuple((x, y, 0.0) for x, y in self.strip))
 
 
 class BothSidesOf(Part):
@@ -458,20 +453,18 @@ AnyPart = Annotated[
 Parts = Annotated[tuple[AnyPart, ...], Field(max_length=40)]
 
 
-def _distinct(part: PartT, points: tuple[Point, ...]) -> PartT:
+def _check_apart(points: tuple[Point, ...]) -> None:
     for one, two in itertools.pairwise(points):
         if sum((a - b) ** 2 for a, b in zip(one, two, strict=True)) < 1e-8:
             raise ValueError("points that follow each other must be apart")
-    return part
 
 
-def _one_colour_per_stretch(part: PartT, rings: int, colours: tuple[str, ...]) -> PartT:
+def _check_colours(rings: int, colours: tuple[str, ...]) -> None:
     if len(colours) != rings - 1:
         raise ValueError(f"{rings} rings need {rings - 1} colours, not {len(colours)}")
-    return part
 
 
-def _with_area(part: PartT, corners: tuple[Point, ...]) -> PartT:
+def _check_area(corners: tuple[Point, ...]) -> None:
     nx = ny = nz = 0.0
     for (x0, y0, z0), (x1, y1, z1) in zip(corners, (*corners[1:], corners[0]), strict=True):
         nx += (y0 - y1) * (z0 + z1)
@@ -479,4 +472,3 @@ def _with_area(part: PartT, corners: tuple[Point, ...]) -> PartT:
         nz += (x0 - x1) * (y0 + y1)
     if nx * nx + ny * ny + nz * nz < 1e-8:
         raise ValueError("the corners enclose no area")
-    return part

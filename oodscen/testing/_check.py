@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 from oodscen._processes import is_worker
 from oodscen._progress import Progress, reporting
@@ -10,23 +11,23 @@ from oodscen._registry import make_simulator
 from oodscen.data._scene import Scene
 from oodscen.errors import UnknownComponent, UsageError
 from oodscen.protocols import Simulator
-from oodscen.testing._kit import appearance, measures, motion, pictures, runs, vocabulary
-from oodscen.testing._kit.findings import Finding, Findings, NotApplicable, PartResult, report
-from oodscen.testing._kit.isolation import NEEDS_GUARD, leak_faults, process_faults
+from oodscen.testing._kit import (
+    appearance,
+    isolation,
+    measures,
+    motion,
+    pictures,
+    runs,
+    vocabulary,
+)
+from oodscen.testing._kit.findings import Findings, NotApplicable, PartResult
 from oodscen.testing._kit.probe import Factory, Probe, clear_day
 from oodscen.testing._kit.samples import plain_scene
 
 RESETS = 200
 """Number of resets in the `leaks` part."""
-
-
-def _process(probe: Probe) -> None:
-    camera = None if probe.states_only else probe.camera()
-    probe.findings.found += process_faults(probe.simulator, probe.source, probe.scenes, camera)
-
-
-def _leaks(probe: Probe) -> None:
-    probe.findings.found += leak_faults(probe.simulator, probe.scenes, probe.resets, probe.camera())
+_MEMBERS = "name dt catalogue reset step render observe close __enter__ __exit__".split()
+"""Members of `Simulator`."""
 
 
 _PARTS: dict[str, Callable[[Probe], None]] = {
@@ -37,7 +38,7 @@ _PARTS: dict[str, Callable[[Probe], None]] = {
     "behaviours": vocabulary.check_behaviours,
     "weather": appearance.check_weather,
     "determinism": runs.check_determinism,
-    "process": _process,
+    "process": isolation.check_process,
     "controls": runs.check_controls,
     "snapshot": runs.check_snapshot,
     "measures": measures.check_measures,
@@ -46,7 +47,7 @@ _PARTS: dict[str, Callable[[Probe], None]] = {
     "pictures": pictures.check_pictures,
     "turning": pictures.check_turning,
     "refusals": runs.check_refusals,
-    "leaks": _leaks,
+    "leaks": isolation.check_leaks,
 }
 
 PARTS = tuple(_PARTS)
@@ -130,7 +131,7 @@ def examine_parts(
         if part not in PARTS:
             raise UnknownComponent("part", part, PARTS)
     if is_worker():
-        raise UsageError(NEEDS_GUARD)
+        raise UsageError(isolation.NEEDS_GUARD)
     wanted = [part for part in _PARTS if part in parts and (not quick or part in QUICK)]
     factory = partial(make_simulator, simulator) if isinstance(simulator, str) else simulator
     results: list[PartResult] = []
@@ -138,11 +139,18 @@ def examine_parts(
     with reporting(progress) as told:
         with opening.trying("the factory works"):
             with factory() as opened:
+                make_probe = partial(
+                    _probe,
+                    opened,
+                    scenes,
+                    factory=factory,
+                    source=simulator,
+                    states_only=states_only,
+                    resets=resets,
+                )
                 for done, part in enumerate(wanted):
                     told("check", done, len(wanted))
-                    results.append(
-                        _tried(part, opened, factory, simulator, scenes, states_only, resets)
-                    )
+                    results.append(_tried(part, make_probe))
             with opening.trying("close may be called twice"):
                 opened.close()
                 opened.close()
@@ -150,40 +158,26 @@ def examine_parts(
     return [*results, PartResult("close", tuple(opening.found))]
 
 
-def _tried(
-    part: str,
-    simulator: Simulator,
-    factory: Factory,
-    source: Factory | str,
-    scenes: Sequence[Scene] | None,
-    states_only: bool,
-    resets: int,
-) -> PartResult:
+def _tried(part: str, make_probe: Callable[[Findings], Probe]) -> PartResult:
     """Run one part on an open simulator."""
     findings = Findings()
     try:
         with findings.trying(""):
-            probe = _probe(simulator, factory, source, scenes, findings)
-            probe.states_only, probe.resets = states_only, resets
-            _PARTS[part](probe)
+            _PARTS[part](make_probe(findings))
     except NotApplicable as reason:
         return PartResult(part, tuple(findings.found), "" if findings.found else str(reason))
     return PartResult(part, tuple(findings.found), note=findings.note)
 
 
 def _probe(
-    simulator: Simulator,
-    factory: Factory,
-    source: Factory | str,
-    scenes: Sequence[Scene] | None,
-    findings: Findings,
+    simulator: Simulator, scenes: Sequence[Scene] | None, findings: Findings, **options: Any
 ) -> Probe:
-    """Return what a part is given.
+    """Return the input of a part; the options are further fields of `Probe`.
 
     Raises:
         UsageError: If the object is not a simulator, or its catalogue is empty.
     """
-    missing = [name for name in _members() if not hasattr(simulator, name)]
+    missing = [name for name in _MEMBERS if not hasattr(simulator, name)]
     if missing:
         raise UsageError(f"some members of the protocol are missing: {', '.join(missing)}")
     if not simulator.name or not simulator.dt > 0.0:
@@ -193,26 +187,13 @@ def _probe(
         raise UsageError("the catalogue has no map or no asset")
     weather = clear_day(catalogue)
     chosen = list(scenes or (plain_scene(catalogue, road, weather) for road in catalogue.maps))
-    return Probe(simulator, catalogue, factory, source, chosen, findings=findings)
-
-
-def _members() -> tuple[str, ...]:
-    return (
-        "name",
-        "dt",
-        "catalogue",
-        "reset",
-        "step",
-        "render",
-        "observe",
-        "close",
-        "__enter__",
-        "__exit__",
+    return Probe(
+        simulator=simulator, catalogue=catalogue, scenes=chosen, findings=findings, **options
     )
 
 
 def _raise(results: Iterable[PartResult]) -> None:
-    lines = report(results)
+    lines = [line for result in results for line in result.lines()]
     if lines:
         listed = "".join(f"\n  - {line}" for line in lines)
         raise AssertionError(f"the simulator breaks its protocol:{listed}")
@@ -256,6 +237,3 @@ def simulator_checks(
     """
     parts = QUICK if quick else PARTS
     return tuple(SimulatorCheck(part, simulator, states_only) for part in parts)
-
-
-__all__ = ["PARTS", "QUICK", "Finding", "PartResult", "check_simulator", "simulator_checks"]

@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._category import Category
 from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
 from oodscen.driving._mirror_simulator import MirrorSimulator
 from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._sight.visibility import Eye, Solid
 from oodscen.protocols import Camera, Frame
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
@@ -97,8 +99,7 @@ class FlatSimulator(MirrorSimulator):
 
     def draw(self, camera: Camera) -> Frame:
         """Cast one ray through the centre of every pixel."""
-        assert self._road is not None
-        return flat_frame(camera, self._road, self._weather, self._assets, self._poses)
+        return self._frame(camera, None)
 
     def draw_from(
         self,
@@ -118,6 +119,9 @@ class FlatSimulator(MirrorSimulator):
             time: Unused: nothing flickers.
             roll_deg: Unused: the camera stays level.
         """
+        return self._frame(camera, mount)
+
+    def _frame(self, camera: Camera, mount: Sequence[float] | None) -> Frame:
         assert self._road is not None
         return flat_frame(camera, self._road, self._weather, self._assets, self._poses, mount)
 
@@ -140,104 +144,79 @@ def flat_frame(
         poses: x, y, z and yaw of all bodies, in the same order; the ego's box is not drawn.
         mount: x, y, z and yaw of what the camera is mounted on; by default the ego's.
     """
-    rows = [list(map(float, pose)) for pose in poses]
-    mount = rows[0] if mount is None else mount
-    view = _FlatView(camera, mount)
-    view.ground = rows[0][2]
+    bodies = [_solid(pose, asset) for asset, pose in zip(assets, poses, strict=True)]
+    eye = Eye(camera, bodies[0] if mount is None else _solid(mount, assets[0]))
     depth = np.full((camera.height, camera.width), np.inf)
     ids = np.zeros((camera.height, camera.width), dtype=np.int32)
     colour = np.empty((camera.height, camera.width, 3))
     colour[:] = _sky(weather)
     tags = np.full((camera.height, camera.width), _SKY_CLASS, np.uint8)
-    s, _ = road.locate(mount[0], mount[1])
-    _paint_ground(view, road, s, colour, depth, tags)
+    _paint_ground(eye, bodies[0].z, road, colour, depth, tags)
     if weather.precipitation == "snow":
         colour[np.isfinite(depth)] *= 0.45
         colour[np.isfinite(depth)] += 0.5
     for row in range(1, len(assets)):
-        _paint_box(view, assets[row], rows[row], row + 1, colour, depth, ids)
-    rgb = _lit(colour, depth, view, weather)
+        _paint_box(eye, bodies[row], assets[row].category, row + 1, colour, depth, ids)
+    rgb = _lit(colour, depth, camera, weather)
     tags[ids > 0] = 0
     return Frame(rgb=rgb, depth=depth.astype(np.float32), ids=ids, tags=tags)
 
 
-class _FlatView:
-    """The camera in the world: its origin, its axes, and a ray for every pixel."""
+def _solid(pose: Sequence[float] | Floats, asset: Asset) -> Solid:
+    x, y, z, yaw = map(float, pose)
+    return Solid(x, y, z, yaw, asset.length, asset.width, asset.height)
 
-    def __init__(self, camera: Camera, ego: Sequence[float]) -> None:
-        x, y, z, yaw = ego
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        turn = yaw + math.radians(camera.yaw_deg)
-        ahead, aside = math.cos(turn), math.sin(turn)
-        pitch = math.radians(camera.pitch_deg)
-        down, level = math.sin(pitch), math.cos(pitch)
-        self.width, self.height = camera.width, camera.height
-        self.origin = (
-            x + camera.x * cos - camera.y * sin,
-            y + camera.x * sin + camera.y * cos,
-            z + camera.z,
-        )
-        self.ground = z
-        self.forward = (ahead * level, aside * level, -down)
-        self.right = (aside, -ahead, 0.0)
-        self.down = (-ahead * down, -aside * down, -level)
-        self.focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
-        self.u = (np.arange(camera.width) + 0.5 - 0.5 * camera.width) / self.focal
-        self.v = (np.arange(camera.height) + 0.5 - 0.5 * camera.height) / self.focal
 
-    def rays(self, rows: slice, columns: slice) -> tuple[Floats, Floats, Floats]:
-        """Return x, y and z of rays with unit length along the optical axis."""
-        u, v = self.u[columns][None, :], self.v[rows][:, None]
-        x, y, z = (
-            self.forward[axis] + u * self.right[axis] + v * self.down[axis] for axis in range(3)
-        )
-        return x, y, z
+def tangents(camera: Camera) -> tuple[Floats, Floats]:
+    """Return the tangents of the angles to the optical axis: of columns to the right, and of rows down."""
+    focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
+    u = (np.arange(camera.width, dtype=np.float64) + 0.5 - 0.5 * camera.width) / focal
+    v = (np.arange(camera.height, dtype=np.float64) + 0.5 - 0.5 * camera.height) / focal
+    return u, v
 
-    def window(self, corners: Sequence[tuple[float, float, float]]) -> tuple[slice, slice] | None:
-        """Return the rows and columns that contain all corners, or `None` behind the camera."""
-        us: list[float] = []
-        vs: list[float] = []
-        for corner in corners:
-            offset = [corner[axis] - self.origin[axis] for axis in range(3)]
-            along, across, below = (
-                sum(a * b for a, b in zip(offset, axis, strict=True))
-                for axis in (self.forward, self.right, self.down)
-            )
-            if along >= 0.1:
-                us.append(across / along * self.focal + 0.5 * self.width)
-                vs.append(below / along * self.focal + 0.5 * self.height)
-        if not us:
-            return None
-        if len(us) < len(corners):
-            return slice(0, self.height), slice(0, self.width)
-        left, right = max(0, math.floor(min(us))), min(self.width, math.ceil(max(us)) + 1)
-        top, bottom = max(0, math.floor(min(vs))), min(self.height, math.ceil(max(vs)) + 1)
-        if left >= right or top >= bottom:
-            return None
-        return slice(top, bottom), slice(left, right)
+
+def _rays(eye: Eye, rows: slice, columns: slice) -> tuple[Floats, Floats, Floats]:
+    """Return x, y and z of the rays through pixels, with unit length along the optical axis."""
+    us, vs = tangents(eye.camera)
+    u, v = us[columns][None, :], vs[rows][:, None]
+    x, y, z = (eye.forward[axis] + u * eye.right[axis] + v * eye.down[axis] for axis in range(3))
+    return x, y, z
+
+
+def _window(eye: Eye, body: Solid) -> tuple[slice, slice] | None:
+    """Return the rows and columns that contain a body, or `None` if no pixel does."""
+    outline = eye.silhouette(body)
+    if not outline:
+        return None
+    us, vs = zip(*outline, strict=True)
+    camera = eye.camera
+    left, right = max(0, math.floor(min(us))), min(camera.width, math.ceil(max(us)) + 1)
+    top, bottom = max(0, math.floor(min(vs))), min(camera.height, math.ceil(max(vs)) + 1)
+    return (slice(top, bottom), slice(left, right)) if left < right and top < bottom else None
 
 
 def _paint_ground(
-    view: _FlatView,
+    eye: Eye,
+    height: float,
     road: Corridor,
-    ego_s: float,
     colour: Floats,
     depth: Floats,
     tags: NDArray[np.uint8],
 ) -> None:
-    """Paint the ground plane: grass, road strips and lane marks."""
-    below = view.forward[2] + view.v * view.down[2] < -1e-6
+    """Paint the ground plane at a height: grass, road strips and lane marks."""
+    _, v = tangents(eye.camera)
+    below = eye.forward[2] + v * eye.down[2] < -1e-6
     if not below.any():
         return
-    first = int(below.argmax())
-    rows = slice(first, view.height)
-    x, y, z = view.rays(rows, slice(0, view.width))
-    distance = (view.ground - view.origin[2]) / z * np.ones_like(x)
+    rows = slice(int(below.argmax()), None)
+    x, y, z = _rays(eye, rows, slice(None))
+    distance = (height - eye.place[2]) / z * np.ones_like(x)
     depth[rows] = distance
     codes = np.full(distance.shape, _CODES["grass"], np.uint8)
     near = distance <= _ROAD_VIEW_M
     away = distance[near]
-    ground_x, ground_y = view.origin[0] + x[near] * away, view.origin[1] + y[near] * away
+    ground_x, ground_y = eye.place[0] + x[near] * away, eye.place[1] + y[near] * away
+    ego_s, _ = road.locate(eye.ego.x, eye.ego.y)
     s, t, index = _locate(road, ground_x, ground_y, ego_s)
     codes[near] = _surface(road, s, t, index, away)
     np.take(_PALETTE, codes, axis=0, out=colour[rows])
@@ -286,30 +265,23 @@ def _surface(
 
 
 def _paint_box(
-    view: _FlatView,
-    asset: Asset,
-    pose: Sequence[float],
+    eye: Eye,
+    body: Solid,
+    category: Category,
     identity: int,
     colour: Floats,
     depth: Floats,
     ids: NDArray[np.int32],
 ) -> None:
     """Paint one box at the pixels where it is nearest so far."""
-    x, y, z, yaw = pose
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    halves = (0.5 * asset.length, 0.5 * asset.width, 0.5 * asset.height)
-    corners = [
-        (x + a * cos - b * sin, y + a * sin + b * cos, z + c)
-        for a in (-halves[0], halves[0])
-        for b in (-halves[1], halves[1])
-        for c in (0.0, asset.height)
-    ]
-    window = view.window(corners)
+    window = _window(eye, body)
     if window is None:
         return
-    ray_x, ray_y, ray_z = view.rays(*window)
-    dx, dy = view.origin[0] - x, view.origin[1] - y
-    start = (dx * cos + dy * sin, dy * cos - dx * sin, view.origin[2] - z - halves[2])
+    cos, sin = math.cos(body.yaw), math.sin(body.yaw)
+    halves = (0.5 * body.length, 0.5 * body.width, 0.5 * body.height)
+    ray_x, ray_y, ray_z = _rays(eye, *window)
+    x, y, z = body.local(eye.place)
+    start = (x, y, z - halves[2])
     rays = (ray_x * cos + ray_y * sin, ray_y * cos - ray_x * sin, ray_z)
     enter, leave = np.full(ray_x.shape, -np.inf), np.full(ray_x.shape, np.inf)
     face = np.zeros(ray_x.shape, dtype=np.intp)
@@ -322,10 +294,10 @@ def _paint_box(
     hit = (enter <= leave) & (enter > 0.1) & (enter < depth[window])
     height = start[2] + rays[2] * np.where(hit, enter, 0.0) + halves[2]
     shade = np.array(_SHADES)[face]
-    if asset.category == "vehicle":
-        glass = (height > 0.58 * asset.height) & (height < 0.86 * asset.height) & (face != 2)
+    if category == "vehicle":
+        glass = (height > 0.58 * body.height) & (height < 0.86 * body.height) & (face != 2)
         shade = np.where(glass, 0.35 * shade, shade)
-    picture = shade[..., None] * np.array(_COLOURS[asset.category])
+    picture = shade[..., None] * np.array(_COLOURS[category])
     depth[window][hit] = enter[hit]
     ids[window][hit] = identity
     colour[window][hit] = picture[hit]
@@ -341,14 +313,15 @@ def _sky(weather: Weather) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _lit(colour: Floats, depth: Floats, view: _FlatView, weather: Weather) -> NDArray[np.uint8]:
+def _lit(colour: Floats, depth: Floats, camera: Camera, weather: Weather) -> NDArray[np.uint8]:
     """Return the picture as bytes after daylight, headlights and fog."""
     day = min(max((weather.sun_elevation_deg + 6.0) / 16.0, 0.05), 1.0)
     is_sky = np.isinf(depth)
     if day < 1.0:
         beam = 40.0 / (40.0 + np.where(is_sky, 0.0, depth))
         beam *= beam * beam * 0.75
-        off_axis = np.minimum(np.abs(view.u) / 0.6, 1.0)[None, :]
+        u, _ = tangents(camera)
+        off_axis = np.minimum(np.abs(u) / 0.6, 1.0)[None, :]
         light = np.minimum(1.0, day + (1.0 - day) * beam * (1.0 - 0.8 * off_axis * off_axis))
         colour = colour * np.where(is_sky, day, light)[..., None]
     if weather.fog_visual_range_m < CLEAR_AIR_M:

@@ -50,6 +50,9 @@ The content filter: the question is refused with status 400 (`filtered`), the an
 it is whole and marked as cut by the filter (`flagged`).
 """
 
+_PAUSE_S = 0.02
+"""Seconds between two bytes of a slow server."""
+
 Faults = Callable[[int, Request | None], Fault | None]
 """Called with the index of the request, from 0, and the recognised question."""
 
@@ -101,7 +104,7 @@ class AnsweringServer(Brief):
         self._http: ThreadingHTTPServer | None = None
 
     def __enter__(self) -> Self:
-        self._http = _Server(("127.0.0.1", 0), _handler(self))
+        self._http = _Server(self)
         threading.Thread(target=self._http.serve_forever, args=(0.02,), daemon=True).start()
         return self
 
@@ -161,6 +164,10 @@ class AnsweringServer(Brief):
 class _Server(ThreadingHTTPServer):
     request_queue_size = 128
 
+    def __init__(self, answering: AnsweringServer) -> None:
+        self.answering = answering
+        super().__init__(("127.0.0.1", 0), _Handler)
+
 
 class _Announcing:
     """Announces each question to the server before the client sends it."""
@@ -204,106 +211,103 @@ def _content(message: dict[str, Any]) -> tuple[str, list[bytes]]:
     return "\n".join(texts), images
 
 
-def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
-    class Handler(BaseHTTPRequestHandler):
-        def do_POST(self) -> None:
-            body = json.loads(self.rfile.read(int(self.headers["content-length"])))
-            if self.path != "/v1/chat/completions":
-                return self._error(404, f"there is no {self.path} here")
-            try:
-                pictures = [image for message in body["messages"] for image in _content(message)[1]]
-            except (ValueError, KeyError, TypeError) as error:
-                return self._error(400, f"unreadable messages: {error}")
-            headers = {name.lower(): value for name, value in self.headers.items()}
-            headers = {k: v for k, v in headers.items() if k not in ("authorization", "api-key")}
-            received = Received(body, headers, tuple(pictures))
-            index = server.record(received)
-            request = server.recognise(received)
-            fault = server.fault(index, request)
-            if fault is not None and fault in get_args(ResponseFault):
-                return self._misbehave(fault)
-            if request is None:
-                return self._error(400, "this conversation was not announced, or arrived changed")
-            try:
-                text = server.llm.complete(request).text
-            except LLMError as error:
-                return self._error(400, str(error))
-            ending = "content_filter" if fault in ("withheld", "flagged") else "stop"
-            spoilt = _spoil(text, fault)
-            document = _chat_completion(body["model"], body["messages"], spoilt, ending)
-            if fault == "cut":
-                return self._send(200, document, announced=len(document) + 999)
-            return self._send(200, document)
+class _Handler(BaseHTTPRequestHandler):
+    """Answers one connection, or misbehaves as the faults say."""
 
-        def _misbehave(self, fault: str) -> None:
-            if fault == "http429":
-                self._error(429, "slow down", {"retry-after": "7"})
-            elif fault.startswith("http"):
-                self._error(int(fault[4:]), "injected fault")
-            elif fault == "filtered":
-                self._error(400, "rejected by our safety system", code="content_policy_violation")
-            elif fault == "html":
-                self._send(200, b"<!doctype html><html><body>Bad gateway</body></html>")
-            elif fault == "empty":
-                self._send(200, b"")
-            elif fault == "packed":
-                self._send(200, gzip.compress(b" " * 50_000_000), {"content-encoding": "gzip"})
-            elif fault == "redirect":
-                elsewhere = server.api_base.replace("127.0.0.1", "localhost")
-                self._send(307, b"", {"location": f"{elsewhere}/chat/completions"})
-            elif fault == "processing":
-                self._pour(b"", b"HTTP/1.1 102 Processing\r\n\r\n", _PAUSE_S)
-            elif fault == "slow_head":
-                self._pour(b"HTTP/1.1 200 OK\r\nx-slow: ", b"a", _PAUSE_S)
-            elif fault in ("slow", "huge"):
-                head = b"HTTP/1.1 200 OK\r\ncontent-type: application/json\r\n\r\n"
-                slow = fault == "slow"
-                self._pour(head, b" " if slow else b" " * 65_536, _PAUSE_S if slow else 0.0)
-            self.close_connection = True
+    server: "_Server"
 
-        def _pour(self, head: bytes, piece: bytes, pause_s: float) -> None:
-            """Send pieces until the client disconnects."""
-            try:
-                self.wfile.write(head)
-                while True:
-                    self.wfile.write(piece)
-                    time.sleep(pause_s)
-            except OSError:
-                return
+    def do_POST(self) -> None:
+        body = json.loads(self.rfile.read(int(self.headers["content-length"])))
+        if self.path != "/v1/chat/completions":
+            return self._error(404, f"there is no {self.path} here")
+        try:
+            pictures = [image for message in body["messages"] for image in _content(message)[1]]
+        except (ValueError, KeyError, TypeError) as error:
+            return self._error(400, f"unreadable messages: {error}")
+        headers = {name.lower(): value for name, value in self.headers.items()}
+        headers = {k: v for k, v in headers.items() if k not in ("authorization", "api-key")}
+        server, received = self.server.answering, Received(body, headers, tuple(pictures))
+        index = server.record(received)
+        request = server.recognise(received)
+        fault = server.fault(index, request)
+        if fault is not None and fault in get_args(ResponseFault):
+            return self._misbehave(fault)
+        if request is None:
+            return self._error(400, "this conversation was not announced, or arrived changed")
+        try:
+            text = server.llm.complete(request).text
+        except LLMError as error:
+            return self._error(400, str(error))
+        ending = "content_filter" if fault in ("withheld", "flagged") else "stop"
+        spoilt = _spoil(text, fault)
+        document = _chat_completion(body["model"], body["messages"], spoilt, ending)
+        if fault == "cut":
+            return self._send(200, document, announced=len(document) + 999)
+        return self._send(200, document)
 
-        def _error(
-            self,
-            status: int,
-            message: str,
-            headers: dict[str, str] | None = None,
-            code: str | None = None,
-        ) -> None:
-            document = {"error": {"message": message, "type": "injected", "code": code or status}}
-            self._send(status, json.dumps(document).encode(), headers)
+    def _misbehave(self, fault: str) -> None:
+        if fault == "http429":
+            self._error(429, "slow down", {"retry-after": "7"})
+        elif fault.startswith("http"):
+            self._error(int(fault[4:]), "injected fault")
+        elif fault == "filtered":
+            self._error(400, "rejected by our safety system", code="content_policy_violation")
+        elif fault == "html":
+            self._send(200, b"<!doctype html><html><body>Bad gateway</body></html>")
+        elif fault == "empty":
+            self._send(200, b"")
+        elif fault == "packed":
+            self._send(200, gzip.compress(b" " * 50_000_000), {"content-encoding": "gzip"})
+        elif fault == "redirect":
+            elsewhere = self.server.answering.api_base.replace("127.0.0.1", "localhost")
+            self._send(307, b"", {"location": f"{elsewhere}/chat/completions"})
+        elif fault == "processing":
+            self._pour(b"", b"HTTP/1.1 102 Processing\r\n\r\n", _PAUSE_S)
+        elif fault == "slow_head":
+            self._pour(b"HTTP/1.1 200 OK\r\nx-slow: ", b"a", _PAUSE_S)
+        elif fault in ("slow", "huge"):
+            head = b"HTTP/1.1 200 OK\r\ncontent-type: application/json\r\n\r\n"
+            slow = fault == "slow"
+            self._pour(head, b" " if slow else b" " * 65_536, _PAUSE_S if slow else 0.0)
+        self.close_connection = True
 
-        def _send(
-            self,
-            status: int,
-            body: bytes,
-            headers: dict[str, str] | None = None,
-            announced: int | None = None,
-        ) -> None:
-            self.send_response(status)
-            for name, value in (headers or {}).items():
-                self.send_header(name, value)
-            self.send_header("content-type", "application/json")
-            self.send_header("content-length", str(len(body) if announced is None else announced))
-            self.end_headers()
-            self.wfile.write(body)
+    def _pour(self, head: bytes, piece: bytes, pause_s: float) -> None:
+        """Send pieces until the client disconnects."""
+        try:
+            self.wfile.write(head)
+            while True:
+                self.wfile.write(piece)
+                time.sleep(pause_s)
+        except OSError:
+            return
 
-        def log_message(self, format: str, *args: Any) -> None:
-            """Suppress the log."""
+    def _error(
+        self,
+        status: int,
+        message: str,
+        headers: dict[str, str] | None = None,
+        code: str | None = None,
+    ) -> None:
+        document = {"error": {"message": message, "type": "injected", "code": code or status}}
+        self._send(status, json.dumps(document).encode(), headers)
 
-    return Handler
+    def _send(
+        self,
+        status: int,
+        body: bytes,
+        headers: dict[str, str] | None = None,
+        announced: int | None = None,
+    ) -> None:
+        self.send_response(status)
+        for name, value in (headers or {}).items():
+            self.send_header(name, value)
+        self.send_header("content-type", "application/json")
+        self.send_header("content-length", str(len(body) if announced is None else announced))
+        self.end_headers()
+        self.wfile.write(body)
 
-
-_PAUSE_S = 0.02
-"""Seconds between two bytes of a slow server."""
+    def log_message(self, format: str, *args: Any) -> None:
+        """Suppress the log."""
 
 
 def _spoil(text: str, fault: Fault | None) -> str | None:

@@ -1,7 +1,7 @@
 """Checks, on rendered frames, that a simulator shows a scene as specified."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -16,11 +16,15 @@ from oodscen.driving._sight.visibility import Eye
 from oodscen.errors import Issue, SceneError
 from oodscen.protocols import Camera, Frame, Simulator, camera_for
 from oodscen.stages._simulate import Simulated, simulate
+from oodscen.testing._flat import tangents
+from oodscen.testing._kit.shapes import depths, share_inside
 
 FOGGY_M = 400.0
 """Visual range below which it is measured, m."""
 RANGE_TOLERANCE = 0.2
 """Relative tolerance between the measured and the configured visual range."""
+OVERCAST = 0.9
+"""Cloud cover under which contrast is measured."""
 PLACE_M = 0.75
 """Maximum distance between an actor's start and its placement, m."""
 
@@ -31,7 +35,6 @@ _LEAST_STEP = 3.0
 _LEAST_STEPS = 60
 """Minimum number of such steps per bin."""
 _LEAST_RATIO = 0.05
-_OVERCAST = 0.9
 _DAYLIGHT_DEG = 10.0
 _LEAST_PX = 40
 _MARGIN_PX = 4.0
@@ -94,9 +97,7 @@ def measured_visual_range(frame: Frame, clear: Frame, camera: Camera) -> float |
     Returns:
         `None` if the frames have too little contrast.
     """
-    focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
-    u = (np.arange(camera.width) + 0.5 - 0.5 * camera.width) / focal
-    v = (np.arange(camera.height) + 0.5 - 0.5 * camera.height) / focal
+    u, v = tangents(camera)
     away = np.where(np.isfinite(frame.depth), frame.depth, 0.0)
     distance = away * np.sqrt(1.0 + u[None, :] ** 2 + v[:, None] ** 2)
     grey, clear_grey = (one.rgb.astype(np.float64).mean(axis=2) for one in (frame, clear))
@@ -128,6 +129,20 @@ def measured_visual_range(frame: Frame, clear: Frame, camera: Camera) -> float |
         np.average((x - x_mean) ** 2, weights=w)
     )
     return -math.log(20.0) / slope if slope < 0.0 else math.inf
+
+
+def fog_fault(wanted: float, camera: Camera, seen: Callable[[float], Frame]) -> str:
+    """Return how a fog differs from its visual range in m, or an empty string.
+
+    Args:
+        wanted: The visual range of the scene, m.
+        camera: The camera of the frames.
+        seen: Returns the frame of the same state with a visual range.
+    """
+    found = measured_visual_range(seen(wanted), seen(CLEAR_AIR_M), camera)
+    if found is None or abs(found - wanted) <= RANGE_TOLERANCE * wanted:
+        return ""
+    return f"the visual range is {found:.0f} m in the frame, {wanted:.0f} m in the scene"
 
 
 def _misplaced(scene: Scene, corridor: Corridor, cast: tuple[PlacedBody, ...]) -> list[Issue]:
@@ -165,17 +180,13 @@ def _unlike(
             if not outline:
                 issues[body.id] = Issue(path, f"{body} is behind the camera, yet shown {where}")
                 continue
-            rows, columns = np.nonzero(mask)
-            us, vs = [u for u, _ in outline], [v for _, v in outline]
-            inside = (columns + 1.0 > min(us) - _MARGIN_PX) & (columns < max(us) + _MARGIN_PX)
-            inside &= (rows + 1.0 > min(vs) - _MARGIN_PX) & (rows < max(vs) + _MARGIN_PX)
-            if inside.mean() < 0.9:
+            if share_inside(mask, outline, _MARGIN_PX) < 0.9:
                 issues[body.id] = Issue(path, f"{body} is shown beside its place {where}")
                 continue
-            depths = [eye.to_camera(corner)[2] for corner in body.solid.corners()]
+            low, high = depths(eye, body.solid)
             depth = float(np.median(frame.depth[mask]))
-            if not min(depths) - 0.5 <= depth <= max(depths) + 0.5:
-                what = f"{body} has a depth of {depth:.1f} m {where}, not {min(depths):.1f} m"
+            if not low - 0.5 <= depth <= high + 0.5:
+                what = f"{body} has a depth of {depth:.1f} m {where}, not {low:.1f} m"
                 issues[body.id] = Issue(path, what)
     return list(issues.values())
 
@@ -212,15 +223,13 @@ def _fog(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> list[
     """Measure the visual range of the scene's fog alone, at its start on an overcast day."""
     wanted = scene.weather.fog_visual_range_m
     sun = max(scene.weather.sun_elevation_deg, _DAYLIGHT_DEG)
-    frames = []
-    for visual_range in (wanted, CLEAR_AIR_M):
+
+    def seen(visual_range: float) -> Frame:
         weather = Weather(
-            fog_visual_range_m=visual_range, cloud_cover=_OVERCAST, sun_elevation_deg=sun
+            fog_visual_range_m=visual_range, cloud_cover=OVERCAST, sun_elevation_deg=sun
         )
         state = simulator.reset(scene.model_copy(update={"weather": weather}), seed)
-        frames.append(render_checked(simulator, camera, len(state.ids)))
-    found = measured_visual_range(frames[0], frames[1], camera)
-    if found is None or abs(found - wanted) <= RANGE_TOLERANCE * wanted:
-        return []
-    message = f"the visual range is {found:.0f} m in the frame, {wanted:.0f} m in the scene"
-    return [Issue("weather.fog_visual_range_m", message)]
+        return render_checked(simulator, camera, len(state.ids))
+
+    fault = fog_fault(wanted, camera, seen)
+    return [Issue("weather.fog_visual_range_m", fault)] if fault else []

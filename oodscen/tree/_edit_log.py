@@ -125,6 +125,11 @@ class EditLog:
                 growth._cut(version)
             return growth, issues
 
+    def copy(self, version: int) -> "EditLog":
+        """Return a copy of the index of the first `version` edits."""
+        with self._lock:
+            return self._fork(version)
+
     def at(self, version: int) -> "EditLog":
         """Return the index of the first `version` edits: this one, or a copy."""
         with self._lock:
@@ -145,6 +150,20 @@ class EditLog:
                 )
                 self._is_ordered = True
             return tuple(self.nodes.values())
+
+    def at_or_below(self, node_id: str) -> list[str]:
+        """Return the ids of a node and its descendants, parents first."""
+        found = [node_id]
+        for name in found:
+            found += sorted(self._children.get(name, ()), key=self.born.__getitem__)
+        return found
+
+    def removed(self, node_id: str) -> Node | None:
+        """Return a node as it was before it was last removed."""
+        for edit, before in zip(reversed(self.log), reversed(self.before), strict=True):
+            if edit.op == "remove" and edit.node == node_id:
+                return before
+        return None
 
     def free_id(self, base: str, version: int) -> str:
         """Return an id that none of the first `version` edits has used."""

@@ -207,6 +207,10 @@ class ScenarioTree:
         """Yield every edit with the tree after it, starting with the first."""
         return replay(self)
 
+    def _edit_log(self) -> EditLog:
+        """Return a copy of the index of this tree's edits, for trying further ones."""
+        return self._index.copy(self._version)
+
     def before(self, index: int) -> Node | None:
         """Return the state of an edit's node before that edit; `None` if the node did not exist.
 

@@ -1,7 +1,7 @@
 """The remote procedures of CARLA 0.9.16 that this server answers; all others are refused by name."""
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from oodscen.errors import OodscenError
 from oodscen_carla._weather import WeatherParameters
@@ -10,7 +10,8 @@ from oodscen_carla.server._actors import ZERO, Actor, VehicleControl, WalkerCont
 from oodscen_carla.server._blueprints import CAMERAS
 from oodscen_carla.server._commands import run_batch
 from oodscen_carla.server._geometry import rotated
-from oodscen_carla.server._sensors import WORLD_STREAM, checked_camera
+from oodscen_carla.server._sensors import checked_camera
+from oodscen_carla.server._streams import WORLD_STREAM, Streams
 from oodscen_carla.server._values import CallError, Transform
 from oodscen_carla.server._world import SPECTATOR_ID, World
 
@@ -18,42 +19,19 @@ VERSION = "0.9.16"
 """The version of CARLA whose protocol the server speaks."""
 
 WITHOUT_EFFECT = frozenset(
-    {
-        *("draw_debug_shape", "set_actor_enable_gravity", "set_actor_collisions", "set_actor_dead"),
-        *("apply_physics_control", "set_wheel_steer_direction", "show_vehicle_debug_telemetry"),
-        *("freeze_all_traffic_lights", "reset_all_traffic_lights", "update_lights_state"),
-        *(
-            "set_actor_autopilot",
-            "enable_environment_objects",
-            "set_annotations_traverse_translucency",
-        ),
-        *("set_pedestrians_cross_factor", "set_pedestrians_seed", "enable_sensor_for_ros"),
-        *("disable_sensor_for_ros", "set_replayer_time_factor", "update_day_night_cycle"),
-    }
+    "apply_physics_control disable_sensor_for_ros draw_debug_shape enable_environment_objects "
+    "enable_sensor_for_ros freeze_all_traffic_lights reset_all_traffic_lights set_actor_autopilot "
+    "set_actor_collisions set_actor_dead set_actor_enable_gravity "
+    "set_annotations_traverse_translucency set_pedestrians_cross_factor set_pedestrians_seed "
+    "set_replayer_time_factor set_wheel_steer_direction show_vehicle_debug_telemetry "
+    "update_day_night_cycle update_lights_state".split()
 )
 """Calls that are accepted and change nothing."""
 EMPTY = frozenset(
-    {
-        *("get_required_files", "get_all_level_BBs", "get_environment_objects", "cast_ray"),
-        *("get_names_of_all_objects", "query_lights_state", "get_light_boxes"),
-        *("get_group_traffic_lights",),
-    }
+    "cast_ray get_all_level_BBs get_environment_objects get_group_traffic_lights get_light_boxes "
+    "get_names_of_all_objects get_required_files query_lights_state".split()
 )
 """Calls whose answer is an empty list, because the served world has none of these things."""
-
-
-class Streams(Protocol):
-    """The part of the listener that calls need."""
-
-    def token(self, stream: int) -> bytes:
-        """Return the token by which a client finds a stream."""
-        ...
-
-    def expect(self, stream: int) -> None:
-        """Let the next tick wait until a client listens to this stream."""
-
-    def drop(self, stream: int) -> None:
-        """End a stream."""
 
 
 class Calls:
@@ -210,8 +188,15 @@ class Calls:
         return actor.row(self._streams.token(actor.id) if actor.is_sensor else b"")
 
     def find(self, number: Any, doing: str) -> Actor:
-        """Return the actor that a call changes."""
-        return self._world.actor(read.whole(number), doing)
+        """Return an actor.
+
+        Raises:
+            CallError: If there is none.
+        """
+        actor = self._world.actors.get(read.whole(number))
+        if actor is None:
+            raise CallError(f"unable to {doing}: actor {number} not found")
+        return actor
 
     def _own(self, number: Any, doing: str) -> Actor:
         actor = self.find(number, doing)
@@ -240,7 +225,7 @@ class Calls:
         given, actor = read.vector(velocity), self.find(number, "set target velocity")
         ahead = rotated(given, -actor.place.rotation[1])[0]
         if actor.staged == "ego" and self._world.staged is not None:
-            self._world.staged.alter(speed=ahead)
+            self._world.staged.world.alter(speed=ahead)
             return
         actor = self._own(number, "set target velocity")
         actor.velocity = given
@@ -277,9 +262,8 @@ class Calls:
 
     def rpc_apply_control_to_walker(self, number: Any, control: Any) -> None:
         direction, speed, jump = read.items(control, "a walker's control", 3)
-        actor = self._own(number, "apply control")
         walk = WalkerControl(read.vector(direction), read.number(speed), read.flag(jump))
-        actor.walk = walk
+        self._own(number, "apply control").walk = walk
 
     def rpc_set_vehicle_light_state(self, number: Any, state: Any) -> None:
         value = state[0] if isinstance(state, list) and state else state
@@ -300,9 +284,9 @@ class Calls:
         x, y, z = read.vector(start)
         reach = read.number(distance)
         found = self._world.map.ground(x, -y)
-        road = 1
         if read.vector(direction)[2] < -0.9 and found is not None and 0.0 <= z - found[0] <= reach:
-            return [True, [[x, y, found[0]], road]]
+            road_tag = 1
+            return [True, [[x, y, found[0]], road_tag]]
         return [False, [list(ZERO), 0]]
 
     def rpc_apply_batch(self, commands: Any, ticks: Any) -> list[Any]:

@@ -8,7 +8,6 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 import msgpack
@@ -18,13 +17,11 @@ from oodscen_carla.server._calls import Calls, failed
 from oodscen_carla.server._cameras import CameraRenderer
 from oodscen_carla.server._faults import Faults
 from oodscen_carla.server._messages import MemoryPool, MessageReader, ProtocolError
-from oodscen_carla.server._sensors import WORLD_STREAM, SensorSender
+from oodscen_carla.server._sensors import SensorSender
+from oodscen_carla.server._streams import WORLD_STREAM, Streams, end, limit_sends
 from oodscen_carla.server._world import World
 
 MAX_CLIENTS = 64
-MAX_STREAMS = 512
-STALL_S = 5.0
-"""Time after which a client that does not read is disconnected, s."""
 AWAIT_S = 1.0
 """Maximum time that a tick waits for a stream whose token was just asked for, s."""
 FREE_RUN_S = 0.05
@@ -62,7 +59,7 @@ class Listener:
         self._heard = threading.Condition(self._lock)
         self._faults = faults or Faults()
         self._log = log or (lambda line: None)
-        self._streams = _Streams(self._heard)
+        self._streams = Streams(self._heard)
         self._sender = SensorSender(world, studio, self._streams)
         self._calls = Calls(world, self._streams, self._tick, self._log)
         self._pool = MemoryPool()
@@ -84,7 +81,7 @@ class Listener:
         """End all connections."""
         self._is_closed = True
         for one in (*self._sockets, *self._clients):
-            _end(one)
+            end(one)
         self._streams.close()
 
     # ------------------------------------------------------------------ ticks
@@ -131,9 +128,9 @@ class Listener:
         with self._lock:
             if len(self._clients) >= MAX_CLIENTS:
                 self._log(f"refused a connection: {MAX_CLIENTS} are open")
-                return _end(connection)
+                return end(connection)
             self._clients.add(connection)
-        _limit_sends(connection)
+        limit_sends(connection)
         reader = MessageReader(self._pool)
         try:
             while data := connection.recv(1 << 16):
@@ -145,7 +142,7 @@ class Listener:
             pass
         finally:
             reader.close()
-            _end(connection)
+            end(connection)
             with self._lock:
                 self._clients.discard(connection)
                 if not self._clients and not self._is_closed:
@@ -184,7 +181,7 @@ class Listener:
             return failed(f"the server failed in {method}: {type(error).__name__}")
 
     def _serve_stream(self, connection: socket.socket) -> None:
-        _limit_sends(connection)
+        limit_sends(connection)
         try:
             asked = connection.recv(4, socket.MSG_WAITALL)
             if len(asked) == 4:
@@ -203,78 +200,7 @@ class Listener:
         finally:
             with self._lock:
                 self._streams.remove(connection)
-            _end(connection)
-
-
-class _Streams:
-    """The connections that listen to streams; calls hold the listener's lock."""
-
-    def __init__(self, heard: threading.Condition) -> None:
-        self._heard = heard
-        self._open: dict[int, list[socket.socket]] = {}
-        self._expected: set[int] = set()
-        self.host = "127.0.0.1"
-        self.port = 0
-
-    def token(self, stream: int) -> bytes:
-        """Return the token by which a client finds a stream."""
-        tcp = v4 = 1
-        return struct.pack("<IHBB16s", stream, self.port, tcp, v4, socket.inet_aton(self.host))
-
-    def expect(self, stream: int) -> None:
-        """Let the next tick wait until a client listens to this stream."""
-        if len(self._expected) < MAX_STREAMS:
-            self._expected.add(stream)
-
-    def is_complete(self) -> bool:
-        """Return whether every expected stream is heard."""
-        return all(stream in self._open for stream in self._expected)
-
-    def forget_expected(self) -> None:
-        """Expect no stream any longer."""
-        self._expected.clear()
-
-    def is_heard(self, stream: int) -> bool:
-        """Return whether a client listens."""
-        return stream in self._open
-
-    def add(self, stream: int, connection: socket.socket) -> bool:
-        """Let a connection listen to a stream; false if there are too many."""
-        if sum(map(len, self._open.values())) >= MAX_STREAMS:
-            return False
-        self._open.setdefault(stream, []).append(connection)
-        self._heard.notify_all()
-        return True
-
-    def remove(self, connection: socket.socket) -> None:
-        """Forget a connection."""
-        for stream, listeners in list(self._open.items()):
-            if connection in listeners:
-                listeners.remove(connection)
-                if not listeners:
-                    del self._open[stream]
-
-    def drop(self, stream: int) -> None:
-        """End a stream."""
-        self._expected.discard(stream)
-        for connection in self._open.pop(stream, []):
-            _end(connection)
-
-    def send(self, stream: int, *parts: bytes | memoryview) -> None:
-        """Send one message; a connection that does not read in time is ended."""
-        length = struct.pack("<I", sum(len(part) for part in parts))
-        message = (b"".join([length, *parts[:-1]]), parts[-1])
-        for connection in list(self._open.get(stream, ())):
-            try:
-                _send_both(connection, *message)
-            except OSError:
-                self.remove(connection)
-                _end(connection)
-
-    def close(self) -> None:
-        """End all streams."""
-        for stream in list(self._open):
-            self.drop(stream)
+            end(connection)
 
 
 def _listening(host: str, port: int) -> tuple[socket.socket, socket.socket]:
@@ -301,28 +227,6 @@ def _listening(host: str, port: int) -> tuple[socket.socket, socket.socket]:
                     f"cannot listen on {host}, ports {port} and {port + 1}: {error}"
                 ) from None
     raise UsageError(f"cannot find two free ports on {host}")
-
-
-def _send_both(connection: socket.socket, first: bytes, last: bytes | memoryview) -> None:
-    """Send two buffers, so that the peer wakes once."""
-    sent = connection.sendmsg((first, last))
-    if sent < len(first):
-        connection.sendall(first[sent:])
-    if sent < len(first) + len(last):
-        connection.sendall(memoryview(last)[max(0, sent - len(first)) :])
-
-
-def _limit_sends(connection: socket.socket) -> None:
-    """Let `sendall` fail on a peer that does not read; receiving may take for ever."""
-    seconds, microseconds = int(STALL_S), int(STALL_S % 1 * 1e6)
-    timeout = struct.pack("ll", seconds, microseconds)
-    connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, timeout)
-
-
-def _end(connection: socket.socket) -> None:
-    with suppress(OSError):
-        connection.shutdown(socket.SHUT_RDWR)
-    connection.close()
 
 
 def _thread(target: Callable[..., None], *arguments: Any) -> None:

@@ -1,7 +1,6 @@
 """Sends what the sensors of the served world measure in a tick."""
 
 import math
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,28 +10,16 @@ from oodscen_carla.server import _measurements as wire
 from oodscen_carla.server._actors import Actor
 from oodscen_carla.server._blueprints import CAMERAS
 from oodscen_carla.server._cameras import Body, CameraRenderer, Shot
+from oodscen_carla.server._streams import WORLD_STREAM, Streams
 from oodscen_carla.server._values import CallError, Description, Transform
 from oodscen_carla.server._world import World
 
 MAX_SIDE = 4096
 """Maximum pixels along a side of a picture."""
 MAX_PIXELS = 4_000_000
-WORLD_STREAM = 1
-"""Stream of the world's state; a sensor's stream has the number of the sensor."""
 
 Picture = tuple[Frame, NDArray[np.int32], NDArray[np.uint8]]
 """A frame, and the actor's id and semantic tag for each of its ids."""
-
-
-class Sink(Protocol):
-    """Takes the bytes of a stream."""
-
-    def is_heard(self, stream: int) -> bool:
-        """Return whether a client listens."""
-        ...
-
-    def send(self, stream: int, *parts: bytes | memoryview) -> None:
-        """Send one message."""
 
 
 def checked_camera(what: Description) -> None:
@@ -56,23 +43,23 @@ def checked_camera(what: Description) -> None:
 class SensorSender:
     """Takes every picture once per mount, for all kinds of camera that hang there."""
 
-    def __init__(self, world: World, studio: CameraRenderer, sink: Sink) -> None:
-        self._world, self._studio, self._sink = world, studio, sink
+    def __init__(self, world: World, studio: CameraRenderer, streams: Streams) -> None:
+        self._world, self._studio, self._streams = world, studio, streams
 
     def observe(self, dt: float) -> None:
         """Send the state of all actors."""
-        if self._sink.is_heard(WORLD_STREAM):
+        if self._streams.is_heard(WORLD_STREAM):
             world = self._world
             rows = [(actor, world.place_of(actor)) for actor in world.actors.values()]
             state = wire.world_state(world.frame, world.time, dt, world.episode, rows)
-            self._sink.send(WORLD_STREAM, state)
+            self._streams.send(WORLD_STREAM, state)
 
     def sense(self) -> None:
         """Send the measurements of all sensors that a client listens to."""
         taken: dict[object, Picture] = {}
         bodies: list[Body] | None = None
         for actor in list(self._world.actors.values()):
-            if not (actor.is_sensor and self._sink.is_heard(actor.id) and self._is_due(actor)):
+            if not (actor.is_sensor and self._streams.is_heard(actor.id) and self._is_due(actor)):
                 continue
             if actor.type_id in CAMERAS:
                 bodies = self._world.bodies() if bodies is None else bodies
@@ -98,7 +85,7 @@ class SensorSender:
         place = self._world.place_of(actor)
         kind = wire.REGISTRY[actor.type_id]
         head = wire.header(kind, self._world.frame, self._world.time, place)
-        self._sink.send(actor.id, head, *parts)
+        self._streams.send(actor.id, head, *parts)
 
     def _picture(
         self,
@@ -137,7 +124,7 @@ class SensorSender:
         world = self._world
         listening: dict[int, list[Actor]] = {}
         for actor in world.actors.values():
-            if actor.type_id == "sensor.other.collision" and self._sink.is_heard(actor.id):
+            if actor.type_id == "sensor.other.collision" and self._streams.is_heard(actor.id):
                 listening.setdefault(actor.parent, []).append(actor)
         for car, other in world.collisions if listening else ():
             for sensor in listening.get(car.id, ()):

@@ -27,7 +27,7 @@ from oodscen_carla.server._collisions import collide
 from oodscen_carla.server._geometry import mounted, overlap, rotated
 from oodscen_carla.server._kinematics import Surface, move
 from oodscen_carla.server._roads import ServedMap
-from oodscen_carla.server._staging import HERO, StagedScene, carla_place
+from oodscen_carla.server._staging import HERO, ServedScene, carla_place
 from oodscen_carla.server._values import CallError, Description, Transform, WorldSettings
 
 STEP = 0.05
@@ -78,7 +78,7 @@ class World:
         self.settings = WorldSettings()
         self.weather = WeatherParameters()
         self._has_own_weather = True
-        self.staged: StagedScene | None = None
+        self.staged: ServedScene | None = None
         self.collisions: list[tuple[Actor, Actor]] = []
         """Pairs of a vehicle and what it touches in this tick."""
         self.map: ServedMap
@@ -124,7 +124,7 @@ class World:
         staged = None
         if short in self.scenes:
             scene = self.scenes[short]
-            staged = StagedScene(scene, self.catalogue, self.seed)
+            staged = ServedScene(scene, self.catalogue, self.seed)
             found = ServedMap.of(find_map(scene.map, self.catalogue), short)
         elif short == "OpenDriveMap" and self._received is not None:
             found = self._received
@@ -142,14 +142,15 @@ class World:
         if staged is not None:
             self._insert_bodies(staged)
 
-    def _insert_bodies(self, staged: StagedScene) -> None:
+    def _insert_bodies(self, staged: ServedScene) -> None:
         """Insert the bodies of a staged scene."""
-        for body in staged.bodies():
-            role = HERO if body.name == "ego" else body.name
-            blueprint = self.library[own_id(body.asset)]
-            attributes = (("role_name", role), ("state", body.state))
-            actor = self._insert(blueprint, Transform(ZERO, ZERO), attributes)
-            actor.staged = body.name
+        for name, asset, state in staged.world.bodies():
+            role = HERO if name == "ego" else name
+            blueprint = self.library[own_id(asset)]
+            given = (("role_name", STRING, role), ("state", STRING, state))
+            what = Description(0, blueprint.id, given)
+            actor = self._add(Actor(self._next, what, blueprint, Transform(ZERO, ZERO)))
+            actor.staged = name
         self._sync_staged_actors()
 
     def leave(self) -> list[int]:
@@ -168,7 +169,7 @@ class World:
         """Change the weather; in a staged scene its wetness is the road's friction, too."""
         self.weather, self._has_own_weather = weather, True
         if self.staged is not None:
-            self.staged.alter(friction=self.friction)
+            self.staged.world.alter(friction=self.friction)
 
     @property
     def friction(self) -> float:
@@ -244,12 +245,6 @@ class World:
                     raise CallError("Spawn failed because of collision at spawn position")
         return self._add(Actor(self._next, what, blueprint, place, parent))
 
-    def _insert(
-        self, blueprint: Blueprint, place: Transform, attributes: Sequence[tuple[str, str]] = ()
-    ) -> Actor:
-        given = tuple((name, STRING, value) for name, value in attributes)
-        return self._add(Actor(self._next, Description(0, blueprint.id, given), blueprint, place))
-
     def _add(self, actor: Actor) -> Actor:
         self._next += 1
         actor.born = self.time
@@ -267,16 +262,6 @@ class World:
                 gone.append(actor)
                 waiting += [child.id for child in self.actors.values() if child.parent == actor.id]
         return gone
-
-    def actor(self, number: int, doing: str = "find actor") -> Actor:
-        """Return an actor.
-
-        Raises:
-            CallError: If there is none.
-        """
-        if number not in self.actors:
-            raise CallError(f"unable to {doing}: actor {number} not found")
-        return self.actors[number]
 
     def place_of(self, actor: Actor) -> Transform:
         """Return an actor's place in the world."""
@@ -303,11 +288,9 @@ class World:
                 place = self.place_of(actor)
                 x, y, z = place.location
                 yaw = -math.radians(place.rotation[1])
-                acceleration = (
-                    min(actor.acceleration_along, _BRAKING)
-                    if actor.lights & _BRAKE
-                    else actor.acceleration_along
-                )
+                acceleration = actor.acceleration_along
+                if actor.lights & _BRAKE:
+                    acceleration = min(acceleration, _BRAKING)
                 pose, speed = (x, -y, z, yaw), actor.speed
                 name, state = name_of(actor), _state(actor, asset.states)
             found.append(Body(actor.id, name, asset, state, pose, speed, acceleration))
@@ -316,18 +299,10 @@ class World:
     def _staged_rows(self) -> dict[str, tuple[Any, float, float]]:
         if self.staged is None:
             return {}
-        staged = self.staged
-        rows = zip(
-            staged.bodies(),
-            staged.poses().tolist(),
-            staged.speeds().tolist(),
-            staged.accelerations().tolist(),
-            strict=True,
-        )
-        return {
-            body.name: (tuple(pose), speed, acceleration)
-            for body, pose, speed, acceleration in rows
-        }
+        world = self.staged.world
+        poses = map(tuple, world.poses().tolist())
+        rows = zip(poses, world.speeds().tolist(), world.accelerations().tolist(), strict=True)
+        return dict(zip(world.ids, rows, strict=True))
 
     # ------------------------------------------------------------------ time
 
@@ -348,7 +323,7 @@ class World:
         in which it was placed count.
         """
         if self.staged is not None:
-            return self.staged.time
+            return self.staged.world.time
         if host is not None and not host.has_physics and host.placings:
             return round((host.placings - 1) * self.step, 6)
         return round(self.time - host.born, 6) if host else 0.0
@@ -375,7 +350,7 @@ class World:
             if self.is_synchronous or control is not None:
                 self.staged.advance(dt, control)
                 self._sync_staged_actors()
-        touched = self.staged.touched() if self.staged else frozenset()
+        touched = frozenset(self.staged.world.state().contacts if self.staged else ())
         self.collisions = collide(self.actors.values(), before, touched)
 
     def _sync_staged_actors(self) -> None:

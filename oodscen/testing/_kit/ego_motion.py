@@ -5,8 +5,8 @@ import numpy as np
 from oodscen.protocols import Control
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
-from oodscen.testing._kit.samples import follow_lane
-from oodscen.testing._kit.tracks import both, constantly, start_fault, turned_by
+from oodscen.testing._kit.samples import constantly, follow_lane
+from oodscen.testing._kit.tracks import both, start_fault, turned_by
 
 CONTROL = 0.2
 """Relative tolerance of the ego's change of speed and of heading under a constant control."""

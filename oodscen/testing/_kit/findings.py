@@ -1,7 +1,7 @@
 """Findings of the conformance check, and their report."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
@@ -64,11 +64,6 @@ def _line(part: str, group: list[Finding]) -> str:
         counted = f"{len(words)} times"
     more = f" and {len(rest) - _NAMED} more" if len(rest) > _NAMED else ""
     return f"{part}: {counted} ({', '.join(rest[:_NAMED])}{more}): {message}"
-
-
-def report(results: Iterable[PartResult]) -> list[str]:
-    """Return all findings in words."""
-    return [line for result in results for line in result.lines()]
 
 
 class Findings:

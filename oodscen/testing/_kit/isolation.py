@@ -6,7 +6,7 @@ import importlib
 import os
 import pickle
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor
 
 from oodscen._processes import Processes, is_importable
@@ -15,6 +15,7 @@ from oodscen.data._scene import Scene
 from oodscen.errors import UsageError
 from oodscen.protocols import Camera, Simulator
 from oodscen.testing._kit.findings import Finding, NotApplicable
+from oodscen.testing._kit.probe import Factory, Probe
 from oodscen.testing._kit.samples import SMALL, run_bytes
 
 LEAK_BYTES = 8 * 2**20
@@ -32,9 +33,15 @@ _BLOCKS = 5
 _SEED = 3
 
 
+def check_process(probe: Probe) -> None:
+    """Check that the scenes' runs repeat in a fresh process."""
+    camera = None if probe.states_only else probe.camera()
+    probe.findings.found += process_faults(probe.simulator, probe.source, probe.scenes, camera)
+
+
 def process_faults(
     simulator: Simulator,
-    source: Callable[[], Simulator] | str,
+    source: Factory | str,
     scenes: Sequence[Scene],
     camera: Camera | None = SMALL,
 ) -> list[Finding]:
@@ -78,53 +85,40 @@ def run_digest(simulator: Simulator, scene: Scene, camera: Camera | None = SMALL
 
 
 def run_digests(
-    source: Callable[[], Simulator] | str, scenes: Sequence[Scene], camera: Camera | None = SMALL
+    source: Factory | str, scenes: Sequence[Scene], camera: Camera | None = SMALL
 ) -> dict[str, str]:
     """Open a simulator and return the digest of each scene's run, by scene id."""
     with make_simulator(source) if isinstance(source, str) else source() as simulator:
         return {scene.id: run_digest(simulator, scene, camera) for scene in scenes}
 
 
-def leak_faults(
-    simulator: Simulator, scenes: Sequence[Scene], resets: int, camera: Camera = SMALL
-) -> list[Finding]:
-    """Load scenes many times and report whether memory or open files grow.
+def check_leaks(probe: Probe) -> None:
+    """Load two scenes in turn many times and check that neither memory nor open files grow.
 
     The first fifth of the resets warms up caches. After that the minimum of each fifth is compared, which a
     passing peak does not affect.
-
-    Args:
-        simulator: An open simulator.
-        scenes: The first two are loaded in turn.
-        resets: Number of resets.
-        camera: The camera of an occasional frame.
     """
     gc.collect()
     # Objects from before are not the simulator's leaks, and collecting them takes long.
     gc.freeze()
     try:
-        memory, files = _use(simulator, scenes[:2], resets, camera)
+        memory, files = _use(probe)
     finally:
         gc.unfreeze()
-    faults = []
-    if memory[-1] - memory[0] > LEAK_BYTES:
-        grown = (memory[-1] - memory[0]) / 2**20
-        faults.append(Finding("", f"{resets} resets leave {grown:.1f} MiB of memory behind"))
-    if files[-1] - files[0] > LEAK_FILES:
-        grown_files = files[-1] - files[0]
-        faults.append(Finding("", f"{resets} resets leave {grown_files} open files behind"))
-    return faults
+    grown, opened = memory[-1] - memory[0], files[-1] - files[0]
+    leaves, expect = f"{probe.resets} resets leave", probe.findings.expect
+    expect(grown <= LEAK_BYTES, "", f"{leaves} {grown / 2**20:.1f} MiB of memory behind")
+    expect(opened <= LEAK_FILES, "", f"{leaves} {opened} open files behind")
 
 
-def _use(
-    simulator: Simulator, turn: Sequence[Scene], resets: int, camera: Camera
-) -> tuple[list[int], list[int]]:
+def _use(probe: Probe) -> tuple[list[int], list[int]]:
     """Return the minimum memory and the number of open files of each fifth but the first."""
+    simulator, turn, camera = probe.simulator, probe.scenes[:2], probe.camera()
     memory: list[int] = []
     files: list[int] = []
     for block in range(_BLOCKS):
         used = []
-        for index in range(max(1, resets // _BLOCKS)):
+        for index in range(max(1, probe.resets // _BLOCKS)):
             simulator.reset(turn[index % len(turn)], index % 3)
             if index % 8 == 0:
                 simulator.render(camera)
@@ -156,14 +150,14 @@ def open_files() -> int:
         return 0
 
 
-def _is_being_imported(source: Callable[[], Simulator] | str) -> bool:
+def _is_being_imported(source: Factory | str) -> bool:
     """Return whether the simulator's module is being imported; no other thread can then use it."""
     name = source.partition(":")[0] if isinstance(source, str) else source.__module__
     spec = getattr(sys.modules.get(name), "__spec__", None)
     return bool(getattr(spec, "_initializing", False))
 
 
-def _travels(source: Callable[[], Simulator] | str) -> bool:
+def _travels(source: Factory | str) -> bool:
     """Return whether a fresh process can make the same simulator."""
     if isinstance(source, str):
         return is_importable(source)

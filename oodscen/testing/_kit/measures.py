@@ -14,7 +14,7 @@ from oodscen.protocols import Control, Observation, State
 from oodscen.testing._kit.contact import gap_fault
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
-from oodscen.testing._kit.samples import follow_lane
+from oodscen.testing._kit.samples import constantly, follow_lane
 from oodscen.testing._kit.shapes import state_faults
 
 Drive = Callable[[Observation], Control]
@@ -53,8 +53,9 @@ _EDGE_M = 0.3
 def check_measures(probe: Probe) -> None:
     """Check gaps, places, accelerations, speeds, yaw, height, leaving the road and the observation."""
     _check_run(probe, _busy(probe), _weave, "driving between others")
-    _check_run(probe, probe.scene(speed=8.0), _leave(-0.1), "leaving the road to the right")
-    _check_run(probe, probe.scene(speed=8.0), _leave(0.1), "leaving the road to the left")
+    for steering, side in ((-0.1, "right"), (0.1, "left")):
+        leave = constantly(Control(0.0, steering))
+        _check_run(probe, probe.scene(speed=8.0), leave, f"leaving the road to the {side}")
     bent = max(probe.catalogue.maps, key=lambda road: _bend(load_corridor(road)))
     scene = probe.scene(road=bent, lane=bent.lanes - 1, speed=min(10.0, bent.speed_limit))
     _check_run(probe, scene, follow_lane, f"following {bent.id}")
@@ -93,17 +94,13 @@ def _weave(observation: Observation) -> Control:
     return Control(slow, 0.03 if math.sin(3.0 * observation.time) > 0.0 else -0.03)
 
 
-def _leave(steering: float) -> Drive:
-    return lambda _: Control(0.0, steering)
-
-
 def _check_run(probe: Probe, scene: Scene, control: Drive, what: str) -> None:
     steps = round(5.0 / probe.simulator.dt)
     staged, found = probe.staged(scene), probe.findings
     states: list[State] = []
     seen: list[Observation] = []
     for state in probe.states(scene, control, steps=steps):
-        for fault in state_faults(probe, scene, state, len(states)):
+        for fault in state_faults(scene, state, len(states), probe.simulator.dt):
             found.add(what, fault)
             return
         states.append(state)
@@ -228,11 +225,8 @@ def _is_at_edge(staged: StagedScene, state: State) -> bool:
 def _check_wheelbase(probe: Probe) -> None:
     """Compare the observed wheelbase with the one that the ego's turning at low speed implies."""
     steering = 0.15
-    states = probe.run(
-        probe.scene(speed=4.0),
-        lambda _: Control(0.0, steering),
-        steps=round(1.5 / probe.simulator.dt),
-    )
+    turning, steps = constantly(Control(0.0, steering)), round(1.5 / probe.simulator.dt)
+    states = probe.run(probe.scene(speed=4.0), turning, steps=steps)
     half = len(states) // 2
     turn = math.remainder(float(states[-1].poses[0, 3] - states[half].poses[0, 3]), math.tau)
     way = sum(math.dist(a.poses[0, :2], b.poses[0, :2]) for a, b in pairwise(states[half:]))

@@ -14,21 +14,15 @@ from oodscen.data._scene import Actor, Scene, Trigger
 from oodscen.driving._motion.behaviours import BUILT_IN, DRIVES_IN_LANE, having
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import OodscenError
 from oodscen.protocols import Control
 from oodscen.testing._kit.ego_motion import check_contact, check_ego, check_grip
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
-from oodscen.testing._kit.tracks import (
-    SECONDS,
-    START_M,
-    Tracks,
-    both,
-    constantly,
-    start_fault,
-    turned_by,
-)
+from oodscen.testing._kit.samples import constantly
+from oodscen.testing._kit.tracks import SECONDS, START_M, Tracks, both, start_fault, turned_by
 from oodscen.testing._kit.vocabulary import assets_for, cast_for
 
 ALONG_M = 2.0
@@ -220,40 +214,40 @@ def _compare(
     way = 0.0
     for step in range(1, len(one.poses)):
         way += abs(float(other.speeds[step, 1])) * one.dt
-        fault = _step_fault(one, other, step, road.heading, road.locate, way, chance, kind.id)
+        fault = _place_fault(
+            one, other, step, road, (ALONG_M + 0.25 * way + chance, ACROSS_M + chance)
+        )
+        if not fault and kind.id not in _LOOSE:
+            fault = _motion_fault(one, other, step)
         if fault:
             probe.findings.add(what, f"{fault} after {step * one.dt:.1f} s")
             return
 
 
-def _step_fault(
-    one: Tracks,
-    other: Tracks,
-    step: int,
-    heading: Callable[[float], float],
-    locate: Callable[[float, float], tuple[float, float]],
-    way: float,
-    chance: float,
-    name: str,
+def _place_fault(
+    one: Tracks, other: Tracks, step: int, road: Corridor, tolerances: tuple[float, float]
 ) -> str:
-    """Return how an actor's motion in one step differs from the reference world's."""
+    """Return how an actor's place in one step differs from the reference world's, along or across the road."""
     told, wanted = one.poses[step, 1], other.poses[step, 1]
-    yaw = heading(locate(float(wanted[0]), float(wanted[1]))[0])
+    yaw = road.heading(road.locate(float(wanted[0]), float(wanted[1]))[0])
     dx, dy = (told[:2] - wanted[:2]).tolist()
     along = dx * math.cos(yaw) + dy * math.sin(yaw)
     across = dy * math.cos(yaw) - dx * math.sin(yaw)
-    if not abs(along) <= ALONG_M + 0.25 * way + chance:
+    if not abs(along) <= tolerances[0]:
         return f"is {abs(along):.1f} m further {'on' if along > 0.0 else 'back'} than in the reference world"
-    if not abs(across) <= ACROSS_M + chance:
+    if not abs(across) <= tolerances[1]:
         side = "left" if across > 0.0 else "right"
         return f"is {abs(across):.1f} m further {side} than in the reference world"
+    return ""
+
+
+def _motion_fault(one: Tracks, other: Tracks, step: int) -> str:
+    """Return how an actor's speed or heading in one step differs from the reference world's."""
     speed, right = float(one.speeds[step, 1]), float(other.speeds[step, 1])
-    if name in _LOOSE:
-        return ""
     if not abs(speed - right) <= SPEED + 0.25 * abs(right):
         return f"has {speed:.1f} m/s, in the reference world {right:.1f}"
-    if abs(right) > 1.0 and not abs(turned_by(float(told[3]), float(wanted[3]))) <= HEADING_DEG:
-        turn = turned_by(float(told[3]), float(wanted[3]))
+    turn = turned_by(float(one.poses[step, 1, 3]), float(other.poses[step, 1, 3]))
+    if abs(right) > 1.0 and not abs(turn) <= HEADING_DEG:
         return f"is turned by {turn:.0f} degrees against the reference world"
     return ""
 
@@ -301,45 +295,41 @@ def _check_reactions(probe: Probe) -> None:
     follower = probe.doing("follow_lane", id="follower", ahead=20.0)
     block = probe.asset_for("vehicle", "object", "work_zone")
     ahead = probe.scene(follower, probe.still(block, id="block", ahead=75.0), speed=3.0)
-    _check_stop(probe, ahead, 1, 2, "brakes for a body ahead", constantly(Control()))
+    _check_stop(probe, ahead, 2, "brakes for a body ahead", constantly(Control()))
     behind = probe.scene(
         probe.doing("follow_lane", id="follower", ahead=-30.0, parameters={"speed": 12.0}),
         speed=12.0,
     )
     _check_stop(
-        probe, behind, 1, 0, "brakes for the ego", lambda time: Control(-3.0 if time > 0.5 else 0.0)
+        probe, behind, 0, "brakes for the ego", lambda time: Control(-3.0 if time > 0.5 else 0.0)
     )
 
 
 def _check_stop(
-    probe: Probe,
-    scene: Scene,
-    row: int,
-    other_row: int,
-    what: str,
-    control: Callable[[float], Control],
+    probe: Probe, scene: Scene, row: int, what: str, control: Callable[[float], Control]
 ) -> None:
+    """Check that the driver in row 1 does not drive into the body in another row."""
     try:
         one, other = both(probe, scene, control, seconds=9.0)
     except OodscenError as error:
         probe.findings.add("reaction", str(error))
         return
     sizes = [(asset.length, asset.width) for _, asset, _ in probe.catalogue.bodies(scene)]
-    gaps = [_least(tracks, row, other_row, sizes) for tracks in (one, other)]
+    gaps = [_least_gap(tracks, row, sizes) for tracks in (one, other)]
     if gaps[1] > 0.3 and not gaps[0] > 0.0:
         message = f"no driver of follow_lane {what}: it drives into it"
         probe.findings.add("reaction", message)
     elif gaps[1] > 0.3:
-        told, wanted = (float(t.speeds[-1, row]) for t in (one, other))
-        first = float(other.speeds[0, row])
+        told, wanted = (float(t.speeds[-1, 1]) for t in (one, other))
+        first = float(other.speeds[0, 1])
         if told > wanted + 0.5 * max(0.0, first - wanted) + 1.0:
             message = f"hardly {what}: still {told:.1f} m/s, in the reference world {wanted:.1f}"
             probe.findings.add("reaction", message)
 
 
-def _least(tracks: Tracks, row: int, other: int, sizes: Sequence[tuple[float, float]]) -> float:
+def _least_gap(tracks: Tracks, row: int, sizes: Sequence[tuple[float, float]]) -> float:
     def box(step: int, index: int) -> Box:
         x, y, _, yaw = map(float, tracks.poses[step, index])
         return Box(x, y, yaw, *sizes[index])
 
-    return min(gap(box(step, row), box(step, other)) for step in range(0, len(tracks.poses), 4))
+    return min(gap(box(step, 1), box(step, row)) for step in range(0, len(tracks.poses), 4))

@@ -11,9 +11,10 @@ from oodscen.data._scene import Scene
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye, area, clipped
 from oodscen.protocols import Camera, Control, Frame
+from oodscen.testing._flat import tangents
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
-from oodscen.testing._kit.shapes import frame_faults
+from oodscen.testing._kit.shapes import depths, frame_faults, share_inside
 
 INSIDE = 0.9
 """Least share of a body's pixels within its box's silhouette, which is widened by `MARGIN_PX`."""
@@ -28,8 +29,6 @@ CONTRAST = 12.0
 """Least distance between the mean colours of a body and of the road, of 441."""
 
 _LEAST_PX = 30
-
-Mask = NDArray[np.bool_]
 
 
 def check_frames(probe: Probe) -> None:
@@ -73,10 +72,10 @@ def check_turning(probe: Probe) -> None:
     """Check that a camera that is turned shows the bodies beside and behind the ego where it looks."""
     if probe.is_top:
         raise NotApplicable("the simulator sees from above only, so its camera cannot turn")
-    one, other = _boxes(probe)
+    box = _box(probe)
     scene = probe.scene(
-        probe.still(one, id="beside", ahead=1.0, offset=5.0, heading=20.0),
-        probe.still(other, id="behind", ahead=-16.0, offset=2.8),
+        probe.still(box, id="beside", ahead=1.0, offset=5.0, heading=20.0),
+        probe.still(box, id="behind", ahead=-16.0, offset=2.8),
     )
     state = probe.simulator.reset(scene, 0)
     cast = bodies(scene, probe.catalogue, state.poses)
@@ -109,18 +108,17 @@ def cameras(probe: Probe) -> dict[str, Camera]:
     return varied
 
 
-def _boxes(probe: Probe) -> tuple[Asset, ...]:
-    """Return two assets whose shapes are nearly their boxes."""
-    asset = probe.asset_for("vehicle", "object", "work_zone")
-    return (asset, asset)
+def _box(probe: Probe) -> Asset:
+    """Return an asset whose shape is nearly its box."""
+    return probe.asset_for("vehicle", "object", "work_zone")
 
 
 def _check_cameras(probe: Probe) -> None:
     """Check that bodies and ground appear where the camera's parameters put them, also after some steps."""
-    one, other = _boxes(probe)
+    box = _box(probe)
     scene = probe.scene(
-        probe.still(one, id="near", ahead=16.0, offset=3.2, heading=20.0),
-        probe.still(other, id="far", ahead=26.0, offset=-2.8),
+        probe.still(box, id="near", ahead=16.0, offset=3.2, heading=20.0),
+        probe.still(box, id="far", ahead=26.0, offset=-2.8),
         speed=6.0,
     )
     state = probe.simulator.reset(scene, 0)
@@ -154,7 +152,7 @@ def place_faults(frame: Frame, camera: Camera, cast: Sequence[PlacedBody]) -> li
                 f"shows {int(mask.sum())} of about {area(shown):.0f} pixels of {body.id!r}"
             )
             continue
-        if share_inside(mask, outline) < INSIDE:
+        if share_inside(mask, outline, MARGIN_PX) < INSIDE:
             faults.append(f"shows {body.id!r} beside its place or too large")
             continue
         for name, places, wanted in (
@@ -165,23 +163,13 @@ def place_faults(frame: Frame, camera: Camera, cast: Sequence[PlacedBody]) -> li
             if extent < EXTENT * full - 2.0:
                 faults.append(f"shows {body.id!r} {extent:.0f} pixels {name}, not {full:.0f}")
                 break
-        depths = [eye.to_camera(corner)[2] for corner in body.solid.corners()]
+        low, high = depths(eye, body.solid)
         depth = float(np.median(frame.depth[mask]))
-        if not min(depths) - 0.3 <= depth <= max(depths) + 0.3:
-            low, high = min(depths), max(depths)
+        if not low - 0.3 <= depth <= high + 0.3:
             faults.append(
                 f"gives {body.id!r} a depth of {depth:.1f} m, not {low:.1f} to {high:.1f}"
             )
     return faults
-
-
-def share_inside(mask: Mask, outline: Sequence[tuple[float, float]]) -> float:
-    """Return the share of a body's pixels within the bounds of an outline."""
-    rows, columns = np.nonzero(mask)
-    us, vs = [u for u, _ in outline], [v for _, v in outline]
-    inside = (columns + 1.0 > min(us) - MARGIN_PX) & (columns < max(us) + MARGIN_PX)
-    inside &= (rows + 1.0 > min(vs) - MARGIN_PX) & (rows < max(vs) + MARGIN_PX)
-    return float(inside.mean()) if len(rows) else 0.0
 
 
 def _ground_faults(
@@ -189,8 +177,7 @@ def _ground_faults(
 ) -> list[str]:
     """Compare the depth of the road with that of a plane, along the optical axis."""
     eye = Eye(camera, cast[0].solid)
-    u = (np.arange(camera.width) + 0.5 - 0.5 * camera.width) / eye.focal
-    v = (np.arange(camera.height) + 0.5 - 0.5 * camera.height) / eye.focal
+    u, v = tangents(camera)
     fall = eye.forward[2] + v[:, None] * eye.down[2] + u[None, :] * eye.right[2]
     with np.errstate(divide="ignore"):
         wanted = np.where(fall < -1e-3, -camera.z / fall, np.inf)
@@ -291,7 +278,7 @@ def _check_order(probe: Probe) -> None:
     """Check that the nearer of two bodies hides the other."""
     if probe.is_top:
         raise NotApplicable("nothing is behind anything from above")
-    asset, _ = _boxes(probe)
+    asset = _box(probe)
     near = 10.0 + 0.5 * asset.length
     scene = probe.scene(
         probe.still(asset, id="far", ahead=near + asset.length + 8.0),
@@ -317,8 +304,7 @@ def _check_leftovers(probe: Probe) -> None:
     camera, empty = probe.camera(), probe.scene()
     probe.simulator.reset(empty, 0)
     before = probe.simulator.render(camera)
-    asset, _ = _boxes(probe)
-    probe.simulator.reset(probe.scene(probe.still(asset, ahead=14.0)), 0)
+    probe.simulator.reset(probe.scene(probe.still(_box(probe), ahead=14.0)), 0)
     probe.simulator.render(camera)
     probe.simulator.reset(empty, 0)
     after = probe.simulator.render(camera)

@@ -1,7 +1,7 @@
 """The input of every part of the conformance check: the simulator, its catalogue and scenes to try."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -18,7 +18,7 @@ from oodscen.testing._kit.samples import STEPS, sample_scene
 Factory = Callable[[], Simulator]
 
 
-@dataclass
+@dataclass(kw_only=True)
 class Probe:
     """One simulator under test."""
 
@@ -28,10 +28,11 @@ class Probe:
     source: Factory | str
     scenes: Sequence[Scene]
     """Scenes whose runs are repeated."""
-    states_only: bool = False
+    states_only: bool
     """The pixels of the simulator do not repeat: compare states only."""
-    resets: int = 200
-    findings: Findings = field(default_factory=Findings)
+    resets: int
+    """Number of resets in the search for leaks."""
+    findings: Findings
 
     @property
     def is_top(self) -> bool:
@@ -45,8 +46,15 @@ class Probe:
 
     @cached_property
     def road(self) -> RoadMap:
-        """The plainest map: straight and wide, if there is such a one."""
-        return plainest(self.catalogue)
+        """The plainest map: straight and wide if there is one."""
+        return max(
+            self.catalogue.maps,
+            key=lambda road: (
+                is_straight(road),
+                not road.landmarks,
+                road.lanes + road.oncoming_lanes,
+            ),
+        )
 
     @cached_property
     def widest(self) -> RoadMap:
@@ -71,9 +79,9 @@ class Probe:
         weather = weather or self.clear
         return sample_scene(road or self.road, actors, lane=lane, speed=speed, weather=weather)
 
-    def staged(self, scene: Scene, seed: int = 0) -> StagedScene:
+    def staged(self, scene: Scene) -> StagedScene:
         """Return the scene with what the library measures in it."""
-        return StagedScene(scene, self.catalogue, seed, dt=self.simulator.dt)
+        return StagedScene(scene, self.catalogue, 0, dt=self.simulator.dt)
 
     def asset_for(self, *categories: Category) -> Asset:
         """Return the first asset of some categories that blocks the way, or the first of any.
@@ -113,17 +121,10 @@ class Probe:
         parameters: Mapping[str, float] = MappingProxyType({}),
     ) -> Actor:
         """Return an asset with a behaviour."""
-        return Actor(
-            id=id,
-            asset=asset.id,
-            placement=Placement(ahead_m=ahead, lane=lane, offset_m=offset, heading_deg=heading),
-            behaviour=Behaviour(
-                name=name,
-                trigger=trigger or Trigger(value=0.5),
-                parameters=dict(parameters),
-                other=other,
-            ),
-        )
+        place = Placement(ahead_m=ahead, lane=lane, offset_m=offset, heading_deg=heading)
+        when, given = trigger or Trigger(value=0.5), dict(parameters)
+        does = Behaviour(name=name, trigger=when, parameters=given, other=other)
+        return Actor(id=id, asset=asset.id, placement=place, behaviour=does)
 
     def still(
         self,
@@ -143,11 +144,10 @@ class Probe:
         scene: Scene,
         control: Callable[[Observation], Control] = lambda _: Control(),
         *,
-        seed: int = 0,
         steps: int = STEPS,
     ) -> Iterator[State]:
         """Reset to a scene and yield its states; the control is computed between them."""
-        yield self.simulator.reset(scene, seed)
+        yield self.simulator.reset(scene, 0)
         for _ in range(steps):
             yield self.simulator.step(control(self.simulator.observe()))
 
@@ -156,24 +156,15 @@ class Probe:
         scene: Scene,
         control: Callable[[Observation], Control] = lambda _: Control(),
         *,
-        seed: int = 0,
         steps: int = STEPS,
     ) -> list[State]:
         """Return the states of a run."""
-        return list(self.states(scene, control, seed=seed, steps=steps))
+        return list(self.states(scene, control, steps=steps))
 
 
 def clear_day(catalogue: Catalogue) -> Weather:
     """Return the clearest day that a catalogue offers."""
     return Weather(sun_elevation_deg=max(45.0, catalogue.weather.min_sun_elevation_deg))
-
-
-def plainest(catalogue: Catalogue) -> RoadMap:
-    """Return the map that is straight and wide, if there is such a one."""
-    return max(
-        catalogue.maps,
-        key=lambda road: (is_straight(road), not road.landmarks, road.lanes + road.oncoming_lanes),
-    )
 
 
 def is_straight(road: RoadMap) -> bool:

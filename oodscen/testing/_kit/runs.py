@@ -1,13 +1,11 @@
 """Parts about whole runs: they repeat, obey the controls, go back, and refuse what cannot be staged."""
 
-from collections.abc import Callable
-
 from oodscen.data._scene import Behaviour, Scene
 from oodscen.errors import SceneError, SpawnError, UnknownComponent
 from oodscen.protocols import ChecksScenes, Control, Snapshots
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
-from oodscen.testing._kit.samples import run_bytes
+from oodscen.testing._kit.samples import constantly, run_bytes
 
 
 def check_determinism(probe: Probe) -> None:
@@ -35,7 +33,7 @@ def check_controls(probe: Probe) -> None:
         ("steering left", Control(steering=0.03)),
         ("steering right", Control(steering=-0.03)),
     ):
-        state = probe.run(scene, _always(control))[-1]
+        state = probe.run(scene, constantly(control))[-1]
         ends[name] = probe.simulator.observe()
         speed = float(state.speeds[0])
         agrees = abs(ends[name].speed - speed) < 1e-6 and abs(ends[name].time - state.time) < 1e-6
@@ -46,10 +44,6 @@ def check_controls(probe: Probe) -> None:
     left, right = ends["steering left"].offset_m, ends["steering right"].offset_m
     is_left = left > ends["coasting"].offset_m > right
     probe.findings.expect(is_left, "", "left must be positive")
-
-
-def _always(control: Control) -> Callable[[object], Control]:
-    return lambda _: control
 
 
 def check_snapshot(probe: Probe) -> None:

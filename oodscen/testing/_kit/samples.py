@@ -1,6 +1,7 @@
 """Scenes and short runs shared by the conformance checks."""
 
 import math
+from collections.abc import Callable
 
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
@@ -41,17 +42,16 @@ def plain_scene(catalogue: Catalogue, road: RoadMap, weather: Weather | None = N
         categories = kinds[name].categories if name in kinds else ()
         asset = next((one for one in catalogue.assets if one.category in categories), None)
         if asset is not None:
-            place = Placement(ahead_m=25.0 + 20.0 * index)
-            actors.append(
-                Actor(
-                    id=f"{name.replace('_', '-')}",
-                    asset=asset.id,
-                    placement=place,
-                    behaviour=Behaviour(name=name),
-                )
-            )
+            place, does = Placement(ahead_m=25.0 + 20.0 * index), Behaviour(name=name)
+            own_id = name.replace("_", "-")
+            actors.append(Actor(id=own_id, asset=asset.id, placement=place, behaviour=does))
     scene = sample_scene(road, tuple(actors), weather=weather)
     return scene.model_copy(update={"id": f"check-{road.id}"})
+
+
+def constantly(control: Control) -> Callable[[object], Control]:
+    """Return the control law that always gives the same control."""
+    return lambda _: control
 
 
 def follow_lane(observation: Observation) -> Control:

@@ -1,22 +1,18 @@
 """Shapes, types and ranges of what a simulator returns."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._scene import Scene
+from oodscen.driving._sight.visibility import Eye, Solid
 from oodscen.protocols import Camera, Frame, State
-from oodscen.testing._kit.probe import Probe
 
 
-def state_faults(probe: Probe, scene: Scene, state: State, step: int) -> list[str]:
-    """Return what is wrong with the form of a state: ids, shapes, types, finite values, time."""
-    return list(_state_faults(scene, state, step, probe.simulator.dt))
-
-
-def _state_faults(scene: Scene, state: State, step: int, dt: float) -> Iterator[str]:
+def state_faults(scene: Scene, state: State, step: int, dt: float) -> Iterator[str]:
+    """Yield what is wrong with the form of a state: ids, shapes, types, finite values, time."""
     ids = ("ego", *(actor.id for actor in scene.actors))
     count = len(ids)
     if not isinstance(state, State):
@@ -55,12 +51,8 @@ def _state_faults(scene: Scene, state: State, step: int, dt: float) -> Iterator[
         yield f"time is {state.time} after {step} steps"
 
 
-def frame_faults(frame: Frame, camera: Camera, bodies: int) -> list[str]:
-    """Return what is wrong with the form of a picture of a scene with some bodies, the ego included."""
-    return list(_frame_faults(frame, camera, bodies))
-
-
-def _frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
+def frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
+    """Yield what is wrong with the form of a picture of a scene with some bodies, the ego included."""
     size = (camera.height, camera.width)
     is_formed = True
     tags = np.zeros(size, np.uint8) if frame.tags is None else frame.tags
@@ -92,6 +84,23 @@ def _frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
         counts = np.bincount(frame.ids.ravel(), minlength=bodies + 1)[1 : bodies + 1]
         if frame.unhidden.shape != (bodies,) or not (frame.unhidden >= counts).all():
             yield "unhidden must count at least the visible pixels of each body"
+
+
+def share_inside(
+    mask: NDArray[np.bool_], outline: Sequence[tuple[float, float]], margin_px: float
+) -> float:
+    """Return the share of a body's pixels within the bounds of an outline, widened by a margin."""
+    rows, columns = np.nonzero(mask)
+    us, vs = zip(*outline, strict=True)
+    inside = (columns + 1.0 > min(us) - margin_px) & (columns < max(us) + margin_px)
+    inside &= (rows + 1.0 > min(vs) - margin_px) & (rows < max(vs) + margin_px)
+    return float(inside.mean()) if len(rows) else 0.0
+
+
+def depths(eye: Eye, body: Solid) -> tuple[float, float]:
+    """Return the least and the greatest depth of a body's corners, m."""
+    found = [eye.to_camera(corner)[2] for corner in body.corners()]
+    return min(found), max(found)
 
 
 def colour_count(rgb: NDArray[np.uint8]) -> int:

@@ -72,10 +72,6 @@ def both(
     return Tracks.of(states, dt), Tracks(dt, np.stack(poses), np.stack(speeds))
 
 
-def constantly(control: Control) -> Callable[[float], Control]:
-    return lambda _: control
-
-
 def start_fault(one: Tracks, other: Tracks, row: int) -> str:
     """Return how a body's start differs from the reference world's."""
     apart = float(np.linalg.norm(one.poses[0, row, :2] - other.poses[0, row, :2]))

@@ -10,6 +10,7 @@ from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import OodscenError, SpawnError
+from oodscen.protocols import State
 from oodscen.testing._kit.contact import gap_fault
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
@@ -98,7 +99,7 @@ def _reset(probe: Probe, scene: Scene) -> None:
     except OodscenError as error:
         probe.findings.add(f"assets {', '.join(sorted(set(names.values())))}", str(error))
     else:
-        for fault in state_faults(probe, scene, state, 0):
+        for fault in state_faults(scene, state, 0, probe.simulator.dt):
             probe.findings.add("assets", fault)
 
 
@@ -153,12 +154,12 @@ def cast_for(
 
 def drive(probe: Probe, scene: Scene, what: str) -> None:
     """Run a scene for some steps and check every state."""
-    states = []
+    states: list[State] = []
     kept = b""
     for step, state in enumerate(probe.states(scene, follow_lane)):
         states.append(state)
         kept = kept or state.fingerprint()
-        faults = state_faults(probe, scene, state, step)
+        faults = list(state_faults(scene, state, step, probe.simulator.dt))
         for fault in faults:
             probe.findings.add(what, fault)
         if faults:

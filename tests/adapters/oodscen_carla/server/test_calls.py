@@ -167,7 +167,7 @@ def test_a_staged_scene_moves_its_actors_and_obeys_the_hero(staged):
     assert "staged" in staged.error("set_actor_transform", hero.id, [[0, 0, 0], [0, 0, 0]])
     synchronous = [True, *staged.world.settings.wire()[1:]]
     staged.get("tick_cue")
-    assert staged.world.staged.time == 0.0
+    assert staged.world.staged.world.time == 0.0
     staged.get("set_episode_settings", synchronous)
     for _ in range(10):
         staged.get("tick_cue")
@@ -176,7 +176,7 @@ def test_a_staged_scene_moves_its_actors_and_obeys_the_hero(staged):
     for _ in range(10):
         staged.get("tick_cue")
     assert hero.speed < speed - 3.0
-    assert world.staged.time == pytest.approx(1.0)
+    assert world.staged.world.time == pytest.approx(1.0)
 
 
 def test_a_client_sets_the_heros_speed_and_the_friction_of_a_staged_scene(staged):

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from oodscen_carla.server import CarlaTestServer
-from oodscen_carla.server._listener import _send_both
 from oodscen_carla.server._measurements import WORLD
+from oodscen_carla.server._streams import _send_both
 
 from oodscen.errors import SimulatorError
 
