@@ -33,7 +33,6 @@ from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._motion.triggers import is_due
-from oodscen.driving._roads.building import find_map
 from oodscen.interchange import osi_trace, read_openscenario, to_openscenario, verdict
 from oodscen.interchange._recording import (
     Recording,
@@ -256,7 +255,7 @@ def ttc_apart(scene: Scene, catalogue: Catalogue, told: Sequence[tuple[int, int,
     a body slides off its heading are left out: omega-prime takes motion to be along the heading.
     """
     run = replayed(scene, UnrenderedSimulator(catalogue), "keep_speed", 0)
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     ways = np.gradient(run.poses[:, :, :2], run.dt, axis=0)
     worst = 0.0
     for row, nanos, its in told:
@@ -344,7 +343,7 @@ def reactive(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
     for scene in scenes:
         run = reactions(scene, catalogue, 0)
         written = to_openscenario(scene, catalogue, mode="reactive", target="esmini", ego=False)
-        corridor = load_corridor(find_map(scene.map, catalogue))
+        corridor = load_corridor(scene.map, catalogue)
         steps = len(run.nominal.time) - 1
         for label, make in EGOS.items():
             states = driven(scene, simulator, make, steps)
@@ -431,7 +430,7 @@ def overlaps(
 def with_ego(xosc: bytes, scene: Scene, catalogue: Catalogue, truth: Recording) -> bytes:
     """Add the course of another ego to a file without one."""
     root = etree.fromstring(xosc, etree.XMLParser(remove_blank_text=True))
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     course = reference_poses(truth, 0, entities(scene, catalogue)[0], corridor)
     board = Storyboard(etree.Element("parent"), scene, "other")
     write_course(board.maneuver("ego"), "ego", truth.time, course, phases(course))

@@ -14,7 +14,7 @@ from oodscen.errors import DataError, Issue
 from oodscen.tree._scenario_tree import ScenarioTree
 
 if TYPE_CHECKING:
-    from oodscen.interchange._tag_counts import TagCoverage
+    from oodscen.interchange._tags import TagCoverage
     from oodscen.protocols import Encoder
     from oodscen.study._study import Study
     from oodscen.tree._coverage import Coverage
@@ -157,7 +157,7 @@ def coverage(folder: Path, which: str, exit_code: bool, odd: bool, as_json: bool
 def _tag_coverage(study: "Study", which: str) -> "TagCoverage":
     """Count the tags of the scenes whose texts belong to a tree of the study."""
     from oodscen import make_simulator
-    from oodscen.interchange._tag_counts import count_tags
+    from oodscen.interchange._tags import count_tags
 
     leaves = {node.id for node in study.tree(which).nodes}
     texts = {text.id for text in study.scenarios if text.leaf in leaves}

@@ -9,7 +9,7 @@ from oodscen.data._catalogue import BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import Scene
 from oodscen.driving._frames import own_frame
 from oodscen.driving._motion.behaviours import BEHAVIOURS
-from oodscen.driving._motion.world import KinematicWorld, Published
+from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.placement import staging_issues
@@ -135,22 +135,19 @@ class BaseSimulator(Brief, ABC):
             raise SceneError(scene.id, issues)
         return load_corridor(scene.map, catalogue), catalogue
 
-    def _keep_state(self, seen: Published) -> State:
-        """Return the state with what was measured, and keep it."""
-        arrays = (seen.poses, seen.speeds, seen.gaps, seen.accelerations, seen.places)
-        for array in arrays:
+    def _keep_state(self, state: State) -> State:
+        """Keep the current state, whose arrays become read-only, and return it."""
+        for array in (state.poses, state.speeds, state.gaps, state.accelerations, state.places):
+            assert array is not None, "the kinematic world measures all of them"
             array.setflags(write=False)
-        self._state = self.world.state(seen)
-        return self._state
+        self._state = state
+        return state
 
 
 def render_checked(simulator: Simulator, camera: Camera, bodies: int) -> Frame:
-    """Render the current state of any simulator, as a frame of the caller's own.
+    """Render the current state of any simulator as a frame of the caller's own.
 
-    Args:
-        simulator: The simulator, after a `reset`.
-        camera: The camera.
-        bodies: Number of bodies in the scene, the ego included.
+    `bodies` is the number of bodies in the scene, the ego included.
 
     Raises:
         SimulatorError: If `render` returns something else than a frame of the camera's size.

@@ -115,7 +115,7 @@ class DynamicSimulator(BaseSimulator):
         self._fire(world, -1.0)
         world.set_poses(*self._measured())
         self._world = world
-        return self._keep_state(world.publish())
+        return self._keep_state(world.state())
 
     def step(self, control: Control) -> State:
         """Advance by exactly one `dt`.
@@ -128,7 +128,7 @@ class DynamicSimulator(BaseSimulator):
         self.move(checked_control(control))
         world.follow(*self._measured())
         self._fire(world, before)
-        return self._keep_state(world.publish())
+        return self._keep_state(world.state())
 
     def observe(self) -> Observation:
         """Return the driver's observation of the current state."""
@@ -201,7 +201,7 @@ class RestorableSimulator(DynamicSimulator):
         """Return to an earlier state of the current scene; the run then repeats exactly."""
         self.world.restore(snapshot.world)
         self.resume(snapshot.saved)
-        return self._keep_state(self.world.publish())
+        return self._keep_state(self.world.state())
 
 
 def _rounded(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from oodscen.data._catalogue import Asset
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import BaseSimulator, checked_control
 from oodscen.driving._motion.rollouts import Variation
-from oodscen.driving._motion.world import KinematicWorld, Published, WorldSnapshot
+from oodscen.driving._motion.world import KinematicWorld, WorldSnapshot
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.protocols import Control, State
 
@@ -40,7 +40,7 @@ class MirrorSimulator(BaseSimulator):
 
     def __init__(self) -> None:
         super().__init__()
-        self._seen: Published | None = None
+        self._measured: NDArray[np.float64] | None = None
 
     # ------------------------------------------------------------------ for the adapter
 
@@ -86,8 +86,8 @@ class MirrorSimulator(BaseSimulator):
         time to collision and all other measures. Override this method only to let the simulator's own engine
         measure the gaps.
         """
-        assert self._seen is not None, "called in reset, step and restore only"
-        return [float(self._seen.gaps[row]) for row in rows]
+        assert self._measured is not None, "called in reset, step and restore only"
+        return [float(self._measured[row]) for row in rows]
 
     # ------------------------------------------------------------------ the protocol
 
@@ -98,7 +98,7 @@ class MirrorSimulator(BaseSimulator):
             SceneError: If the catalogue or the road refuses the scene.
             SpawnError: If an actor cannot be placed.
         """
-        self._seen = None
+        self._measured = None
         corridor, catalogue = self._opened(scene)
         world = KinematicWorld(corridor, scene, catalogue, seed, dt=self.dt)
         self.load(corridor, scene, seed)
@@ -151,21 +151,21 @@ class MirrorSimulator(BaseSimulator):
 
     def close(self) -> None:
         """Release all resources; may be called twice."""
-        self._seen = None
+        self._measured = None
         super().close()
 
     # ------------------------------------------------------------------ internals
 
     def _publish(self) -> State:
         world = self.world
-        seen = self._seen = world.publish()
-        self.place(seen.poses, seen.speeds)
-        gaps = seen.gaps
-        near = np.flatnonzero((seen.apart <= NEAR_M) & (gaps > 0.0) & np.isfinite(gaps)).tolist()
-        if near and self.world.scene.motions:
-            tilted = self.world.tilts()
+        state, apart = world.publish()
+        self.place(state.poses, state.speeds)
+        gaps = self._measured = state.gaps
+        near = np.flatnonzero((apart <= NEAR_M) & (gaps > 0.0) & np.isfinite(gaps)).tolist()
+        if near and world.scene.motions:
+            tilted = world.tilts()
             near = [row for row in near if row not in tilted]
         if near:
             for row, distance in zip(near, self.gaps(near), strict=True):
                 gaps[row] = max(LEAST_M, round(float(distance), 4))
-        return self._keep_state(seen)
+        return self._keep_state(state)

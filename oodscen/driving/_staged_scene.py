@@ -105,15 +105,17 @@ class StagedScene(Brief):
 
     def places(self, poses: Floats) -> Floats:
         """Return s along the corridor and t to its left of every body, m: [n, 2]."""
-        return self._at(poses).publish().places
+        places = self._at(poses).state().places
+        assert places is not None, "the kinematic world measures them"
+        return places
 
     def gaps(self, poses: Floats) -> Floats:
         """Return the gaps between the ego's box and the others', as in `State.gaps`: [n], m."""
-        return self._at(poses).publish().gaps
+        return self._at(poses).state().gaps
 
     def off_road(self, poses: Floats) -> bool:
         """Return whether any part of the ego's footprint is beside the drivable road."""
-        return self._at(poses).publish().is_off_road
+        return self._at(poses).is_off_road()
 
     def observation(self, state: State) -> Observation:
         """Return the ego driver's observation of a state."""
@@ -166,9 +168,7 @@ def observation_of(state: State, scene: Scene, catalogue: Catalogue) -> Observat
 def lane_centrelines(corridor: Corridor, *, spacing_m: float = 2.0) -> tuple[LaneCentreline, ...]:
     """Return the middle of every driving lane of a road, from right to left.
 
-    Args:
-        corridor: The road.
-        spacing_m: Distance between the points along the road's reference line, m.
+    The points are about `spacing_m` apart along the road's reference line.
     """
     count = max(2, math.ceil(corridor.length / spacing_m) + 1)
     along = np.linspace(0.0, corridor.length, count)

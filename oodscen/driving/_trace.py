@@ -25,7 +25,8 @@ from oodscen.driving._surrogate_safety import (
     time_to_collision,
 )
 from oodscen.errors import MissingExtra, UsageError
-from oodscen.numerics._exact import TAU, Floats, sincos_all
+from oodscen.numerics._arrays import sincos_all
+from oodscen.numerics._exact import TAU, Floats
 from oodscen.protocols import State
 
 if TYPE_CHECKING:
@@ -250,10 +251,7 @@ def concatenate(traces: Mapping[str, Trace]) -> "pa.Table":
 def least_time_to_collision(before: State | None, state: State, course: Course) -> float:
     """Return the least time to collision of the ego with any body, s; infinite without one.
 
-    Args:
-        before: The state before, for the velocities; without it they are along the headings.
-        state: The state.
-        course: The course of its scene.
+    Velocities are those since the state before, and without one along the headings.
     """
     bodies = _BodyTracks.of([state], course)
     vx, vy = bodies.speed * bodies.prints.cos, bodies.speed * bodies.prints.sin

@@ -39,11 +39,7 @@ def as_action(control: Control) -> NDArray[np.float32]:
 
 
 def read_continuous(action: Any, source: str) -> NDArray[np.float64]:
-    """Return a continuous action as two finite numbers.
-
-    Args:
-        action: The action.
-        source: The method that took or returned it, for the error.
+    """Return a continuous action as two finite numbers; `source` is the method that took or returned it.
 
     Raises:
         UsageError: If it is anything else.
@@ -60,11 +56,7 @@ def read_continuous(action: Any, source: str) -> NDArray[np.float64]:
 
 
 def read_discrete(action: Any, source: str) -> str:
-    """Return the id of a discrete action.
-
-    Args:
-        action: The number of the action, in the order of the actions.
-        source: The method that took or returned it, for the error.
+    """Return the id of a discrete action from its number; `source` is the method that took or returned it.
 
     Raises:
         UsageError: If it is not a whole number, or no such action exists.
@@ -106,8 +98,8 @@ class ActionDecoder:
 class Manoeuvres:
     """Executes discrete actions one after another.
 
-    An action that repeats goes on; another one begins in the lane in which the ego is then. `keep_speed`
-    returns to the speed at the start.
+    A repeated action continues; a different one begins in the ego's lane at that time. `keep_speed` returns to the
+    speed at the start.
     """
 
     def __init__(self) -> None:

@@ -43,6 +43,11 @@ _SHAPES: dict[str, tuple[int, ...]] = {
 }  # fmt: skip
 """Shapes of a state's arrays after their first axis, the bodies."""
 _OPTIONAL = ("accelerations", "places")
+_SEEN = (
+    *("speed", "offset_m", "heading_error", "curvature", "lane_left_m", "lane_right_m"),
+    *("roadside_m", "friction", "visual_range_m", "curve_speed"),
+)
+"""The numbers of an observation."""
 
 
 def nearest_steps(seconds: float | None, dt: float) -> int:
@@ -105,14 +110,7 @@ class Interface(Brief):
         return self.observation != "state"
 
     def observed(self, state: State, now: Observation, frame: Frame | None, source: str) -> Any:
-        """Return the observation of a state.
-
-        Args:
-            state: The true state.
-            now: The driver's observation of it.
-            frame: The picture, if observations have one.
-            source: The method that made the picture, for the error.
-        """
+        """Return the observation of a true state, with the frame of the method `source` if observations have one."""
         if self.observation == "frame":
             return picture(frame, self.camera, source)
         found: dict[str, NDArray[Any]] = {
@@ -313,11 +311,9 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return the dash camera's picture, 640 x 480, or `None` without a render mode."""
-        return (
-            None
-            if self.render_mode is None
-            else picture(self.look(Camera()), Camera(), self._drawn)
-        )
+        if self.render_mode is None:
+            return None
+        return picture(self.look(Camera()), Camera(), self._drawn)
 
     def close(self) -> None:
         """Close the simulator; may be called twice, and a later `reset` opens it again."""
@@ -380,18 +376,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
                 raise SimulatorError(f"{method} {whose} gave {name} that are not finite")
         if not isinstance(seen, Observation):
             raise SimulatorError(f"observe() {whose} gave {seen!r:.80}, not an Observation")
-        if math.isnan(
-            seen.speed
-            + seen.offset_m
-            + seen.heading_error
-            + seen.curvature
-            + seen.roadside_m
-            + seen.friction
-            + seen.visual_range_m
-            + seen.curve_speed
-            + (seen.lane_left_m or 0.0)
-            + (seen.lane_right_m or 0.0)
-        ):
+        if any(math.isnan(getattr(seen, name) or 0.0) for name in _SEEN):
             raise SimulatorError(f"observe() {whose} gave an Observation with NaN")
 
     def _place(self) -> float:

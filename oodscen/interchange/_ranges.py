@@ -45,13 +45,8 @@ def ranges(
 ) -> tuple[ParameterRange, ...]:
     """Return the ranges of a scene's distances, speeds, triggers, friction and visual range.
 
-    Each end of a range is tried alone: the scene must pass every check there and contradict no claim. An end that
-    does not is halved towards the scene's own value. A parameter without a range is left out.
-
-    Args:
-        scene: The scene.
-        catalogue: The catalogue of its assets and maps.
-        claims: The claims of its text.
+    Each end of a range is tried alone: the scene must pass every check there and contradict no claim of its text. An end
+    that fails is halved towards the scene's own value. A parameter without a range is left out.
     """
 
     def holds(path: Path, value: float) -> bool:
@@ -117,19 +112,16 @@ def changed(scene: Scene, values: dict[Path, float], name: str | None = None) ->
     """Return a scene with some values replaced, or `None` if that is not a scene."""
     data = scene.model_dump(mode="json")
     for path, value in values.items():
-        _at(data, path[:-1])[path[-1]] = value
+        place: Any = data
+        for key in path[:-1]:
+            place = place[key]
+        place[path[-1]] = value
     if name is not None:
         data["id"] = name
     try:
         return Scene.parse(data)
     except DataError:
         return None
-
-
-def _at(data: Any, path: Path) -> Any:
-    for key in path:
-        data = data[key]
-    return data
 
 
 def _end(value: float, end: float, holds: Callable[[float], bool]) -> float:
@@ -161,7 +153,7 @@ def _parameters(scene: Scene, catalogue: Catalogue) -> list[tuple[str, Path, flo
         least = limits.min_fog_visual_range_m
         add("fog_visual_range", path, weather.fog_visual_range_m, least, CLEAR_AIR_M)
     for index, actor in enumerate(scene.actors):
-        here, own = ("actors", index), _name(actor.id)
+        here, own = ("actors", index), re.sub(r"[^A-Za-z0-9_]", "_", actor.id)
         add(f"ahead_{own}", (*here, "placement", "ahead_m"), actor.placement.ahead_m, -150, 300)
         does, trigger = actor.behaviour, actor.behaviour.trigger
         if does.parameters.get("speed", 0.0) > 0.0:
@@ -172,8 +164,3 @@ def _parameters(scene: Scene, catalogue: Catalogue) -> list[tuple[str, Path, flo
             path = (*here, "behaviour", "trigger", "value")
             add(f"trigger_{own}", path, trigger.value, 0.0, 500.0)
     return [one for one in found if one[3] < one[4]]
-
-
-def _name(actor: str) -> str:
-    """Return an actor's id as part of a parameter's name."""
-    return re.sub(r"[^A-Za-z0-9_]", "_", actor)

@@ -1,10 +1,9 @@
 """The courses of all bodies of a scene, as files can hold them."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen._display import Brief
 from oodscen.data._catalogue import Asset, Catalogue
@@ -14,13 +13,11 @@ from oodscen.driving import MirrorSimulator, action_driver, load_corridor
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
 from oodscen.driving._motion.triggers import MAX_APPROACH_S
-from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import SimulatorError
+from oodscen.numerics._exact import Floats
 from oodscen.protocols import Camera, Driver, Frame, Simulator, State
 from oodscen.stages._simulate import approach
-
-Floats = NDArray[np.float64]
 
 AFTER_S = 12.0
 """Duration of a reactive file beyond the nominal decision, s."""
@@ -39,7 +36,7 @@ class UnrenderedSimulator(MirrorSimulator):
         self._catalogue = catalogue
 
     def catalogue(self) -> Catalogue:
-        """Return the catalogue that it was given."""
+        """Return the given catalogue."""
         return self._catalogue
 
     def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
@@ -123,12 +120,18 @@ def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> Reco
     """Record the approach and one action up to the horizon, a contact or the road's edge."""
     states, _, _ = approach(scene, simulator, seed)
     decision_s = states[-1].time
+    states += action_states(scene, simulator, states[-1], action)
+    return Recording.of(states, load_corridor(scene.map, simulator.catalogue()), decision_s)
+
+
+def action_states(scene: Scene, simulator: Simulator, state: State, action: str) -> Iterator[State]:
+    """Yield the states of an action after the current one, up to the horizon, a contact or the road's edge."""
     driver = action_driver(action, NOMINAL_REACTION_S)
     for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
-        if states[-1].contacts or states[-1].off_road:
-            break
-        states.append(simulator.step(driver.act(simulator.observe())))
-    return Recording.of(states, _corridor(scene, simulator), decision_s)
+        if state.contacts or state.off_road:
+            return
+        state = simulator.step(driver.act(simulator.observe()))
+        yield state
 
 
 def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
@@ -171,28 +174,18 @@ def _driven(
     seed: int,
     steps: int | None = None,
 ) -> Recording:
-    """Record a drive of so many steps, contacts or not; by default to `AFTER_S` beyond the decision."""
-    simulator.reset(scene, seed)
+    """Record a drive, contacts or not, for some steps or by default to `AFTER_S` beyond the decision."""
+    states = [simulator.reset(scene, seed)]
     world, driver = simulator.world, make()
-    seen, time = [world.publish()], [0.0]
     decision_s: float | None = None
     last = steps if steps is not None else round((MAX_APPROACH_S + AFTER_S) / simulator.dt)
-    while len(seen) <= last:
+    while len(states) <= last:
         if decision_s is None and world.is_due(scene.decision):
             decision_s = world.time
             if steps is None:
                 last = min(last, world.step_count + round(AFTER_S / simulator.dt))
-        world.step(driver.act(world.observe()))
-        seen.append(world.publish())
-        time.append(world.time)
-    return Recording(
-        world.ids,
-        np.array(time),
-        np.array([one.poses for one in seen]),
-        np.array([one.speeds for one in seen]),
-        np.array([one.places for one in seen]),
-        decision_s,
-    )
+        states.append(simulator.step(driver.act(world.observe())))
+    return Recording.of(states, world.corridor, decision_s)
 
 
 def _replaced(recording: Recording, other: Recording, rows: Sequence[int]) -> Recording:
@@ -206,17 +199,11 @@ def _replaced(recording: Recording, other: Recording, rows: Sequence[int]) -> Re
 def _resting(recording: Recording, names: Collection[str]) -> Recording:
     """Return a recording in which some actors never leave their start."""
     rows = [row for row, name in enumerate(recording.ids) if name in names]
-    still = replace(
-        recording,
-        poses=np.broadcast_to(recording.poses[:1], recording.poses.shape),
-        speeds=np.zeros_like(recording.speeds),
-        places=np.broadcast_to(recording.places[:1], recording.places.shape),
-    )
-    return _replaced(recording, still, rows)
-
-
-def _corridor(scene: Scene, simulator: Simulator) -> Corridor:
-    return load_corridor(find_map(scene.map, simulator.catalogue()))
+    copies = {name: getattr(recording, name).copy() for name in ("poses", "speeds", "places")}
+    for array in copies.values():
+        array[:, rows] = array[0, rows]
+    copies["speeds"][:, rows] = 0.0
+    return replace(recording, **copies)
 
 
 def _calm(scene: Scene) -> Scene:

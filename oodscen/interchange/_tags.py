@@ -3,9 +3,11 @@
 The operational design domain follows ISO 34503 (BSI PAS 1883), whose classes the ontology has.
 """
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, FOG_M, Actor, Precipitation, Scene, Weather
 from oodscen.driving import load_corridor
@@ -74,7 +76,7 @@ KNOWN_TAGS: dict[str, tuple[str, ...]] = {
         *("MotionLaneChangeLeft", "MotionLaneChangeRight"),
     ),
 }
-"""Tags that a scene can have, by the areas of ISO 34503 and, for behaviour, ISO 34504; values are no tags."""
+"""Tags that a scene can have, by the areas of ISO 34503 and, for behaviour, ISO 34504, without those that hold values."""
 
 
 def scene_tags(scene: Scene, catalogue: Catalogue) -> dict[str, float | None]:
@@ -94,6 +96,57 @@ def scene_tags(scene: Scene, catalogue: Catalogue) -> dict[str, float | None]:
         asset = catalogue.asset(actor.asset)
         found |= dict.fromkeys((*_road_user(asset), *_motion(actor, asset)))
     return dict(sorted(found.items()))
+
+
+class TagCount(Data):
+    """The number of scenes that have one tag."""
+
+    tag: str
+    area: str
+    """Part of the taxonomy: `scenery`, `environment`, `dynamic elements` or `behaviour`."""
+    scenes: int
+
+
+class TagCoverage(Data):
+    """The tags that scenes have, and those that they lack."""
+
+    schema_version: int = 1
+    scenes: int
+    rows: tuple[TagCount, ...]
+    """One row for each tag that a scene can have, by area, the most frequent first."""
+
+    @property
+    def holes(self) -> tuple[TagCount, ...]:
+        """Tags that no scene has."""
+        return tuple(row for row in self.rows if not row.scenes)
+
+    def __str__(self) -> str:
+        lines = [f"{self.scenes} scenes"]
+        for area in KNOWN_TAGS:
+            lines.append(area)
+            lines += [
+                f"  {row.tag:34}{row.scenes:6}{row.scenes / self.scenes:7.0%}"
+                for row in self.rows
+                if row.area == area and row.scenes
+            ]
+            if missing := [row.tag for row in self.holes if row.area == area]:
+                lines.append(f"  none: {', '.join(missing)}")
+        return "\n".join(lines)
+
+
+def count_tags(scenes: Iterable[Scene], catalogue: Catalogue) -> TagCoverage:
+    """Count the scenes that have each tag of `KNOWN_TAGS`."""
+    found: Counter[str] = Counter()
+    total = 0
+    for scene in scenes:
+        found.update(scene_tags(scene, catalogue).keys())
+        total += 1
+    rows = [
+        TagCount(tag=tag, area=area, scenes=found[tag])
+        for area, tags in KNOWN_TAGS.items()
+        for tag in sorted(tags, key=lambda tag: (-found[tag], tag))
+    ]
+    return TagCoverage(scenes=total, rows=tuple(rows))
 
 
 def openlabel(scene: Scene, catalogue: Catalogue) -> dict[str, Any]:

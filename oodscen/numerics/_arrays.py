@@ -1,7 +1,7 @@
-"""Exact arithmetic over arrays, with the same bits as for each number alone.
+"""Exact arithmetic over arrays, with the same bits on every machine.
 
-NumPy's element-wise `+ - * /` are those of IEEE 754, so these functions give the bits of their
-counterparts in `oodscen.numerics._exact` and in Python.
+NumPy's element-wise `+ - * /` are those of IEEE 754, so these functions, but for `sincos_all`, give the bits of
+their counterparts in `oodscen.numerics._exact` and in Python.
 """
 
 import numpy as np
@@ -16,6 +16,8 @@ from oodscen.numerics._exact import (
     _sine_series,
 )
 
+_HALF_PI_REST = 6.077100506506192e-11
+"""The bits of pi/2 after the first 33, in one number."""
 _TIE = 1e-15
 """Distance from a tie, relative to the number, below which a product may lie on its wrong side."""
 
@@ -27,11 +29,28 @@ def sincos_each(angle: Floats) -> tuple[Floats, Floats]:
     z = y * y
     sine = y + y * z * _sine_series(z)
     cosine = 1.0 - 0.5 * z + z * z * _cosine_series(z)
-    quadrant = turns % 4.0
-    is_odd = (quadrant == 1.0) | (quadrant == 3.0)
+    return _by_quarter(turns % 4.0, sine, cosine)
+
+
+def sincos_all(angle: Floats) -> tuple[Floats, Floats]:
+    """Return the sines and cosines of angles of any shape, up to some hundred turns.
+
+    The last bit may differ from that of `sincos`, but not between machines.
+    """
+    turns = np.rint(angle * 0.6366197723675814)
+    y = (angle - turns * _HALF_PI_HIGH) - turns * _HALF_PI_REST
+    z = y * y
+    sine = y + y * z * _sine_series(z)
+    cosine = 1.0 - (0.5 * z - z * z * _cosine_series(z))
+    return _by_quarter(turns - 4.0 * np.floor(0.25 * turns), sine, cosine)
+
+
+def _by_quarter(quarter: Floats, sine: Floats, cosine: Floats) -> tuple[Floats, Floats]:
+    """Return the sines and cosines of angles from their quarter turns and those of the remainders."""
+    is_odd = (quarter == 1.0) | (quarter == 3.0)
     sin, cos = np.where(is_odd, cosine, sine), np.where(is_odd, sine, cosine)
-    is_back = (quadrant == 1.0) | (quadrant == 2.0)
-    return np.where(quadrant >= 2.0, -sin, sin), np.where(is_back, -cos, cos)
+    is_back = (quarter == 1.0) | (quarter == 2.0)
+    return np.where(quarter >= 2.0, -sin, sin), np.where(is_back, -cos, cos)
 
 
 def rounded(values: Floats) -> Floats:

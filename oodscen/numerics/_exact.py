@@ -30,9 +30,6 @@ _HALF_PI_HIGH = 1.57079632673412561417
 _HALF_PI_MIDDLE = 6.07710050630396597660e-11
 _HALF_PI_LOW = 2.02226624879595063154e-21
 
-_HALF_PI_REST = 6.077100506506192e-11
-"""The bits after the first 33, in one number."""
-
 _LN2_HIGH = 6.93147180369123816490e-01
 _LN2_LOW = 1.90821492927058770002e-10
 
@@ -87,23 +84,6 @@ def sincos(x: float) -> tuple[float, float]:
     if quadrant == 2:
         return -sine, -cosine
     return -cosine, sine
-
-
-def sincos_all(angle: Floats) -> tuple[Floats, Floats]:
-    """Return the sines and cosines of angles of any shape, up to some hundred turns.
-
-    The last bit may differ from that of `sincos`, but not between machines.
-    """
-    turns = np.rint(angle * 0.6366197723675814)
-    y = (angle - turns * _HALF_PI_HIGH) - turns * _HALF_PI_REST
-    z = y * y
-    sine = y + y * z * _sine_series(z)
-    cosine = 1.0 - (0.5 * z - z * z * _cosine_series(z))
-    quarter = turns - 4.0 * np.floor(0.25 * turns)
-    is_odd = (quarter == 1.0) | (quarter == 3.0)
-    sin, cos = np.where(is_odd, cosine, sine), np.where(is_odd, sine, cosine)
-    is_back = (quarter == 1.0) | (quarter == 2.0)
-    return np.where(quarter >= 2.0, -sin, sin), np.where(is_back, -cos, cos)
 
 
 @part

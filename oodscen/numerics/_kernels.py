@@ -128,9 +128,9 @@ class Kernel(Generic[P, R]):
 
 @contextmanager
 def _alone(compiled: Any, name: str) -> Iterator[None]:
-    """Hold a lock file beside a kernel's cache; go on without it if its holder does not leave.
+    """Hold a lock file beside a kernel's cache, or go on without it if another process holds it too long.
 
-    Where numba keeps nothing, or is told to compile nothing, there is no lock.
+    There is no lock where numba caches or compiles nothing.
     """
     from filelock import FileLock, Timeout
 
@@ -161,8 +161,8 @@ def _compiled(function: Callable[P, R], name: str) -> Any:
     def entry(*args):  # type: ignore[no-untyped-def]
         return function(*args)  # type: ignore[call-arg]
 
-    # numba keys its cache by this one source file, and finds it by this name: the digest of all that
-    # the kernel is built from sets versions apart, so that another one's is never even unpickled.
+    # numba keys its cache by this source file and name: with the digest in the name, the cache of another version
+    # is never unpickled.
     entry.__name__, entry.__qualname__ = name, f"{name}.{_digest(function)[:16]}"
     entry.__module__ = function.__module__
     try:
@@ -172,10 +172,9 @@ def _compiled(function: Callable[P, R], name: str) -> Any:
 
 
 def _digest(function: Callable[..., object]) -> str:
-    """Return a hash of everything that a kernel is built from.
+    """Return a hash of the sources of all functions that a kernel reaches and of its constants.
 
-    This is the source of every function it reaches and the value of every constant, since numba freezes
-    both at compile time.
+    numba freezes both at compile time.
     """
     total = hashlib.sha256()
     pending, known = [function], {function}

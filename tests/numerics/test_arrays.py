@@ -1,8 +1,10 @@
+import math
+
 import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from oodscen.numerics._arrays import interpolated, rounded, sincos_each
+from oodscen.numerics._arrays import interpolated, rounded, sincos_all, sincos_each
 from oodscen.numerics._exact import sincos
 
 NUMBERS = st.one_of(
@@ -39,3 +41,10 @@ def test_interpolation_agrees_with_numpy(ends: list[float], values: list[float])
     np.testing.assert_allclose(
         interpolated(inside, known, wanted), np.interp(inside, known, wanted), atol=1e-6
     )
+
+
+@given(st.lists(st.floats(-500, 500), min_size=1))
+def test_sines_and_cosines_of_an_array(angles: list[float]) -> None:
+    sine, cosine = sincos_all(np.array(angles))
+    np.testing.assert_allclose(sine, [math.sin(a) for a in angles], atol=1e-15)
+    np.testing.assert_allclose(cosine, [math.cos(a) for a in angles], atol=1e-15)

@@ -24,13 +24,6 @@ def test_sine_and_cosine(x: float) -> None:
     assert exact.sincos(x) == (exact.sin(x), exact.cos(x))
 
 
-@given(st.lists(st.floats(-500, 500), min_size=1))
-def test_sines_and_cosines_of_an_array(angles: list[float]) -> None:
-    sine, cosine = exact.sincos_all(np.array(angles))
-    np.testing.assert_allclose(sine, [math.sin(a) for a in angles], atol=1e-15)
-    np.testing.assert_allclose(cosine, [math.cos(a) for a in angles], atol=1e-15)
-
-
 @given(st.floats(-1.5, 1.5))
 def test_tangent(x: float) -> None:
     assert close(exact.tan(x), math.tan(x))

@@ -9,13 +9,12 @@ from oodscen._display import Brief
 from oodscen._numbers import finite_number
 from oodscen.data._episode import LONGEST_REACTION_S
 from oodscen.driving._motion.bodies import GRAVITY, MAX_STEERING
+from oodscen.driving._motion.car_following import PEAK
 from oodscen.errors import UnknownComponent
 from oodscen.numerics._exact import asin, atan, power, sin, tan
 from oodscen.numerics._kernels import Kernel, part
 from oodscen.protocols import Control, Driver, Observation
 
-_PEAK = 5.7735
-"""Maximum second derivative of the smooth course from 0 to 1."""
 KEEP, SLOW, STOP, BRAKE, LEFT, RIGHT, ASIDE = range(7)
 """Codes of the actions in kernels, in the order of `oodscen.data._episode.ACTIONS`."""
 CODES: Mapping[str, int] = MappingProxyType(
@@ -80,7 +79,7 @@ class Plan(NamedTuple):
     """Distance travelled during the move, m."""
 
 
-@part
+@Kernel
 def plan_action(action: int, now: Look) -> Plan:
     """Plan an action.
 
@@ -121,27 +120,14 @@ def lateral_course(plan: Plan, travelled: float) -> tuple[float, float, float]:
     return offset, slope, turn
 
 
-@part
+@Kernel
 def follow_plan(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
-    """Return the acceleration, m/s^2, and the steering angle, rad, of the next step of a plan.
+    """Return the acceleration, m/s^2, and the steering angle, rad, of a plan's next step.
 
-    Args:
-        plan: The plan.
-        travelled: Distance since its start, m.
-        now: The current observation.
+    `travelled` is the distance since the plan's start, m.
     """
     offset, slope, turn = lateral_course(plan, travelled)
-    steering, across = _steering(
-        offset,
-        slope,
-        turn,
-        now.speed,
-        now.offset,
-        now.heading_error,
-        now.curvature,
-        now.wheelbase,
-        now.friction,
-    )
+    steering, across = _steering(offset, slope, turn, now)
     grip = 0.97 * now.friction * GRAVITY
     left = math.sqrt(max(0.0, grip * grip - across * across))
     wanted = -plan.deceleration
@@ -153,40 +139,22 @@ def follow_plan(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
 
 
 @part
-def _steering(
-    offset: float,
-    slope: float,
-    turn: float,
-    speed: float,
-    place: float,
-    heading: float,
-    curvature: float,
-    wheelbase: float,
-    friction: float,
-) -> tuple[float, float]:
+def _steering(offset: float, slope: float, turn: float, now: Look) -> tuple[float, float]:
     """Return the steering angle that follows a course, and the resulting lateral acceleration.
 
-    Args:
-        offset: Offset of the course, m.
-        slope: Its first derivative by the distance travelled.
-        turn: Its second derivative, 1/m.
-        speed: The ego's speed, m/s.
-        place: The ego's offset, m.
-        heading: The ego's heading relative to the road, rad.
-        curvature: Curvature of the road ahead, 1/m.
-        wheelbase: The ego's wheelbase, m.
-        friction: Friction scale of the road.
+    The course is given by its offset, m, and its first two derivatives by the distance travelled.
     """
+    speed, curvature, wheelbase = now.speed, now.curvature, now.wheelbase
     # Shorten the look-ahead in tight bends.
     reach = max(3.0, min(0.8 * speed, 0.3 / max(abs(curvature), 1e-3)))
-    aside = place - offset
+    aside = now.offset - offset
     ahead = curvature + turn / math.sqrt(1.0 - slope * slope)
     # In a curve, the path of the centre differs from the heading by the slip angle.
     slip = asin(min(max(0.5 * wheelbase * ahead, -0.6), 0.6))
-    askew = heading + slip - asin(slope)
+    askew = now.heading_error + slip - asin(slope)
     wanted = ahead - aside / (reach * reach) - 2.0 * sin(askew) / reach
     square = max(speed * speed, 0.01)
-    most = 0.92 * friction * GRAVITY / square
+    most = 0.92 * now.friction * GRAVITY / square
     wanted = min(max(wanted, -most), most)
     slip = asin(min(max(0.5 * wheelbase * wanted, -0.6), 0.6))
     steering = atan(2.0 * tan(slip))
@@ -197,18 +165,8 @@ def _steering(
 def _stretch(now: Look, shift: float, seconds: float, share: float) -> float:
     """Return the distance for a shift, m, such that it uses at most a given share of the grip."""
     grip = min(2.5, share * now.friction * GRAVITY)
-    needed = math.sqrt(_PEAK * abs(shift) / grip)
+    needed = math.sqrt(PEAK * abs(shift) / grip)
     return max(now.speed * max(seconds, needed), 4.0 * abs(shift), 1.0)
-
-
-@Kernel
-def _begin(action: int, now: Look) -> Plan:
-    return plan_action(action, now)
-
-
-@Kernel
-def _follow(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
-    return follow_plan(plan, travelled, now)
 
 
 class ActionDriver(Brief):
@@ -248,10 +206,10 @@ class ActionDriver(Brief):
         assert self._plan is not None
         self._travelled += observation.speed * (observation.time - self._time)
         self._time = observation.time
-        return Control(*_follow(self._plan, self._travelled, now))
+        return Control(*follow_plan(self._plan, self._travelled, now))
 
     def _start(self, code: int, now: Look, time: float) -> None:
-        self._plan, self._travelled, self._time = _begin(code, now), 0.0, time
+        self._plan, self._travelled, self._time = plan_action(code, now), 0.0, time
         if code == KEEP and self.cruise is not None:
             self._plan = self._plan._replace(goal=self.cruise)
 

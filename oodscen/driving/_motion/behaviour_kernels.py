@@ -18,7 +18,6 @@ from oodscen.driving._motion.car_following import (
     idm_acceleration,
     keep_lane,
     move,
-    opposite_heading,
     sideways_duration,
     since,
     smooth,
@@ -65,25 +64,18 @@ class Code(IntEnum):
 
 
 WALKING = tuple(
-    map(
-        int,
-        (
-            Code.CROSS_ROAD,
-            Code.HESITATE,
-            Code.WALK_ALONG,
-            Code.BOLT,
-            Code.DART,
-            Code.WANDER,
-            Code.BLOWN,
-            Code.REVERSE,
-        ),
+    int(code)
+    for code in (
+        *(Code.CROSS_ROAD, Code.HESITATE, Code.WALK_ALONG, Code.BOLT),
+        *(Code.DART, Code.WANDER, Code.BLOWN, Code.REVERSE),
     )
 )
 """Codes of actors that move along their own heading."""
 IN_WORLD = tuple(
-    map(
-        int,
-        (Code.RUN_RED, Code.ROLL_AWAY, Code.FALL, Code.TOWED, Code.OPEN_DOOR, Code.KEYED),
+    int(code)
+    for code in (
+        *(Code.RUN_RED, Code.ROLL_AWAY, Code.FALL),
+        *(Code.TOWED, Code.OPEN_DOOR, Code.KEYED),
     )
 )
 """Codes of actors that move in world coordinates; all others move along the road."""
@@ -148,23 +140,11 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
     elif code in (Code.HARD_BRAKE, Code.STALL) and waited >= 0.0:
         keep_lane(w, i, accelerate(w, i, -traits[i, col.DECELERATION]), 0.0, 0.0)
     elif code == Code.HALT and waited >= 0.0:
-        braking = traits[i, col.DECELERATION]
-        if waited < traits[i, col.GOAL] / braking + traits[i, col.PAUSE]:
-            acceleration = min(
-                -braking, idm_acceleration(w, i, desired_speed(w, i), 1.2, -math.inf)
-            )
-            keep_lane(w, i, accelerate(w, i, acceleration), 0.0, 0.0)
-        else:
-            cruise(w, i, 0.0, 0.0)
+        _halt(w, i, waited)
     elif code == Code.STOP_AND_GO and waited >= 0.0:
-        cycles = waited / traits[i, col.PERIOD]
-        if cycles - math.floor(cycles) >= 0.5:
-            cruise(w, i, 0.0, 0.0)
-        else:
-            acceleration = min(-2.5, idm_acceleration(w, i, traits[i, col.GOAL], 1.2, -math.inf))
-            keep_lane(w, i, accelerate(w, i, acceleration), 0.0, 0.0)
+        _stop_and_go(w, i, waited)
     elif code in (Code.SWERVE, Code.WOBBLE):
-        cruise(w, i, 0.0, _weave(w, i, waited))
+        cruise(w, i, _weave(w, i, waited))
     elif code == Code.PULL_OUT:
         if waited >= 0.0:
             blend = smooth(waited / traits[i, col.DURATION])
@@ -173,7 +153,7 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
             acceleration = idm_acceleration(w, i, desired_speed(w, i), 1.2, slowest)
             keep_lane(w, i, accelerate(w, i, min(2.0, acceleration)), blend, 0.0)
     elif code == Code.DRIFT and waited > 0.0:
-        cruise(w, i, 0.0, _within_road(w, i, traits[i, col.LATERAL] * waited))
+        cruise(w, i, _within_road(w, i, traits[i, col.LATERAL] * waited))
     elif code == Code.OVERTAKE:
         _overtake(w, i, waited)
     elif code == Code.FOLLOW_LANE:
@@ -189,9 +169,31 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
         Code.U_TURN,
         Code.DRIFT,
     ):  # Before the trigger.
-        cruise(w, i, 0.0, 0.0)
+        cruise(w, i, 0.0)
     else:
         raise ValueError("a behaviour without a kernel")
+
+
+@part
+def _halt(w: Situation, i: int, waited: float) -> None:
+    """Brake to a stop, stand for a while, and drive on."""
+    braking = w.traits[i, col.DECELERATION]
+    if waited < w.traits[i, col.GOAL] / braking + w.traits[i, col.PAUSE]:
+        acceleration = min(-braking, idm_acceleration(w, i, desired_speed(w, i), 1.2, -math.inf))
+        keep_lane(w, i, accelerate(w, i, acceleration), 0.0, 0.0)
+    else:
+        cruise(w, i, 0.0)
+
+
+@part
+def _stop_and_go(w: Situation, i: int, waited: float) -> None:
+    """Brake in the first half of every period, and drive in the second."""
+    cycles = waited / w.traits[i, col.PERIOD]
+    if cycles - math.floor(cycles) >= 0.5:
+        cruise(w, i, 0.0)
+    else:
+        acceleration = min(-2.5, idm_acceleration(w, i, w.traits[i, col.GOAL], 1.2, -math.inf))
+        keep_lane(w, i, accelerate(w, i, acceleration), 0.0, 0.0)
 
 
 @part
@@ -278,7 +280,7 @@ def _hesitate(w: Situation, i: int) -> None:
     else:
         if state[i, col.MEMORY + 2] == 0.0:
             state[i, col.MEMORY + 2] = 1.0
-            state[i, col.HEADING] = opposite_heading(state[i, col.HEADING])
+            state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + PI))
         _go(w, i, 2.0 * distance, w.traits[i, col.QUICKNESS])
 
 
@@ -366,16 +368,7 @@ def _act_in_world(w: Situation, i: int, code: int, waited: float) -> None:
     elif code == Code.TOWED:
         _follow(w, i)
     elif code == Code.OPEN_DOOR:
-        ride(w, i)
-        side = 1.0 if w.traits[i, col.APART_Y] >= 0.0 else -1.0
-        half = 0.5 * w.traits[i, col.LENGTH]
-        sine, cosine = sincos(state[i, col.YAW])
-        hinge_x, hinge_y = state[i, col.X] + half * cosine, state[i, col.Y] + half * sine
-        swing = w.traits[i, col.ANGLE] * PI / 180.0 * smooth(waited / w.traits[i, col.DURATION])
-        state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] - side * swing))
-        sine, cosine = sincos(state[i, col.YAW])
-        state[i, col.X] = quantised(hinge_x - half * cosine)
-        state[i, col.Y] = quantised(hinge_y - half * sine)
+        _swing_open(w, i, waited)
     elif code != Code.FALL:
         raise ValueError("a behaviour without a kernel")
     elif waited < 0.0:
@@ -385,6 +378,22 @@ def _act_in_world(w: Situation, i: int, code: int, waited: float) -> None:
         state[i, col.MEMORY], state[i, col.MEMORY + 1] = speed * cosine, speed * sine
     else:
         _fall(w, i)
+
+
+@part
+def _swing_open(w: Situation, i: int, waited: float) -> None:
+    """Turn about the front edge, away from the body that the door belongs to."""
+    ride(w, i)
+    state = w.state
+    side = 1.0 if w.traits[i, col.APART_Y] >= 0.0 else -1.0
+    half = 0.5 * w.traits[i, col.LENGTH]
+    sine, cosine = sincos(state[i, col.YAW])
+    hinge_x, hinge_y = state[i, col.X] + half * cosine, state[i, col.Y] + half * sine
+    swing = w.traits[i, col.ANGLE] * PI / 180.0 * smooth(waited / w.traits[i, col.DURATION])
+    state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] - side * swing))
+    sine, cosine = sincos(state[i, col.YAW])
+    state[i, col.X] = quantised(hinge_x - half * cosine)
+    state[i, col.Y] = quantised(hinge_y - half * sine)
 
 
 @part

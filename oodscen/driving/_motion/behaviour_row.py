@@ -29,7 +29,7 @@ class BehaviourRow:
     """Categories of the actors that are able to do it."""
     parameters: Mapping[str, BehaviourParameter] = field(default_factory=dict)
     needs_other: bool = False
-    """True if the actor belongs to another one."""
+    """True if the actor belongs to another actor."""
     doing: str = ""
     """The motion as a few frames show it: `braking hard`."""
     has_side: bool = False

@@ -441,4 +441,4 @@ WITHOUT_TRIGGER = frozenset(having(lambda row: not row.has_trigger))
 USUAL = frozenset(having(lambda row: row.plain_action == "none"))
 """Behaviours that are nothing unusual."""
 ATTACHED = frozenset(row.code for row in _ROWS if row.needs_other)
-"""Codes of the behaviours of actors that belong to another one."""
+"""Codes of the behaviours of actors that belong to another actor."""

@@ -56,13 +56,8 @@ def clamp(value: float, low: float, high: float) -> float:
 def drive_ego(w: Situation, acceleration: float, steering: float) -> None:
     """Move the ego by one step: a kinematic bicycle about its centre within a friction circle.
 
-    The demanded longitudinal and lateral accelerations are scaled back together onto the circle
-    (Rajamani 2012, chapters 2 and 13). There is no reverse gear.
-
-    Args:
-        w: The world; row 0 of its state changes.
-        acceleration: Demanded acceleration, m/s^2; NaN counts as zero.
-        steering: Demanded steering angle, rad; NaN counts as zero.
+    The demanded acceleration, m/s^2, and the lateral one that follows from the steering angle, rad, are scaled back
+    together onto the circle (Rajamani 2012, chapters 2 and 13). NaN counts as zero. There is no reverse gear.
     """
     state, dt = w.state, w.dt
     before = state[0, col.SPEED]

@@ -49,16 +49,10 @@ def gap(a: Box, b: Box) -> float:
 
 @part
 def box_gap(dx: float, dy: float, a: Shape, b: Shape) -> float:
-    """Return the distance between two boxes, m; the kernel form of `gap`.
+    """Return the distance between two boxes, m, the second with its centre at `dx`, `dy` from the first's.
 
     Two disjoint convex shapes have a separating axis along one of their edge normals, and their distance
     is that between a corner of one and an edge of the other.
-
-    Args:
-        dx: x of the second centre relative to the first, m.
-        dy: y of the second centre relative to the first, m.
-        a: The first box.
-        b: The second box.
     """
     cos = a.cos * b.cos + a.sin * b.sin
     sin = a.cos * b.sin - a.sin * b.cos
@@ -80,14 +74,7 @@ def box_gap(dx: float, dy: float, a: Shape, b: Shape) -> float:
 
 @part
 def _corners_to_box(u: float, v: float, box: Shape, origin: Shape) -> float:
-    """Return the least squared distance from a box's corners to another box, in that one's axes.
-
-    Args:
-        u: First coordinate of the centre of the box with the corners.
-        v: Second coordinate of that centre.
-        box: The box with the corners, its heading relative to the other.
-        origin: The box at the origin, along the axes.
-    """
+    """Return the least squared distance from the corners of a box at `u`, `v` to the box at the origin, in its axes."""
     least = math.inf
     lu, lv = box.half_length * box.cos, box.half_length * box.sin
     wu, wv = -box.half_width * box.sin, box.half_width * box.cos

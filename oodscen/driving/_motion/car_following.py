@@ -8,7 +8,7 @@ import math
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.bodies import GRAVITY, Situation
 from oodscen.driving._roads.track import bend, centre, curvature
-from oodscen.numerics._exact import PI, atan2, cos, quantised, sincos, wrapped
+from oodscen.numerics._exact import atan2, cos, quantised, sincos, wrapped
 from oodscen.numerics._kernels import part
 
 _MAX_SLOPE = 0.5
@@ -23,7 +23,7 @@ _COMFORT = 0.6
 """Share of the grip that drivers use in curves."""
 _SAMPLES = 10
 """Number of places ahead at which a driver looks for curves."""
-_PEAK = 5.7735
+PEAK = 5.7735
 """Maximum second derivative of the smooth course from 0 to 1."""
 _MOST, _COMFORTABLE, _HEADWAY, _STANDSTILL = 1.8, 2.5, 1.2, 2.0
 """Intelligent driver model: maximum acceleration and comfortable braking, m/s^2; headway, s; standstill gap, m."""
@@ -109,7 +109,7 @@ def smooth(progress: float) -> float:
 @part
 def sideways_duration(w: Situation, shift: float, duration: float) -> float:
     """Return the duration of a sideways move, s: longer than `duration` on slippery roads."""
-    return max(duration, math.sqrt(_PEAK * abs(shift) / grip(w)))
+    return max(duration, math.sqrt(PEAK * abs(shift) / grip(w)))
 
 
 @part
@@ -207,12 +207,6 @@ def change_lane(
 
 
 @part
-def cruise(w: Situation, i: int, blend: float, shift: float) -> None:
-    """Drive like `hurry`, with full attention."""
-    change_lane(w, i, blend, shift, _HEADWAY, -math.inf)
-
-
-@part
-def opposite_heading(heading: float) -> float:
-    """Return the opposite heading."""
-    return quantised(wrapped(heading + PI))
+def cruise(w: Situation, i: int, shift: float) -> None:
+    """Drive in its own lane at the usual headway, with an offset to the left, m."""
+    change_lane(w, i, 0.0, shift, _HEADWAY, -math.inf)

@@ -10,11 +10,9 @@ OFF_CENTRE_M = 0.3
 
 
 def off_centre(one: Actor, rng: np.random.Generator) -> Actor:
-    """Return a road user that drives in the very middle of its lane a little beside it, and any other as it is.
+    """Move a road user that drives in the very middle of its lane a little to one side; return any other actor as it is.
 
-    Args:
-        one: The road user, or anything else.
-        rng: Random generator; exactly one number is drawn in every case.
+    Exactly one number is drawn in every case.
     """
     offset = round(float(rng.uniform(-OFF_CENTRE_M, OFF_CENTRE_M)), 2)
     place = one.placement

@@ -109,28 +109,16 @@ class PlacedBodies:
         self, row: int, actor: Actor, name: str, parameters: Mapping[str, float], seed: int
     ) -> None:
         road, place = self.corridor, actor.placement
-        lane = neighbour_strip(road, self.lane, place.lane)
-        target = lane
-        if "lanes" in parameters:
-            target = neighbour_strip(road, lane, round(parameters["lanes"]))
-        heading = place.heading_deg * PI / 180.0
-        if name == "wrong_way":
-            heading = PI
-        if road.strips[lane].direction < 0:
-            heading += PI
-        heading = quantised(wrapped(heading))
-        s = quantised(road.start + place.ahead_m)
-        t = quantised(road.centre(lane, s) + place.offset_m)
-        asset, trigger = self.bodies[row][1], actor.behaviour.trigger
         motion = self._motions.get(actor.behaviour.name)
         behaviour = BUILT_IN[name] if motion is None else None
         code = Code.KEYED if behaviour is None else behaviour.code
-        phase = 0.0
-        if behaviour is not None and behaviour.has_chance:
-            phase = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
         owner = actor.behaviour.other
         if owner is None and (code in ATTACHED or (motion is not None and motion.frame == "other")):
             raise ValueError(f"{actor.id!r} needs another actor to do {name!r}")
+        lane, target, heading = self._course(actor, name, parameters)
+        s = quantised(road.start + place.ahead_m)
+        t = quantised(road.centre(lane, s) + place.offset_m)
+        asset, trigger = self.bodies[row][1], actor.behaviour.trigger
         self.codes[row, : col.KEY] = [
             code,
             lane,
@@ -143,8 +131,9 @@ class PlacedBodies:
             asset.category in _LIT,
         ]
         traits, state = self.traits[row], self.state[row]
-        traits[col.OFFSET], traits[col.PHASE] = place.offset_m, phase
-        traits[col.VALUE] = trigger.value
+        traits[col.OFFSET], traits[col.VALUE] = place.offset_m, trigger.value
+        if behaviour is not None and behaviour.has_chance:
+            traits[col.PHASE] = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
         traits[col.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
         traits[col.HOME_S], traits[col.HOME_T] = s, t
         traits[col.FIRST :] = [parameters.get(name, 0.0) for name in col.PARAMETERS]
@@ -160,6 +149,18 @@ class PlacedBodies:
         if speed > 0.0 and code not in IN_WORLD:
             fastest = float(curve_speed(self.situation, row, grip(self.situation)))
             state[col.SPEED] = quantised(min(speed, fastest))
+
+    def _course(
+        self, actor: Actor, name: str, parameters: Mapping[str, float]
+    ) -> tuple[int, int, float]:
+        """Return an actor's strip, the strip that it may move to, and its heading relative to the road."""
+        lane = target = neighbour_strip(self.corridor, self.lane, actor.placement.lane)
+        if "lanes" in parameters:
+            target = neighbour_strip(self.corridor, lane, round(parameters["lanes"]))
+        heading = PI if name == "wrong_way" else actor.placement.heading_deg * PI / 180.0
+        if self.corridor.strips[lane].direction < 0:
+            heading += PI
+        return lane, target, quantised(wrapped(heading))
 
     def _attach(self, row: int) -> None:
         """Store an actor's pose relative to the body that it belongs to."""

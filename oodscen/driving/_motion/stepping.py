@@ -3,8 +3,9 @@
 import math
 
 from oodscen.driving._motion import columns as col
+from oodscen.driving._motion.actions import Look
 from oodscen.driving._motion.behaviour_kernels import act, stand_in_world
-from oodscen.driving._motion.bodies import GRAVITY, Situation, drive_ego
+from oodscen.driving._motion.bodies import GRAVITY, WHEELBASE, Situation, drive_ego
 from oodscen.driving._motion.boxes import Shape, box_gap, radius, shape
 from oodscen.driving._motion.car_following import curve_speed
 from oodscen.driving._motion.tilting import tilted_box
@@ -36,13 +37,9 @@ _REACH = 3.0
 
 @Kernel
 def advance(w: Situation, count: int, acceleration: float, steering: float) -> None:
-    """Move all bodies by one step.
+    """Move all bodies by one step, after `count` earlier ones.
 
-    Args:
-        w: The world; its state is changed.
-        count: Number of steps before this one.
-        acceleration: The ego's control, m/s^2.
-        steering: The ego's control, rad.
+    The ego's control is its acceleration, m/s^2, and its steering angle, rad.
     """
     time = quantised(count * w.dt)
     see_paths(w)
@@ -101,8 +98,8 @@ def publish(w: Situation, poses: Numbers, rows: Numbers, places: Numbers) -> boo
     Args:
         w: The world.
         poses: [n, 4] x, y, z, yaw.
-        rows: [4, n] speeds, accelerations, gaps between boxes, and distances between the circles
-            around their footprints. The last two are infinite for the ego, and gaps also for passable bodies.
+        rows: [4, n] speeds, accelerations, gaps between boxes, and gaps between the circles around the footprints. The
+            last two are infinite for the ego; gaps between boxes are also infinite for passable bodies.
         places: [n, 2] s, t.
     """
     state, traits = w.state, w.traits
@@ -193,17 +190,8 @@ def is_off_road(w: Situation) -> bool:
 
 
 @Kernel
-def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, float, float]:
-    """Return the road part of the driver's observation.
-
-    Args:
-        w: The world.
-        lane: The strip in which the ego started; offsets are relative to its centre.
-
-    Returns:
-        Offset, heading error, curvature ahead, offsets of the lanes to the left and right
-        (infinite if there is none) and of the roadside, and the speed that the curves ahead allow.
-    """
+def look(w: Situation, lane: int) -> Look:
+    """Return the driver's observation; `lane` is the strip in which the ego started."""
     track, s, t = w.track, w.state[0, col.S], w.state[0, col.T]
     middle = centre(track, lane, s)
     here = lane
@@ -218,7 +206,7 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
     slope, _ = lane_course(w, lane, s)
     preview = s + max(1.0, 0.2 * w.state[0, col.SPEED])
     _, turn = lane_course(w, lane, preview)
-    # The room needed to stop, as `PullOver` plans it.
+    # The room needed to stop, as `plan_action` plans it.
     speed = w.state[0, col.SPEED]
     braking = min(2.5, 0.5 * w.friction * GRAVITY)
     reach = max(12.0, 2.5 * speed, 0.5 * speed * speed / braking)
@@ -226,7 +214,8 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
     for k in range(1 if w.track.is_even else _SAMPLES):
         place = roadside_at(w, lane, s + reach * k / (_SAMPLES - 1.0))
         roadside = max(roadside, place)
-    return (
+    return Look(
+        speed,
         t - middle,
         wrapped(w.state[0, col.YAW] - atan2(sine, cosine) - atan2(slope, stretch)),
         curvature(track, preview, t) + turn / (stretch * stretch),
@@ -234,6 +223,8 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
         -math.inf if beside_right < 0 else centre(track, beside_right, s) - middle,
         roadside,
         curve_speed(w, 0, GRAVITY),
+        w.friction,
+        WHEELBASE,
     )
 
 

@@ -44,16 +44,10 @@ def fires(
 
 
 def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor) -> bool:
-    """Return whether a trigger fires in a state of any simulator.
+    """Return whether a trigger fires in a state of any simulator; it measures to `owner` if it names no actor.
 
     Distances are between centres along the road. The time to collision is that distance divided by the
     closing speed.
-
-    Args:
-        trigger: A trigger of a decision or an actor.
-        owner: Id of the actor to measure to if the trigger names none.
-        state: The world's state.
-        corridor: The scene's road.
     """
     if trigger.kind == "time":
         return fires(TIME, trigger.value, state.time, 0.0, 0.0, 0.0)
@@ -62,13 +56,7 @@ def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor
 
 
 def value_in(trigger: Trigger, state: State, corridor: Corridor) -> float:
-    """Return the value of a trigger with which it fires in a state, rounded up to thousandths.
-
-    Args:
-        trigger: A decision's trigger; its own value does not matter.
-        state: The world's state.
-        corridor: The scene's road.
-    """
+    """Return the value with which a decision's trigger fires in a state, rounded up to thousandths."""
     if trigger.kind == "time":
         return round(state.time, 3)
     ahead, ego_speed, actor_speed = _between(trigger.actor or "", state, corridor)

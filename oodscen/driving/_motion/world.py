@@ -12,10 +12,9 @@ from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._motion import actions
 from oodscen.driving._motion import columns as col
-from oodscen.driving._motion.bodies import WHEELBASE
 from oodscen.driving._motion.car_following import free_road
 from oodscen.driving._motion.placing import PlacedBodies
-from oodscen.driving._motion.rollouts import Variation, is_passed
+from oodscen.driving._motion.rollouts import Trial, Variation, is_passed
 from oodscen.driving._motion.stepping import (
     advance,
     is_pulled,
@@ -30,6 +29,9 @@ from oodscen.driving._roads.corridor import Corridor
 from oodscen.numerics._exact import quantised, wrapped
 from oodscen.numerics._kernels import seen
 from oodscen.protocols import Control, Observation, State
+
+_NEAR_M = 5.0
+"""Distance of a measured pose from the last one up to which its place is searched around the last, m."""
 
 
 class WorldSnapshot(NamedTuple):
@@ -59,25 +61,6 @@ class BodyMotion(NamedTuple):
     """Height above the road, m."""
     triggered: float
     """Time at which its trigger fired, s; negative before."""
-
-
-class Published(NamedTuple):
-    """The public state of a world, rows as in `KinematicWorld.ids`."""
-
-    poses: NDArray[np.float64]
-    """[n, 4] x, y, z, yaw."""
-    speeds: NDArray[np.float64]
-    """[n] along the heading, m/s."""
-    accelerations: NDArray[np.float64]
-    """[n] along the heading, averaged over the last step, m/s^2."""
-    gaps: NDArray[np.float64]
-    """[n] between the ego's box and the others, m; infinite beyond `FAR_M` and for passable bodies."""
-    apart: NDArray[np.float64]
-    """[n] between the circles around the footprints, m."""
-    places: NDArray[np.float64]
-    """[n, 2] s and t on the corridor, m."""
-    is_off_road: bool
-    """True if any part of the ego's footprint is beside the drivable road."""
 
 
 class KinematicWorld(Brief):
@@ -142,31 +125,32 @@ class KinematicWorld(Brief):
         """Return id, asset and state of every body, rows as in `ids`."""
         return list(self._bodies)
 
-    def publish(self) -> Published:
-        """Return the data of a simulator's state."""
+    def state(self) -> State:
+        """Return the public state; its arrays belong to the caller."""
+        return self.publish()[0]
+
+    def publish(self) -> tuple[State, NDArray[np.float64]]:
+        """Return the public state, and the gaps between the circles around the footprints, [n], m."""
         count = len(self.ids)
         poses, rows, places = np.empty((count, 4)), np.empty((4, count)), np.empty((count, 2))
         off_road = publish(self._situation, seen(poses), seen(rows), seen(places))
-        return Published(poses, rows[0], rows[1], rows[2], rows[3], places, bool(off_road))
-
-    def state(self, published: Published | None = None) -> State:
-        """Return the public state; `published` is what `publish` gave in this step, if it was called."""
-        found = self.publish() if published is None else published
-        return State(
+        speeds, accelerations, gaps, apart = rows
+        state = State(
             self.step_count,
             self.time,
             self.ids,
-            found.poses,
-            found.speeds,
-            found.gaps,
-            found.is_off_road,
-            found.accelerations,
-            found.places,
+            poses,
+            speeds,
+            gaps,
+            bool(off_road),
+            accelerations,
+            places,
         )
+        return state, apart
 
     def poses(self) -> NDArray[np.float64]:
         """Return x, y, z and yaw of every body: [n, 4], rows as in `ids`."""
-        return self.publish().poses
+        return self.state().poses
 
     def speeds(self) -> NDArray[np.float64]:
         """Return every body's speed along the heading, m/s: [n], rows as in `ids`."""
@@ -196,25 +180,25 @@ class KinematicWorld(Brief):
 
     def observe(self) -> Observation:
         """Return the ego driver's observation."""
-        offset, askew, curvature, left, right, roadside, fastest = look(self._situation, self.lane)
+        now = look(self._situation, self.lane)
         return Observation(
             self.time,
-            float(self._state[0, col.SPEED]),
-            offset,
-            askew,
-            curvature,
-            WHEELBASE,
-            None if left == math.inf else left,
-            None if right == -math.inf else right,
-            roadside,
-            self.friction,
+            now.speed,
+            now.offset,
+            now.heading_error,
+            now.curvature,
+            now.wheelbase,
+            None if now.left == math.inf else now.left,
+            None if now.right == -math.inf else now.right,
+            now.roadside,
+            now.friction,
             self.visual_range,
-            fastest,
+            now.curve_speed,
         )
 
     def is_off_road(self) -> bool:
         """Return whether any part of the ego's footprint is beside the drivable road."""
-        return self.publish().is_off_road
+        return self.state().off_road
 
     def is_due(self, trigger: Trigger, owner: str | None = None) -> bool:
         """Return whether a trigger fires now.
@@ -264,10 +248,9 @@ class KinematicWorld(Brief):
         self._state[:] = np.frombuffer(snapshot.state).reshape(self._state.shape)
 
     def is_passed(self, action: str, variation: Variation, seconds: float) -> bool:
-        """Return whether the ego, executing an action from now on, passes.
+        """Return whether the ego passes if it executes an action from now on.
 
-        It touches nothing, stays on the road and does not pass the scene's stop line while the light is red.
-
+        It then touches nothing, stays on the road and does not pass the scene's stop line while the light is red.
         The world itself does not change.
 
         Args:
@@ -278,21 +261,17 @@ class KinematicWorld(Brief):
         start = self._state.copy()
         line = self.scene.stop_line
         begins_s = self.time + variation.reaction_s - 1e-9 if variation.reaction_s > 0.0 else 0.0
+        trial = Trial(
+            actions.CODES[action],
+            begins_s,
+            float(variation.speed),
+            max(1, round(seconds / self.dt)),
+            math.inf if line is None else self.corridor.start + line.ahead_m,
+            0.0 if line is None else line.red_from_s,
+        )
+        world = self._situation._replace(friction=variation.friction * self.friction)
         try:
-            return bool(
-                is_passed(
-                    self._situation._replace(friction=variation.friction * self.friction),
-                    seen(start),
-                    self.step_count,
-                    self.lane,
-                    actions.CODES[action],
-                    begins_s,
-                    float(variation.speed),
-                    max(1, round(seconds / self.dt)),
-                    math.inf if line is None else self.corridor.start + line.ahead_m,
-                    0.0 if line is None else line.red_from_s,
-                )
-            )
+            return bool(is_passed(world, seen(start), self.step_count, self.lane, trial))
         finally:
             self._state[:] = start
 
@@ -328,16 +307,10 @@ class KinematicWorld(Brief):
             speed: Its speed along the heading, m/s.
         """
         x, y, z, yaw = pose.tolist()
-        near = float(self._state[row, col.S])
-        s, t = self.corridor.locate(x, y, near if self._is_near(row, x, y) else None)
-        _, _, ground, road = self.corridor.point(s, t)
         state = self._state[row]
+        is_near = np.abs(state[[col.X, col.Y]] - (x, y)).max() < _NEAR_M
+        s, t = self.corridor.locate(x, y, float(state[col.S]) if is_near else None)
+        _, _, ground, road = self.corridor.point(s, t)
         state[col.X], state[col.Y], state[col.YAW] = x, y, wrapped(yaw)
         state[col.S], state[col.T], state[col.HEADING] = s, t, wrapped(yaw - road)
         state[col.SPEED], state[col.LIFT] = speed, max(0.0, z - ground)
-
-    # ------------------------------------------------------------------ internals
-
-    def _is_near(self, row: int, x: float, y: float) -> bool:
-        """Return whether a body is at most a few metres from a point."""
-        return bool(np.abs(self._state[row, [col.X, col.Y]] - (x, y)).max() < 5.0)

@@ -1,7 +1,7 @@
 """Builds corridors from OpenDRIVE files."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import lru_cache
@@ -17,9 +17,10 @@ from oodscen._files import read_regular
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.driving._roads.corridor import Corridor, OtherRoad, PaintedArea, RoadSignal, Structure
 from oodscen.driving._roads.crosssection import Places, build_strips, freeze
+from oodscen.driving._roads.document import MAX_BYTES
 from oodscen.driving._roads.geometry import piecewise, piecewise_all
 from oodscen.driving._roads.network import Network, Road, Signal
-from oodscen.driving._roads.opendrive import MAX_BYTES, read_network
+from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._roads.routes import (
     AHEAD_M,
     BEHIND_M,
@@ -42,6 +43,8 @@ NEAR_M = 400.0
 _MAX_OTHERS_M = 60_000.0
 """Maximum total length of other roads, m; the nearest are kept."""
 _MAX_FURNITURE = 5_000
+_MAX_STARTS = 200
+"""Maximum number of roads on which a start is looked for."""
 _BEFORE_END_M = 20.0
 """Minimum distance between the ego's start and the end of its road in a user's own file, m."""
 _DEFAULT_SPEED_LIMIT = 13.9
@@ -76,11 +79,7 @@ def load_corridor(road_map: RoadMap | str, catalogue: Catalogue | None = None) -
 
 
 def find_map(name: str, catalogue: Catalogue | None = None) -> RoadMap:
-    """Return a map of the catalogue, or the description of the OpenDRIVE file that a scene names.
-
-    Args:
-        name: `Scene.map`, as for `load_corridor`.
-        catalogue: The simulator's catalogue.
+    """Return the catalogue's map of a name, or the description of the OpenDRIVE file at that path.
 
     Raises:
         UnknownComponent: If there is no such map.
@@ -128,32 +127,31 @@ def _default_start(network: Network, source: str) -> tuple[list[Leg], int, float
     """Return a way through the network, the index of the leg where the ego starts, and the position on it, m."""
     best: tuple[list[Leg], int, float] | None = None
     longest = 0.0
-    for road in list(network.roads.values())[:200]:
-        if road.junction:
-            continue
-        for leg in (Leg(road, True), Leg(road, False)):
-            if not leg.has_lane(1):
-                continue
-            legs = [leg]
-            total = road.length
-            for after in straight_on(network, leg):
-                if total >= AHEAD_M:
-                    break
-                legs.append(after)
-                total += after.road.length
-            if total > longest:
-                at = min(160.0, 0.25 * total)
-                found = _open_leg(legs, at)
-                if found is not None:
-                    best, longest = (legs, *found), total
-            if longest >= BEHIND_M + 300.0:
-                break
+    for legs in _ways(network):
+        total = sum(leg.road.length for leg in legs)
+        if total > longest and (found := _open_leg(legs, min(160.0, 0.25 * total))) is not None:
+            best, longest = (legs, *found), total
         if longest >= BEHIND_M + 300.0:
             break
     if best is None:
         issue = Issue("", "no road outside junctions has a driving lane")
         raise DataError("OpenDRIVE file", [issue], source=source)
     return best
+
+
+def _ways(network: Network) -> Iterator[list[Leg]]:
+    """Yield the ways straight on from the roads outside junctions, in both directions."""
+    for road in list(network.roads.values())[:_MAX_STARTS]:
+        for leg in (Leg(road, True), Leg(road, False)):
+            if road.junction or not leg.has_lane(1):
+                continue
+            legs, total = [leg], road.length
+            for after in straight_on(network, leg):
+                if total >= AHEAD_M:
+                    break
+                legs.append(after)
+                total += after.road.length
+            yield legs
 
 
 def _open_leg(legs: Sequence[Leg], at: float) -> tuple[int, float] | None:
@@ -228,12 +226,7 @@ def _sampled_route(
 
 
 def build_corridor(road: Road, *, start_m: float = 0.0, forward: bool = True) -> Corridor:
-    """Sample a single road in the ego's driving direction.
-
-    Args:
-        road: The road as read from a file.
-        start_m: Position of the ego's start along the road's own reference line, m.
-        forward: True if the ego drives along the reference line, false if against it.
+    """Sample a single road; `start_m` is the ego's start along the road's own reference line, m.
 
     Raises:
         ValueError: If the road has too many lanes.
@@ -246,11 +239,7 @@ def build_route(
 ) -> Corridor:
     """Sample the roads that the ego drives, and describe their surroundings.
 
-    Args:
-        network: All roads of the file.
-        legs: The legs in driving order.
-        index: Index of the leg on which the ego starts.
-        start_m: Position of the start along that road's own reference line, m.
+    The ego starts on the leg of the given index, `start_m` along that road's own reference line.
 
     Raises:
         ValueError: If a bend is too tight to drive, or there are too many lanes.
@@ -294,7 +283,7 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
         here = number == place
         own[here] = track.own(along[here] - begin)
         columns[:, here] = track.points(own[here])
-    x, y, z, c, s_, curvature = (freeze(rounded(column)) for column in columns)
+    x, y, z, cosine, sine, curvature = (freeze(rounded(column)) for column in columns)
     in_junction = np.array([bool(leg.road.junction) for leg in legs])[number]
     in_junction.setflags(write=False)
     places = Places(number, own, [track.shift for track in tracks])
@@ -307,8 +296,8 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
         x=x,
         y=y,
         z=z,
-        cos=c,
-        sin=s_,
+        cos=cosine,
+        sin=sine,
         curvature=curvature,
         strips=tuple(strips),
         start=start,
@@ -332,21 +321,24 @@ class _LegTrack:
         self.span = min(road.length, road.curves[-1].s + road.curves[-1].length)
         self._driven, self._nodes = [0.0], [0.0]
         if shift:
-            inner = {self._own(curve.s) for curve in road.curves}
-            ends = sorted({0.0, self.span} | {s for s in inner if 0.0 < s < self.span})
-            for begin, end in pairwise(ends):
-                steps = max(1, math.ceil((end - begin) / SAMPLE_STEP))
-                for step in range(steps):
-                    middle = begin + (end - begin) * (step + 0.5) / steps
-                    kept = 1.0 - shift * self._curvature(middle)
-                    if kept < _TIGHTEST:
-                        raise ValueError(
-                            f"road {road.id!r} bends too tightly for the lanes before it"
-                        )
-                    self._driven.append(begin + (end - begin) * (step + 1) / steps)
-                    width = self._driven[-1] - self._driven[-2]
-                    self._nodes.append(self._nodes[-1] + kept * width)
+            self._measure()
         self.length = self._nodes[-1] if shift else self.span
+
+    def _measure(self) -> None:
+        """Record the distances along this track at distances driven along the road's own line."""
+        inner = {self._own(curve.s) for curve in self.leg.road.curves}
+        ends = sorted({0.0, self.span} | {s for s in inner if 0.0 < s < self.span})
+        for begin, end in pairwise(ends):
+            steps = max(1, math.ceil((end - begin) / SAMPLE_STEP))
+            for step in range(steps):
+                middle = begin + (end - begin) * (step + 0.5) / steps
+                kept = 1.0 - self.shift * self._curvature(middle)
+                if kept < _TIGHTEST:
+                    name = self.leg.road.id
+                    raise ValueError(f"road {name!r} bends too tightly for the lanes before it")
+                self._driven.append(begin + (end - begin) * (step + 1) / steps)
+                width = self._driven[-1] - self._driven[-2]
+                self._nodes.append(self._nodes[-1] + kept * width)
 
     def _own(self, driven: Real) -> Real:
         """Return s on the road's own line at a distance driven along it, m."""
@@ -367,9 +359,8 @@ class _LegTrack:
         driven = own if self.leg.forward else self.span - own
         if not self.shift:
             return driven
-        return float(
-            interpolated(np.array([driven]), np.array(self._driven), np.array(self._nodes))[0]
-        )
+        known, wanted = np.array(self._driven), np.array(self._nodes)
+        return float(interpolated(np.array([driven]), known, wanted)[0])
 
     def points(self, own: Floats) -> tuple[Floats, ...]:
         """Return x, y, z, cosine and sine of the heading, and curvature at s on the road's own line."""

@@ -28,12 +28,9 @@ class OverlapStrip(NamedTuple):
 def covered_ranges(
     bands: Iterable[OverlapStrip], step: float, count: int
 ) -> dict[int, list[tuple[float, float]]]:
-    """Return the ranges of t that the bands cover, by sample of the corridor.
+    """Return the ranges of t that strips of other roads cover, by sample of a corridor.
 
-    Args:
-        bands: Strips of other roads.
-        step: Distance between two samples of the corridor, m.
-        count: Number of samples.
+    The corridor has `count` samples, `step` m apart.
     """
     samples: list[NDArray[np.int64]] = []
     lows: list[FloatArray] = []

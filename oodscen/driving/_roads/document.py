@@ -32,7 +32,7 @@ class Document:
         """Return the root element.
 
         Raises:
-            DataError: If the bytes are not such a file, of acceptable size and depth.
+            DataError: If the bytes are not a file of this format, or too large or deep.
         """
         if len(data) > MAX_BYTES:
             self.fail("", f"the file has {len(data)} bytes; at most {MAX_BYTES} are read")
@@ -137,11 +137,9 @@ class XmlNode:
         return XmlNode(self.document, self.element, path)
 
     def all(self, *names: str, by: Literal["index", "id", "name"] = "index") -> list["XmlNode"]:
-        """Return the elements at the end of a path of names, in order.
+        """Return the elements at the end of a path of names, from this one's children down, in order.
 
-        Args:
-            names: Names of elements, from this one's children down.
-            by: What tells the elements apart in messages, besides their name.
+        Messages tell elements of one name apart by their index or id.
         """
         found = [self.element]
         for name in names:

@@ -1,5 +1,7 @@
 """Signals, crosswalks, stop lines, tunnels and bridges along a road."""
 
+from typing import Literal
+
 from oodscen.driving._roads.document import XmlNode
 from oodscen.driving._roads.network import Patch, Signal, Stretch
 from oodscen.numerics._exact import cos, sin
@@ -22,7 +24,6 @@ def read_signals(road: XmlNode) -> tuple[Signal, ...]:
             orientation=node.get("orientation", "none", longest=8),
             turn=node.number("hOffset", default=0.0, limit=100.0),
             type=node.get("type", longest=64),
-            subtype=node.get("subtype", longest=64),
             country=node.get("country", longest=64),
             value=node.get("value", longest=64),
             is_dynamic=node.get("dynamic") == "yes",
@@ -73,13 +74,12 @@ def _corners(node: XmlNode) -> tuple[tuple[float, float], ...]:
 def read_stretches(road: XmlNode) -> tuple[Stretch, ...]:
     """Read a road's tunnels and bridges."""
     stretches = []
-    for kind in ("tunnel", "bridge"):
+    kinds: tuple[Literal["tunnel", "bridge"], ...] = ("tunnel", "bridge")
+    for kind in kinds:
         nodes = road.all("objects", kind, by="id")
         for node in road.limited(nodes, _MAX_THINGS, f"{kind}s", "/objects"):
             start, length = node.number("s"), node.number("length")
             if length <= 0.0:
                 node.fault("must be above 0", "@length")
-            stretches.append(
-                Stretch("tunnel" if kind == "tunnel" else "bridge", start, start + length)
-            )
+            stretches.append(Stretch(kind, start, start + length))
     return tuple(stretches)

@@ -77,7 +77,6 @@ class Signal:
     turn: float
     """Rotation away from facing that traffic, rad."""
     type: str
-    subtype: str
     country: str
     value: str
     is_dynamic: bool

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from oodscen.driving._roads.document import MAX_BYTES, Document, XmlNode, name_of
+from oodscen.driving._roads.document import Document, XmlNode, name_of
 from oodscen.driving._roads.furniture import read_patches, read_signals, read_stretches
 from oodscen.driving._roads.geometry import Arc, Cubic, Curve, Line, ParamPoly3, Poly3, Spiral
 from oodscen.driving._roads.network import (
@@ -24,9 +24,7 @@ from oodscen.driving._roads.network import (
     RoadLink,
 )
 
-__all__ = ["MAX_BYTES", "MAX_ROAD_LENGTH", "read_network"]
-
-MAX_ROAD_LENGTH = 50_000.0
+_MAX_ROAD_LENGTH = 50_000.0
 _MAX_ROADS = 5_000
 _MAX_PIECES = 100_000
 """Maximum number of geometries in all roads together."""
@@ -46,11 +44,7 @@ _KINK = 0.05
 
 
 def read_network(data: bytes, *, source: str = "") -> Network:
-    """Read all roads and junctions from the bytes of an OpenDRIVE file.
-
-    Args:
-        data: The file's content.
-        source: The origin of the bytes, for error messages.
+    """Read all roads and junctions from the bytes of an OpenDRIVE file; `source` is its name in messages.
 
     Raises:
         DataError: With every fault of the file.
@@ -94,8 +88,8 @@ class _Reader:
     def road(self, node: XmlNode) -> Road | None:
         before = len(self.document.issues)
         length = node.number("length")
-        if not 0.0 < length <= MAX_ROAD_LENGTH:
-            node.fault(f"must be above 0 and at most {MAX_ROAD_LENGTH:g}", "@length")
+        if not 0.0 < length <= _MAX_ROAD_LENGTH:
+            node.fault(f"must be above 0 and at most {_MAX_ROAD_LENGTH:g}", "@length")
         self.length += max(length, 0.0)
         if self.length > _MAX_TOTAL_LENGTH:
             self.document.fail("", f"the roads are longer than {_MAX_TOTAL_LENGTH:g} m together")
@@ -143,7 +137,7 @@ class _Reader:
             if curve is None:
                 continue
             total += curve.length
-            if total > 2.0 * MAX_ROAD_LENGTH:
+            if total > 2.0 * _MAX_ROAD_LENGTH:
                 break
             if curves:
                 _check_joint(node, curves[-1], curve)
@@ -156,7 +150,7 @@ class _Reader:
 
     def _curve(self, node: XmlNode) -> Curve | None:
         s, x, y, heading, length = map(node.number, ("s", "x", "y", "hdg", "length"))
-        if not 1e-6 < length <= MAX_ROAD_LENGTH:
+        if not 1e-6 < length <= _MAX_ROAD_LENGTH:
             node.fault("must be above 0", "@length")
             return None
         base = (s, x, y, math.remainder(heading, math.tau), length)

@@ -7,14 +7,9 @@ from oodscen.numerics._exact import Floats
 
 
 def places(corridor: Corridor, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return s and t of many points on a road, and cosine and sine of the road's heading there.
+    """Return s and t of points of any shape on a road, and cosine and sine of the road's heading there.
 
-    The places are the same as those from `Corridor.locate`.
-
-    Args:
-        corridor: The road.
-        x: World x, m, of any shape.
-        y: World y, m, of the same shape.
+    The places are those of `Corridor.locate`, except for the last bits.
     """
     shape, px, py = x.shape, x.reshape(-1), y.reshape(-1)
     norm = np.sqrt(corridor.cos * corridor.cos + corridor.sin * corridor.sin)

@@ -139,13 +139,9 @@ def fits(before: Leg, after: Leg) -> bool:
 def straightest(
     network: Network, leg: Leg, direction: int = 1, taken: Collection[str] = ()
 ) -> Leg | None:
-    """Return the following leg with the smallest turn.
+    """Return the following leg with the smallest turn, without the `taken` roads.
 
-    Args:
-        network: All roads.
-        leg: The leg to continue.
-        direction: +1 if the driver must find a lane ahead, -1 if traffic must come from it.
-        taken: Ids of roads that are not available.
+    In direction +1, the driver must find a lane ahead; in direction -1, traffic must come from it.
     """
     best, least = None, math.inf
     heading = leg.end_pose().heading

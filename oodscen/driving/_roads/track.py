@@ -45,17 +45,7 @@ def pack(
     step: float,
     length: float,
 ) -> Track:
-    """Return a track of NumPy arrays.
-
-    Args:
-        samples: [n, 6], as in `Track`.
-        edges: [n, 2 k], as in `Track`.
-        drivable: The drivable ranges of t at every sample.
-        lanes: True for each driving strip.
-        driving: Indices of the driving strips at the start, from right to left.
-        step: Spacing of the samples, m.
-        length: s of the last sample, m.
-    """
+    """Return a track of NumPy arrays; `lanes` is true for each driving strip."""
     most = max(1, max(map(len, drivable)))
     ranges = np.array(
         [[*one, *[_NOWHERE] * (most - len(one))] for one in drivable], dtype=np.float64

@@ -30,14 +30,7 @@ def best(found: Iterable[Sighting]) -> Sighting | None:
 def drawn(
     scene: Scene, cast: Sequence[PlacedBody], corridor: Corridor, camera: Camera
 ) -> Sighting | None:
-    """Return the look of the hazard by the outlines of boxes.
-
-    Args:
-        scene: The scene.
-        cast: All bodies at the decision, the ego first.
-        corridor: The scene's road, whose crests hide things.
-        camera: The camera on the ego.
-    """
+    """Return the look of the hazard by the outlines of boxes at the decision; the ego is the first of `cast`."""
     eye = Eye(camera, cast[0].solid)
     reach = visual_range(scene.weather)
     scale = SCALE_PX / camera.height

@@ -34,5 +34,5 @@ def waits_in_traffic(scene: Scene, actor_id: str) -> bool:
 
 
 def is_braking(speed: float, acceleration: float, *, waits: bool) -> bool:
-    """Return whether an actor has its brake lamps on, for one that `waits_in_traffic` or not."""
+    """Return whether an actor has its brake lamps on; `waits` is what `waits_in_traffic` returns for it."""
     return acceleration < BRAKING or (waits and abs(speed) < STANDING)

@@ -17,13 +17,8 @@ def motion_places(
 ) -> list[Issue]:
     """Return an issue for every motion that takes an actor off the map, with the path of the key.
 
-    Motions in the frame of another body are not checked: its way is not known before it is driven.
-
-    Args:
-        scene: The scene, whose actors stand on the map.
-        actors: Its actors with their paths, ordinary counterparts included.
-        corridor: The road.
-        ego_lane: The strip in which the ego starts.
+    Motions in the frame of another body are not checked: its way is not known before it is driven. The actors come
+    with their paths, ordinary counterparts included.
     """
     index = {motion.id: number for number, motion in enumerate(scene.motions)}
     issues: dict[str, Issue] = {}

@@ -103,7 +103,7 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
 
 
 def _map_state_issues(scene: Scene, corridor: Corridor) -> list[Issue]:
-    """Return the parts of the map that a scene changes though the map has none of them."""
+    """Return an issue for every part that a scene changes but its map lacks."""
     if scene.map_state is None:
         return []
     kinds = {"signals": "traffic_light", "signs": "sign"}

@@ -30,7 +30,7 @@ _NEAREST_M = 6.0
 _SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
 """Shares of a hidden body's distance, and of its offset, at which to look for it."""
 _MOST_OVERLAPS = 100
-"""Maximum number of overlaps of a scene that are told."""
+"""Maximum number of overlaps of a scene that are reported."""
 _WHEN = {"first": "at the start", "middle": "half-way", "last": "at the decision"}
 
 
@@ -45,7 +45,7 @@ class PlacedBody(NamedTuple):
         return f"{self.id!r} ({self.asset})"
 
     def at(self, scene: Scene, corridor: Corridor) -> str:
-        """Return the body and its place in the words of a placement relative to the ego's lane."""
+        """Return the body with its place as a placement relative to the ego's lane."""
         s, t = corridor.locate(self.solid.x, self.solid.y)
         lane = corridor.ego_lanes[min(scene.ego.lane, len(corridor.ego_lanes) - 1)]
         turn = math.degrees(math.remainder(self.solid.yaw - corridor.heading(s), math.tau))
@@ -68,13 +68,7 @@ Moments = Mapping[str, Sequence[PlacedBody]]
 def bodies(
     scene: Scene, catalogue: Catalogue, poses: NDArray[np.float64]
 ) -> tuple[PlacedBody, ...]:
-    """Return all bodies at the given poses, the ego first.
-
-    Args:
-        scene: The scene of the actors.
-        catalogue: Source of their sizes.
-        poses: [n, 4], x, y, z and yaw.
-    """
+    """Return all bodies at poses, [n, 4], the ego first."""
     return tuple(
         PlacedBody(name, asset.id, Solid(x, y, z, yaw, asset.length, asset.width, asset.height))
         for (name, asset, _), (x, y, z, yaw) in zip(
@@ -90,12 +84,6 @@ def truth_issues(
 
     In at least one moment the hazard must be visible, or the weather must clearly differ from the ordinary
     weather; no body may float, sink or stand inside another.
-
-    Args:
-        scene: The scene of the moments.
-        corridor: The scene's road.
-        moments: All bodies at the key moments.
-        camera: The camera that shows them.
     """
     issues = floating_issues(scene, corridor, moments) + overlap_issues(scene, corridor, moments)
     if scene.is_ordinary:
@@ -174,10 +162,7 @@ def overlap_issues(scene: Scene, corridor: Corridor, moments: Moments) -> list[I
 def touch(a: PlacedBody, b: PlacedBody, *, is_tall: bool = True) -> bool:
     """Return whether two bodies touch.
 
-    Args:
-        a: The first body.
-        b: The second body.
-        is_tall: Ignore bodies that lie flat on the road, since others may stand on them.
+    With `is_tall`, bodies that lie flat on the road are ignored, since others may stand on them.
     """
     if is_tall and min(a.solid.height, b.solid.height) < FLAT_M:
         return False
@@ -190,7 +175,7 @@ def touch(a: PlacedBody, b: PlacedBody, *, is_tall: bool = True) -> bool:
 
 
 def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) -> Issue:
-    """Return an issue with the reason why an unusual actor is never visible, for the moment that comes closest."""
+    """Return why the unusual actor that comes closest to being visible is never seen."""
     best: tuple[float, int] | None = None
     reasons: dict[int, list[str]] = {}
     for row, actor in enumerate(scene.actors, start=1):
@@ -208,23 +193,21 @@ def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) 
             reasons.setdefault(row, []).append(f"{_WHEN[moment]} {fault}{by}")
         if best is None or largest > best[0]:
             best = largest, row
-    assert best is not None, "asked only where there are unusual actors"
-    row = best[1]
-    cast = list(moments.values())[-1]
-    who = cast[row].at(scene, corridor)
-    told = "; ".join(reasons[row])
+    assert best is not None, "called only for scenes with unusual actors"
+    row, cast = best[1], list(moments.values())[-1]
+    who, why = cast[row].at(scene, corridor), "; ".join(reasons[row])
     hint = _nearer(scene, corridor, cast, row, camera)
-    return Issue(f"actors[{row - 1}]", f"{who} cannot be seen in any frame: {told}{hint}")
+    return Issue(f"actors[{row - 1}]", f"{who} cannot be seen in any frame: {why}{hint}")
 
 
 def _others(scene: Scene, cast: Sequence[PlacedBody], row: int) -> list[Solid]:
-    """Return what may hide a body; what carries it is hollow, and its box does not count."""
+    """Return the bodies that may hide a body; its carrier is hollow and hides nothing."""
     carrier = scene.actors[row - 1].behaviour.other
     return [one.solid for i, one in enumerate(cast) if i not in (0, row) and one.id != carrier]
 
 
 def _hider(cast: Sequence[PlacedBody], row: int, camera: Camera, corridor: Corridor) -> str:
-    """Return in words what hides most of a body."""
+    """Return the words for the thing that hides most of a body."""
     eye, body = Eye(camera, cast[0].solid), cast[row].solid
     shares = [
         (eye.see(body, [one.solid]).hidden, f" by {one}")
@@ -238,7 +221,7 @@ def _hider(cast: Sequence[PlacedBody], row: int, camera: Camera, corridor: Corri
 def _nearer(
     scene: Scene, corridor: Corridor, cast: Sequence[PlacedBody], row: int, camera: Camera
 ) -> str:
-    """Return in words the nearest place at which a body would be seen at the decision."""
+    """Return the words for the nearest place at which a body would be seen at the decision."""
     ego, body = cast[0].solid, cast[row].solid
     eye, others = Eye(camera, ego), _others(scene, cast, row)
     s, t = corridor.locate(body.x, body.y)
@@ -251,12 +234,12 @@ def _nearer(
         return eye.see(moved, others, corridor).fault(scene.weather, camera) is None
 
     away = s - own
-    told = f"; at the decision it is {away:.0f} m ahead of the ego and would be seen "
+    hint = f"; at the decision it is {away:.0f} m ahead of the ego and would be seen "
     for share in _SHARES:
         if share * away > _NEAREST_M and is_seen(own + share * away, t):
-            return f"{told}{share * away:.0f} m ahead of it at the same offset"
+            return f"{hint}{share * away:.0f} m ahead of it at the same offset"
     aside = t - corridor.centre(lane, s)
     for share in _SHARES:
         if away > _NEAREST_M and is_seen(s, t + (share - 1.0) * aside):
-            return f"{told}there with {share * aside:.1f} m between it and the middle of the lane"
+            return f"{hint}there with {share * aside:.1f} m between it and the middle of the lane"
     return ""

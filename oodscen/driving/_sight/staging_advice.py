@@ -14,7 +14,7 @@ from oodscen.driving._sight.placement import APPROACH_S, check_scene
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye
 from oodscen.errors import Issue
-from oodscen.protocols import Camera, ChecksScenes, Simulator, State, camera_for
+from oodscen.protocols import Camera, ChecksScenes, Simulator, camera_for
 
 LATEST_S = 6.0
 """Greatest delay of a decision, s."""
@@ -25,19 +25,11 @@ LOOK_S = 0.2
 def visibility_issues(
     scene: Scene, catalogue: Catalogue, *, camera: Camera | None = None
 ) -> list[Issue]:
-    """Return why a viewer cannot name the hazard of a scene at its decision, and what would do.
+    """Return at most one issue: why a viewer cannot name a valid scene's hazard at its decision, and the remedy.
 
     The kinematic world is run without rendering, so contrast and light are not judged. A scene is accepted
     as it is if a later decision makes its hazard large enough while some action is still safe: running the
-    scene moves the decision there by itself.
-
-    Args:
-        scene: A scene that `check_scene` accepts.
-        catalogue: The simulator's catalogue.
-        camera: The camera on the ego; by default one that the simulator can draw with.
-
-    Returns:
-        At most one issue, at the actor that is easiest to name.
+    scene moves the decision there by itself. By default the camera is one that the simulator can draw with.
     """
     if scene.is_ordinary or not scene.hazard.actors:
         return []
@@ -62,7 +54,7 @@ def visibility_issues(
             break
         later = look() if step % steps == 0 else None
         if later is not None and not later.faults:
-            large = large or (later, value_in(scene.decision, _state(world), corridor))
+            large = large or (later, value_in(scene.decision, world.state(), corridor))
             if _has_way_out(world, scene):
                 return []
         world.step(driver.act(world.observe()))
@@ -105,8 +97,8 @@ def _remedy(scene: Scene, large: tuple[Sighting, float] | None) -> str:
 
 
 def _has_crashed(world: KinematicWorld) -> bool:
-    published = world.publish()
-    return published.is_off_road or bool((published.gaps[1:] <= 0.0).any())
+    state = world.state()
+    return state.off_road or bool(state.contacts)
 
 
 def _has_way_out(world: KinematicWorld, scene: Scene) -> bool:
@@ -132,33 +124,15 @@ def _may_pass(world: KinematicWorld, scene: Scene, action: str) -> bool:
     return True
 
 
-def _state(world: KinematicWorld) -> State:
-    published = world.publish()
-    return State(
-        step=world.step_count,
-        time=world.time,
-        ids=world.ids,
-        poses=published.poses,
-        speeds=published.speeds,
-        gaps=published.gaps,
-        off_road=published.is_off_road,
-        places=published.places,
-    )
-
-
 class AdvisingCheck:
     """`check_scene`, the simulator's own check, and once per scene the advice of `visibility_issues`.
 
-    A hazard that cannot be named is not a reason to refuse a scene for good: the first valid staging of every
-    scene is told of it, later ones are accepted.
+    A hazard that cannot be named is no reason to refuse a scene for good: only its first valid staging gets the
+    advice, later ones are accepted.
     """
 
     def __init__(self, simulator: Simulator | None = None) -> None:
-        """Start with no scene advised.
-
-        Args:
-            simulator: The simulator that will run the scenes.
-        """
+        """Start without any advice; the simulator is the one that will run the scenes."""
         self._own = simulator if isinstance(simulator, ChecksScenes) else None
         self._advised: set[str] = set()
 

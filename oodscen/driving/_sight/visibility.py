@@ -167,17 +167,6 @@ class Eye:
         )
         return across, below, ahead
 
-    def pixel(self, point: Point) -> tuple[float, float, float] | None:
-        """Return column, row and depth of a point, or `None` behind the camera."""
-        across, below, ahead = self.to_camera(point)
-        if ahead < _NEAR:
-            return None
-        return (
-            0.5 * self.camera.width + self.focal * across / ahead,
-            0.5 * self.camera.height + self.focal * below / ahead,
-            ahead,
-        )
-
     def silhouette(self, body: Solid) -> list[tuple[float, float]]:
         """Return the outline of a box in the picture plane, not clipped; empty behind the camera."""
         corners = [self.to_camera(corner) for corner in body.corners()]

@@ -26,13 +26,13 @@ _ALIKE_M = 2.0
 
 
 def nearest_asset(entity: Node, catalogue: Catalogue) -> Asset | None:
-    """Return the asset nearest to a scenario object; `None` after recording that there is none."""
+    """Return the asset nearest to a scenario object, or `None` after recording that it has none."""
     body = next(
         (one for one in entity.children() if one.name in ("Vehicle", "Pedestrian", "MiscObject")),
         None,
     )
     if body is None:
-        entity.leave_out("is no vehicle, pedestrian or object")
+        entity.leave_out("is not a vehicle, pedestrian or object")
         return None
     named = next((one for one in catalogue.assets if one.id == body.get("name")), None)
     if named is not None:

@@ -36,11 +36,7 @@ _CONSTANTS = {"pi": math.pi, "e": math.e}
 
 
 def substituted(text: str, scope: Mapping[str, str]) -> str:
-    """Return an attribute's text with parameters and expressions replaced by their values.
-
-    Args:
-        text: The attribute as written.
-        scope: Parameters by name, as written.
+    """Return an attribute's text with the parameters and expressions of its scope replaced by their values.
 
     Raises:
         ValueError: If a parameter is unknown, depends on itself, or an expression cannot be computed.

@@ -1,4 +1,4 @@
-"""Positions of other people's scenarios as poses, on their own roads or on an imagined straight one."""
+"""Positions in scenarios of other tools as poses, on their own roads or on an imagined straight one."""
 
 import math
 from typing import NamedTuple, Protocol
@@ -28,6 +28,12 @@ class Pose(NamedTuple):
         x, y = self.x + ahead * cos - left * sin, self.y + ahead * sin + left * cos
         return Pose(x, y, self.heading + turn)
 
+    def offset_from(self, origin: "Pose") -> tuple[float, float]:
+        """Return the distances ahead of another pose and to its left, m."""
+        cos, sin = math.cos(origin.heading), math.sin(origin.heading)
+        dx, dy = self.x - origin.x, self.y - origin.y
+        return dx * cos + dy * sin, dy * cos - dx * sin
+
 
 class Roads(Protocol):
     """The places of lanes."""
@@ -38,7 +44,7 @@ class Roads(Protocol):
 
 
 class StraightRoad:
-    """One straight road for all: for scenarios whose own roads cannot be had."""
+    """One straight road, for scenarios without the file of their own roads."""
 
     def at(self, node: Node, road: str, s: float, lane: int, offset: float) -> Pose:
         """Return the pose on a road along x whose right lanes have negative ids."""
@@ -106,9 +112,7 @@ class Positions:
     def __init__(self, roads: Roads, *, is_mirrored: bool = False) -> None:
         """Start without entities.
 
-        Args:
-            roads: Where lanes are.
-            is_mirrored: True if world positions have y to the right, as those for CARLA may.
+        World positions have y to the right if they are mirrored, as those for CARLA may be.
         """
         self.roads = roads
         self.side = -1.0 if is_mirrored else 1.0
@@ -129,7 +133,8 @@ class Positions:
             y, heading = self.side * node.number("y"), self.side * node.number("h", 0.0)
             return Pose(node.number("x"), y, heading)
         if kind == "LanePosition":
-            return self._lane(node, node.get("roadId"), int(node.number("laneId")))
+            road, s, lane = node.get("roadId"), node.number("s"), int(node.number("laneId"))
+            return self.roads.at(node, road, s, lane, node.number("offset", 0.0))
         if kind == "RoadPosition":
             road, s, t = node.get("roadId"), node.number("s"), node.number("t")
             return self.roads.at(node, road, s, 0, t)
@@ -146,9 +151,6 @@ class Positions:
         if kind == "RelativeLanePosition":
             return self._relative_lane(node, origin)
         return None
-
-    def _lane(self, node: Node, road: str, lane: int) -> Pose:
-        return self.roads.at(node, road, node.number("s"), lane, node.number("offset", 0.0))
 
     def _relative_lane(self, node: Node, origin: Pose) -> Pose:
         ahead, lanes = node.number("ds", node.number("dsLane", 0.0)), int(node.number("dLane"))

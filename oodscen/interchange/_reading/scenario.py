@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from oodscen._display import Brief
-from oodscen.data._catalogue import Catalogue, RoadMap
+from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.driving import load_corridor
 from oodscen.driving._motion.behaviours import USUAL
@@ -19,7 +19,14 @@ from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import DataError, Issue
 from oodscen.interchange._reading.actions import ActionReader, behaviour
 from oodscen.interchange._reading.assets import nearest_asset, weather
-from oodscen.interchange._reading.positions import MappedRoads, Pose, Positions, Roads, StraightRoad
+from oodscen.interchange._reading.positions import (
+    LANE_M,
+    MappedRoads,
+    Pose,
+    Positions,
+    Roads,
+    StraightRoad,
+)
 from oodscen.interchange._reading.tree import NOUN, Node, ScenarioTree
 from oodscen.interchange._writing.properties import DIGEST, SCENE, content_digest
 
@@ -32,8 +39,6 @@ _EGO_NAMES = ("ego", "hero", "ego_vehicle", "egovehicle")
 _MIRRORED = "CARLA:"
 """Beginning of the description of files with CARLA's left-handed axes."""
 _DECISION_TTC_S = 3.0
-_LANE_M = 3.5
-"""Width of a lane when a model is told where an actor is, m."""
 _LONGEST_TITLE = 500
 _NEAR_M, _FAR_M = -150.0, 300.0
 """Limits of an actor's place ahead of the ego, m."""
@@ -70,7 +75,7 @@ def read_openscenario(
         llm: The model that names the unusual entities; without one, the first that acts is taken.
 
     Raises:
-        DataError: If the file is malformed or no version 1.x, with the line and the element.
+        DataError: If the file is malformed or not version 1.x, with the line and the element.
         UnknownComponent: If there is no such map.
         LLMError: If the model cannot be reached, or its answer cannot be used.
     """
@@ -94,7 +99,7 @@ def _check_version(tree: ScenarioTree) -> None:
     """Refuse another major version, and note an unknown minor one.
 
     Raises:
-        DataError: If the file is no OpenSCENARIO XML 1.x.
+        DataError: If the file is not OpenSCENARIO XML 1.x.
     """
     header = _header(tree)
     major, minor = (header.get(name).strip() for name in ("revMajor", "revMinor"))
@@ -146,8 +151,7 @@ class _Assembly:
         roads: Roads = StraightRoad()
         if is_mapped:
             roads = MappedRoads(read_network(read_map(self.map), source=self.map))
-        header = self.root.first("FileHeader")
-        is_mirrored = header is not None and header.get("description").startswith(_MIRRORED)
+        is_mirrored = _header(tree).get("description").startswith(_MIRRORED)
         self.positions = Positions(roads, is_mirrored=is_mirrored)
         self.actions = ActionReader(self.root, self.positions, self.ego)
         self._place_entities()
@@ -157,7 +161,9 @@ class _Assembly:
             raise self.entities[self.ego].fault("the ego has no start that can be read")
         self.start = start
         self.is_mapped = is_mapped
-        self.corridor = self._corridor(start) if is_mapped else self._other_corridor()
+        self.corridor = (
+            self._corridor(start) if is_mapped else load_corridor(self.map, self.catalogue)
+        )
         if not self.corridor.ego_lanes:
             raise self.entities[self.ego].fault("the ego does not start beside a driving lane")
 
@@ -167,24 +173,12 @@ class _Assembly:
         Raises:
             DataError: If no actor is left to be the hazard.
         """
-        actors = []
-        for name, entity in self.entities.items():
-            if name != self.ego and (one := self._actor(name, entity)) is not None:
-                actors.append(one)
-        named = {one.id for one in actors}
-        unusual = [_identifier(name) for name in self.hazards]
-        if unknown := [name for name in unusual if name not in named]:
-            issue = Issue("hazard", f"there is no entity {unknown[0]!r} in the scene")
-            raise DataError(NOUN, [issue], source=str(self.tree.path))
-        if not unusual and self.llm is not None and len(actors) > 1:
-            unusual = self._asked(self.llm, actors)
-        elif not unusual and actors:
-            acting = [one for one in actors if one.behaviour.name not in USUAL]
-            unusual = [(acting or actors)[0].id]
-            self.root.leave_out(f"no hazard was named; {unusual[0]} is taken to be it")
-        if not unusual:
-            issue = Issue("hazard", "the file has no entity that can be the hazard")
-            raise DataError(NOUN, [issue], source=str(self.tree.path))
+        actors = [
+            actor
+            for name, entity in self.entities.items()
+            if name != self.ego and (actor := self._actor(name, entity)) is not None
+        ]
+        unusual = self._unusual(actors)
         name = _identifier(self.tree.path.stem)
         decision = self._decision(next(one for one in actors if one.id == unusual[0]))
         return Scene.parse(
@@ -201,20 +195,39 @@ class _Assembly:
             source=str(self.tree.path),
         )
 
+    def _unusual(self, actors: Sequence[Actor]) -> list[str]:
+        """Return the actors that are the hazard: the given ones, those that a model names, or the first that acts."""
+        unusual = [_identifier(name) for name in self.hazards]
+        if unknown := set(unusual).difference(one.id for one in actors):
+            first = next(name for name in unusual if name in unknown)
+            raise self._no_hazard(f"there is no entity {first!r} in the scene")
+        if not actors:
+            raise self._no_hazard("the file has no entity that can be the hazard")
+        if unusual:
+            return unusual
+        if self.llm is not None and len(actors) > 1:
+            return self._asked(self.llm, actors)
+        acting = [one for one in actors if one.behaviour.name not in USUAL]
+        first = (acting or actors)[0].id
+        self.root.leave_out(f"no hazard was named; {first} is taken to be it")
+        return [first]
+
+    def _no_hazard(self, message: str) -> DataError:
+        return DataError(NOUN, [Issue("hazard", message)], source=str(self.tree.path))
+
     def _asked(self, llm: "LLM", actors: Sequence[Actor]) -> list[str]:
         """Return the unusual actors as a model names them."""
         from oodscen.llm._ask import ask
         from oodscen.prompts._scenario.mark_hazard import ActorLine, MarkHazard
 
-        header = self.root.first("FileHeader")
-        title = f"{self.tree.path.stem}. {header.get('description') if header else ''}"
+        title = f"{self.tree.path.stem}. {_header(self.tree).get('description')}"
         lines = tuple(
             ActorLine(
                 id=one.id,
                 what=self.catalogue.asset(one.asset).description,
                 does=f"{one.behaviour.name}: {self.catalogue.behaviour(one.behaviour.name).description}",
                 ahead_m=one.placement.ahead_m,
-                left_m=one.placement.offset_m + _LANE_M * one.placement.lane,
+                left_m=one.placement.offset_m + LANE_M * one.placement.lane,
             )
             for one in actors
         )
@@ -258,7 +271,7 @@ class _Assembly:
                 if (pose := self.positions.read(holder)) is not None:
                     self.positions.known[name] = pose
                     del waiting[name]
-            if waiting and len(self.tree.omissions) > before:
+            if waiting:
                 del self.tree.omissions[before:]
 
     def _centre(self, name: str) -> Pose | None:
@@ -286,13 +299,8 @@ class _Assembly:
                 f"the ego starts at {usual.start_m:g} m of road {usual.road}, not {s:g} m of {road.id}; actors keep "
                 "their distances to it"
             )
-        described: RoadMap = usual.model_copy(
-            update={"road": road.id, "start_m": s, "forward": forward, "route": ()}
-        )
-        return load_corridor(described)
-
-    def _other_corridor(self) -> Corridor:
-        return load_corridor(find_map(self.map, self.catalogue))
+        place = {"road": road.id, "start_m": s, "forward": forward, "route": ()}
+        return load_corridor(usual.model_copy(update=place))
 
     def _ego_strip(self) -> int:
         """Return the strip in which the ego starts: the rightmost on a map that is not the file's own."""
@@ -341,7 +349,7 @@ class _Assembly:
             s, t = road.locate(pose.x, pose.y)
             turn = pose.heading - road.heading(s)
         else:
-            ahead, left = _relative(pose, self.start)
+            ahead, left = pose.offset_from(self.start)
             s = road.start + ahead
             t, turn = road.centre(own, s) + left, pose.heading - self.start.heading
         strip = road.strip_at(s, t)
@@ -350,7 +358,13 @@ class _Assembly:
         if road.strips[strip].direction < 0:
             turn += math.pi
         lanes = road.driving.index(strip) - road.driving.index(own)
-        return _placed(s - road.start, lanes, t - road.centre(strip, s), turn)
+        # Its distances are checked later.
+        return Placement.model_construct(
+            ahead_m=round(s - road.start, 3),
+            lane=min(max(lanes, -6), 6),
+            offset_m=round(t - road.centre(strip, s), 3),
+            heading_deg=round(math.degrees(math.remainder(turn, math.tau)), 3),
+        )
 
     def _decision(self, hazard: Actor) -> Trigger:
         """Return the moment of choice: soon after the hazard acts, or when it is near."""
@@ -373,20 +387,3 @@ def _identifier(name: str) -> str:
     """Return an id that a scene accepts."""
     plain = re.sub(r"[^a-z0-9_-]+", "-", name.lower()).strip("-_")[:40]
     return plain or "entity"
-
-
-def _relative(pose: Pose, start: Pose) -> tuple[float, float]:
-    """Return how far a pose is ahead and to the left of another, m."""
-    cos, sin = math.cos(start.heading), math.sin(start.heading)
-    dx, dy = pose.x - start.x, pose.y - start.y
-    return dx * cos + dy * sin, dy * cos - dx * sin
-
-
-def _placed(ahead: float, lane: int, offset: float, turn: float) -> Placement:
-    """Return a placement whose distances are not checked yet."""
-    return Placement.model_construct(
-        ahead_m=round(ahead, 3),
-        lane=min(max(lane, -6), 6),
-        offset_m=round(offset, 3),
-        heading_deg=round(math.degrees(math.remainder(turn, math.tau)), 3),
-    )

@@ -23,13 +23,13 @@ _MAX_REFERENCES = 20_000
 
 
 class ScenarioTree:
-    """One file, the catalogues that it names, and what of it a scene cannot hold."""
+    """One file, the catalogues that it names, and the elements that a scene cannot hold."""
 
     def __init__(self, path: str | Path) -> None:
         """Read the file.
 
         Raises:
-            DataError: If it is no OpenSCENARIO file of acceptable size and depth.
+            DataError: If it is not an OpenSCENARIO file, or too large or deep.
         """
         self.path = Path(path)
         data = read_regular(path, NOUN, limit=MAX_BYTES)
@@ -87,7 +87,7 @@ def _entries_of(path: Path) -> dict[str, etree._Element]:
             read_regular(path, "catalogue", limit=MAX_BYTES)
         )
     except DataError:
-        return {}  # Whoever refers to it is told that the entry is missing.
+        return {}  # References to it fail as missing entries.
     found = {}
     for catalogue in root.all("Catalog"):
         for entry in catalogue.element:

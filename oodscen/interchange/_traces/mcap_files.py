@@ -20,11 +20,7 @@ _NOUN = "MCAP trace"
 
 
 def mcap_trace(messages: Iterator[tuple[int, bytes]], road: RoadFile) -> bytes:
-    """Return messages of ground truth and the road as an MCAP file.
-
-    Args:
-        messages: Time in ns and encoded message of every step.
-        road: The OpenDRIVE file.
+    """Return the ground truth of every step, its time in ns and its message, and the road as an MCAP file.
 
     Raises:
         MissingExtra: If the packages for MCAP are not installed.
@@ -56,7 +52,7 @@ def mcap_messages(data: bytes, source: str) -> Iterator[bytes]:
     """Yield the encoded messages of ground truth in an MCAP file, in the order of time.
 
     Raises:
-        DataError: If the bytes are no MCAP file.
+        DataError: If the bytes are not an MCAP file.
         MissingExtra: If the packages for MCAP are not installed.
     """
     _library()

@@ -25,9 +25,7 @@ _ENTITY = "entity_name:"
 def read_osi_trace(data: bytes, source: str) -> Iterator[Row]:
     """Yield time, entity and pose of the footprint's centre for every object with a name.
 
-    Args:
-        data: The file's content.
-        source: Its name; that of an MCAP file ends in `.mcap`.
+    `source` is the file's name; that of an MCAP file ends in `.mcap`.
 
     Raises:
         DataError: If the bytes are not a trace of ground truth.
@@ -96,7 +94,7 @@ def _entity_name(parts: Fields, reference: int) -> str:
 def _inner(fields: Fields, number: int) -> bytes:
     found = fields.get(number, [b""])[-1]
     if not isinstance(found, bytes):
-        raise ValueError(f"field {number} is no message")
+        raise ValueError(f"field {number} is not a message")
     return found
 
 

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
@@ -15,8 +14,8 @@ from oodscen.interchange._recording import Recording, UnrenderedSimulator, repla
 from oodscen.interchange._traces.mcap_files import mcap_trace
 from oodscen.interchange._writing.entities import Entity, entities
 from oodscen.interchange._writing.roads import road_file
+from oodscen.numerics._exact import Floats
 
-Floats = NDArray[np.float64]
 Container = Literal["osi", "mcap"]
 CONTAINERS: tuple[Container, ...] = ("osi", "mcap")
 

@@ -7,22 +7,19 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen._files import replace
-from oodscen.data._episode import ACTIONS, NOMINAL_REACTION_S
+from oodscen.data._episode import ACTIONS
 from oodscen.data._scene import Scene
-from oodscen.driving import action_driver, load_corridor
+from oodscen.driving import load_corridor
 from oodscen.driving._base_simulator import render_checked
-from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import MissingExtra
-from oodscen.interchange._recording import Recording, UnrenderedSimulator, replayed
+from oodscen.interchange._recording import Recording, UnrenderedSimulator, action_states, replayed
 from oodscen.interchange._writing.entities import Entity, entities
+from oodscen.numerics._exact import Floats
 from oodscen.protocols import Camera, Simulator, State, camera_for
 from oodscen.stages._simulate import approach
-
-Floats = NDArray[np.float64]
 
 PICTURE_S = 0.5
 """Time between two pictures of the camera, s."""
@@ -70,7 +67,7 @@ def write_rerun(
     except ImportError:
         raise MissingExtra("the recording", "rerun", "rerun-sdk") from None
     catalogue = simulator.catalogue()
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     unrendered = UnrenderedSimulator(catalogue)
     runs = {
         name: replayed(scene, unrendered, name, seed) for name in dict.fromkeys((action, *ACTIONS))
@@ -111,12 +108,7 @@ def _states(scene: Scene, simulator: Simulator, action: str, seed: int) -> Itera
     for control in controls:
         state = simulator.step(control)
         yield state
-    driver = action_driver(action, NOMINAL_REACTION_S)
-    for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
-        if state.contacts or state.off_road:
-            return
-        state = simulator.step(driver.act(simulator.observe()))
-        yield state
+    yield from action_states(scene, simulator, state, action)
 
 
 def _views(rerun: Any) -> Any:

@@ -4,17 +4,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from oodscen.data._catalogue import Catalogue
-from oodscen.data._scene import Scene
 from oodscen.driving import KinematicWorld
 from oodscen.driving._motion.actions import Cruise
-from oodscen.driving._roads.corridor import Corridor
 from oodscen.interchange._verdicts.plausibility import ASKEW, IN_DEGREES, unusable
+from oodscen.numerics._exact import Floats
 from oodscen.protocols import Control, State
-
-Floats = NDArray[np.float64]
 
 _LATEST_START_S = 1.0
 """Time up to which a run may start as it is, s; a later one is counted from its start."""
@@ -32,16 +27,16 @@ _SETTLED_STEPS = 2
 _SPEED_SPAN_S = 0.15
 """Time over which it is measured, s."""
 _SPEED_TOLERANCE_M_S = 1.0
-"""Amount by which it may be off, m/s; the next two are added."""
+"""Tolerance of this speed, m/s; the next two are added."""
 _SPEED_TOLERANCE_SHARE = 0.1
-"""The same as a share of the scene's speed."""
+"""Further tolerance as a share of the scene's speed."""
 _SPEED_TOLERANCE_M_S2 = 5.0
-"""The same per second since the start, m/s^2."""
+"""Further tolerance per second since the start, m/s^2."""
 
 _HAZARD_BEFORE_M = 2.0
 """Distance of the hazard from its course before the decision, m."""
 _HAZARD_AFTER_M = 10.0
-"""The same after the decision, m: the reactions of players differ."""
+"""This distance after the decision, m: the reactions of players differ."""
 _OTHERS_M = 20.0
 """Distance of other actors from their courses, m."""
 _HIGH_M = 2.0
@@ -49,36 +44,27 @@ _HIGH_M = 2.0
 
 
 class _Pace(NamedTuple):
-    """The ego's speed soon after a run's start."""
+    """The ego's speed, m/s, some time after a run's start, s."""
 
     speed: float
-    """Speed, m/s."""
     since_s: float
-    """Time since the start, s."""
 
 
-def start_of(
-    scene: Scene, catalogue: Catalogue, corridor: Corridor, seed: int, time: Floats, poses: Floats
-) -> tuple[float, str]:
-    """Return the time by which a run is shifted, s, and what is not where the scene starts.
+def start_of(world: KinematicWorld, time: Floats, poses: Floats) -> tuple[float, str]:
+    """Return the time by which a run is shifted, s, and the fault of its start, empty without one.
 
     Args:
-        scene: The scene.
-        catalogue: Source of sizes.
-        corridor: The scene's road.
-        seed: Seed of the scene's random streams.
+        world: The scene at its start, which is changed.
         time: [n] the run's times, s.
         poses: [n, bodies, 4] the poses, in the order of the world.
 
     Raises:
         DataError: If the headings are degrees.
     """
-    begun = float(time[0])
-    is_early = 0.0 <= begun <= _LATEST_START_S
-    world, driver = KinematicWorld(corridor, scene, catalogue, seed), Cruise()
+    begun, driver = float(time[0]), Cruise()
     first, pace = poses[0], _first_pace(time, poses[:, 0])
     fault_at_zero = _fault_at_start(world, first, pace, 0.0)
-    if not is_early:
+    if not 0.0 <= begun <= _LATEST_START_S:
         return begun, fault_at_zero
     for _ in range(round(begun / world.dt)):
         world.step(driver.act(world.observe()))
@@ -99,16 +85,9 @@ def _first_pace(time: Floats, ego: Floats) -> _Pace:
 
 
 def _fault_at_start(world: KinematicWorld, poses: Floats, pace: _Pace, since_s: float) -> str:
-    """Return which body is not in its place, or that the ego's speed is wrong; empty if all is well.
+    """Return which body is out of place, or that the ego's speed is wrong; empty if all is well.
 
-    Args:
-        world: The scene's world at the time of the poses.
-        poses: [bodies, 4] the run's first poses.
-        pace: The ego's speed soon after.
-        since_s: Time of the poses since the scene's start, s.
-
-    Raises:
-        DataError: If the headings are degrees.
+    The world is the scene at the time of the run's first poses, `since_s` after its start.
     """
     return (
         _misplaced(world, poses, since_s)
@@ -133,11 +112,7 @@ def _misplaced(world: KinematicWorld, poses: Floats, since_s: float) -> str:
 
 
 def _askew(world: KinematicWorld, poses: Floats) -> str:
-    """Return the first body that faces another way than in the scene, or an empty text.
-
-    Raises:
-        DataError: If the headings fit as degrees.
-    """
+    """Return the first body that faces another way than in the scene, or an empty text."""
     heading = world.poses()[:, 3]
     off = _turn(poses[:, 3] - heading)
     askew = np.flatnonzero(off > ASKEW)
@@ -165,32 +140,19 @@ def _turn(angle: Floats) -> Floats:
     return np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def strayed(
-    scene: Scene,
-    catalogue: Catalogue,
-    corridor: Corridor,
-    seed: int,
-    states: Sequence[State],
-    decision_s: float,
-) -> str:
+def strayed(world: KinematicWorld, states: Sequence[State], decision_s: float) -> str:
     """Return which actor leaves the course that the scene gives it, or an empty text.
 
-    Actors that start behind the ego may follow it as they like.
-
     The scene is run beside the played one: its ego is moved to the played poses in every step, and its actors react
-    to it.
+    to it. Ordinary actors that start behind the ego may follow it as they like.
 
     Args:
-        scene: The scene.
-        catalogue: Source of sizes.
-        corridor: The scene's road.
-        seed: Seed of the scene's random streams.
+        world: The scene at its start, which is changed.
         states: The states of the run up to the end of what is judged.
         decision_s: Time of the decision, s.
     """
-    world = KinematicWorld(corridor, scene, catalogue, seed)
+    unusual = {row for row, name in enumerate(world.ids) if name in world.scene.hazard.actors}
     begin_s_m = [world.motion(name).s for name in world.ids]
-    unusual = {world.ids.index(name) for name in world.ids if name in scene.hazard.actors}
     rows = [
         row for row, s_m in enumerate(begin_s_m) if row and (s_m > begin_s_m[0] or row in unusual)
     ]
@@ -240,12 +202,9 @@ def _run_beside(
 
 
 def _first_departure(places: Floats, course: Floats, allowed_m: Floats) -> tuple[int, float] | None:
-    """Return the first step in which a body is off its course, and how far, m; `None` if there is none.
+    """Return the first step in which a body is off its course, and its distance there, m; `None` if there is none.
 
-    Args:
-        places: [n, 3 or more] the played places, m.
-        course: [n, 3] the expected ones, m.
-        allowed_m: [n] distance along the ground that is allowed in each step, m.
+    `allowed_m` is the distance along the ground that is allowed in each step.
     """
     apart = np.hypot(*(places[:, :2] - course[:, :2]).T)
     above = places[:, 2] - course[:, 2]

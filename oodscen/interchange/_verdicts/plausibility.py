@@ -3,29 +3,29 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.errors import DataError, Issue
-
-Floats = NDArray[np.float64]
+from oodscen.numerics._exact import Floats
 
 _COARSEST_S = 0.2
 """Largest usual step, s: between coarser ones a contact can go unseen."""
 _HOLE, _SHORTEST_HOLE_S = 2.5, 0.1
-"""A hole is longer than so many usual steps, and than this, s."""
+"""Length above which a step is a hole, in usual steps and in s."""
 _FASTEST = 90.0
 """Largest speed of a body, m/s."""
 _JUMP_M, _JUMP = 0.5, 2.0
-"""A jump is this far, m, beyond so many times the way at the speed before or after it."""
+"""Distance by which a step is a jump, m, beyond this multiple of the way at the speed before or after it."""
 _WINDOW_S, _SETTLED_S = 0.2, 0.5
-"""Time over which the ego's acceleration is measured, and from which on, s."""
+"""Time over which the ego's acceleration is measured, and the time at which measuring begins, s."""
 _HARDEST = 30.0
 """Largest acceleration of the ego, m/s^2; a road allows a third of it."""
 _MOVES = 2.0
 """Speed above which the ego's motion has a direction, m/s."""
 ASKEW = 0.35
-"""Largest angle between a heading and what it should be, rad."""
+"""Largest angle between a heading and the expected one, rad."""
+IN_DEGREES = "headings fit the motion as degrees; they are read as radians"
 _FEW = 5
+"""Number of steps in motion below which headings are not checked."""
 
 
 def unusable(where: str, message: str) -> DataError:
@@ -56,7 +56,7 @@ def check_steps(time: Floats) -> None:
 
 
 def check_motion(names: Sequence[str], time: Floats, poses: Floats) -> None:
-    """Refuse motion that no body can have, and headings of the ego that do not fit its motion.
+    """Refuse impossible motion, and headings of the ego that do not fit its motion.
 
     Args:
         names: The bodies, the ego first.
@@ -126,9 +126,6 @@ def _check_ego(time: Floats, poses: Floats) -> None:
             f"heads {np.degrees(np.median(off)):.0f} degrees off its motion; headings are in radians, from the x "
             "axis towards the y axis",
         )
-
-
-IN_DEGREES = "headings fit the motion as degrees; they are read as radians"
 
 
 def _askew(way: Floats, heading: Floats) -> Floats:

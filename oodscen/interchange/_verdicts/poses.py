@@ -9,14 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen._display import Brief
 from oodscen._files import read_regular
 from oodscen.errors import DataError, Issue
 from oodscen.interchange._traces.osi_reading import Row, read_osi_trace
-
-Floats = NDArray[np.float64]
+from oodscen.numerics._exact import Floats
 
 COLUMNS = ("time", "name", "x", "y", "h")
 """Columns that a CSV file of poses must have; `z` is optional."""
@@ -55,9 +53,7 @@ def read_poses(path: str | Path) -> PlayedPoses:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise DataError(
-            _NOUN, [Issue("", f"byte {error.start} is not UTF-8")], source=source
-        ) from None
+        raise _fault("", f"byte {error.start} is not UTF-8", source) from None
     lines = text.splitlines()
     if lines and lines[0].startswith("esmini "):
         return _collected(_esmini_rows(lines, source), source)
@@ -74,14 +70,13 @@ def _collected(rows: Iterator[Row], source: str) -> PlayedPoses:
         names.setdefault(name, len(names))
     moments = sorted(times)
     if len(moments) < 2:
-        raise DataError(_NOUN, [Issue("", "holds fewer than two moments")], source=source)
+        raise _fault("", "holds fewer than two moments", source)
     order = {time: index for index, time in enumerate(moments)}
     poses = np.full((len(moments), len(names), 4), np.nan)
     for time, name, pose in found:
         before = poses[order[time], names[name]]
         if not np.isnan(before[0]) and tuple(before) != pose:
-            issue = Issue(name, f"has two poses at {time:g} s")
-            raise DataError(_NOUN, [issue], source=source)
+            raise _fault(name, f"has two poses at {time:g} s", source)
         poses[order[time], names[name]] = pose
     return PlayedPoses(tuple(names), np.array(moments), poses)
 
@@ -91,40 +86,36 @@ def _plain_rows(text: str, source: str) -> Iterator[Row]:
     try:
         given = table.fieldnames or ()
     except csv.Error as error:
-        raise DataError(_NOUN, [Issue("line 1", str(error))], source=source) from None
+        raise _fault("line 1", str(error), source) from None
     if missing := [name for name in COLUMNS if name not in given]:
-        issue = Issue("line 1", f"no column {', '.join(missing)}; needed: {', '.join(COLUMNS)}")
-        raise DataError(_NOUN, [issue], source=source)
+        needed = ", ".join(COLUMNS)
+        raise _fault("line 1", f"no column {', '.join(missing)}; needed: {needed}", source)
     if twice := [name for name in given if name in (*COLUMNS, "z") and given.count(name) > 1]:
-        raise DataError(_NOUN, [Issue("line 1", f"two columns {twice[0]}")], source=source)
+        raise _fault("line 1", f"two columns {twice[0]}", source)
     for row in _table_rows(table, source):
         where = f"line {table.line_num}"
         if any(cell.strip() for cell in row.get(_REST) or ()):
-            issue = Issue(where, f"more cells than the {len(given)} columns")
-            raise DataError(_NOUN, [issue], source=source)
+            raise _fault(where, f"more cells than the {len(given)} columns", source)
+        cells = {**row, "z": row.get("z") or "0"}
         time, x, y, z, h = (
-            _number(row.get(name) or "0", where, name, source)
-            if name == "z"
-            else _number(row.get(name), where, name, source)
-            for name in ("time", "x", "y", "z", "h")
+            _number(cells[name], where, name, source) for name in ("time", "x", "y", "z", "h")
         )
         yield time, (row["name"] or "").strip(), (x, y, z, h)
 
 
 def _table_rows(table: "csv.DictReader[str]", source: str) -> Iterator[dict[str, Any]]:
-    """Yield the rows of a table, with an error of its format as one of ours."""
+    """Yield the rows of a table, and raise faults of its format as `DataError`."""
     try:
         yield from table
     except csv.Error as error:
-        where = f"line {table.line_num + 1}"
-        raise DataError(_NOUN, [Issue(where, str(error))], source=source) from None
+        raise _fault(f"line {table.line_num + 1}", str(error), source) from None
 
 
 def _esmini_rows(lines: Sequence[str], source: str) -> Iterator[Row]:
     """Yield rows of esmini's log, which has all bodies of a moment on one line."""
     head = next((i for i, line in enumerate(lines) if line.startswith("Index [-]")), None)
     if head is None:
-        raise DataError(_NOUN, [Issue("", "esmini's log has no line of columns")], source=source)
+        raise _fault("", "esmini's log has no line of columns", source)
     columns = [name.strip() for name in lines[head].split(",")]
     places = {name: index for index, name in enumerate(columns)}
     count = sum(name.endswith("Entity_Name [-]") for name in columns)
@@ -137,7 +128,7 @@ def _esmini_rows(lines: Sequence[str], source: str) -> Iterator[Row]:
         def cell(name: str, cells: list[str] = cells, where: str = where) -> str:
             index = places.get(name)
             if index is None or index >= len(cells):
-                raise DataError(_NOUN, [Issue(where, f"no column {name!r}")], source=source)
+                raise _fault(where, f"no column {name!r}", source)
             return cells[index]
 
         time = _number(cell("TimeStamp [s]"), where, "TimeStamp", source)
@@ -168,6 +159,10 @@ def _number(text: str | None, where: str, name: str, source: str) -> float:
     except ValueError:
         value = math.nan
     if not abs(value) <= _FARTHEST:
-        issue = Issue(f"{where}: {name}", f"{(text or '')[:40]!r} is not a number within +-1e7")
-        raise DataError(_NOUN, [issue], source=source)
+        message = f"{(text or '')[:40]!r} is not a number within +-1e7"
+        raise _fault(f"{where}: {name}", message, source)
     return value
+
+
+def _fault(where: str, message: str, source: str) -> DataError:
+    return DataError(_NOUN, [Issue(where, message)], source=source)

@@ -1,10 +1,10 @@
 """Verdicts on runs that another player drove, as the simulation itself would judge them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
@@ -13,18 +13,16 @@ from oodscen.data._episode import ActionOutcome
 from oodscen.data._scene import Scene
 from oodscen.driving import KinematicWorld, load_corridor
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
-from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import DataError, Issue
 from oodscen.interchange._verdicts.expected import start_of, strayed
 from oodscen.interchange._verdicts.plausibility import check_motion, check_steps, unusable
 from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
+from oodscen.numerics._exact import Floats
 from oodscen.protocols import State
 from oodscen.stages._drive import drive_result, inconclusive_drive
 from oodscen.stages._safe_actions import judge_outcome, runs_red
-
-Floats = NDArray[np.float64]
 
 _ALIGNED = 0.8
 """Cosine to the road's direction from which an actor drives along the road."""
@@ -63,8 +61,7 @@ def verdict(
     """Judge a run by its poses: the decision, contacts, margins and safety.
 
     A run is inconclusive if its bodies do not start where the scene's do, an unusual actor leaves the course that the
-    scene gives it, or the run ends before the decision or the
-    horizon without harm.
+    scene gives it, or the run ends before the decision or the horizon without harm.
 
     Args:
         scene: The scene or twin that was played.
@@ -81,54 +78,64 @@ def verdict(
     if not isinstance(played, PlayedPoses):
         played = read_poses(played)
     check_steps(played.time)
-    corridor = load_corridor(find_map(scene.map, catalogue))
-    poses, notes = _poses_of(scene, played, catalogue, corridor, seed)
-    begun, doubt = start_of(scene, catalogue, corridor, seed, played.time, poses)
+    corridor = load_corridor(scene.map, catalogue)
+
+    def world() -> KinematicWorld:
+        return KinematicWorld(corridor, scene, catalogue, seed)
+
+    poses, notes = _poses_of(scene, played, world().ids)
+    begun, doubt = start_of(world(), played.time, poses)
     if begun:
         notes.append(f"times start at {begun:g} s and are counted from there")
-    states = _states(scene, played.time - begun, poses, catalogue, corridor, seed)
+    states = _states(world(), played.time - begun, poses)
     first, fired = _decision(scene, states, corridor)
-    end = states[first].time + scene.horizon_s
+    decision = states[first]
+    end = decision.time + scene.horizon_s
     after = _until_harm([one for one in states[first + 1 :] if one.time <= end + 1e-6])
-    dt = float(np.median(np.diff(played.time)))
-    course, line = Course.of(scene, catalogue), scene.stop_line
     whole = states[: first + 1 + len(after)]
-    last = whole[-1]
+    last, dt = whole[-1], float(np.median(np.diff(played.time)))
     check_motion(last.ids, played.time[: len(whole)], poses[: len(whole)])
-    steps = round(end / dt)
     harmed = bool(last.contacts) or last.off_road
     ends = harmed or last.time >= end - max(_EARLY_S, 1.5 * dt)
-    doubt = doubt or strayed(scene, catalogue, corridor, seed, whole, states[first].time)
-    if not (doubt or harmed or fired) and states[first].time < MAX_APPROACH_S:
-        doubt = f"the run ends at {states[first].time:g} s, before its decision"
+    doubt = doubt or strayed(world(), whole, decision.time)
+    if not (doubt or harmed or fired) and decision.time < MAX_APPROACH_S:
+        doubt = f"the run ends at {decision.time:g} s, before its decision"
     if not (doubt or ends):
         doubt = f"the run ends at {last.time:g} s, before the horizon at {end:g} s"
-    trace = Trace.from_states([states[first], *after], course)
-    ran_red = line is not None and runs_red([states[first], *after], line, course)
-    drive = drive_result(scene, whole, catalogue, driver, steps, dt)
+    outcome = None
     if doubt:
         drive = inconclusive_drive(scene.id, driver, doubt)
+    else:
+        outcome = _outcome(scene, catalogue, decision, after)
+        drive = drive_result(scene, whole, catalogue, driver, round(end / dt), dt)
     return PlayedVerdict(
         scene_id=scene.id,
-        decision_s=round(states[first].time, 6),
+        decision_s=round(decision.time, 6),
         decision_fired=fired,
         is_complete=ends,
         inconclusive=doubt,
         notes=tuple(notes),
-        outcome=None if doubt else judge_outcome(after or [states[first]], trace, ran_red=ran_red),
+        outcome=outcome,
         drive=drive,
     )
 
 
-def _poses_of(
-    scene: Scene, played: PlayedPoses, catalogue: Catalogue, corridor: Corridor, seed: int
-) -> tuple[Floats, list[str]]:
+def _outcome(
+    scene: Scene, catalogue: Catalogue, decision: State, after: Sequence[State]
+) -> ActionOutcome:
+    """Judge the states from the decision on."""
+    course, line = Course.of(scene, catalogue), scene.stop_line
+    watched = [decision, *after]
+    ran_red = line is not None and runs_red(watched, line, course)
+    return judge_outcome(after or watched, Trace.from_states(watched, course), ran_red=ran_red)
+
+
+def _poses_of(scene: Scene, played: PlayedPoses, ids: tuple[str, ...]) -> tuple[Floats, list[str]]:
     """Return the poses of the scene's bodies, [n, bodies, 4] in the order of a world, and notes.
 
     Raises:
         DataError: If a body, or one of its poses, is missing.
     """
-    ids = KinematicWorld(corridor, scene, catalogue, seed).ids
     if missing := [name for name in ids if name not in played.names]:
         issues = [Issue(name, "has no poses") for name in missing]
         raise DataError("run of a player", issues, source=scene.id)
@@ -140,45 +147,25 @@ def _poses_of(
     return poses, [f"not in the scene, and not looked at: {', '.join(others)}"] if others else []
 
 
-def _states(
-    scene: Scene,
-    times: Floats,
-    poses: Floats,
-    catalogue: Catalogue,
-    corridor: Corridor,
-    seed: int,
-) -> list[State]:
+def _states(world: KinematicWorld, times: Floats, poses: Floats) -> list[State]:
     """Return the states of a world with the played poses; speeds are those of the poses."""
-    world = KinematicWorld(corridor, scene, catalogue, seed)
-    towed = [row for row, one in enumerate(scene.actors, start=1) if one.behaviour.name == "towed"]
-    speeds = _speeds(times, poses, corridor, towed)
+    actors = enumerate(world.scene.actors, start=1)
+    towed = [row for row, one in actors if one.behaviour.name == "towed"]
+    speeds = _speeds(times, poses, world.corridor, towed)
     states = []
     for step, time in enumerate(times.tolist()):
         world.set_poses(poses[step], speeds[step])
-        seen = world.publish()
-        states.append(
-            State(
-                step,
-                time,
-                world.ids,
-                seen.poses,
-                speeds[step],
-                seen.gaps,
-                seen.is_off_road,
-                places=seen.places,
-            )
-        )
+        states.append(replace(world.state(), step=step, time=time, accelerations=None))
     return states
 
 
 def _speeds(time: Floats, poses: Floats, corridor: Corridor, towed: Sequence[int]) -> Floats:
     """Return the speeds along the headings at the end of every step, from the steps before.
 
-    Acceleration is taken to be constant over two steps, or over the last one if it changed then. A body that would
-    end a step against its motion in it has come to rest.
-    The speed of an actor that drives along the road is the one that covers its way along the road: its heading
-    need not be the direction in which it sways. The speed of a towed body is its mean over the last step, as in the
-    simulation.
+    The acceleration is taken as constant over two steps, or over the last one if it changed then. A body that would
+    end a step moving backwards against it has come to rest. An actor that drives along the road has the speed of its
+    way along the road, since its heading need not follow its swaying. A towed body has its mean speed over the last
+    step, as in the simulation.
     """
     steps = np.diff(poses, axis=0) / np.diff(time)[:, None, None]
     heading = poses[:, :, 3]

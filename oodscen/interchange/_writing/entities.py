@@ -11,7 +11,7 @@ Kind = Literal["Vehicle", "Pedestrian", "MiscObject"]
 _EGO_AXLE_M = 1.35
 """Distance from the ego's rear axle to its centre, m: half its wheelbase."""
 _AXLE_SHARE = 0.3
-"""The same distance of other vehicles, as a share of their length."""
+"""This distance for other vehicles, as a share of their length."""
 _VEHICLES = (
     (("trailer", "caravan"), "trailer"),
     (("bus", "coach"), "bus"),
@@ -23,7 +23,7 @@ _VEHICLES = (
 _OBJECTS = {"work_zone": "barrier", "vegetation": "vegetation", "signal": "pole"}
 """Categories of objects by the asset's category; others are obstacles."""
 MASS_KG = {"Vehicle": 1500.0, "Pedestrian": 75.0, "MiscObject": 50.0}
-"""Masses by kind: a catalogue has none, and the standard asks for one; things made to order have their own."""
+"""Masses by kind, which the standard asks for; only things made to order have their own."""
 
 
 class Entity(NamedTuple):
@@ -74,33 +74,43 @@ def classified(asset: Asset) -> tuple[Kind, str]:
 
 
 def write_entity(parent: Element, entity: Entity) -> Element:
-    """Append a scenario object and return its properties, which are empty."""
-    asset = entity.asset
-    category = f"{entity.kind[0].lower()}{entity.kind[1:]}Category"
-    holder = child(parent, "ScenarioObject", name=entity.name)
-    attributes: dict[str, Value] = {category: entity.category, "mass": entity.mass_kg}
-    body = child(holder, entity.kind, name=asset.id, **attributes)
-    box = child(body, "BoundingBox")
-    child(box, "Center", x=entity.ahead_m, y=0.0, z=0.5 * asset.height)
-    child(box, "Dimensions", width=asset.width, length=asset.length, height=asset.height)
+    """Append a scenario object and return its properties, which are empty.
+
+    A vehicle's reference point is the middle of its rear axle.
+    """
+    attributes: dict[str, Value] = {"mass": entity.mass_kg}
+    body = write_body(parent, entity, entity.asset.id, attributes, entity.ahead_m)
     if entity.kind == "Vehicle":
-        _write_chassis(body, entity)
+        wheelbase = 2.0 * (entity.ahead_m or _AXLE_SHARE * entity.asset.length)
+        write_chassis(body, entity.asset, front_m=wheelbase, rear_m=0.0)
     return child(body, "Properties")
 
 
-def _write_chassis(body: Element, entity: Entity) -> None:
-    """Append performance and axles of a vehicle; the rear axle is the reference point."""
+def write_body(
+    parent: Element, entity: Entity, name: str, attributes: dict[str, Value], ahead_m: float
+) -> Element:
+    """Append a scenario object with its box, whose centre lies ahead of its reference point, and return the body."""
+    size = entity.asset
+    holder = child(parent, "ScenarioObject", name=entity.name)
+    category = f"{entity.kind[0].lower()}{entity.kind[1:]}Category"
+    body = child(holder, entity.kind, name=name, **{category: entity.category}, **attributes)
+    box = child(body, "BoundingBox")
+    child(box, "Center", x=ahead_m, y=0.0, z=0.5 * size.height)
+    child(box, "Dimensions", width=size.width, length=size.length, height=size.height)
+    return body
+
+
+def write_chassis(body: Element, asset: Asset, *, front_m: float, rear_m: float) -> None:
+    """Append a vehicle's performance and its axles, by their places ahead of the reference point, m."""
     child(body, "Performance", maxSpeed=70.0, maxAcceleration=12.0, maxDeceleration=12.0)
     axles = child(body, "Axles")
-    wheelbase = 2.0 * (entity.ahead_m or _AXLE_SHARE * entity.asset.length)
-    track = max(0.3, entity.asset.width - 0.2)
-    for tag, steering, x in (("FrontAxle", 0.6, wheelbase), ("RearAxle", 0.0, 0.0)):
+    for tag, steering, x in (("FrontAxle", 0.6, front_m), ("RearAxle", 0.0, rear_m)):
         child(
             axles,
             tag,
             maxSteering=steering,
             wheelDiameter=0.6,
-            trackWidth=track,
+            trackWidth=max(0.3, asset.width - 0.2),
             positionX=x,
             positionZ=0.3,
         )

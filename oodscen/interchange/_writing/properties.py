@@ -20,6 +20,7 @@ PREFIX = "oodscen."
 SCENE, DIGEST = f"{PREFIX}scene", f"{PREFIX}sha256"
 """Names of the properties that hold the scene itself, and the digest of it and of its file."""
 _FORBIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
+"""Characters that no XML file can hold."""
 _LONGEST = 2_000
 """Maximum characters of a description."""
 
@@ -54,17 +55,12 @@ def facts(
 def write_properties(holder: Element, values: Mapping[str, str]) -> None:
     """Append properties in the order of their names."""
     for name, value in sorted(values.items()):
-        child(holder, "Property", name=f"{PREFIX}{name}", value=_speakable(value))
+        child(holder, "Property", name=f"{PREFIX}{name}", value=_FORBIDDEN.sub("", plain(value)))
 
 
 def ascii_json(scene: Scene) -> str:
     """Return a scene as JSON text of characters that every XML file can hold."""
     return json.dumps(scene.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
-
-
-def _speakable(text: str) -> str:
-    """Return a text without the characters that XML forbids."""
-    return _FORBIDDEN.sub("", plain(text))
 
 
 def content_digest(root: Element, scene: str) -> str:

@@ -12,11 +12,15 @@ from oodscen._files import check_name, replace
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
-from oodscen.driving._roads.building import find_map
 from oodscen.errors import SceneError, UnknownComponent, UsageError
-from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
+from oodscen.interchange._recording import (
+    Reactions,
+    UnrenderedSimulator,
+    reactions,
+    replayed,
+)
 from oodscen.interchange._writing.elements import Element, child, document, file_header, to_bytes
-from oodscen.interchange._writing.entities import Entity, entities, write_entity
+from oodscen.interchange._writing.entities import entities, write_entity
 from oodscen.interchange._writing.properties import (
     DIGEST,
     SCENE,
@@ -41,10 +45,9 @@ Target = Literal["generic", "esmini", "carla-scenario-runner"]
 MODES: tuple[Mode, ...] = ("replay", "reactive")
 TARGETS: tuple[Target, ...] = ("generic", "esmini", "carla-scenario-runner")
 
-_ESMINI_PROPERTY = "plineInterpolation"
-"""The property that says how esmini follows polylines."""
-_ESMINI_STRAIGHT = "segment"
-"""Its value for straight from vertex to vertex."""
+_RUNNER_NOTES = (
+    "Version 1.0 with named actions for CARLA's ScenarioRunner: speeds change at once, and lanes by a straight line.",
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -113,24 +116,36 @@ def to_openscenario(
         UsageError: If the player has no such mode.
     """
     _check_request(scene, catalogue, mode, target)
-    if target == "carla-scenario-runner":
-        return _for_scenario_runner(scene, catalogue, seed)
     road = road_file(scene, catalogue)
     root = document(road.name)
     bodies = entities(scene, catalogue)
+    corridor = load_corridor(scene.map, catalogue)
+    if target == "carla-scenario-runner":
+        run = reactions(scene, catalogue, seed)
+        write_for_scenario_runner(root, scene, bodies, run, corridor)
+        file_header(root, 0, described(scene, mode, _RUNNER_NOTES))
+        return ScenarioFile(scene.id, to_bytes(root), road, _RUNNER_NOTES)
     holder = child(root, "Entities")
     for body in bodies:
         _add_properties(write_entity(holder, body), body.state, target)
+    notes: list[str] = []
     if mode == "replay":
-        notes = _write_replay(root, scene, bodies, simulator, catalogue, action, seed)
+        recording = replayed(scene, simulator or UnrenderedSimulator(catalogue), action, seed)
+        write_replay(root, scene, bodies, recording, corridor)
+        since = recording.decision_s or 0.0
+        notes.append(
+            f"Exact at steps of {recording.dt:g} s, with the ego's action {action} from {since:.2f} s on."
+        )
     else:
-        notes = _write_reactive(root, scene, bodies, catalogue, seed)
+        run = reactions(scene, catalogue, seed)
+        write_reactive(root, scene, bodies, run, corridor)
+        notes += _reactive_notes(scene, run)
     if not ego:
         strip_ego(root)
-    notes = (*notes, *_player_notes(scene, target))
+    notes += _player_notes(scene, target)
     known = {**facts(scene), **(properties or {}), "seed": str(seed), "mode": mode}
     _add_header(root, scene, known, described(scene, mode, notes))
-    return ScenarioFile(scene.id, to_bytes(root), road, notes)
+    return ScenarioFile(scene.id, to_bytes(root), road, tuple(notes))
 
 
 def _check_request(scene: Scene, catalogue: Catalogue, mode: Mode, target: Target) -> None:
@@ -145,7 +160,7 @@ def _check_request(scene: Scene, catalogue: Catalogue, mode: Mode, target: Targe
 
 
 def _player_notes(scene: Scene, target: Target) -> Iterator[str]:
-    """Yield what a user of a file must know about its player."""
+    """Yield the limits and settings of a file's player."""
     if scene.map_state is not None:
         faults = ", ".join(f"{part} {state}" for part, state in scene.map_state.faults())
         yield f"Players show the map in order, not: {faults}."
@@ -153,59 +168,19 @@ def _player_notes(scene: Scene, target: Target) -> Iterator[str]:
         yield "Play it in esmini with --traj_filter 0."
 
 
-def _write_replay(
-    root: Element,
-    scene: Scene,
-    bodies: list[Entity],
-    simulator: Simulator | None,
-    catalogue: Catalogue,
-    action: str,
-    seed: int,
-) -> tuple[str, ...]:
-    """Append the storyboard of a replay and return its notes."""
-    recording = replayed(scene, simulator or UnrenderedSimulator(catalogue), action, seed)
-    corridor = load_corridor(find_map(scene.map, catalogue))
-    write_replay(root, scene, bodies, recording, corridor)
-    since = recording.decision_s or 0.0
-    return (
-        f"Exact at steps of {recording.dt:g} s, with the ego's action {action} from {since:.2f} s on.",
-    )
-
-
-def _write_reactive(
-    root: Element, scene: Scene, bodies: list[Entity], catalogue: Catalogue, seed: int
-) -> tuple[str, ...]:
-    """Append the storyboard of a reactive file and return its notes."""
-    run = reactions(scene, catalogue, seed)
-    corridor = load_corridor(find_map(scene.map, catalogue))
-    write_reactive(root, scene, bodies, run, corridor)
-    return (
-        f"Conditions at steps of {run.nominal.dt:g} s; reactions are those of a run with a blind ego.",
-        *(
-            f"Not exact for every ego: {name} {why}."
-            for name, why in approximate(scene, run).items()
-        ),
-    )
-
-
-def _for_scenario_runner(scene: Scene, catalogue: Catalogue, seed: int) -> ScenarioFile:
-    run, road = reactions(scene, catalogue, seed), road_file(scene, catalogue)
-    notes = (
-        "Version 1.0 with named actions for CARLA's ScenarioRunner: speeds change at once, and lanes by a straight "
-        "line.",
-    )
-    root = document(road.name)
-    corridor = load_corridor(find_map(scene.map, catalogue))
-    write_for_scenario_runner(root, scene, entities(scene, catalogue), run, corridor)
-    file_header(root, 0, described(scene, "reactive", notes))
-    return ScenarioFile(scene.id, to_bytes(root), road, notes)
+def _reactive_notes(scene: Scene, run: Reactions) -> Iterator[str]:
+    """Yield how exact a reactive file is."""
+    yield f"Conditions at steps of {run.nominal.dt:g} s; reactions are those of a run with a blind ego."
+    for name, why in approximate(scene, run).items():
+        yield f"Not exact for every ego: {name} {why}."
 
 
 def _add_properties(holder: Element, state: str, target: Target) -> None:
     if state:
         write_properties(holder, {"state": state})
     if target == "esmini":
-        child(holder, "Property", name=_ESMINI_PROPERTY, value=_ESMINI_STRAIGHT)
+        # esmini follows polylines straight from vertex to vertex.
+        child(holder, "Property", name="plineInterpolation", value="segment")
 
 
 def _add_header(root: Element, scene: Scene, known: Mapping[str, str], description: str) -> None:

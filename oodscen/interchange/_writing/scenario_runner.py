@@ -4,28 +4,31 @@ ScenarioRunner follows no trajectory in time. A scene can be expressed only if e
 lane, brakes, changes lanes, or walks straight on. Speed changes take effect instantly.
 """
 
-import math
-
 from oodscen._registry import make_catalogue
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Actor, Scene, Weather
+from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import Issue, SceneError
 from oodscen.interchange._recording import Reactions
 from oodscen.interchange._writing.elements import Element, Value, child, within
-from oodscen.interchange._writing.entities import MASS_KG, Entity, Kind, classified
-from oodscen.interchange._writing.storyboard import event, followers, write_speed
+from oodscen.interchange._writing.entities import (
+    MASS_KG,
+    Entity,
+    Kind,
+    classified,
+    write_body,
+    write_chassis,
+)
+from oodscen.interchange._writing.environment import write_environment
+from oodscen.interchange._writing.storyboard import event, followers, maneuver_group, write_speed
+from oodscen.interchange._writing.triggers import at_time, of_entity
 
 BLUEPRINTS = "carla-0.9.16"
 """The catalogue whose ids are CARLA's blueprints."""
 _ACTIONS = {name: row.plain_action for name, row in BUILT_IN.items() if row.plain_action}
 """Behaviours for which ScenarioRunner has actions."""
 _EGO_BLUEPRINT = "vehicle.lincoln.mkz_2017"
-_CLOUDS = ((0.25, "free"), (0.75, "cloudy"), (1.01, "overcast"))
-"""Cloud states by the cloud cover below which they hold."""
-_HEAVIEST_MM_H = 50.0
-"""Precipitation that version 1.0 calls an intensity of 1, mm/h."""
 _END_S = 60.0
 """Time at which the storyboard ends, s."""
 _WALK_M_S = 1.4
@@ -68,7 +71,7 @@ def write_for_scenario_runner(
         _write_entity(holder, entity, known)
     board = child(root, "Storyboard")
     actions = within(board, "Init", "Actions")
-    _write_environment(actions, scene.weather)
+    write_environment(actions, scene.weather, minor=0)
     act = child(child(board, "Story", name="scene"), "Act", name="act")
     walkers = {actor.id for actor in scene.actors if _ACTIONS[actor.behaviour.name] == "walk"}
     starts = zip(entities, run.nominal.poses[0], run.nominal.speeds[0], strict=True)
@@ -84,45 +87,28 @@ def write_for_scenario_runner(
             _write_actor(act, actor, run, corridor)
     if not len(act):
         # An Act must have a group.
-        _maneuver_group(act, "ego")
-    _at_time(act, "StartTrigger", "act_start", 0.0)
-    _at_time(board, "StopTrigger", "end", _END_S)
+        maneuver_group(act, "ego")
+    at_time(act, "StartTrigger", "act_start", 0.0, "greaterThan")
+    at_time(board, "StopTrigger", "end", _END_S, "greaterThan")
 
 
 # ------------------------------------------------------------------ entities and environment
 
 
 def _write_entity(parent: Element, entity: Entity, known: Catalogue) -> None:
-    category = f"{entity.kind[0].lower()}{entity.kind[1:]}Category"
+    """Append a scenario object, whose reference point is its centre."""
     blueprint = _EGO_BLUEPRINT if entity.name == "ego" else _blueprint(entity.asset, known)
     further: dict[Kind, dict[str, Value]] = {
         "Vehicle": {},
         "Pedestrian": {"model": blueprint, "mass": MASS_KG["Pedestrian"]},
         "MiscObject": {"mass": MASS_KG["MiscObject"]},
     }
-    attributes = {category: entity.category, **further[entity.kind]}
-    holder = child(parent, "ScenarioObject", name=entity.name)
-    body = child(holder, entity.kind, name=blueprint, **attributes)
-    size = entity.asset
-    box = child(body, "BoundingBox")
-    child(box, "Center", x=0.0, y=0.0, z=0.5 * size.height)
-    child(box, "Dimensions", width=size.width, length=size.length, height=size.height)
+    body = write_body(parent, entity, blueprint, further[entity.kind], 0.0)
     if entity.kind == "Vehicle":
-        child(body, "Performance", maxSpeed=70.0, maxAcceleration=12.0, maxDeceleration=12.0)
-        axles, half = child(body, "Axles"), 0.3 * size.length
-        for tag, steering, x in (("FrontAxle", 0.6, half), ("RearAxle", 0.0, -half)):
-            child(
-                axles,
-                tag,
-                maxSteering=steering,
-                wheelDiameter=0.6,
-                trackWidth=max(0.3, size.width - 0.2),
-                positionX=x,
-                positionZ=0.3,
-            )
-    properties = child(body, "Properties")
+        half = 0.3 * entity.asset.length
+        write_chassis(body, entity.asset, front_m=half, rear_m=-half)
     role = "ego_vehicle" if entity.name == "ego" else "simulation"
-    child(properties, "Property", name="type", value=role)
+    child(child(body, "Properties"), "Property", name="type", value=role)
 
 
 def _blueprint(asset: Asset, known: Catalogue) -> str:
@@ -144,37 +130,13 @@ def _blueprint(asset: Asset, known: Catalogue) -> str:
     return nearest.id
 
 
-def _write_environment(actions: Element, weather: Weather) -> None:
-    """Append the environment in the terms of version 1.0."""
-    action = within(actions, "GlobalAction", "EnvironmentAction")
-    environment = child(action, "Environment", name="environment")
-    elevation = math.radians(weather.sun_elevation_deg)
-    hour = 12 if weather.sun_elevation_deg > 0.0 else 0
-    child(environment, "TimeOfDay", animation=False, dateTime=f"2026-06-21T{hour:02d}:00:00")
-    clouds = next(name for below, name in _CLOUDS if weather.cloud_cover < below)
-    sky = child(environment, "Weather", cloudState=clouds)
-    child(sky, "Sun", azimuth=0.0, elevation=elevation, intensity=max(0.0, math.sin(elevation)))
-    child(sky, "Fog", visualRange=weather.fog_visual_range_m)
-    kind = "dry" if weather.precipitation == "none" else weather.precipitation
-    amount = min(1.0, weather.precipitation_mm_h / _HEAVIEST_MM_H)
-    child(sky, "Precipitation", precipitationType=kind, intensity=amount)
-    child(environment, "RoadCondition", frictionScaleFactor=weather.friction)
-
-
 # ------------------------------------------------------------------ what actors do
-
-
-def _maneuver_group(act: Element, name: str) -> Element:
-    group = child(act, "ManeuverGroup", name=f"group_{name}", maximumExecutionCount=1)
-    actors = child(group, "Actors", selectTriggeringEntities=False)
-    child(actors, "EntityRef", entityRef=name)
-    return group
 
 
 def _write_actor(act: Element, actor: Actor, run: Reactions, corridor: Corridor) -> None:
     """Append the group of one actor: its action at its trigger, and its rest where it has one."""
     behaviour, action_name = actor.behaviour, _ACTIONS[actor.behaviour.name]
-    maneuver = child(_maneuver_group(act, actor.id), "Maneuver", name=f"maneuver_{actor.id}")
+    maneuver = child(maneuver_group(act, actor.id), "Maneuver", name=f"maneuver_{actor.id}")
     starting, action = event(maneuver, f"react_{actor.id}_0")
     starting.set("priority", "overwrite")
     if action_name == "lane_change":
@@ -188,7 +150,7 @@ def _write_actor(act: Element, actor: Actor, run: Reactions, corridor: Corridor)
         resting, action = event(maneuver, f"rest_{actor.id}_0")
         resting.set("priority", "overwrite")
         write_speed(child(action, "PrivateAction"), 0.0)
-        condition = _entity_condition(resting, f"there_{actor.id}", actor.id)
+        condition = of_entity(resting, f"there_{actor.id}", actor.id)
         child(condition, "TraveledDistanceCondition", value=behaviour.parameters["distance"])
 
 
@@ -208,13 +170,12 @@ def _write_lane_change(action: Element, actor: Actor, speed: float) -> None:
 
 
 def _write_trigger(parent: Element, actor: Actor, run: Reactions, corridor: Corridor) -> None:
-    trigger = actor.behaviour.trigger
-    name = f"trigger_{actor.id}"
+    trigger, name = actor.behaviour.trigger, f"trigger_{actor.id}"
     if trigger.kind == "time":
-        _at_time(parent, "StartTrigger", name, trigger.value)
+        at_time(parent, "StartTrigger", name, trigger.value, "greaterThan")
         return
     measured = trigger.actor or actor.id
-    condition = _entity_condition(parent, name, "ego")
+    condition = of_entity(parent, name, "ego")
     if trigger.kind == "distance":
         child(
             condition,
@@ -236,26 +197,8 @@ def _write_trigger(parent: Element, actor: Actor, run: Reactions, corridor: Corr
     )
     target = child(ttc, "TimeToCollisionConditionTarget")
     row = run.nominal.ids.index(measured)
-    s, t = map(float, run.nominal.places[0, row])
     if run.nominal.speeds[0, row] > 0.0:
         child(target, "EntityRef", entityRef=measured)
-        return
-    x, y, z, heading = corridor.point(s, t)
-    child(child(target, "Position"), "WorldPosition", x=x, y=y, z=z, h=heading)
-
-
-def _entity_condition(parent: Element, name: str, entity: str) -> Element:
-    holder = child(_condition(parent, "StartTrigger", name), "ByEntityCondition")
-    triggering = child(holder, "TriggeringEntities", triggeringEntitiesRule="any")
-    child(triggering, "EntityRef", entityRef=entity)
-    return child(holder, "EntityCondition")
-
-
-def _condition(parent: Element, tag: str, name: str) -> Element:
-    group = within(parent, tag, "ConditionGroup")
-    return child(group, "Condition", name=name, delay=0.0, conditionEdge="none")
-
-
-def _at_time(parent: Element, tag: str, name: str, time_s: float) -> None:
-    holder = child(_condition(parent, tag, name), "ByValueCondition")
-    child(holder, "SimulationTimeCondition", value=time_s, rule="greaterThan")
+    else:
+        x, y, z, heading = corridor.point(*map(float, run.nominal.places[0, row]))
+        child(child(target, "Position"), "WorldPosition", x=x, y=y, z=z, h=heading)

@@ -1,10 +1,4 @@
-"""Storyboard: what every entity does, recorded (replay) or in answer to the ego (reactive)."""
-
-from collections.abc import Callable
-from functools import partial
-
-import numpy as np
-from numpy.typing import NDArray
+"""Storyboards: the entities' actions, recorded (replay) or in answer to the ego (reactive)."""
 
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER, WITHOUT_TRIGGER
@@ -21,8 +15,7 @@ from oodscen.interchange._writing.trajectories import (
     write_trajectory,
 )
 from oodscen.interchange._writing.triggers import EgoConditions, after_event, at_time
-
-Floats = NDArray[np.float64]
+from oodscen.numerics._exact import Floats
 
 _BESIDE_M = 1.5
 """Largest offset to the ego at which an actor behind counts as its follower, m."""
@@ -39,19 +32,22 @@ class Storyboard:
 
     def maneuver(self, name: str) -> Element:
         """Append a maneuver of one entity."""
-        group = child(self.act, "ManeuverGroup", name=f"group_{name}", maximumExecutionCount=1)
-        actors = child(group, "Actors", selectTriggeringEntities=False)
-        child(actors, "EntityRef", entityRef=name)
-        return child(group, "Maneuver", name=f"maneuver_{name}")
+        return child(maneuver_group(self.act, name), "Maneuver", name=f"maneuver_{name}")
 
     def end(self, time_s: float) -> None:
         """Append the triggers of the act and of the storyboard's end; an act has at least one group."""
         if not len(self.act):
-            group = self.maneuver("ego").getparent()
-            assert group is not None
-            group.remove(group[-1])
+            maneuver_group(self.act, "ego")
         at_time(self.act, "StartTrigger", "act_start", 0.0)
         at_time(self.root, "StopTrigger", "end", time_s, "greaterThan")
+
+
+def maneuver_group(act: Element, name: str) -> Element:
+    """Append a group of maneuvers for one entity."""
+    group = child(act, "ManeuverGroup", name=f"group_{name}", maximumExecutionCount=1)
+    actors = child(group, "Actors", selectTriggeringEntities=False)
+    child(actors, "EntityRef", entityRef=name)
+    return group
 
 
 def event(maneuver: Element, name: str) -> tuple[Element, Element]:
@@ -60,7 +56,7 @@ def event(maneuver: Element, name: str) -> tuple[Element, Element]:
     return started, child(started, "Action", name=f"action_{name}")
 
 
-def write_start(actions: Element, name: str, pose: NDArray[np.float64], speed: float) -> None:
+def write_start(actions: Element, name: str, pose: Floats, speed: float) -> None:
     """Append an entity's pose and, unless it stands, its speed at the start."""
     private = child(actions, "Private", entityRef=name)
     teleport = within(private, "PrivateAction", "TeleportAction")
@@ -142,7 +138,7 @@ def write_reactive(
         if actor.id in behind:
             _write_following(board.maneuver(actor.id), actor.id, _gap(entities, run, row))
         else:
-            writer.write(partial(board.maneuver, actor.id), row, actor)
+            writer.write(board, row, actor)
     course = reference_poses(run.nominal, 0, entities[0], corridor)
     if spans := phases(course):
         write_course(board.maneuver("ego"), "ego", run.nominal.time, course, spans)
@@ -218,26 +214,24 @@ class _ReactionWriter:
         self.conditions = EgoConditions(entities, run.nominal, corridor)
         self.coming = {motion.id for motion in scene.motions if motion.begins == "moving"}
 
-    def write(self, make: Callable[[], Element], row: int, actor: Actor) -> None:
+    def write(self, board: Storyboard, row: int, actor: Actor) -> None:
         """Append the maneuver of one actor, unless it never moves."""
         entity, run = self.entities[row], self.run
-        timed = actor.behaviour.trigger.kind == "time"
-        reacts = actor.behaviour.name not in WITHOUT_TRIGGER and not timed
+        behaviour = actor.behaviour
+        reacts = behaviour.name not in WITHOUT_TRIGGER and behaviour.trigger.kind != "time"
         source = run.quiet if reacts else run.nominal
         before = reference_poses(source, row, entity, self.corridor)
         spans = phases(before)
         step = run.triggered.get(entity.name) if reacts else None
-        after = None if step is None else self._reaction(row, entity, step)
-        if not spans and after is None:
+        after = before[:0]
+        if step is not None:
+            after = reference_poses(run.nominal, row, entity, self.corridor)[step:]
+        if not spans and not phases(after):
             return
-        maneuver = make()
+        maneuver = board.maneuver(entity.name)
         write_course(maneuver, entity.name, source.time, before, spans)
-        if after is not None and step is not None:
+        if step is not None:
             self._write_reaction(maneuver, actor, entity, step, after)
-
-    def _reaction(self, row: int, entity: Entity, step: int) -> Floats | None:
-        poses = reference_poses(self.run.nominal, row, entity, self.corridor)[step:]
-        return poses if phases(poses) else None
 
     def _write_reaction(
         self, maneuver: Element, actor: Actor, entity: Entity, step: int, poses: Floats

@@ -4,14 +4,13 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.interchange._recording import Recording
 from oodscen.interchange._writing.elements import Element, child, within
 from oodscen.interchange._writing.entities import Entity
+from oodscen.numerics._exact import Floats
 
-Floats = NDArray[np.float64]
 PlacesVertex = Callable[[Element, Floats], None]
 
 EXACT_M = 2e-5
@@ -130,15 +129,10 @@ def write_trajectory(
     relative: bool = False,
     place: PlacesVertex | None = None,
 ) -> None:
-    """Append the action that follows a course.
+    """Append the action that follows a course of reference points, [n, 5].
 
-    Args:
-        action: The action to complete.
-        name: Name of the trajectory.
-        time: [n], s.
-        poses: [n, 5] of reference points.
-        relative: Count time from the start of the action.
-        place: Writes one vertex's position; by default one in the world.
+    Times count from the start of the action if they are `relative`. `place` writes one vertex's position, by default
+    one in the world.
     """
     holder = within(action, "PrivateAction", "RoutingAction", "FollowTrajectoryAction")
     reference = child(holder, "TrajectoryRef")

@@ -1,10 +1,9 @@
-"""Triggers: when an event starts, as conditions on the ego, on time, or on other events."""
+"""Start and stop triggers: conditions on the ego, on time, or on other events."""
 
 import math
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.data._scene import Trigger
 from oodscen.driving._roads.corridor import Corridor
@@ -12,8 +11,7 @@ from oodscen.interchange._recording import Recording
 from oodscen.interchange._writing.elements import Element, Value, child, within
 from oodscen.interchange._writing.entities import Entity
 from oodscen.interchange._writing.trajectories import reference_poses, world_position
-
-Floats = NDArray[np.float64]
+from oodscen.numerics._exact import Floats
 
 _ALONG: dict[str, Value] = {
     "freespace": False,
@@ -21,11 +19,11 @@ _ALONG: dict[str, Value] = {
     "relativeDistanceType": "longitudinal",
 }
 _STANDS_M = 0.05
-"""Way along the road up to which an actor counts as standing there, as one that crosses does, m."""
+"""Way along the road up to which an actor counts as standing, as a crossing one does, m."""
 _TIE = 1e-4
-"""Least difference of a condition's value from what a nominal run measures at the steps about it, m or s.
+"""Least difference of a condition's value from the nominal run's values at the steps around it, m or s.
 
-An exact tie is decided by rounding, which differs between players.
+Rounding, which differs between players, would decide an exact tie.
 """
 _EARLY_S = 0.001
 """Time before its step from which a time condition holds, against rounding in players, s."""
@@ -44,6 +42,14 @@ def at_time(
     value = max(0.0, time_s - _EARLY_S) if rule == "greaterOrEqual" else time_s
     holder = child(_condition(parent, tag, name), "ByValueCondition")
     child(holder, "SimulationTimeCondition", value=float(value), rule=rule)
+
+
+def of_entity(parent: Element, name: str, entity: str) -> Element:
+    """Append a start trigger by an entity, and return the condition to complete."""
+    holder = child(_condition(parent, "StartTrigger", name), "ByEntityCondition")
+    triggering = child(holder, "TriggeringEntities", triggeringEntitiesRule="any")
+    child(triggering, "EntityRef", entityRef=entity)
+    return child(holder, "EntityCondition")
 
 
 def after_event(
@@ -79,20 +85,12 @@ class EgoConditions:
         return reference_poses(self.nominal, 0, self.entities[0], self.corridor)
 
     def write(self, parent: Element, name: str, trigger: Trigger, owner: str, step: int) -> None:
-        """Append the start trigger of an actor's reaction.
+        """Append the start trigger of an actor's reaction, by distance or time to collision.
 
-        Args:
-            parent: The event.
-            name: Name of the condition.
-            trigger: The trigger, by distance or time to collision.
-            owner: The actor whose trigger it is.
-            step: Step at which it fires in the nominal run.
+        `step` is the one at which the owner's trigger fires in the nominal run.
         """
         row = self.rows[trigger.actor or owner]
-        holder = child(_condition(parent, "StartTrigger", name), "ByEntityCondition")
-        who = child(holder, "TriggeringEntities", triggeringEntitiesRule="any")
-        child(who, "EntityRef", entityRef="ego")
-        condition = child(holder, "EntityCondition")
+        condition = of_entity(parent, name, "ego")
         along = self.nominal.places[: step + 1, row, 0]
         stands = bool(np.abs(along - along[0]).max() <= _STANDS_M)
         value = self._untied(trigger, row, step)
@@ -156,9 +154,9 @@ class EgoConditions:
             child(target, "EntityRef", entityRef=self.entities[row].name)
 
     def _place(self, parent: Element, row: int, step: int) -> None:
-        """Append an actor's place put back along the road by what the ego's axle lags behind its centre.
+        """Append an actor's place, moved back along the road by the ego's distance from its axle to its centre.
 
-        In a bend or on a slope that differs from the distance between the two.
+        In a bend or on a slope, that is not the straight distance between the two.
         """
         s, t = map(float, self.nominal.places[0, row])
         axle = self.ego_course[step]
@@ -167,7 +165,7 @@ class EgoConditions:
         world_position(child(parent, "Position"), np.array([x, y, z, heading, 0.0]))
 
     def _shift(self, row: int) -> float:
-        """Return by how much the distance of the reference points exceeds that of the centres, m."""
+        """Return the distance of the reference points less that of the centres, m."""
         first = self.nominal.places[0]
         turn = float(self.nominal.poses[0, row, 3] - self.nominal.poses[0, 0, 3])
         shift = self.entities[0].ahead_m - self.entities[row].ahead_m * math.cos(turn)

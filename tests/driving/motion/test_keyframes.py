@@ -72,14 +72,14 @@ def test_every_motion_is_finite_continuous_and_repeats(
         if k == 30:
             saved = world.snapshot()
         world.step(Control(0.5 if k < 40 else -2.0, 0.01))
-        published = world.publish()
-        pose = published.poses[2]
+        state = world.state()
+        pose = state.poses[2]
         assert np.isfinite(pose).all()
         moved = math.dist(pose[:2], before[:2])
         let_go = 1.0 if motion.let_go is None else 1.2
         assert moved <= fastest * world.dt * let_go + 1e-5
         assert abs(pose[2] - before[2]) <= 1.5
-        assert published.gaps[2] >= 0.0
+        assert state.gaps[2] >= 0.0
         before = pose
         trace.append(pose)
     world.restore(saved)
@@ -98,7 +98,7 @@ def course(scene: Scene, steps: int, control: Control | None = None) -> np.ndarr
     rows = []
     for _ in range(steps):
         world.step(control or Control())
-        rows.append([*world.poses()[2], world.publish().gaps[2]])
+        rows.append([*world.poses()[2], world.state().gaps[2]])
     return np.array(rows)
 
 

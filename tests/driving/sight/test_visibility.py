@@ -125,7 +125,9 @@ def test_weather_is_noticeable_where_a_person_would_say_so(fields, differs):
 
 def test_sight_lines_meet_the_picture():
     eye = Eye(CAMERA, EGO)
-    u, v, depth = eye.pixel((30.0, 2.0, 1.0))
+    across, below, depth = eye.to_camera((30.0, 2.0, 1.0))
+    u = 0.5 * CAMERA.width + eye.focal * across / depth
+    v = 0.5 * CAMERA.height + eye.focal * below / depth
     ray = eye._ray(u, v)
     np.testing.assert_allclose(
         [a + depth * b for a, b in zip(eye.place, ray, strict=True)], (30.0, 2.0, 1.0), atol=1e-9

@@ -7,8 +7,8 @@ from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange import to_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
-from oodscen.interchange._support import ELEMENTS
 from oodscen.interchange._writing.scenario_runner import unplayable
+from tests.interchange.page import table
 from tests.interchange.playing import centres, turned
 from tests.interchange.staging import SCENES, catalogue, doing
 
@@ -53,7 +53,7 @@ def test_every_reference_leads_somewhere_and_names_are_unique(scene, mode):
     events = names(root, "Event", "name")
     for started in root.iter("StoryboardElementStateCondition"):
         assert started.get("storyboardElementRef") in events
-    known = {one.element for one in ELEMENTS if one.written}
+    known = {element for element, written, _ in table("elements") if written}
     kinds = ("Action", "Condition", "Position")
     for element in root.iter():
         if element.tag.endswith(kinds) and len(element.tag) > 14 and "Entity" not in element.tag:

@@ -1,0 +1,22 @@
+from oodscen._cli.interchange import export
+from oodscen.driving._motion.behaviours import BEHAVIOURS, MOVES_BEFORE_TRIGGER, WITHOUT_TRIGGER
+from oodscen.interchange._reading.actions import _KNOWN
+from tests.interchange.page import table
+
+
+def test_every_action_that_is_read_is_listed_as_read():
+    assert {element for element, _, read in table("elements") if read} >= _KNOWN
+
+
+def test_the_formats_are_those_of_the_command():
+    (option,) = (one for one in export.params if one.name == "form")
+    assert list(option.type.choices) == [row[0] for row in table("formats")]
+
+
+def test_every_behaviour_is_listed_with_its_form():
+    forms = dict(table("behaviours"))
+    assert list(forms) == [kind.id for kind in BEHAVIOURS]
+    for name, form in forms.items():
+        assert ("from the trigger on" in form) == (name not in WITHOUT_TRIGGER), name
+        if form.startswith("its recorded course from the trigger on,"):
+            assert ("where it then is" in form) == (name in MOVES_BEFORE_TRIGGER), name
