@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
-from oodscen._arguments import instance_of
+from oodscen._arguments import checked, instance_of
 from oodscen._display import Brief
 from oodscen._numbers import whole_number
 from oodscen._progress import Progress, reporting
@@ -53,6 +53,7 @@ class Augmenter(Brief):
 
     _repr_fields = ("llm", "catalogue", "claims", "attempts")
 
+    @checked
     def __init__(
         self,
         llm: LLM,
@@ -95,6 +96,7 @@ class Augmenter(Brief):
             return ()
         return extract_claims(self.reader, scenario.text, attempts=self.attempts)
 
+    @checked
     def run(
         self,
         scenario: Scenario,

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from oodscen._arguments import checked
 from oodscen._concurrency import as_finished
 from oodscen._display import Brief
 from oodscen._progress import Progress, counted, reporting
@@ -52,6 +53,7 @@ class Describer(Brief):
     """Names of the styles that `style` accepts."""
     _repr_fields = ("llm", "encoder", "options")
 
+    @checked
     def __init__(
         self,
         llm: LLM,
@@ -72,6 +74,7 @@ class Describer(Brief):
         self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
         self.made = {path: tuple(words) for path, words in (made or {}).items()}
 
+    @checked
     def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> list[Scenario]:
         """Return up to `per_path` scenarios for every leaf, in tree order, all with different texts.
 

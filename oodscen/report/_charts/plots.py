@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked
 from oodscen.encoders._similarity import Vectors
 from oodscen.errors import UnknownComponent, UsageError
 from oodscen.metrics._measurements import size_curve_of
@@ -33,6 +34,7 @@ PlotKind = Literal["distribution", "size_curve", "map"]
 _SIZES = 12
 
 
+@checked
 def plot(
     sets: Mapping[str, Any],
     kind: PlotKind = "distribution",
