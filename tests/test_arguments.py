@@ -19,7 +19,6 @@ from hypothesis import strategies as st
 from oodscen import (
     Augmenter,
     Describer,
-    Metrics,
     Pruner,
     RedTeamer,
     ScenarioTree,
@@ -126,7 +125,6 @@ GIVEN: dict[str, Any] = {
     "node_id": "root",
     "other": ScenarioTree(),
     "text_sets": {},
-    "texts": ["a deer stands", "a dog runs", "a sofa lies"],
     "tree": ScenarioTree(),
     "trigger": Trigger(),
     "verdicts": (),
@@ -161,7 +159,6 @@ OBJECTS = (
     Pruner(ScriptedLLM([]), FLAT),
     RedTeamer(ScriptedLLM([])),
     TreeGrower(ScriptedLLM([])),
-    Metrics(GIVEN["encoder"], ["a car drives", "a van drives", "a bus drives"]),
 )
 """Objects whose methods are called."""
 
@@ -226,9 +223,9 @@ def cases() -> Iterator[Any]:
 
 
 def methods() -> Iterator[tuple[str, Any]]:
-    """Yield the public methods of the objects that users hold."""
+    """Yield the methods of trees, and of each stage the one that runs it."""
     for made in OBJECTS:
-        for name in dir(made):
+        for name in dir(made) if isinstance(made, ScenarioTree) else ["run"]:
             if not name.startswith("_") and inspect.isroutine(found := getattr(made, name)):
                 yield f"{type(made).__name__}.{name}", found
 

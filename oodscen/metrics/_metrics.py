@@ -93,6 +93,7 @@ class Metrics(Brief):
         """
         return oodness(self._space, check_texts(texts), _paths(texts), definition)
 
+    @checked
     def rarity(
         self,
         texts: Texts,
@@ -234,6 +235,7 @@ class Metrics(Brief):
         """
         return self._space.whole
 
+    @checked
     def select(
         self,
         texts: Texts,
@@ -363,6 +365,7 @@ class Metrics(Brief):
         plain = check_texts(texts)
         return near_duplicates(self._space.vectors(plain) if by_meaning else plain, threshold)
 
+    @checked
     def write_embeddings(self, path: str | Path, texts: Iterable[str]) -> int:
         """Write the embeddings of texts to a `.npy` file, to serve as a baseline of any size.
 
@@ -387,6 +390,7 @@ class Metrics(Brief):
         """
         return paper_table(self, texts, sizes=sizes, repeats=repeats)
 
+    @checked
     def score_file(
         self,
         path: str | Path,

@@ -85,6 +85,7 @@ class Augmenter(Brief):
     def _likeness(self) -> Likeness | None:
         return likeness_of(self.encoder, self.catalogue)
 
+    @checked
     def read(self, scenario: Scenario) -> tuple[Claim, ...]:
         """Return the claims of a text, or none if claims are switched off.
 
@@ -144,6 +145,7 @@ class Augmenter(Brief):
             raise AnswerError(self.llm.name, prompt.purpose, [fault], draft.model_dump_json(), 1)
         return scene_of_draft(scenario, draft, self.catalogue, self.made, self.motions)
 
+    @checked
     def roads(self, claims: Sequence[Claim]) -> tuple[str, ...]:
         """Return the maps that satisfy all claims about the road; empty without such claims.
 
@@ -163,6 +165,7 @@ class Augmenter(Brief):
             raise AnswerError(self.llm.name, StageScene.purpose, [fault], "", 0)
         return roads
 
+    @checked
     def faults(
         self, scenario: Scenario, claims: Sequence[Claim], draft: SceneDraft
     ) -> Sequence[Issue]:

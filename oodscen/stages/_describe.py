@@ -98,6 +98,7 @@ class Describer(Brief):
         again = {scenario.id: scenario for scenario in self.reworded(scenarios)}
         return [again.get(scenario.id, scenario) for scenario in scenarios]
 
+    @checked
     def path(self, leaf: str, path: tuple[str, ...], count: int) -> list[Scenario]:
         """Return scenarios `<leaf>-001`, `<leaf>-002` ... for one path: `count`, or as many as its kind bears.
 
@@ -126,6 +127,7 @@ class Describer(Brief):
             for number, text in enumerate(texts, start=1)
         ]
 
+    @checked
     def reworded(self, scenarios: Iterable[Scenario]) -> list[Scenario]:
         """Return new versions of scenarios that repeat an earlier text, ignoring case and punctuation.
 
@@ -151,6 +153,7 @@ class Describer(Brief):
             seen.add(words)
         return again
 
+    @checked
     def ordinary(self, scenario: Scenario) -> str:
         """Return the ordinary twin of a text: same place, phrasing and length, without the event.
 

@@ -97,6 +97,7 @@ class ScenarioTree:
     # ------------------------------------------------------------------- files
 
     @classmethod
+    @checked
     def parse(cls, value: object, *, source: str = "") -> Self:
         """Read a tree from plain data or JSON text.
 
@@ -406,6 +407,7 @@ class ScenarioTree:
     def __contains__(self, node: object) -> bool:
         return isinstance(node, Node) and self.by_id.get(node.id) == node
 
+    @checked
     def outline(self, *, ids: bool = False) -> str:
         """Render the tree as an indented list, for people and for prompts."""
         return "\n".join(

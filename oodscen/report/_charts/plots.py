@@ -3,7 +3,7 @@
 The report draws the same pictures from the figures of a study. Needs the extra `plots`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args
 
 import numpy as np
@@ -105,6 +105,6 @@ def _embedding_map(sets: Mapping[str, Vectors], *, reference: str | None) -> "Fi
 
 
 def _filled(sets: Mapping[str, T]) -> Mapping[str, T]:
-    if not sets or not all(len(values) for values in sets.values()):
+    if not sets or not all(isinstance(one, Sized) and len(one) for one in sets.values()):
         raise UsageError("there is no set to draw, or one is empty")
     return sets
