@@ -1,8 +1,37 @@
-"""Checks of the types of arguments that take one kind of thing."""
+"""Checks of the kinds of arguments, at the public functions."""
 
-from typing import Any
+import os
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import cache, wraps
+from inspect import signature
+from numbers import Real
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    Literal,
+    ParamSpec,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+)
 
-from oodscen.errors import UsageError
+from oodscen._members import conforming
+from oodscen._numbers import said
+from oodscen.errors import UnknownComponent, UsageError
+
+if TYPE_CHECKING:
+    from oodscen.data._scene import Scene
+    from oodscen.protocols import State
+
+_COMPONENTS = {"LLM": "llm", "Encoder": "encoder", "Simulator": "simulator", "Driver": "driver"}
+"""The protocols of components, by name."""
+
+P = ParamSpec("P")
+Returned = TypeVar("Returned")
 
 
 def instance_of(name: str, value: Any, *kinds: type) -> None:
@@ -13,4 +42,153 @@ def instance_of(name: str, value: Any, *kinds: type) -> None:
     """
     if not isinstance(value, kinds):
         wanted = " or ".join(kind.__name__ for kind in kinds)
-        raise UsageError(f"{name} must be a {wanted}, not {value!r:.80}")
+        raise UsageError(f"{name} must be a {wanted}, not {said(value, 80)}")
+
+
+def state_of(scene: "Scene", state: "State") -> None:
+    """Do nothing if a state has the bodies of a scene.
+
+    Raises:
+        UsageError: If it is the state of another scene.
+    """
+    wanted = ("ego", *(actor.id for actor in scene.actors))
+    if tuple(state.ids) != wanted:
+        raise UsageError(
+            f"state must be one of the scene {scene.id!r}, with the bodies {', '.join(wanted)}, not "
+            f"{', '.join(state.ids)}"
+        )
+
+
+def checked(function: Callable[P, Returned]) -> Callable[P, Returned]:
+    """Return a public function that refuses arguments of kinds that its annotations do not allow.
+
+    Components must have the members of their protocol. Numbers are left to the function (`oodscen._numbers`), and so
+    are annotations that are strings. Nothing is converted, and nothing is consumed: the elements of iterators are
+    not checked.
+
+    Raises:
+        UnknownComponent: By the returned function, for an unknown word where words are listed.
+        UsageError: By the returned function, for any other kind; the message names the argument.
+    """
+
+    @cache
+    def kinds() -> dict[str, tuple[Any, str]]:
+        known = signature(function).parameters.values()
+        found = {
+            one.name: Any
+            if one.annotation is one.empty or _is_number(one.annotation)
+            else one.annotation
+            for one in known
+            if one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)
+        }
+        return {name: (kind, _component(kind)) for name, kind in found.items()}
+
+    @wraps(function)
+    def call(*args: P.args, **named: P.kwargs) -> Returned:
+        known = kinds()
+        for name, value in (*zip(known, args, strict=False), *named.items()):
+            kind, component = known.get(name, (Any, ""))
+            if not _fits(value, kind):
+                raise _refusal(name, value, kind)
+            if component and value is not None:
+                conforming(component, value)
+        return function(*args, **named)
+
+    return call
+
+
+def _alternatives(kind: Any) -> tuple[Any, ...]:
+    """Return the kinds that an annotation allows."""
+    if get_origin(kind) in (Union, UnionType):
+        return tuple(one for part in get_args(kind) for one in _alternatives(part))
+    return _alternatives(get_args(kind)[0]) if get_origin(kind) is Annotated else (kind,)
+
+
+def _is_number(kind: Any) -> bool:
+    return not {int, float}.isdisjoint(one for one in _alternatives(kind) if isinstance(one, type))
+
+
+def _fits(value: Any, kind: Any) -> bool:
+    """Return whether a value is of a kind, or the kind cannot be told."""
+    return any(_is_of(value, one) for one in _alternatives(kind))
+
+
+def _is_of(value: Any, kind: Any) -> bool:
+    origin = get_origin(kind)
+    if origin is Literal:
+        return isinstance(value, str) and value in get_args(kind)
+    if origin is Callable:
+        return callable(value)
+    if kind is None or kind is NoneType:
+        return value is None
+    generic = getattr(kind, "__pydantic_generic_metadata__", None) or {}
+    plain = origin or generic.get("origin") or kind
+    if not isinstance(plain, type) or plain in (Any, object, type):
+        return True
+    if getattr(plain, "_is_protocol", False) and plain.__module__ == "oodscen.protocols":
+        return value is not None  # What it lacks is told by `conforming`.
+    if plain in (int, float):
+        return isinstance(value, Real)
+    if plain is Path:
+        return isinstance(value, os.PathLike)
+    if issubclass(plain, Mapping):
+        return isinstance(value, Mapping) and not _misfit(value, kind)
+    if issubclass(plain, Iterable) and origin is not None and plain.__module__ != "numpy":
+        wanted = Collection if issubclass(plain, Collection) else Iterable
+        is_text = isinstance(value, str | bytes | Mapping)
+        return isinstance(value, wanted) and not is_text and not _misfit(value, kind)
+    return isinstance(value, plain)
+
+
+def _component(kind: Any) -> str:
+    """Return the kind of component that an annotation asks for, or nothing."""
+    alternatives = [one for one in _alternatives(kind) if one is not NoneType]
+    return (
+        _COMPONENTS.get(getattr(alternatives[0], "__qualname__", ""), "")
+        if len(alternatives) == 1
+        else ""
+    )
+
+
+def _misfit(value: Any, kind: Any) -> tuple[Any, Any] | None:
+    """Return the first element, key or value of another kind, and the kind that it should be."""
+    parts = get_args(kind)
+    if isinstance(value, Mapping) and len(parts) == 2:
+        pairs = (
+            (one, part) for pair in value.items() for one, part in zip(pair, parts, strict=True)
+        )
+    elif isinstance(value, Collection) and (len(parts) == 1 or parts[1:] == (Ellipsis,)):
+        pairs = ((one, parts[0]) for one in value)
+    else:
+        return None
+    return next(((one, part) for one, part in pairs if not _fits(one, part)), None)
+
+
+def _refusal(name: str, value: Any, kind: Any) -> UsageError:
+    """Return the error for an argument of another kind."""
+    words = [
+        one for part in _alternatives(kind) if get_origin(part) is Literal for one in get_args(part)
+    ]
+    if words and isinstance(value, str):
+        return UnknownComponent(name, value[:80], words)
+    for part in _alternatives(kind):
+        origin = get_origin(part)
+        is_many = isinstance(origin, type) and issubclass(origin, Iterable)
+        if is_many and isinstance(value, Collection) and (found := _misfit(value, part)):
+            return _refusal(f"{name}: every element", *found)
+    wanted = " or ".join(dict.fromkeys(map(_worded, _alternatives(kind))))
+    return UsageError(f"{name} must be {wanted}, not {said(value, 80)}")
+
+
+def _worded(kind: Any) -> str:
+    """Return a kind in words."""
+    origin = get_origin(kind)
+    if origin is Literal:
+        return "one of " + ", ".join(map(str, get_args(kind)))
+    if origin is Callable:
+        return "a function"
+    if kind is None or kind is NoneType:
+        return "None"
+    name = getattr(origin or kind, "__name__", str(kind)).lstrip("_").partition("[")[0]
+    plain = {"str": "text", "bool": "True or False", "Path": "a path"}
+    return plain.get(name, f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}")

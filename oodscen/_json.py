@@ -2,10 +2,13 @@
 
 import json
 import math
+import re
 from collections.abc import Iterator
 from typing import Any
 
 from pydantic_core import from_json
+
+_HALVES = re.compile("[\ud800-\udfff]")
 
 _LONGEST_NUMBER = 100
 """Maximum length of a number, in characters; every number up to it is within a float's range."""
@@ -25,6 +28,8 @@ def parse_json(text: str | bytes) -> Any:
             text = text.decode()
         except UnicodeDecodeError as error:
             raise ValueError(f"byte {error.start} is not UTF-8") from None
+    elif (half := _HALVES.search(text)) is not None:
+        raise ValueError(f"character {half.start()} is a lone surrogate")
     # `json` nests as deep as the interpreter can; `from_json` has a limit but allows duplicate keys.
     from_json(text, allow_inf_nan=False)
     return json.loads(

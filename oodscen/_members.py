@@ -1,6 +1,7 @@
 """The required members of each kind of component, and the error type that its exceptions become."""
 
 import inspect
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -25,6 +26,8 @@ SHORTEST_DT, LONGEST_DT = 0.001, 0.1
 """Limits of a simulator's step, s. In a longer one, a body could pass through another unseen."""
 
 _MOST_SAID = 500
+_ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
+"""A place in memory, which differs from run to run."""
 _CANCELLING = ("asyncio", "trio", "_pytest")
 """Packages whose exceptions outside `Exception` cancel work from outside."""
 
@@ -192,7 +195,7 @@ def _broken(kind: str, label: str, error: BaseException) -> OodscenError:
 def message(error: BaseException) -> str:
     """Return the redacted message of a foreign exception as text that a file can hold; it may have none."""
     try:
-        return whole(redact(str(error)))
+        return _ADDRESS.sub("", whole(redact(str(error))))
     except Exception:
         return ""
 

@@ -21,9 +21,7 @@ def whole_number(name: str, value: Any, least: int = 0, most: int = MOST) -> int
         number = int(value)
         if least <= number <= most:
             return number
-    raise UsageError(
-        f"{name} must be a whole number from {least:,} to {most:,}, not {_said(value)}"
-    )
+    raise UsageError(f"{name} must be a whole number from {least:,} to {most:,}, not {said(value)}")
 
 
 def seed_number(value: Any) -> int:
@@ -48,12 +46,12 @@ def finite_number(name: str, value: Any, least: float = -math.inf, most: float =
     except OverflowError:
         pass
     between = "" if math.isinf(least) and math.isinf(most) else f" from {least:g} to {most:g}"
-    raise UsageError(f"{name} must be a finite number{between}, not {_said(value)}")
+    raise UsageError(f"{name} must be a finite number{between}, not {said(value)}")
 
 
-def _said(value: Any) -> str:
+def said(value: Any, most: int = 40) -> str:
     """Return a value as text, short enough for a message; Python refuses to print some huge integers."""
     try:
-        return f"{value!r:.40}"
+        return f"{value!r:.{most}}"
     except ValueError:
         return "a number of thousands of digits"

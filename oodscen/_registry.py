@@ -13,6 +13,7 @@ from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from oodscen._arguments import checked
 from oodscen._members import conforming, described, is_interruption, reason, using, working
 from oodscen._numbers import seed_number
 from oodscen.data._catalogue import Catalogue
@@ -129,6 +130,7 @@ def make_simulator(simulator: str | Simulator) -> Simulator:
     return made
 
 
+@checked
 def make_catalogue(catalogue: str | Path | Catalogue) -> Catalogue:
     """Return a catalogue by name, from a JSON file, or the given one.
 
@@ -159,6 +161,7 @@ def _as_catalogue(made: object, name: str) -> Catalogue:
     return made
 
 
+@checked
 def make_encoder(encoder: str | Encoder, *, cache: bool | str | Path = False) -> Encoder:
     """Return the encoder of this name, or the given one.
 
@@ -200,6 +203,7 @@ def driver_maker(name: str) -> Callable[[], Driver]:
     return lambda: first.pop() if first else made()
 
 
+@checked
 def make_llm(
     llm: str | LLM,
     *,

@@ -26,11 +26,14 @@
         ├── BudgetExceeded      a cap on requests, tokens, cost or time was reached
         └── EndpointDown        a model's server is down, or refuses the key
 
-All exceptions can be pickled and carry their facts as attributes.
+All exceptions can be pickled and carry their facts as attributes. Each can also be made of one message, or of an
+exception of its own kind whose facts it takes over, as Gymnasium's vector environments do: its other facts are empty then.
 """
 
 import difflib
-from collections.abc import Iterable, Sequence
+import inspect
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from oodscen._display import cut
@@ -77,7 +80,30 @@ class Issue(NamedTuple):
         return f"{self.path}: {self.message}" if self.path else self.message
 
 
-class OodscenError(Exception):
+class _OfAMessage(type):
+    """Makes an error of one message where its class needs several arguments, and of another error."""
+
+    def __call__(cls, *args: Any, **named: Any) -> Any:
+        if len(args) == 1 and not named:
+            (one,) = args
+            if isinstance(one, cls) or (isinstance(one, Exception | str) and _needs_more(cls)):
+                return _rebuild(cls, (str(one),), vars(one) if isinstance(one, cls) else {})
+        return super().__call__(*args, **named)
+
+    @property
+    def __signature__(cls) -> inspect.Signature:
+        known = inspect.signature(cls.__init__)  # type: ignore[misc]  # Of this very class.
+        return known.replace(parameters=[*known.parameters.values()][1:])
+
+
+def _needs_more(kind: type) -> bool:
+    """Return whether a class of errors needs more than one argument."""
+    known = inspect.signature(kind).parameters.values()
+    variadic = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+    return sum(one.default is one.empty and one.kind not in variadic for one in known) > 1
+
+
+class OodscenError(Exception, metaclass=_OfAMessage):
     """Root of all errors of this library."""
 
     def __repr__(self) -> str:
@@ -87,9 +113,7 @@ class OodscenError(Exception):
         return (_rebuild, (type(self), self.args, self.__dict__))
 
 
-def _rebuild(
-    kind: type[OodscenError], args: tuple[Any, ...], state: dict[str, Any]
-) -> OodscenError:
+def _rebuild(kind: Any, args: tuple[Any, ...], state: Mapping[str, Any]) -> Any:
     error = kind.__new__(kind)
     error.args = args
     error.__dict__.update(state)
@@ -102,6 +126,11 @@ class UsageError(OodscenError):
 
 class UnknownComponent(UsageError):
     """Nothing is registered under this name."""
+
+    kind: str = ""
+    name: str = ""
+    known: tuple[str, ...] = ()
+    matches: tuple[str, ...] = ()
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         self.kind = kind
@@ -118,6 +147,11 @@ class UnknownComponent(UsageError):
 class MissingExtra(UsageError):
     """The optional dependencies of a part of oodscen are not installed."""
 
+    what: str = ""
+    extra: str = ""
+    module: str = ""
+    pip: str = ""
+
     def __init__(self, what: str, extra: str, module: str) -> None:
         self.what = what
         self.extra = extra
@@ -128,6 +162,10 @@ class MissingExtra(UsageError):
 
 class DataError(UsageError):
     """Malformed data from a file, a model or a caller."""
+
+    noun: str = ""
+    issues: tuple[Issue, ...] = ()
+    source: str = ""
 
     def __init__(self, noun: str, issues: Sequence[Issue], *, source: str = "") -> None:
         self.noun = noun
@@ -141,7 +179,10 @@ class DataError(UsageError):
 class StudyMismatch(UsageError):
     """The study on disk was made with another configuration."""
 
-    def __init__(self, folder: str, differences: dict[str, tuple[object, object]]) -> None:
+    folder: str = ""
+    differences: Mapping[str, tuple[object, object]] = MappingProxyType({})
+
+    def __init__(self, folder: str, differences: Mapping[str, tuple[object, object]]) -> None:
         self.folder = folder
         self.differences = differences
         lines = "".join(
@@ -157,6 +198,10 @@ class StudyMismatch(UsageError):
 class LLMError(OodscenError):
     """A language model could not be reached or did not answer."""
 
+    model: str = ""
+    retryable: bool = False
+    requests: int = 0
+
     def __init__(
         self, message: str, *, model: str = "", retryable: bool = False, requests: int = 0
     ) -> None:
@@ -170,6 +215,9 @@ class LLMError(OodscenError):
 
 class ResponseError(LLMError):
     """A server repeatedly sent a response that is not an answer."""
+
+    status: int | None = None
+    raw: str = ""
 
     def __init__(
         self, message: str, *, model: str, status: int | None, raw: str, requests: int = 0
@@ -191,6 +239,8 @@ class ContentFiltered(LLMError):
 class ModelSkipped(LLMError):
     """A question was not sent, because the run had already given up on its model."""
 
+    reason: str = ""
+
     def __init__(self, reason: str, *, model: str) -> None:
         self.reason = reason
         super().__init__(f"not asked: {reason}", model=model, retryable=True)
@@ -198,6 +248,9 @@ class ModelSkipped(LLMError):
 
 class ReplayMiss(LLMError):
     """A recording holds no answer to a question."""
+
+    purpose: str = ""
+    differences: tuple[Issue, ...] = ()
 
     def __init__(self, model: str, purpose: str, differences: Sequence[Issue]) -> None:
         self.purpose = purpose
@@ -209,6 +262,11 @@ class ReplayMiss(LLMError):
 
 class AnswerError(LLMError):
     """A model's answer stayed invalid although its faults were fed back to the model."""
+
+    purpose: str = ""
+    issues: tuple[Issue, ...] = ()
+    raw: str = ""
+    attempts: int = 0
 
     def __init__(
         self, model: str, purpose: str, issues: Sequence[Issue], raw: str, attempts: int
@@ -227,6 +285,9 @@ class AnswerError(LLMError):
 class SceneError(OodscenError):
     """A scene that cannot be staged; lists every reason with its path in the scene."""
 
+    scene_id: str = ""
+    issues: tuple[Issue, ...] = ()
+
     def __init__(self, scene_id: str, issues: Sequence[Issue]) -> None:
         self.scene_id = scene_id
         self.issues = tuple(issues)
@@ -240,6 +301,11 @@ class SimulatorError(OodscenError):
 
 class SpawnError(SimulatorError):
     """A simulator refused to place one actor."""
+
+    actor: str = ""
+    asset: str = ""
+    pose: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    reason: str = ""
 
     def __init__(
         self, actor: str, asset: str, pose: tuple[float, float, float, float], reason: str
@@ -256,6 +322,10 @@ class SpawnError(SimulatorError):
 
 class SimulatorCrash(SimulatorError):
     """A simulator crashed during a scene: a foreign exception or a dead process."""
+
+    simulator: str = ""
+    reason: str = ""
+    retryable: bool = False
 
     def __init__(self, simulator: str, reason: str, *, retryable: bool = False) -> None:
         self.simulator = simulator
@@ -284,6 +354,9 @@ class StudyMissing(StudyError, UsageError):
 class FolderTaken(UsageError):
     """A folder holds files of the same name that the command did not make; nothing was changed."""
 
+    folder: str = ""
+    names: tuple[str, ...] = ()
+
     def __init__(self, folder: str, names: Sequence[str]) -> None:
         self.folder = folder
         self.names = tuple(names)
@@ -295,6 +368,11 @@ class FolderTaken(UsageError):
 
 class InUse(UsageError):
     """Another process is writing the folder or file; nothing was changed."""
+
+    path: str = ""
+    what: str = ""
+    holder: str = ""
+    since: str = ""
 
     def __init__(self, path: str, what: str, holder: str, since: str) -> None:
         self.path = path
@@ -317,6 +395,10 @@ class RunStopped(OodscenError):
 class BudgetExceeded(RunStopped):
     """The next request could exceed a cap on requests, tokens, cost or time."""
 
+    cap: str = ""
+    limit: float = 0.0
+    spent: float = 0.0
+
     def __init__(self, cap: str, limit: float, spent: float) -> None:
         self.cap = cap
         """The cap: `requests`, `tokens`, `cost_usd` or `seconds`."""
@@ -330,6 +412,9 @@ class BudgetExceeded(RunStopped):
 
 class EndpointDown(RunStopped):
     """A model's server no longer answers any request, or refuses the key."""
+
+    endpoint: str = ""
+    reason: str = ""
 
     def __init__(self, endpoint: str, reason: str) -> None:
         self.endpoint = endpoint

@@ -272,7 +272,7 @@ class Control:
         """Return whether both values are finite numbers."""
         try:
             return math.isfinite(self.acceleration) and math.isfinite(self.steering)
-        except TypeError:
+        except (TypeError, OverflowError):
             return False
 
 

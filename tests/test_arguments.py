@@ -4,41 +4,71 @@ import importlib
 import inspect
 import math
 import re
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import nullcontext, suppress
 from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from oodscen import (
     Augmenter,
     Describer,
     Pruner,
     RedTeamer,
+    ScenarioTree,
     Study,
     TreeGrower,
+    drive,
     make_catalogue,
     make_encoder,
     make_llm,
+    simulate,
+    write_report,
 )
+from oodscen._arguments import checked
+from oodscen.baselines import load_controls
 from oodscen.data import Behaviour, Ego, Hazard, Placement, Trigger, WeatherRange
-from oodscen.driving import load_corridor
-from oodscen.errors import OodscenError, UsageError
-from oodscen.judging import read_action
+from oodscen.driving import load_corridor, observation_of
+from oodscen.errors import OodscenError, UnknownComponent, UsageError
+from oodscen.judging import names_aspect, read_action
 from oodscen.llm import Limits
 from oodscen.llm._call_log import LoggedLLM
 from oodscen.llm._replay import RecordingLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
-from oodscen.protocols import Control, Image
+from oodscen.protocols import Camera, Control, Image
+from oodscen.publish import publish
+from oodscen.stages import RuleBasedDriver, annotate, birds_eye
 from oodscen.testing import FlatSimulator, ScriptedLLM, example_scene
+from oodscen.tree import TreeEdit
 from tests.judging.cases import episode
 
 PAGE = Path(__file__).parents[1].joinpath("docs", "api.md").read_text(encoding="utf-8")
 NUMBERS = (math.nan, math.inf, -1, -math.inf, 1e300, 10**400, 0, True)
 TEXTS = ("", "\x00", "\x1b[2J\n", "\ud800", "x" * 5_000)
+
+KINDS = (
+    *(
+        None,
+        5,
+        1.5,
+        "x",
+        b"x",
+        object(),
+        [None],
+        ["x"],
+        {"x": None},
+        np.zeros(2),
+        (1, 2),
+        Path("x"),
+    ),
+)
+"""A value of every kind: whatever a parameter takes, most of them are wrong."""
 
 OPTIONS = {"Describer": Describer.Options, "RedTeamer": RedTeamer.Options}
 """The classes whose further keywords are fields of their options."""
@@ -91,6 +121,11 @@ GIVEN: dict[str, Any] = {
     "simulator": FlatSimulator(),
     "split": "tune",
     "status": "ok",
+    "edits": (),
+    "node_id": "root",
+    "other": ScenarioTree(),
+    "text_sets": {},
+    "tree": ScenarioTree(),
     "trigger": Trigger(),
     "verdicts": (),
     "weather": WeatherRange(),
@@ -106,15 +141,26 @@ OWN: dict[str, dict[str, Any]] = {
     "make_simulator": {"simulator": "flat"},
     "make_catalogue": {"catalogue": "flat"},
     "Catalogue": {"simulator": "flat"},
-    "Metrics": {"encoder": GIVEN["encoder"]},
-    "simulate": {"actions": ()},
-    "record": {"path": "x.mp4"},
+    "Metrics": {"encoder": GIVEN["encoder"], "baseline": ["a car drives", "a van drives"]},
+    "simulate": {"actions": (), "render": False},
+    "record": {"path": "x.gif"},
     "read_openscenario": {"path": "x.xosc"},
 }
 SKIPPED = {"run_study", "check_simulator", "write_report", "load_controls", "publish"}
 """What runs for long, or reads large files, whatever it is given."""
 INNER = {"Control", "Corridor", "Frame", "Observation", "Request", "StagedBody", "State"}
-"""Values of the inner loop, made once a step and not checked."""
+INNER |= {"within_grip", "Driven", "Drive"}
+"""Values of the inner loop, made once a step and not checked, and those that only the library makes."""
+
+OBJECTS = (
+    ScenarioTree([TreeEdit(op="add", node="root", label="Scenario")]),
+    Augmenter(ScriptedLLM([]), FLAT),
+    Describer(ScriptedLLM([])),
+    Pruner(ScriptedLLM([]), FLAT),
+    RedTeamer(ScriptedLLM([])),
+    TreeGrower(ScriptedLLM([])),
+)
+"""Objects whose methods are called."""
 
 
 def public() -> Iterator[tuple[str, Any]]:
@@ -166,13 +212,22 @@ def parameters(name: str, found: Any) -> dict[str, tuple[set[Any], bool]]:
 
 
 def cases() -> Iterator[Any]:
-    for name, found in public():
+    for name, found in [*public(), *methods()]:
         if name not in SKIPPED | INNER:
             for one, (kinds, _) in parameters(name, found).items():
                 values = [*(NUMBERS if kinds & {int, float} else ())]
                 values += TEXTS if str in kinds else ()
+                values += () if kinds & {Any, inspect.Parameter.empty} else KINDS
                 if values:
                     yield pytest.param(name, found, one, values, id=f"{name}-{one}")
+
+
+def methods() -> Iterator[tuple[str, Any]]:
+    """Yield the methods of trees, and of each stage the one that runs it."""
+    for made in OBJECTS:
+        for name in dir(made) if isinstance(made, ScenarioTree) else ["run"]:
+            if not name.startswith("_") and inspect.isroutine(found := getattr(made, name)):
+                yield f"{type(made).__name__}.{name}", found
 
 
 @pytest.mark.parametrize(("name", "found", "one", "values"), list(cases()))
@@ -229,3 +284,67 @@ def test_what_cannot_be_is_refused(what):
 def test_a_thing_of_another_kind_is_refused(call) -> None:
     with pytest.raises(UsageError, match="must be"):
         call()
+
+
+EMPTY = Study.__new__(Study)
+NAMES = {
+    "a protocol": lambda: simulate(SCENE, FLAT_SIMULATOR, protocol="papr"),
+    "a split": lambda: load_controls("tunes"),
+    "a form": lambda: publish(EMPTY, "out", forms=["vlmeval"]),
+    "a node": lambda: ScenarioTree().path("nope"),
+}
+
+
+@pytest.mark.parametrize("what", NAMES)
+def test_an_unknown_name_is_told_with_those_that_are_known(what) -> None:
+    with pytest.raises(UnknownComponent):
+        NAMES[what]()
+
+
+OTHERS = {
+    "one form": lambda: publish(EMPTY, "out", forms="vlmevalkit"),
+    "a study's folder": lambda: write_report("out"),
+    "a path's text": lambda: names_aspect("deer", "Deer"),
+    "a model's name": lambda: RedTeamer("builtin"),
+    "a file descriptor": lambda: ScenarioTree.load(0),
+    "no simulator": lambda: drive([SCENE], RuleBasedDriver, None),
+    "the state of another scene": lambda: birds_eye(ALONE, SCENE, FLAT),
+    "an annotated state of another scene": lambda: annotate(FRAME, ALONE, SCENE, FLAT),
+    "an observed state of another scene": lambda: observation_of(ALONE, SCENE, FLAT),
+}
+FLAT_SIMULATOR = FlatSimulator()
+ALONE = FLAT_SIMULATOR.reset(SCENE.model_copy(update={"actors": (), "hazard": Hazard()}), 0)
+FRAME = FLAT_SIMULATOR.render(Camera(width=16, height=12))
+
+
+@pytest.mark.parametrize("what", OTHERS)
+def test_another_kind_of_thing_is_a_usage_error(what) -> None:
+    with pytest.raises(UsageError):
+        OTHERS[what]()
+
+
+@given(
+    st.one_of(st.none(), st.booleans(), st.integers(), st.text(), st.lists(st.text()), st.binary())
+)
+def test_a_checked_function_takes_what_its_annotations_say(value) -> None:
+    def kept(kind):
+        def function(value: kind) -> object:
+            return value
+
+        return checked(function)
+
+    for kind, fits in {
+        str: isinstance(value, str),
+        bool: isinstance(value, bool),
+        str | None: isinstance(value, str | None),
+        Sequence[str]: isinstance(value, list),
+        list[bool]: value == [],
+        Mapping[str, str]: False,
+        Path: False,
+        Literal["x", "y"]: value in ("x", "y"),
+        Callable[[], None]: False,
+        Any: True,
+        float: True,  # Numbers have checks of their own.
+    }.items():
+        with nullcontext() if fits else pytest.raises(UsageError):
+            assert kept(kind)(value) is value

@@ -129,6 +129,24 @@ def test_an_error_survives_pickling_with_its_facts(error):
     assert vars(again) == vars(error) == FACTS.get(type(error).__name__, {})
 
 
+@pytest.mark.parametrize("error", EXAMPLES, ids=lambda error: type(error).__name__)
+def test_an_error_is_made_again_of_itself_and_of_one_message(error):
+    """As Gymnasium's vector environments do with the errors of their workers."""
+    kind = type(error)
+    again = kind(error)
+    assert (type(again), str(again), vars(again)) == (kind, str(error), vars(error))
+    other = kind(ValueError("a message"))
+    assert type(other) is kind
+    assert "a message" in str(other)
+    bare = kind("a message")
+    assert "a message" in str(bare)
+    given = {"message", "a message"}  # A class of one argument takes the message as its fact.
+    for name in FACTS.get(kind.__name__, {}):
+        fact = getattr(bare, name)
+        assert not fact or fact in given or set(fact) == {0.0}
+    assert str(pickle.loads(pickle.dumps(bare))) == str(bare)
+
+
 def test_an_issue_reads_as_a_line():
     assert [str(issue) for issue in ISSUES] == ["a.b: wrong", "worse"]
 

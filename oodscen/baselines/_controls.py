@@ -14,6 +14,7 @@ from typing import Literal, overload
 
 from pydantic import Field
 
+from oodscen._arguments import checked
 from oodscen.baselines._off_topic import OffTopic, off_topic_texts
 from oodscen.baselines._texts import Split, bundled
 from oodscen.data._base import Data
@@ -46,6 +47,7 @@ def load_controls(
 ) -> tuple[OffTopic, ...]: ...
 
 
+@checked
 def load_controls(
     split: Split | Literal["blind"], *, off_topic: bool = False
 ) -> tuple[ControlText, ...] | tuple[OffTopic, ...]:

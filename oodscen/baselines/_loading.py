@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
+from oodscen._arguments import checked
 from oodscen._files import read_utf8
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._datasets import (
@@ -20,6 +21,7 @@ from oodscen.baselines._texts import read_records, refuse
 from oodscen.errors import Issue, UsageError
 
 
+@checked
 def load_baseline(
     path: str | Path | None = None,
     *,

@@ -5,6 +5,7 @@ from itertools import permutations
 from math import perm
 from typing import ClassVar, Literal, NamedTuple
 
+from oodscen._arguments import checked
 from oodscen.claims._actors import ObservedActor
 from oodscen.claims._matching import OF_THE_MAP, Likeness, doubt, fault_of_map, is_of_map
 from oodscen.claims._surroundings import judge_surroundings
@@ -41,6 +42,7 @@ class ClaimFinding(Data):
     """Path of the relevant part of the scene."""
 
 
+@checked
 def check_claims(
     claims: Sequence[Claim],
     scene: Scene,

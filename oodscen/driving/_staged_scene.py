@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked, state_of
 from oodscen._display import Brief
 from oodscen._field_docs import with_fields
 from oodscen.data._catalogue import Asset, Catalogue
@@ -77,6 +78,7 @@ class StagedScene(Brief):
 
     _repr_fields = ("ids",)
 
+    @checked
     def __init__(
         self, scene: Scene, catalogue: Catalogue, seed: int = 0, *, dt: float = 0.05
     ) -> None:
@@ -152,6 +154,7 @@ class StagedScene(Brief):
         )
 
 
+@checked
 def observation_of(state: State, scene: Scene, catalogue: Catalogue) -> Observation:
     """Return the ego driver's observation of a state of any simulator.
 
@@ -161,7 +164,11 @@ def observation_of(state: State, scene: Scene, catalogue: Catalogue) -> Observat
         state: The state.
         scene: Its scene.
         catalogue: The simulator's catalogue.
+
+    Raises:
+        UsageError: If the state is one of another scene.
     """
+    state_of(scene, state)
     return StagedScene(scene, catalogue).observation(state)
 
 

@@ -1,19 +1,23 @@
 """The environment `oodscen/Scene-v0`: drive the ego of a scene."""
 
 import math
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._members import close, working
 from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._states import watched
 from oodscen.driving._trace import Course, least_time_to_collision
 from oodscen.errors import SimulatorError, UnknownComponent, UsageError
 from oodscen.gymnasium._acting import ActionDecoder, action_space
@@ -38,16 +42,8 @@ SMALL = Camera(width=128, height=96)
 _USUAL_STEP_S = 0.1
 """Time for which an action holds, s, if the simulator's step divides it."""
 _OBSERVATIONS, _ACTIONS = ("state", "frame", "both"), ("continuous", "discrete")
-_SHAPES: dict[str, tuple[int, ...]] = {
-    "poses": (4,), "speeds": (), "gaps": (), "accelerations": (), "places": (2,),
-}  # fmt: skip
-"""Shapes of a state's arrays after their first axis, the bodies."""
-_OPTIONAL = ("accelerations", "places")
-_SEEN = (
-    *("speed", "offset_m", "heading_error", "curvature", "lane_left_m", "lane_right_m"),
-    *("roadside_m", "friction", "visual_range_m", "curve_speed"),
-)
-"""The numbers of an observation."""
+_USERS: WeakValueDictionary[tuple[int, int], "SceneEnv"] = WeakValueDictionary()
+"""The open environments by process and id of their simulator."""
 
 
 def nearest_steps(seconds: float | None, dt: float) -> int:
@@ -146,7 +142,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         study: A finished study or its folder; without one and without `scenes`, three example scenes.
         scenes: Scenes in place of a study's.
         simulator: Name or object in place of the study's simulator; without a study, `flat`. It is closed with
-            the environment.
+            the environment, and no other open environment may use the same object.
         seed: Seed of the motion in scenes in place of the study's.
         twins: True to draw the scenes' ordinary twins as well.
         observation: `state`, `frame` or `both`.
@@ -167,6 +163,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}
 
+    @checked
     def __init__(
         self,
         study: str | Path | Study | None = None,
@@ -195,6 +192,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self.render_mode = render_mode
         self.reward = reward or Reward()
         found, self.simulator, known = chosen_scenes(study, scenes, simulator)
+        self._watched = watched(self.simulator)
         self._seed = known if seed is None else seed_number(seed)
         self._scenes = {one.id: one for one in found}
         self.scene_ids: tuple[str, ...] = tuple(
@@ -214,6 +212,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         """The true state; `None` before the first reset."""
         self.seen: Observation | None = None
         """The driver's observation of the state; `None` before the first reset."""
+        self._claim()
 
     def _steps(self) -> int:
         """Return the number of the simulator's steps for which an action holds."""
@@ -228,6 +227,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
 
     # ------------------------------------------------------------------ Gymnasium
 
+    @checked
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
@@ -249,12 +249,12 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         name = (options or {}).get("scene")
         if name is None:
             name = self.scene_ids[int(self.np_random.integers(len(self.scene_ids)))]
+        self._claim()
         self._is_over = True
         now = self._now = self._prepare(str(name))
         with working("simulator", self.simulator.name):
-            self.state = self.simulator.reset(now.scene, self._seed)
-            self.seen = self.simulator.observe()
-        self._check(self.state, self.seen, "reset()")
+            self.state = self._watched.reset(now.scene, self._seed)
+            self.seen = self._watched.observe()
         self._steerer, self._count = ActionDecoder(self.interface.actions), 0
         self._start = self._place()
         self._initial = max(1.0, float(self.state.speeds[0]))
@@ -283,13 +283,8 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         for _ in range(self._held):
             before = self.state
             with working("simulator", self.simulator.name):
-                self.state = self.simulator.step(self._steerer.control(self.seen))
-                self.seen = self.simulator.observe()
-            self._check(self.state, self.seen, "step()")
-            if not self.state.time > before.time:
-                raise SimulatorError(
-                    f"step() of the simulator {self.simulator.name!r} did not advance the time"
-                )
+                self.state = self._watched.step(self._steerer.control(self.seen))
+                self.seen = self._watched.observe()
             self._count += 1
             if self.state.contacts or self.state.off_road or self._count >= self._now.steps:
                 break
@@ -318,6 +313,8 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
     def close(self) -> None:
         """Close the simulator; may be called twice, and a later `reset` opens it again."""
         self._is_over = True
+        if _USERS.get(self._place_of_use) is self:
+            del _USERS[self._place_of_use]
         close(self.simulator)
 
     # ------------------------------------------------------------------ for drivers
@@ -339,6 +336,22 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
     def _drawn(self) -> str:
         return f"render() of the simulator {self.simulator.name!r}"
 
+    @property
+    def _place_of_use(self) -> tuple[int, int]:
+        return os.getpid(), id(self.simulator)
+
+    def _claim(self) -> None:
+        """Make the simulator this environment's until it is closed.
+
+        Raises:
+            UsageError: If another open environment uses the same object.
+        """
+        if _USERS.setdefault(self._place_of_use, self) is not self:
+            raise UsageError(
+                f"another open environment uses this simulator, {self.simulator.name!r}: give its name, or one "
+                "object per environment"
+            )
+
     def _prepare(self, name: str) -> _Prepared:
         """Return a scene or twin with its duration, found by one blind drive."""
         if name in self._prepared:
@@ -347,37 +360,11 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         if scene is None or name not in (scene.id, twin_id(scene.id)):
             raise UnknownComponent("scene", name[:80], self.scene_ids)
         with working("simulator", self.simulator.name):
-            steps, decision_s, _ = horizon(scene, self.simulator, self._seed)
+            steps, decision_s, _ = horizon(scene, self._watched, self._seed)
             one = scene if name == scene.id else scene.twin(decision_s)
             course = Course.of(one, self.simulator.catalogue())
         self._prepared[name] = _Prepared(one, course, steps)
         return self._prepared[name]
-
-    def _check(self, state: State, seen: Observation, method: str) -> None:
-        """Refuse a state or an observation that cannot be one.
-
-        Raises:
-            SimulatorError: Names the method.
-        """
-        whose = f"of the simulator {self.simulator.name!r}"
-        if not isinstance(state, State):
-            raise SimulatorError(f"{method} {whose} gave {state!r:.80}, not a State")
-        count = len(state.ids)
-        for name, shape in _SHAPES.items():
-            array = getattr(state, name)
-            if array is None and name in _OPTIONAL:
-                continue
-            if np.shape(array) != (count, *shape):
-                raise SimulatorError(
-                    f"{method} {whose} gave {name} that do not fit its {count} ids"
-                )
-            is_bad = np.isnan(array) if name == "gaps" else ~np.isfinite(array)
-            if is_bad.any():
-                raise SimulatorError(f"{method} {whose} gave {name} that are not finite")
-        if not isinstance(seen, Observation):
-            raise SimulatorError(f"observe() {whose} gave {seen!r:.80}, not an Observation")
-        if any(math.isnan(getattr(seen, name) or 0.0) for name in _SEEN):
-            raise SimulatorError(f"observe() {whose} gave an Observation with NaN")
 
     def _place(self) -> float:
         """Return the ego's place along the road, m."""

@@ -8,13 +8,15 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._members import conforming, described, working
 from oodscen.errors import UsageError
 from oodscen.gymnasium._acting import ActionDecoder, as_action
 from oodscen.gymnasium._env import ActionKind, Interface, ObservationKind, SceneEnv, nearest_steps
 from oodscen.gymnasium._extra import gymnasium
-from oodscen.protocols import Camera, Control, Driver, MountsCamera, Observation, State
+from oodscen.protocols import Camera, Control, Driver, Observation, State
+from oodscen.stages._steering import own_camera
 
 _ROUNDING_S = 1e-4
 """Difference of two times of a simulator that comes of rounding, s; less than the shortest step."""
@@ -39,6 +41,7 @@ class PolicyDriver(Brief):
 
     _repr_fields: ClassVar[tuple[str, ...]] = ("interface",)
 
+    @checked
     def __init__(
         self,
         policy: Any,
@@ -151,7 +154,7 @@ class DriverPolicy(Brief):
         assert self._driver is not None
         seen = env.seen
         if getattr(self._driver, "wants_frames", False):
-            own = self._driver.camera if isinstance(self._driver, MountsCamera) else None
+            own = own_camera(self._driver)
             camera = own or Camera()
             seen = replace(seen, frame=env.look(camera))
         if (look := getattr(self._driver, "look", None)) is not None:

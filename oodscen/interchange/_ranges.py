@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+from oodscen._arguments import checked
 from oodscen._numbers import seed_number, whole_number
 from oodscen._seeding import stream
 from oodscen.claims import check_claims
@@ -64,6 +65,7 @@ def ranges(
     return tuple(found)
 
 
+@checked
 def vary(
     scene: Scene,
     catalogue: Catalogue,

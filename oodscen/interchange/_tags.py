@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from oodscen._arguments import checked
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, FOG_M, Actor, Precipitation, Scene, Weather
@@ -149,6 +150,7 @@ def count_tags(scenes: Iterable[Scene], catalogue: Catalogue) -> TagCoverage:
     return TagCoverage(scenes=total, rows=tuple(rows))
 
 
+@checked
 def openlabel(scene: Scene, catalogue: Catalogue) -> dict[str, Any]:
     """Return a scene's tags as an ASAM OpenLABEL 1.0 document."""
     tags: dict[str, Any] = {}

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked
 from oodscen._numbers import seed_number
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
@@ -158,6 +159,7 @@ MEANS = (
 )
 
 
+@checked
 def drive_board(
     results: Iterable[DriveResult], scenarios: Iterable[Scenario] = (), *, seed: int = 0
 ) -> DriveBoard:

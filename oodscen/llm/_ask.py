@@ -5,6 +5,7 @@ from typing import TypeVar, cast
 
 from pydantic import BaseModel, ValidationError
 
+from oodscen._arguments import checked
 from oodscen._numbers import whole_number
 from oodscen._redaction import redact_keys
 from oodscen._seeding import MAX_SEED
@@ -35,6 +36,7 @@ Check = Callable[[Answer], Sequence[Issue]]
 Read = Callable[[str], tuple[Answer | None, list[Issue]]]
 
 
+@checked
 def ask(
     llm: LLM,
     prompt: Prompt[Answer],

@@ -3,6 +3,7 @@
 from contextlib import suppress
 
 from oodscen.errors import UsageError
+from oodscen.llm._check import complete
 from oodscen.llm._remote.budget import Price, Spent, check_price
 from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.usage import estimate_tokens, plausible_usage
@@ -47,7 +48,7 @@ class CappedLLM(Wrapper):
             used, answered = most, 0
             requests = 1
             try:
-                completion = self._llm.complete(request)
+                completion = complete(self._llm, request)
                 requests = max(1, completion.requests)
                 usage = plausible_usage(completion.usage, request)
                 if usage.input_tokens + usage.output_tokens:

@@ -6,6 +6,7 @@ from pathlib import Path
 from oodscen._display import Brief
 from oodscen._files import refuse_special
 from oodscen.errors import DataError, Issue, ReplayMiss
+from oodscen.llm._check import complete
 from oodscen.llm._recording import Exchange, Recorder, Recording
 from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request
@@ -41,7 +42,7 @@ class RecordingLLM(Wrapper):
         if (found := self._found(request)) is not None:
             return found
         began = time.perf_counter()
-        completion = self._llm.complete(request)
+        completion = complete(self._llm, request)
         seconds = time.perf_counter() - began
         self._recorder.add(Exchange.of(request, completion, self.name, seconds))
         return completion

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._members import conforming
 from oodscen._numbers import finite_number, seed_number, whole_number
@@ -63,6 +64,7 @@ class Metrics(Brief):
 
     _repr_fields = ("encoder", "baseline", "seed")
 
+    @checked
     def __init__(
         self,
         encoder: Encoder | None = None,
@@ -76,6 +78,7 @@ class Metrics(Brief):
         self.seed = seed_number(seed)
         self._space = Space(self.encoder, self.baseline, seed, device)
 
+    @checked
     def oodness(self, texts: Texts, definition: Measure = "tabulated") -> Oodness:
         """Return the distance of texts from the baseline: `-max_i cos(e_b,i, e_o,j)` and its mean.
 
@@ -90,6 +93,7 @@ class Metrics(Brief):
         """
         return oodness(self._space, check_texts(texts), _paths(texts), definition)
 
+    @checked
     def rarity(
         self,
         texts: Texts,
@@ -154,6 +158,7 @@ class Metrics(Brief):
         vectors = self._space.vectors(check_texts(texts))
         return diversity(vectors, self.encoder.name, _paths(texts), seed=self.seed)
 
+    @checked
     def report(
         self,
         texts: Texts,
@@ -230,6 +235,7 @@ class Metrics(Brief):
         """
         return self._space.whole
 
+    @checked
     def select(
         self,
         texts: Texts,
@@ -359,6 +365,7 @@ class Metrics(Brief):
         plain = check_texts(texts)
         return near_duplicates(self._space.vectors(plain) if by_meaning else plain, threshold)
 
+    @checked
     def write_embeddings(self, path: str | Path, texts: Iterable[str]) -> int:
         """Write the embeddings of texts to a `.npy` file, to serve as a baseline of any size.
 
@@ -383,6 +390,7 @@ class Metrics(Brief):
         """
         return paper_table(self, texts, sizes=sizes, repeats=repeats)
 
+    @checked
     def score_file(
         self,
         path: str | Path,

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from oodscen._arguments import checked
 from oodscen.data._base import canonical_json
 from oodscen.errors import DataError, Issue
 from oodscen.judging._items import VALUES, AnswerColumns
@@ -20,6 +21,7 @@ FIGURES_OF_TASK: Mapping[str, tuple[str, ...]] = {
 """The figures of each task; the paired one first."""
 
 
+@checked
 def answer_values(row: Mapping[str, Any], answer: str) -> dict[str, Any]:
     """Return the values of a model's answer to one row of a published data set.
 
@@ -39,6 +41,7 @@ def answer_values(row: Mapping[str, Any], answer: str) -> dict[str, Any]:
     }
 
 
+@checked
 def figures_of(answers: Iterable[Mapping[str, Any]]) -> dict[str, float]:
     """Return the figures over the answers to one kind of question, as shares of the answers that score.
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
+from oodscen._arguments import checked
 from oodscen._files import check_name, file_sha256, writing
 from oodscen._numbers import finite_number
 from oodscen.errors import DataError, Issue, StudyError, UsageError
@@ -49,6 +50,7 @@ class Publication:
         )
 
 
+@checked
 def publish(
     study: Study,
     out: str | Path,

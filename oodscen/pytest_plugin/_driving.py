@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import instance_of
 from oodscen._display import png
 from oodscen._files import replace
 from oodscen._members import is_interruption
@@ -239,6 +240,7 @@ class Drive:
         """
         make, label = _maker(driver)
         item = self._scene if scene is None else scene
+        instance_of("scene", item, Scene)
         is_its_twin = item.id == twin_id(self._scene.id)
         plan = self._plan if is_its_twin else self._scenes.plan(item, self._simulator)
         is_clear = is_its_twin and plan.is_clear  # Before the drive, whose moments are pictured.

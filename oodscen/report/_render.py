@@ -13,6 +13,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup, escape
 
+from oodscen._arguments import checked
 from oodscen.errors import FolderTaken
 from oodscen.judging._leaderboard.requirements import Bar
 from oodscen.judging._leaderboard.scores import Estimate, Rate
@@ -28,6 +29,7 @@ FILE = "report.html"
 """Name of the page in the study's folder."""
 
 
+@checked
 def write_report(
     study: Study, bars: Sequence[Bar] = (), *, warn: Callable[[str], None] | None = None
 ) -> Path:

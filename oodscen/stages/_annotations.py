@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked, state_of
 from oodscen._display import png
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
@@ -177,6 +178,7 @@ class FrameAnnotations(Data):
         }
 
 
+@checked
 def annotate(
     frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
 ) -> FrameAnnotations:
@@ -188,7 +190,11 @@ def annotate(
         scene: The scene they belong to.
         catalogue: The simulator's catalogue.
         camera: The camera that rendered the frame; by default the ego's dash camera.
+
+    Raises:
+        UsageError: If the state is one of another scene.
     """
+    state_of(scene, state)
     camera = camera_for(catalogue, camera)
     cast = bodies(scene, catalogue, state.poses)
     eye = Eye(camera, cast[0].solid)

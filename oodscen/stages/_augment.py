@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
-from oodscen._arguments import instance_of
+from oodscen._arguments import checked, instance_of
 from oodscen._display import Brief
 from oodscen._numbers import whole_number
 from oodscen._progress import Progress, reporting
@@ -53,6 +53,7 @@ class Augmenter(Brief):
 
     _repr_fields = ("llm", "catalogue", "claims", "attempts")
 
+    @checked
     def __init__(
         self,
         llm: LLM,
@@ -84,6 +85,7 @@ class Augmenter(Brief):
     def _likeness(self) -> Likeness | None:
         return likeness_of(self.encoder, self.catalogue)
 
+    @checked
     def read(self, scenario: Scenario) -> tuple[Claim, ...]:
         """Return the claims of a text, or none if claims are switched off.
 
@@ -95,6 +97,7 @@ class Augmenter(Brief):
             return ()
         return extract_claims(self.reader, scenario.text, attempts=self.attempts)
 
+    @checked
     def run(
         self,
         scenario: Scenario,
@@ -142,6 +145,7 @@ class Augmenter(Brief):
             raise AnswerError(self.llm.name, prompt.purpose, [fault], draft.model_dump_json(), 1)
         return scene_of_draft(scenario, draft, self.catalogue, self.made, self.motions)
 
+    @checked
     def roads(self, claims: Sequence[Claim]) -> tuple[str, ...]:
         """Return the maps that satisfy all claims about the road; empty without such claims.
 
@@ -161,6 +165,7 @@ class Augmenter(Brief):
             raise AnswerError(self.llm.name, StageScene.purpose, [fault], "", 0)
         return roads
 
+    @checked
     def faults(
         self, scenario: Scenario, claims: Sequence[Claim], draft: SceneDraft
     ) -> Sequence[Issue]:

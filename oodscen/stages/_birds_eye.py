@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked, state_of
 from oodscen._display import png
 from oodscen._numbers import finite_number, whole_number
 from oodscen.data._catalogue import Catalogue
@@ -62,6 +63,7 @@ class _Map:
         return np.rint(np.clip(points, -9e3, 9e3) * 16.0).astype(np.int32)
 
 
+@checked
 def birds_eye(
     state: State,
     scene: Scene,
@@ -85,10 +87,12 @@ def birds_eye(
         uint8 [size, size, 3], red first; a notebook shows it as a picture.
 
     Raises:
+        UsageError: If the state is one of another scene.
         MissingExtra: When OpenCV is not installed.
     """
     whole_number("size", size, 1, MAX_SIZE)
     finite_number("span_m", span_m, 1.0, 10_000.0)
+    state_of(scene, state)
     cv2 = opencv()
     cast = bodies(scene, catalogue, state.poses)
     corridor = load_corridor(scene.map, catalogue)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from oodscen._arguments import checked
 from oodscen._concurrency import as_finished
 from oodscen._display import Brief
 from oodscen._progress import Progress, counted, reporting
@@ -52,6 +53,7 @@ class Describer(Brief):
     """Names of the styles that `style` accepts."""
     _repr_fields = ("llm", "encoder", "options")
 
+    @checked
     def __init__(
         self,
         llm: LLM,
@@ -72,6 +74,7 @@ class Describer(Brief):
         self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
         self.made = {path: tuple(words) for path, words in (made or {}).items()}
 
+    @checked
     def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> list[Scenario]:
         """Return up to `per_path` scenarios for every leaf, in tree order, all with different texts.
 
@@ -95,6 +98,7 @@ class Describer(Brief):
         again = {scenario.id: scenario for scenario in self.reworded(scenarios)}
         return [again.get(scenario.id, scenario) for scenario in scenarios]
 
+    @checked
     def path(self, leaf: str, path: tuple[str, ...], count: int) -> list[Scenario]:
         """Return scenarios `<leaf>-001`, `<leaf>-002` ... for one path: `count`, or as many as its kind bears.
 
@@ -123,6 +127,7 @@ class Describer(Brief):
             for number, text in enumerate(texts, start=1)
         ]
 
+    @checked
     def reworded(self, scenarios: Iterable[Scenario]) -> list[Scenario]:
         """Return new versions of scenarios that repeat an earlier text, ignoring case and punctuation.
 
@@ -148,6 +153,7 @@ class Describer(Brief):
             seen.add(words)
         return again
 
+    @checked
     def ordinary(self, scenario: Scenario) -> str:
         """Return the ordinary twin of a text: same place, phrasing and length, without the event.
 

@@ -8,8 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
+from oodscen._arguments import checked
 from oodscen._display import Brief
-from oodscen._members import is_interruption, message, working
+from oodscen._members import conforming, is_interruption, message, working
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen._text import whole
@@ -21,20 +22,20 @@ from oodscen.driving import load_corridor
 from oodscen.driving._drivers.following import following_acceleration
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
+from oodscen.driving._states import watched
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import OodscenError, UsageError
 from oodscen.protocols import (
     Camera,
     Control,
     Driver,
-    MountsCamera,
     Observation,
     Simulator,
     State,
     camera_for,
 )
 from oodscen.stages._safe_actions import peak_deceleration, peak_jerk
-from oodscen.stages._steering import Steering
+from oodscen.stages._steering import Steering, own_camera
 
 MakeDriver = Callable[[], Driver]
 
@@ -42,6 +43,7 @@ NEEDLESS_BRAKING = 4.0
 """Deceleration beyond which braking is needless where keeping the speed is safe, m/s^2."""
 
 
+@checked
 def drive(
     scenes: Sequence[Scene],
     driver: MakeDriver,
@@ -75,8 +77,10 @@ def drive(
         The results in the order of the scenes, each followed by its twin's.
 
     Raises:
-        UsageError: If there are two drives of one id, or what is to be driven is not a scene.
+        UsageError: If there are two drives of one id, what is to be driven is not a scene, or where it is driven
+            is not a simulator.
     """
+    conforming("simulator", simulator)
     seed_number(seed)
     label = name or getattr(driver, "__name__", type(driver).__name__)
     if not isinstance(label, str) or not label.strip() or whole(label) != label:
@@ -178,9 +182,9 @@ class DrivePlan:
 
     def __init__(self, scene: Scene, simulator: Simulator, seed: int) -> None:
         self.scene = scene
-        self._simulator, self._seed = simulator, seed
+        self._simulator, self._seed = watched(simulator), seed
         with working("simulator", simulator.name):
-            self.steps, self.decision_s, _ = horizon(scene, simulator, seed)
+            self.steps, self.decision_s, _ = horizon(scene, self._simulator, seed)
 
     @cached_property
     def twin(self) -> Scene:
@@ -239,7 +243,7 @@ class _Drives:
         simulator = self.simulator
         try:
             driver = self.make()
-            own = driver.camera if isinstance(driver, MountsCamera) else None
+            own = own_camera(driver)
             camera = camera_for(simulator.catalogue(), self.camera or own)
             states = list(drive_states(scene, driver, simulator, self.seed, steps, camera))
         except BaseException as error:
@@ -327,8 +331,10 @@ def drive_states(
 
     Raises:
         UsageError: If the driver returns no control of finite numbers.
+        SimulatorError: If the simulator returns no state or observation of finite numbers.
         Exception: Anything that the driver raises.
     """
+    simulator = watched(simulator)
     steering = Steering(driver, simulator, camera)
     state = simulator.reset(scene, seed)
     yield state

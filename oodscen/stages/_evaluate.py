@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
+from oodscen._arguments import checked
 from oodscen.data._episode import Episode
 from oodscen.data._messages import Image
 from oodscen.data._scene import Visible
@@ -39,6 +40,7 @@ KEPT_DESCRIPTION = 6_000
 """Maximum length of a description that is stored and shown to the model again, in characters."""
 
 
+@checked
 def evaluate(
     episode: Episode,
     frames: Mapping[str, Image],

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._numbers import whole_number
 from oodscen._paper import FEW_SHOTS, NODES, attestation
@@ -27,6 +28,7 @@ class TreeGrower(Brief):
 
     _repr_fields = ("llm", "nodes", "examples")
 
+    @checked
     def __init__(
         self,
         llm: LLM,
@@ -40,6 +42,7 @@ class TreeGrower(Brief):
         self.examples = whole_number("examples", examples)
         self.shown = shown
 
+    @checked
     def run(self, sample: int = 0, *, progress: Progress | bool | None = None) -> ScenarioTree:
         """Return a tree of exactly `nodes` nodes.
 

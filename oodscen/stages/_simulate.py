@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
+from oodscen._arguments import checked
 from oodscen._display import Brief, picture, png
 from oodscen._members import conforming, working
 from oodscen._numbers import finite_number, seed_number
@@ -28,6 +29,7 @@ from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._sight.visibility import is_noticeable, least_area
+from oodscen.driving._states import watched
 from oodscen.driving._trace import Course, Trace, concatenate
 from oodscen.errors import MissingExtra, UnknownComponent
 from oodscen.protocols import (
@@ -94,6 +96,7 @@ class Simulated(Brief):
         return concatenate({"approach": self.trace, **self.rollouts})
 
 
+@checked
 def simulate(
     scene: Scene,
     simulator: Simulator,
@@ -154,7 +157,9 @@ def simulate(
         scene = scene.model_copy(update={"horizon_s": seconds})
     with working("simulator", simulator.name):
         shown = camera_for(simulator.catalogue(), camera) if render else None
-        return _Run(scene, simulator, seed, shown, moments, trials).simulated(actions, traces)
+        return _Run(scene, watched(simulator), seed, shown, moments, trials).simulated(
+            actions, traces
+        )
 
 
 class _Shown(NamedTuple):

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+from oodscen._arguments import instance_of
+from oodscen._numbers import said
 from oodscen.driving._base_simulator import render_checked
 from oodscen.errors import UsageError
 from oodscen.protocols import (
@@ -9,6 +11,7 @@ from oodscen.protocols import (
     Control,
     Driver,
     Looks,
+    MountsCamera,
     Simulator,
     State,
     WantsFrames,
@@ -44,5 +47,19 @@ class Steering:
             self._looking.look(state)
         control = self._driver.act(observation)
         if not isinstance(control, Control) or not control.is_finite:
-            raise UsageError(f"act() returned {control!r:.200}, not a Control of finite numbers")
+            raise UsageError(
+                f"act() returned {said(control, 200)}, not a Control of finite numbers"
+            )
         return control
+
+
+def own_camera(driver: Driver) -> Camera | None:
+    """Return the camera that a driver mounts, if it has one.
+
+    Raises:
+        UsageError: If it mounts something else.
+    """
+    mounted = driver.camera if isinstance(driver, MountsCamera) else None
+    if mounted is not None:
+        instance_of("the driver's camera", mounted, Camera)
+    return mounted

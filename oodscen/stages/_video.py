@@ -6,6 +6,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
+from oodscen._arguments import checked
 from oodscen._files import read_bytes, temporary_folder, write_named, writing
 from oodscen._members import conforming
 from oodscen._numbers import finite_number, seed_number
@@ -17,10 +18,11 @@ from oodscen.driving import action_driver, load_corridor
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
+from oodscen.driving._states import watched
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
-from oodscen.protocols import Camera, Driver, MountsCamera, Simulator, State, camera_for
+from oodscen.protocols import Camera, Driver, Simulator, State, camera_for
 from oodscen.stages._birds_eye import SIZE, Image, birds_eye, opencv
-from oodscen.stages._steering import Steering
+from oodscen.stages._steering import Steering, own_camera
 
 View = Literal["ego", "bird", "both"]
 VIEWS: tuple[View, ...] = ("ego", "bird", "both")
@@ -100,6 +102,7 @@ class Video:
             place.cleanup()
 
 
+@checked
 def record(
     scene: Scene,
     simulator: Simulator,
@@ -142,11 +145,11 @@ def record(
     later = action_driver(driver, NOMINAL_REACTION_S) if isinstance(driver, str) else None
     own = None if isinstance(driver, str) else driver
     now: Driver = Cruise() if own is None else conforming("driver", own)
-    mounted = now.camera if isinstance(now, MountsCamera) else None
+    simulator = watched(conforming("simulator", simulator))
     catalogue = simulator.catalogue()
     corridor = load_corridor(scene.map, catalogue)
     camera = camera_for(catalogue, camera)
-    steering = Steering(now, simulator, camera_for(catalogue, mounted))
+    steering = Steering(now, simulator, camera_for(catalogue, own_camera(now)))
     state = simulator.reset(scene, seed_number(seed))
     finite_number("fps", fps, 0.1, 1.0 / simulator.dt + 1e-9)
     if Path(path).suffix.lower() != ".mp4":

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 from urllib.parse import quote
 
-from oodscen._arguments import instance_of
+from oodscen._arguments import checked, instance_of
 from oodscen._display import Brief, escaped, html_table
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
@@ -71,6 +71,7 @@ class Study(Brief):
 
     _repr_fields = ("folder",)
 
+    @checked
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
         self.store = Store(folder)
@@ -208,6 +209,7 @@ class Study(Brief):
         found = self.metrics.get("paths")
         return TreeRarity.parse(found, source="metrics.json").per_km() if found else {}
 
+    @checked
     def tree(self, name: str) -> ScenarioTree:
         """Return the `initial`, `diverse` or `simulatable` tree."""
         if name not in TREES:
@@ -285,6 +287,7 @@ class Study(Brief):
         """The audit of shortcuts (`oodscen audit`); `None` if there is none."""
         return Audit.load(self.folder / AUDIT) if self.store.has(AUDIT) else None
 
+    @checked
     def requirements(self, text: str) -> list[RequirementResult]:
         """Return the grade of every model against a requirement such as `safe>=0.9,needless<=0.05`.
 
@@ -303,6 +306,7 @@ class Study(Brief):
         """Return the results of every driver of `oodscen drive`."""
         return drive_board(self.drives, self.scenarios, seed=self.config.seed)
 
+    @checked
     def coverage(self, tree: str = "simulatable") -> Coverage:
         """Count what the study holds for each node of one of its trees.
 
@@ -335,10 +339,12 @@ class Study(Brief):
         except (OSError, ValueError) as error:
             raise StudyError(f"cannot read {self.folder / name}: {error}") from None
 
+    @checked
     def failures(self, table: str) -> list[dict[str, Any]]:
         """Return the failed lines of a table, each with its `error`."""
         return [row for row in self.table(table) if row.get("status") == "failed"]
 
+    @checked
     def table(self, name: str) -> list[dict[str, Any]]:
         """Return the lines of a table as plain data.
 
@@ -349,6 +355,7 @@ class Study(Brief):
             raise UnknownComponent("table", name, TABLES)
         return list(self.store.lines(TABLES[name]))
 
+    @checked
     def to_arrow(self, name: str) -> "pa.Table":
         """Return a table as an Arrow table, one row per line; mappings become structs.
 
@@ -364,6 +371,7 @@ class Study(Brief):
         except (pa.ArrowException, OverflowError) as error:
             raise StudyError(f"{self.folder / TABLES[name]} is no table: {error}") from None
 
+    @checked
     def to_pandas(self, name: str) -> "pd.DataFrame":
         """Return a table as a data frame, one row per line; nested field names are joined by dots.
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from oodscen._arguments import checked
 from oodscen._processes import is_worker
 from oodscen._progress import Progress, reporting
 from oodscen._registry import make_simulator
@@ -61,6 +62,7 @@ QUICK = tuple(part for part in PARTS if part not in ("appearance", "process", "l
 """The parts that together take only seconds."""
 
 
+@checked
 def check_simulator(
     simulator: Factory | str,
     *,
@@ -219,6 +221,7 @@ class SimulatorCheck:
         return self.part
 
 
+@checked
 def simulator_checks(
     simulator: Factory | str, *, quick: bool = False, states_only: bool = False
 ) -> tuple[SimulatorCheck, ...]:

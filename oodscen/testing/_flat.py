@@ -10,12 +10,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._category import Category
 from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
 from oodscen.driving._mirror_simulator import MirrorSimulator
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.visibility import Eye, Solid
+from oodscen.errors import UsageError
 from oodscen.protocols import Camera, Frame
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
@@ -126,6 +128,7 @@ class FlatSimulator(MirrorSimulator):
         return flat_frame(camera, self._road, self._weather, self._assets, self._poses, mount)
 
 
+@checked
 def flat_frame(
     camera: Camera,
     road: Corridor,
@@ -143,8 +146,19 @@ def flat_frame(
         assets: The assets of all bodies, the ego's first.
         poses: x, y, z and yaw of all bodies, in the same order; the ego's box is not drawn.
         mount: x, y, z and yaw of what the camera is mounted on; by default the ego's.
+
+    Raises:
+        UsageError: If there are not four numbers for every body.
     """
-    bodies = [_solid(pose, asset) for asset, pose in zip(assets, poses, strict=True)]
+    try:
+        rows = [list(map(float, pose)) for pose in poses]
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"poses must be numbers: {error}") from None
+    if len(rows) != len(assets) or not rows or {len(row) for row in rows} != {4}:
+        raise UsageError(f"poses must be four numbers for each of the {len(assets)} bodies")
+    if mount is not None and len(mount) != 4:
+        raise UsageError(f"mount must be four numbers, not {mount!r:.80}")
+    bodies = [_solid(pose, asset) for asset, pose in zip(assets, rows, strict=True)]
     eye = Eye(camera, bodies[0] if mount is None else _solid(mount, assets[0]))
     depth = np.full((camera.height, camera.width), np.inf)
     ids = np.zeros((camera.height, camera.width), dtype=np.int32)

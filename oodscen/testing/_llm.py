@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen.errors import LLMError
 from oodscen.protocols import Completion, Request
@@ -30,6 +31,7 @@ class ScriptedLLM(Brief):
 
     _repr_fields = ("name",)
 
+    @checked
     def __init__(
         self,
         answers: Sequence[Answer]

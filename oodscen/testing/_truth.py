@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from oodscen._arguments import checked
 from oodscen.data._episode import ACTIONS, MOMENTS
 from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
 from oodscen.driving import load_corridor
@@ -41,6 +42,7 @@ _MARGIN_PX = 4.0
 _WHEN = {"first": "at the start", "middle": "half-way", "last": "at the decision"}
 
 
+@checked
 def check_truth(
     scene: Scene, simulator: Simulator, *, seed: int = 0, camera: Camera | None = None
 ) -> list[Issue]:

@@ -3,6 +3,7 @@
 from collections.abc import Container, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from oodscen._numbers import MOST, whole_number
 from oodscen.errors import UsageError
 from oodscen.tree._edit_log import EditLog, Node, TreeEdit, adding
 
@@ -33,6 +34,7 @@ def moment(
     if sum(choice is not None for choice in (edit, round, stage)) != 1:
         raise UsageError("a moment is given by one of edit, round and stage")
     if edit is not None:
+        whole_number("edit", edit, -MOST)
         if not 0 <= edit <= len(edits):
             raise UsageError(f"there is no moment after {edit} edits: the log has {len(edits)}")
         return edit
@@ -42,7 +44,7 @@ def moment(
             known = ", ".join(sorted({item.stage for item in edits if item.stage}))
             raise UsageError(f"no edit is of the stage {stage!r} (there are: {known or 'none'})")
         return last[-1]
-    return _after_round(edits, round or 0)
+    return _after_round(edits, whole_number("round", round, -MOST))
 
 
 def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
@@ -58,6 +60,7 @@ def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
         index = next(standing, None)
         if index is None:
             raise UsageError("no edit is left to undo")
+    whole_number("index", index, -MOST)
     if not -len(edits) <= index < len(edits):
         raise UsageError(f"there is no edit {index}: the log has {len(edits)}")
     return tree.apply(*_inverse(tree._edit_log(), index % len(edits)))
@@ -65,6 +68,7 @@ def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
 
 def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "ScenarioTree":
     """Undo the edits of a round that are still in force; see `ScenarioTree.undo`."""
+    whole_number("round", round, -MOST)
     edits, undone = tree.edits, undone_edits(tree.edits)
     log = tree._edit_log()
     inverses: list[TreeEdit] = []

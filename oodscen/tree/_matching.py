@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import count, takewhile
+from numbers import Real
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -72,7 +73,7 @@ def match(
         UsageError: If the threshold is not a cosine.
         EncoderError: If the encoder fails.
     """
-    if not -1.0 <= threshold <= 1.0:
+    if not (isinstance(threshold, Real) and -1.0 <= threshold <= 1.0):
         raise UsageError(f"the threshold is a cosine, between -1 and 1, not {threshold}")
     pairs = _Pairs(_classes(one), _classes(other))
     for first, second in zip(one.nodes[:1], other.nodes[:1], strict=False):

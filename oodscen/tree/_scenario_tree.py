@@ -5,7 +5,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NoReturn, Self
 
+from oodscen._arguments import checked, instance_of
 from oodscen._files import read_utf8
+from oodscen._numbers import whole_number
 from oodscen.data._base import Data, canonical_json, digest
 from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
@@ -65,6 +67,7 @@ class ScenarioTree:
     _version: int
     """The number of edits in the index that belong to this tree."""
 
+    @checked
     def __init__(self, edits: Iterable[TreeEdit] = ()) -> None:
         """Apply a log of edits to the empty tree.
 
@@ -94,6 +97,7 @@ class ScenarioTree:
     # ------------------------------------------------------------------- files
 
     @classmethod
+    @checked
     def parse(cls, value: object, *, source: str = "") -> Self:
         """Read a tree from plain data or JSON text.
 
@@ -117,6 +121,7 @@ class ScenarioTree:
         return cls._at(index, len(edits))
 
     @classmethod
+    @checked
     def load(cls, path: str | Path) -> Self:
         """Read a tree from a JSON file.
 
@@ -152,6 +157,7 @@ class ScenarioTree:
             raise DataError("tree edit", issues)
         return self._at(index, self._version + len(edits))
 
+    @checked
     def undo(
         self, index: int | None = None, *, round: int | None = None, origin: str = ""
     ) -> "ScenarioTree":
@@ -179,6 +185,7 @@ class ScenarioTree:
 
     # ----------------------------------------------------------------- history
 
+    @checked
     def at(
         self, *, edit: int | None = None, round: int | None = None, stage: str | None = None
     ) -> "ScenarioTree":
@@ -195,6 +202,7 @@ class ScenarioTree:
         """
         return self._at(self._index, moment(self.edits, edit=edit, round=round, stage=stage))
 
+    @checked
     def provenance(self, node_id: str) -> Provenance:
         """Return who added a node and why, and the later decisions about it.
 
@@ -217,10 +225,11 @@ class ScenarioTree:
         Args:
             index: Position in `edits`, from 0.
         """
-        return self._index.before[index]
+        return self._index.before[whole_number("index", index, 0, self._version - 1)]
 
     # --------------------------------------------------------- against others
 
+    @checked
     def diff(
         self,
         other: "ScenarioTree",
@@ -239,8 +248,10 @@ class ScenarioTree:
             UsageError: If the threshold is not a cosine.
             EncoderError: If the encoder fails.
         """
+        instance_of("other", other, ScenarioTree)
         return diff(self, other, encoder=encoder, threshold=threshold)
 
+    @checked
     def merge(
         self,
         other: "ScenarioTree",
@@ -264,8 +275,10 @@ class ScenarioTree:
             UsageError: If the threshold is not a cosine.
             EncoderError: If the encoder fails.
         """
+        instance_of("other", other, ScenarioTree)
         return merge(self, other, encoder=encoder, threshold=threshold, name=name)
 
+    @checked
     def coverage(
         self,
         *,
@@ -320,6 +333,7 @@ class ScenarioTree:
         Raises:
             UnknownComponent: If there is no such node; the error lists close matches.
         """
+        instance_of("node_id", node_id, str)
         if node_id not in self.by_id:
             raise UnknownComponent("node", node_id, self.by_id)
         return self.by_id[node_id]
@@ -346,13 +360,16 @@ class ScenarioTree:
         )
 
     def path(self, node_id: str) -> tuple[str, ...]:
-        """Return the labels from the root down to a node."""
-        labels = []
-        cursor: str | None = node_id
-        while cursor is not None:
-            node = self.by_id[cursor]
+        """Return the labels from the root down to a node.
+
+        Raises:
+            UnknownComponent: If there is no such node; the error lists close matches.
+        """
+        node = self.node(node_id)
+        labels = [node.label]
+        while node.parent is not None:
+            node = self.by_id[node.parent]
             labels.append(node.label)
-            cursor = node.parent
         return tuple(reversed(labels))
 
     @property
@@ -390,6 +407,7 @@ class ScenarioTree:
     def __contains__(self, node: object) -> bool:
         return isinstance(node, Node) and self.by_id.get(node.id) == node
 
+    @checked
     def outline(self, *, ids: bool = False) -> str:
         """Render the tree as an indented list, for people and for prompts."""
         return "\n".join(
@@ -398,6 +416,7 @@ class ScenarioTree:
         )
 
     @staticmethod
+    @checked
     def label_fault(label: str) -> str:
         """Return why a text cannot be a label, or an empty string."""
         return label_fault(label)
@@ -407,6 +426,7 @@ class ScenarioTree:
 
         Ids of removed nodes are never reused.
         """
+        instance_of("label", label, str)
         return self._index.free_id(slug(label), self._version)
 
     def _repr_html_(self) -> str:

@@ -1,6 +1,7 @@
 """The environment keeps Gymnasium's contract, repeats, ends as drives do, and refuses nonsense."""
 
 import math
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -41,6 +42,7 @@ def made():
         found.append(SceneEnv(**{"scenes": [example_scene()], **settings}))
         return found[-1]
 
+    make.cache_clear = found.clear
     yield make
     for env in found:
         env.close()
@@ -208,6 +210,36 @@ def test_calls_out_of_order_and_unknown_scenes_are_refused(made, tmp_path):
         SceneEnv(tmp_path, scenes=[example_scene()])
     with pytest.raises(UsageError, match="progress"):
         Reward(progress=math.nan)
+
+
+def test_an_open_environment_shares_its_simulator_with_no_other(made):
+    simulator = FlatSimulator()
+    env = made(simulator=simulator)
+    with pytest.raises(UsageError, match="one object per environment"):
+        SceneEnv(simulator=simulator)
+    with pytest.raises(UsageError, match="one object per environment"):
+        gymnasium.make_vec(
+            "oodscen/Scene-v0", 2, vectorization_mode="sync", simulator=FlatSimulator()
+        )
+    env.close()
+    other = made(simulator=simulator)
+    other.reset(seed=0)
+    with pytest.raises(UsageError, match="one object per environment"):
+        env.reset()
+    del other
+    made.cache_clear()
+    env.reset()
+    fresh = made()
+    again = pickle.loads(pickle.dumps(fresh))  # It has a simulator of its own.
+    assert again.reset(seed=0)[1] == fresh.reset(seed=0)[1]
+
+
+def test_one_environment_of_a_vector_takes_an_object():
+    envs = gymnasium.make_vec(
+        "oodscen/Scene-v0", 1, vectorization_mode="sync", simulator=FlatSimulator()
+    )
+    envs.reset(seed=0)
+    envs.close()
 
 
 class Faulty(FlatSimulator):

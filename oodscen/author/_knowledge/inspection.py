@@ -10,6 +10,7 @@ from difflib import get_close_matches
 from itertools import combinations
 from pathlib import Path
 
+from oodscen._arguments import checked
 from oodscen.author._feasibility import NO_RECIPE, realise
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._knowledge.loading import gather, load_knowledge, own_files
@@ -48,6 +49,7 @@ class Inspection:
     """Number of hazards that can be shown and staged, by catalogue name."""
 
 
+@checked
 def inspect_knowledge(
     path: str | Path | None = None, catalogues: Mapping[str, Catalogue] | None = None
 ) -> Inspection:

@@ -7,6 +7,7 @@ cars", arXiv:1708.06374, 2017. The paper fixes no parameters.
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
+from oodscen._arguments import checked
 from oodscen._numbers import finite_number
 from oodscen.driving._drivers.perception import Neighbour
 from oodscen.driving._drivers.watching import WatchingDriver
@@ -124,6 +125,7 @@ class RSSDriver(WatchingDriver):
 
     Parameters = RSSParameters
 
+    @checked
     def __init__(self, parameters: RSSParameters | None = None) -> None:
         if parameters is not None and not isinstance(parameters, RSSParameters):
             raise UsageError(

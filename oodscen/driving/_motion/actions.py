@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar, NamedTuple
 
+from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._numbers import finite_number
 from oodscen.data._episode import LONGEST_REACTION_S
@@ -223,6 +224,7 @@ class Cruise(ActionDriver):
         super().__init__("keep_speed")
 
 
+@checked
 def action_driver(action_id: str, reaction_s: float = 0.0) -> Driver:
     """Return a new driver that executes one discrete action.
 

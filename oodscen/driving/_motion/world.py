@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked
 from oodscen._display import Brief, brief
 from oodscen._numbers import finite_number, seed_number
 from oodscen.data._catalogue import Asset, Catalogue
@@ -72,6 +73,7 @@ class KinematicWorld(Brief):
 
     _repr_fields = ("ids", "dt", "step_count")
 
+    @checked
     def __init__(
         self,
         corridor: Corridor,

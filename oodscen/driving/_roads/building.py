@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._arguments import instance_of
+from oodscen._arguments import checked, instance_of
 from oodscen._files import read_regular
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.driving._roads.corridor import Corridor, OtherRoad, PaintedArea, RoadSignal, Structure
@@ -54,6 +54,7 @@ _TIGHTEST = 0.1
 """Minimum share of its length that a line parallel to a bend must keep."""
 
 
+@checked
 def load_corridor(road_map: RoadMap | str, catalogue: Catalogue | None = None) -> Corridor:
     """Return the road that the ego drives on a map; each file is read only once per process.
 
@@ -91,8 +92,9 @@ def find_map(name: str, catalogue: Catalogue | None = None) -> RoadMap:
                 return catalogue.map(name)
         except KeyError:
             pass
-        known = [road.id for road in catalogue.maps] if catalogue else []
-        raise UnknownComponent("map", name, known)
+        if catalogue is None:
+            raise UnknownComponent("map (a map's id needs a catalogue)", name, [])
+        raise UnknownComponent("map", name, [road.id for road in catalogue.maps])
     return _describe(read_map(name), name)
 
 

@@ -1,5 +1,6 @@
 """Checks that a scene can be staged and shows its hazard: vocabulary, placement, decision, visibility."""
 
+from oodscen._arguments import checked
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import MOMENTS
 from oodscen.data._scene import Actor, Scene
@@ -30,6 +31,7 @@ _ROADSIDE = frozenset({"vehicle", "cyclist"})
 """Categories whose moving actors must start on drivable road."""
 
 
+@checked
 def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     """Return the reasons why a scene, or its ordinary twin, cannot be staged.
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
@@ -53,6 +54,7 @@ class ImportedScene(Brief):
     """The parts of the file that are not in the scene, with line and element, and the faults of the scene."""
 
 
+@checked
 def read_openscenario(
     path: str | Path,
     catalogue: Catalogue,

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from oodscen._arguments import checked
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.errors import UnknownComponent
@@ -35,6 +36,7 @@ _VEHICLE_TYPES = {
 _NANO = 1_000_000_000
 
 
+@checked
 def osi_trace(
     scene: Scene,
     catalogue: Catalogue,

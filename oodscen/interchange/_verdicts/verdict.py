@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from oodscen._arguments import checked
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
@@ -50,6 +51,7 @@ class PlayedVerdict(Data):
     """The whole run as a drive, for the table of drivers."""
 
 
+@checked
 def verdict(
     scene: Scene,
     played: PlayedPoses | str | Path,

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from lxml import etree
 
+from oodscen._arguments import checked
 from oodscen._files import replace
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
@@ -27,6 +28,7 @@ _ATTRIBUTES = {
 """Element and attribute that hold a parameter, wherever the element is."""
 
 
+@checked
 def write_logical(
     scene: Scene,
     catalogue: Catalogue,

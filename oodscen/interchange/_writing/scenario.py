@@ -7,6 +7,7 @@ from typing import Literal
 
 from lxml import etree
 
+from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._files import check_name, replace
 from oodscen.data._catalogue import Catalogue
@@ -78,6 +79,7 @@ class ScenarioFile(Brief):
         return path
 
 
+@checked
 def to_openscenario(
     scene: Scene,
     catalogue: Catalogue,

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from oodscen._arguments import checked
 from oodscen._text import stem
 from oodscen.data._scene import Visible
 from oodscen.judging._aspects.concepts import (
@@ -34,6 +35,7 @@ class Named(NamedTuple):
     """True if it also names what is wrong with the thing, as far as that can be seen."""
 
 
+@checked
 def names_aspect(aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()) -> bool:
     """Return whether an open answer names what a path is about; see `naming`."""
     return score_naming(aspect, path, visible).right

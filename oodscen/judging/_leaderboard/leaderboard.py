@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked
+from oodscen._numbers import seed_number
 from oodscen.data._episode import Episode, as_offered
 from oodscen.data._pairing import is_ordinary
 from oodscen.data._scenario import Scenario
@@ -47,6 +49,7 @@ class _SharedValues:
     """[n] the items whose hazard is visible under the paper's protocol."""
 
 
+@checked
 def leaderboard(
     verdicts: Iterable[Verdict],
     episodes: Iterable[Episode],
@@ -72,6 +75,7 @@ def leaderboard(
             rule on the bodies that the simulator knows.
         seed: Seed of the resampling.
     """
+    seed_number(seed)
     found = list(episodes)
     ran = [episode for episode in whole if episode.status == "ok"]
     seen = {episode.scene_id for episode in ran if episode.hazard_visible}

@@ -3,6 +3,7 @@
 import math
 from statistics import NormalDist
 
+from oodscen._arguments import checked
 from oodscen._numbers import finite_number, whole_number
 from oodscen.data._base import Data
 from oodscen.errors import UsageError
@@ -76,6 +77,7 @@ class SampleSize(Data):
         return "\n".join(lines)
 
 
+@checked
 def scenes_needed(
     first: float,
     second: float,

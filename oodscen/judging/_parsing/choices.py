@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from oodscen._arguments import checked
 from oodscen.data._episode import ACTIONS
 from oodscen.errors import UsageError
 from oodscen.judging._parsing.reading import (
@@ -21,6 +22,7 @@ Marking = Callable[[str], str]
 """Replaces every option that folded prose names with a character of `stating.OPTION`."""
 
 
+@checked
 def read_action(text: str, offered: Sequence[str] = ACTIONS) -> ParsedAnswer[str]:
     """Return which of the offered actions was chosen.
 

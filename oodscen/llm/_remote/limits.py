@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 
+from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._numbers import finite_number, whole_number
 from oodscen.errors import DataError, RunStopped, UsageError
@@ -43,6 +44,7 @@ class Limits(Brief):
 
     _repr_fields = ("caps", "concurrency", "timeout_s")
 
+    @checked
     def __init__(
         self,
         *,

@@ -3,12 +3,13 @@
 The report draws the same pictures from the figures of a study. Needs the extra `plots`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import checked
 from oodscen.encoders._similarity import Vectors
 from oodscen.errors import UnknownComponent, UsageError
 from oodscen.metrics._measurements import size_curve_of
@@ -33,6 +34,7 @@ PlotKind = Literal["distribution", "size_curve", "map"]
 _SIZES = 12
 
 
+@checked
 def plot(
     sets: Mapping[str, Any],
     kind: PlotKind = "distribution",
@@ -103,6 +105,6 @@ def _embedding_map(sets: Mapping[str, Vectors], *, reference: str | None) -> "Fi
 
 
 def _filled(sets: Mapping[str, T]) -> Mapping[str, T]:
-    if not sets or not all(len(values) for values in sets.values()):
+    if not sets or not all(isinstance(one, Sized) and len(one) for one in sets.values()):
         raise UsageError("there is no set to draw, or one is empty")
     return sets

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from oodscen._arguments import instance_of
+from oodscen._arguments import checked, instance_of
 from oodscen._concurrency import as_finished
 from oodscen._display import Brief
 from oodscen._numbers import whole_number
@@ -53,6 +53,7 @@ class Pruner(Brief):
 
     _repr_fields = ("llm", "name", "substitutes", "threads")
 
+    @checked
     def __init__(
         self,
         llm: LLM,
@@ -74,6 +75,7 @@ class Pruner(Brief):
         self.context = None if context is None else whole_number("context", context, 1)
         self.together = whole_number("together", together, 1) if context is None else 1
 
+    @checked
     def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> ScenarioTree:
         """Return the simulatable tree; its edits hold the reason for every node.
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, ClassVar, NamedTuple
 
-from oodscen._arguments import instance_of
+from oodscen._arguments import checked, instance_of
 from oodscen._concurrency import cancelling
 from oodscen._display import Brief
 from oodscen._progress import Progress, reporting
@@ -58,6 +58,7 @@ class RedTeamer(Brief):
     """The options as one frozen value."""
     _repr_fields = ("llm", "red_llm", "encoder", "options")
 
+    @checked
     def __init__(
         self,
         llm: LLM,
@@ -76,6 +77,7 @@ class RedTeamer(Brief):
         self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
         self.cancel = cancel
 
+    @checked
     def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> ScenarioTree:
         """Return the tree after all rounds; each edit holds its round, text and reason.
 
