@@ -45,7 +45,7 @@ def finite_number(name: str, value: Any, least: float = -math.inf, most: float =
             return float(value)
     except OverflowError:
         pass
-    between = "" if math.isinf(least) and math.isinf(most) else f" from {least:g} to {most:g}"
+    between = "" if math.isinf(least) and math.isinf(most) else f" from {least:.10g} to {most:.10g}"
     raise UsageError(f"{name} must be a finite number{between}, not {said(value)}")
 
 

@@ -64,11 +64,13 @@ def drive(
     from oodscen.errors import RunStopped
     from oodscen.judging._drive_board import current_results, drive_board
     from oodscen.report._render import write_report
+    from oodscen.study._stale import refuse_stale
     from oodscen.study._study import Study
 
     study = Study.open(out.absolute())  # A stack may change the working folder.
     click.get_current_context().with_resource(study.store.writing())
     staged, scenarios = study.scenes, study.scenarios
+    refuse_stale(study, study.episodes, staged)
     scenes = staged[:limit]
     names = drivers or ("rule-based",)
     before = study.drives

@@ -78,6 +78,7 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     from oodscen._pipeline.dropping import drop_models
     from oodscen.judging._leaderboard.requirements import parse_requirement
     from oodscen.llm._accounting import Ledger
+    from oodscen.study._stale import refuse_stale
     from oodscen.study._study import Study
 
     asked = _Evaluation(**{one.name: choices.pop(one.name) for one in fields(_Evaluation)})
@@ -85,6 +86,9 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
         parse_requirement(asked.required)
     before = Study.open(out)
     asked.check()
+    if asked.required is not None and not asked.has_questions:
+        # A model's questions would have the changed scenes run again.
+        refuse_stale(before, before.episodes, before.scenes)
     if not asked.dry_run:
         click.get_current_context().with_resource(before.store.writing())
     for name, count in drop_models(before, asked.dropped).items() if asked.dropped else ():

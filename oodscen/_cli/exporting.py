@@ -1,14 +1,16 @@
 """The claim of a folder that `export` writes into: it replaces only files of earlier exports."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
+from oodscen._cli.places import KnownFacts
 from oodscen._files import read_utf8, replace
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._pairing import demand_id, twin_id
+from oodscen.data._pairing import demand_id, is_ordinary, twin_id
 from oodscen.data._scene import Scene
-from oodscen.errors import FolderTaken, OodscenError
+from oodscen.errors import FolderTaken, OodscenError, UsageError
 
 LIST = "oodscen-export.txt"
 """File that lists what exports have written into its folder."""
@@ -21,6 +23,36 @@ _SUFFIXES = {
 """Suffixes of the files of a scene; of other formats the suffix is the format's name."""
 
 
+def refuse_clashes(scenes: Sequence[Scene], known: KnownFacts, options: Mapping[str, Any]) -> None:
+    """Refuse an export that would write two drives into one file.
+
+    Args:
+        scenes: The scenes.
+        known: What is known of them, with their demands.
+        options: The options of `export`.
+
+    Raises:
+        UsageError: If two files would have one name; the message names both drives.
+    """
+    owners: dict[str, str] = {}
+    first, *logical = _SUFFIXES.get(options["form"], (options["form"],))
+    for scene in scenes:
+        drives = [(scene.id, f"the scene {scene.id!r}")]
+        drives += [(one.id, f"the demand {one.id!r}") for one in known.demands_of(scene)]
+        if options["twins"] and not scene.is_ordinary:
+            drives.append((twin_id(scene.id), f"the twin of the scene {scene.id!r}"))
+        files = [(f"{name}.{first}", owner) for name, owner in drives]
+        if options["logical"]:
+            ranges = [one for one in drives if not is_ordinary(one[0])]
+            files += [
+                (f"{name}.{end}", f"the ranges of {of}") for name, of in ranges for end in logical
+            ]
+        for file, owner in files:
+            if file in owners:
+                raise UsageError(f"{owners[file]} and {owner} would both be written to {file}")
+            owners[file] = owner
+
+
 def claim_folder(out: Path, scenes: Sequence[Scene], catalogue: Catalogue, form: str) -> None:
     """List the files that an export may write, before it writes them.
 
@@ -31,9 +63,8 @@ def claim_folder(out: Path, scenes: Sequence[Scene], catalogue: Catalogue, form:
         form: The format.
 
     Raises:
-        FolderTaken: If it is a study's, or holds files of these names that no export has written.
+        FolderTaken: If it holds files of these names that no export has written.
     """
-    _refuse_study(out)
     names = {
         f"{name}.{suffix}"
         for scene in scenes
@@ -52,19 +83,6 @@ def claim_folder(out: Path, scenes: Sequence[Scene], catalogue: Catalogue, form:
         raise FolderTaken(str(out), sorted(taken)[:5])
     text = "\n".join([_HEAD, *sorted(listed | names), ""])
     replace(out / LIST, text.encode())
-
-
-def _refuse_study(out: Path) -> None:
-    """Refuse a study's folder and its parts; a folder of one's own in it is none of them."""
-    from oodscen.study._files import is_own
-
-    place = out.resolve()
-    if (place / "study.json").exists():
-        raise FolderTaken(str(out), ["study.json"])
-    for parent in place.parents:
-        part = place.relative_to(parent).parts[0]
-        if is_own(part) and (parent / "study.json").exists():
-            raise FolderTaken(str(parent), [part])
 
 
 def _listed(out: Path) -> set[str]:

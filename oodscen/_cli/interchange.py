@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from oodscen._cli.completion import ComponentName
-from oodscen._cli.exporting import claim_folder
+from oodscen._cli.exporting import claim_folder, refuse_clashes
 from oodscen._cli.options import json_option, seed_option, simulator_option
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import READABLE, PathName
 from oodscen._cli.places import KnownFacts, scenes_of, simulator_of
 from oodscen._cli.progress import tracked
+from oodscen._files import writing
 from oodscen._members import using
 from oodscen._processes import Processes
 from oodscen._text import one_line, plain
@@ -102,12 +103,17 @@ def export(
     the same trace with its map in one file, `rerun` a recording for the Rerun viewer. Scenes that cannot be written
     are reported on standard error, and the exit code is then 1.
     """
+    from oodscen.study._files import refuse_inside
+
     scenes, catalogue, known = scenes_of(place, simulator)
     scenes = scenes[:limit]
     options["simulator"] = simulator_of(place, simulator)
     if not options["twins"]:
         known = known._replace(demands={})
-    out.mkdir(parents=True, exist_ok=True)
+    refuse_inside(out)
+    refuse_clashes(scenes, known, options)
+    with writing(out):
+        out.mkdir(parents=True, exist_ok=True)
     written, faults = 0, list[str]()
     claim_folder(out, scenes, catalogue, options["form"])
     parts = [scenes[first : first + _PART] for first in range(0, len(scenes), _PART)]

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.options import json_option
@@ -63,6 +64,9 @@ def power(
     """Print the number of scenes needed to tell the success rates FIRST and SECOND apart, e.g. 0.66 0.51."""
     from oodscen.judging._leaderboard.power import power_of, scenes_needed
 
+    source = click.get_current_context().get_parameter_source("wanted")
+    if scenes is not None and source is ParameterSource.COMMANDLINE:
+        raise click.UsageError("--scenes prints the power of that many scenes: leave out --power")
     design: dict[str, Any] = {
         "paired": not unpaired,
         "agreement": agreement,
@@ -97,13 +101,14 @@ def audit(out: Path, as_json: bool) -> None:
     from oodscen.judging._shortcuts.audit import FILE
     from oodscen.judging._shortcuts.audit import audit as audited
     from oodscen.report._render import write_report
+    from oodscen.study._stale import refuse_stale
     from oodscen.study._study import Study
 
     study = Study.open(out)
     with study.store.writing():
-        found = audited(
-            study.episodes, study.scenes, study.scenarios, study.folder, seed=study.config.seed
-        )
+        episodes, scenes = study.episodes, study.scenes
+        refuse_stale(study, episodes, scenes)
+        found = audited(episodes, scenes, study.scenarios, study.folder, seed=study.config.seed)
         study.store.write(FILE, canonical_json(found.model_dump(mode="json")) + "\n")
     write_report(study)
     if as_json:

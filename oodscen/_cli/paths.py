@@ -26,6 +26,8 @@ class PathName(click.Path):
         except OSError as error:
             self.fail(f"{value!r}: {error.strerror}.", param, ctx)
         found = super().convert(value, param, ctx)
+        if not self.file_okay and os.path.exists(found) and not os.path.isdir(found):
+            self.fail(f"{value!r} is no folder.", param, ctx)
         if self.exists and not (os.path.isfile(found) or os.path.isdir(found)):
             self.fail(f"{self.name.title()} {value!r} is no regular file.", param, ctx)
         return found
@@ -39,13 +41,14 @@ class OutputName(PathName):
 
 
 class FileCommand(click.Command):
-    """A command that refuses to write one file twice, or to replace a file that it reads."""
+    """A command that refuses to write one file twice, or to replace a file that it reads or that is a study's."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command.
 
         Raises:
             UsageError: When two of its files are the same, links followed, before any work.
+            FolderTaken: When a file that it writes is one of a study's, before any work.
         """
         outputs = [
             (param.opts[-1], ctx.params[param.name])
@@ -60,6 +63,11 @@ class FileCommand(click.Command):
             for other, its in self._inputs(ctx):
                 if _is_same(path, its):
                     raise UsageError(f"{name} would replace a file that {other} reads: {its}")
+        if outputs:
+            from oodscen.study._files import refuse_own
+
+            for _, path in outputs:
+                refuse_own(path)
         return super().invoke(ctx)
 
     def _inputs(self, ctx: click.Context) -> Iterator[tuple[str, Path]]:

@@ -323,8 +323,10 @@ def simulate(
     from oodscen import Scene, make_simulator
     from oodscen._pipeline.steps.scenes import REAR
     from oodscen._pipeline.sweep import Job, Outputs, sweep
+    from oodscen.study._files import refuse_inside
     from oodscen.study._study import Study
 
+    refuse_inside(out)
     items = read_lines(Scene, scenes)
     close(make_simulator(simulator))
     study, episodes = Study(out), {}

@@ -7,6 +7,7 @@ from typing import Literal, Self
 from pydantic import Field
 
 from oodscen._files import read_bytes
+from oodscen._picture_size import picture_size
 from oodscen.data._base import Data
 
 _BEGINS = (b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n")
@@ -30,15 +31,24 @@ class Image(Data):
             name=name or path.name, sha256=hashlib.sha256(read_bytes(path)).hexdigest(), path=path
         )
 
-    def fault(self) -> str:
-        """Return why the JPEG or PNG file on disk cannot be shown, or an empty string."""
+    def fault(self, size: tuple[int, int] | None = None) -> str:
+        """Return why the JPEG or PNG file on disk cannot be shown, or an empty string.
+
+        Args:
+            size: Width and height that it must have, pixels; compared with its header, and nothing is decoded.
+        """
         try:
             data = self.read()
         except OSError as error:
             return f"{self.name}: {error.strerror or error}"
         if not data.startswith(_BEGINS):
             return f"{self.name} is no JPEG and no PNG"
-        return "" if data.endswith(_ENDS) else f"{self.name} is cut off before its end"
+        if not data.endswith(_ENDS):
+            return f"{self.name} is cut off before its end"
+        if size is None or (found := picture_size(data)) == size:
+            return ""
+        told = "an unknown size" if found is None else f"{found[0]} x {found[1]} pixels"
+        return f"{self.name} has {told}, not the {size[0]} x {size[1]} of the camera"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Image) and (self.name, self.sha256) == (other.name, other.sha256)

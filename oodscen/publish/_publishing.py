@@ -20,6 +20,7 @@ from oodscen.publish._replacing import SUMS, names, replacing
 from oodscen.publish._splits import SPLITS, VALIDATION, splits
 from oodscen.publish._vlmevalkit import write_tsv
 from oodscen.study._asked import asked_drives
+from oodscen.study._files import refuse_inside
 from oodscen.study._study import Study
 
 Form = Literal["vlmevalkit", "lmms-eval", "drivelm"]
@@ -73,18 +74,20 @@ def publish(
         licence: Licence of the data as the Hub names it.
 
     Raises:
-        DataError: If the study has no drives with frames, or a file of it is malformed.
-        FolderTaken: If the folder holds other files.
+        DataError: If the study has no drives with frames, a frame is not the recorded one or cannot be shown, or a
+            file of it is malformed.
+        FolderTaken: If the folder holds other files, or is a part of a study.
         InUse: If another process writes the folder.
         MissingExtra: If pyarrow is not installed.
         StudyError: If a file cannot be written.
-        UsageError: If `validation`, `licence` or `out` is invalid.
+        UsageError: If `validation`, `licence` or `out` is invalid, or a scene has changed since it was run.
     """
     finite_number("validation", validation, 0.0, 0.9)
     check_name(out)
     if not _LICENCE.fullmatch(licence):
         raise UsageError(f"licence: {licence!r} is not an identifier such as {LICENCE}")
     folder = Path(out)
+    refuse_inside(folder)
     asked = asked_drives(study)
     labels = {one.truth.leaf: one.truth.path[-1] for one in asked if one.truth.path}
     drives = published_drives(asked, splits(labels, share=validation, seed=study.config.seed))

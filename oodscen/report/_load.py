@@ -24,6 +24,7 @@ from oodscen.stages._making.motions import MOTIONS, MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._files import TABLES, TREES
+from oodscen.study._stale import in_words, stale_scenes
 from oodscen.study._store import Store
 from oodscen.study._study import Study
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -110,11 +111,22 @@ def read(study: Study) -> Material:
     if lost := len(drives) - len(found.drives):
         note = f"{lost} results in drives.jsonl are of scenes that have changed since, and left out"
         _note(found, "drives.jsonl", note)
+    _note_stale(study, found)
     if store.has("restaged.jsonl"):
         found.restagings = list(_lines(store, "restaged.jsonl", found))
     found.calls = list(_lines(store, TABLES["calls"], found))
     found.texts = {size: _texts(store, size, found) for size in _sizes(found.config)}
     return found
+
+
+def _note_stale(study: Study, found: Material) -> None:
+    """Note the scenes that have changed since they were run; without its scenes a study is incomplete anyway."""
+    if not found.scenes or "scenes.jsonl" in found.gaps:
+        return
+    has_staged = study.store.has("staged.jsonl")
+    staged = _lines(study.store, "staged.jsonl", found) if has_staged else ()
+    if stale := stale_scenes(found.episodes, [*found.scenes, *found.demands], staged):
+        _note(found, "episodes.jsonl", in_words(stale))
 
 
 def mapping(value: object) -> Mapping[str, Any]:

@@ -47,7 +47,8 @@ def write_quiz(
         rears: Files of the views from the rear window, by drive; without them none is shown.
 
     Raises:
-        DataError: If no episode of the study has frames.
+        DataError: If no episode of the study has frames, or one is not the recorded frame or cannot be shown.
+        UsageError: If a scene has changed since it was run.
         FolderTaken: If the file is one of a study's, other than its quiz.
     """
     target = out or study.folder / QUIZ

@@ -93,7 +93,7 @@ def evaluate(
     key = AnswerKey.of(episode, Truth(tuple(path), leaf, tuple(visible)), options)
     if takes_cases(vlm):
         case = Case(episode, key.path, leaf, options, episode.frames)
-        return score_answers(key, _answers_of_reference(vlm, case, protocol), judge)
+        return score_answers(key, answers_of_reference(vlm, case, protocol), judge)
     asked = _Interview(vlm, protocol, is_chain=is_paper or (chain and not withheld))
     shown = Shown.of(episode, frames, is_present=not is_paper, rear=rear)
     if withheld:
@@ -224,7 +224,8 @@ _DESCRIBING = AnswerReader(
 # ------------------------------------------------------------------ references
 
 
-def _answers_of_reference(reference: Any, case: Case, protocol: Protocol) -> GivenAnswers:
+def answers_of_reference(reference: Any, case: Case, protocol: Protocol) -> GivenAnswers:
+    """Return the answers of an answerer that takes cases."""
     answers = reference.judge(case)
     fields: dict[str, Any] = {
         "is_ood": answers.is_ood,

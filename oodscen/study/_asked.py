@@ -10,12 +10,14 @@ from oodscen.data._messages import Image
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.errors import DataError, Issue
 from oodscen.judging._kinds import Kinds
 from oodscen.judging._questions import Shown, aspect_options
 from oodscen.judging._references import AspectOption
 from oodscen.judging._scoring import AnswerKey, Truth
 from oodscen.judging._selection import choose_items
+from oodscen.protocols import Camera
+from oodscen.study._frames import frames_of
+from oodscen.study._stale import refuse_stale
 
 if TYPE_CHECKING:
     from oodscen.study._store import Store
@@ -34,21 +36,18 @@ class AskedDrive:
     """Options of the closed question, as shown."""
     store: "Store"
     """The study's folder, which holds the pictures."""
+    camera: Camera
+    """The camera of the frames."""
 
     @cached_property
     def frames(self) -> Mapping[str, Image]:
         """The pictures by moment.
 
         Raises:
-            DataError: If one cannot be shown, or lies outside the study.
+            DataError: If one is not the recorded frame, cannot be shown, or lies outside the study.
         """
-        found = {
-            moment: Image.from_file(self.store.inside(file), file)
-            for moment, file in self.episode.frames.items()
-        }
-        if faults := [fault for image in found.values() if (fault := image.fault())]:
-            raise DataError("frames", [Issue("", fault) for fault in faults])
-        return found
+        episode = self.episode
+        return frames_of(self.store, episode.frames, episode.file_sha256, self.camera)
 
     @property
     def shown(self) -> Shown:
@@ -77,11 +76,13 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
 
     Raises:
         DataError: If a table of the study cannot be read or is malformed.
+        UsageError: If a scene has changed since it was run.
     """
     config, episodes = study.config, study.episodes
     unseen = {one.scene_id for one in episodes if one.is_below_floor}
     scenarios = {one.id: one for one in study.scenarios}
     scenes = {one.id: one for one in study.scenes}
+    refuse_stale(study, episodes, scenes.values())
     maps = {name: one.map for name, one in scenes.items()}
     kinds = Kinds.of(list(scenarios.values()), maps, seed=config.seed)
     found = []
@@ -92,5 +93,5 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
         scenario, scene = scenarios.get(name), scenes.get(name)
         offered = kinds.offered(scenario.leaf if scenario else "", maps.get(name, ""))
         options = aspect_options(offered, seed=config.seed, item=episode.scene_id)
-        found.append(AskedDrive(episode, scenario, scene, options, study.store))
+        found.append(AskedDrive(episode, scenario, scene, options, study.store, config.camera))
     return found

@@ -152,3 +152,18 @@ def refuse_own(target: Path) -> None:
         return
     if is_own(target.name) and (target.parent / "study.json").exists():
         raise FolderTaken(str(target.parent), [target.name])
+
+
+def refuse_inside(folder: Path) -> None:
+    """Refuse to write into a study's folder or one of its parts; a folder of one's own in it is none of them.
+
+    Raises:
+        FolderTaken: When the folder, links followed, is a study's, or below one of its own files or folders.
+    """
+    place = Path(os.path.realpath(folder))
+    if (place / "study.json").exists():
+        raise FolderTaken(str(folder), ["study.json"])
+    for parent in place.parents:
+        part = place.relative_to(parent).parts[0]
+        if is_own(part) and (parent / "study.json").exists():
+            raise FolderTaken(str(parent), [part])

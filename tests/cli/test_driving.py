@@ -6,6 +6,7 @@ import sys
 import pytest
 from click.testing import CliRunner
 
+from oodscen import Study
 from oodscen._cli import main
 
 STACK = """
@@ -59,8 +60,19 @@ def test_a_stack_in_the_current_folder_drives(with_stack, tmp_path, capfd) -> No
         assert "simulator" not in refused.output
     scenes = tmp_path / "out" / "scenes.jsonl"
     scenes.write_text(scenes.read_text().replace('"horizon_s":', '"horizon_s":1'))
-    run(main, ["report", "out"])
-    assert "Driving stacks" not in (tmp_path / "out" / "report.html").read_text()
+    told = run(main, ["report", "out"])
+    assert "1 scene has changed since it was run: " in told.stderr
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "1 scene has changed since it was run: " in page
+    assert "Driving stacks" not in page
+    refused = run(main, ["drive", "out"])
+    assert (refused.exit_code, refused.output.count("\n")) == (2, 1)
+    assert "changed since it was run" in refused.output
+    study = Study(tmp_path / "out")
+    made_from = {"made_from": study.scenes[0].digest()}
+    study.store.write_lines(
+        "episodes.jsonl", [one.model_copy(update=made_from) for one in study.episodes]
+    )
     ruled = run(main, ["drive", "out"])
     assert "; needless braking in 0 of 1 [" in ruled.output
     assert "  means: least TTC " in ruled.output

@@ -86,7 +86,51 @@ def test_nothing_is_exported_into_a_study(study):
         before = sorted(path.name for path in place.iterdir())
         assert run("export", study, "-o", place).exit_code == 2
         assert sorted(path.name for path in place.iterdir()) == before
+        for words in (
+            ("publish", study, "-o", place / "data"),
+            ("simulate", study / "scenes.jsonl", place / "data", "--simulator", "flat"),
+        ):
+            if place != study:
+                found = run(*words)
+                assert found.exit_code == 2
+                assert "frames" in found.output
+                assert sorted(path.name for path in place.iterdir()) == before
     assert run("export", study, "-o", study / "exported", "--limit", 1).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("other", "more"),
+    [
+        ("a~twin", ()),
+        ("a~twin", ("--to", "openlabel")),
+        ("a.logical", ("--logical",)),
+        ("a.stochastic", ("--logical",)),
+    ],
+)
+def test_two_drives_of_one_export_never_share_a_file(other, more, tmp_path):
+    names, lines = ("a", other), tmp_path / "scenes.jsonl"
+    for order in (names, names[::-1]):
+        both = zip(SCENES, order, strict=False)
+        lines.write_text("".join(f"{s.model_copy(update={'id': n}).to_json()}\n" for s, n in both))
+        words = ("export", lines, "-o", tmp_path / "out", "--simulator", "pybullet")
+        found = run(*words, *more)
+        assert (found.exit_code, found.output.count("\n")) == (2, 1)
+        assert all(repr(name) in found.output for name in names)
+        assert not (tmp_path / "out").exists()
+
+
+def test_a_device_is_no_folder(tmp_path):
+    lines = tmp_path / "scenes.jsonl"
+    lines.write_text(f"{SCENES[0].to_json()}\n")
+    found = run("export", lines, "-o", "/dev/full", "--simulator", "pybullet")
+    assert found.exit_code == 2
+    assert "'/dev/full' is no folder" in found.output
+
+
+def test_a_field_that_is_too_long_is_named_so(study, tmp_path):
+    path = tmp_path / f"{Study.open(study).scenes[0].id}.csv"
+    path.write_text('time,name,x,y,h\n"' + "x" * 200_000)
+    assert "a field has more than 131,072 characters" in run("verdict", study, path).output
 
 
 def test_tags_are_exported(study, tmp_path):

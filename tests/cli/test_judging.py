@@ -91,3 +91,15 @@ def test_power_of_a_given_number() -> None:
 @pytest.mark.parametrize("rates", [["0.5", "0.5"], ["0", "0.5"], ["0.5", "1.5"]])
 def test_what_cannot_be_told_apart_exits_with_2(rates: list[str]) -> None:
     assert CliRunner().invoke(main, ["power", *rates]).exit_code == 2
+
+
+def test_a_power_that_is_wanted_and_one_that_is_asked_for_contradict_each_other() -> None:
+    found = CliRunner().invoke(main, ["power", "0.66", "0.51", "--power", "0.8", "--scenes", "10"])
+    assert found.exit_code == 2
+    assert "--power" in found.output
+
+
+def test_a_limit_that_is_not_reached_is_told_apart_from_the_value() -> None:
+    found = CliRunner().invoke(main, ["power", "0.66", "0.51", "--alpha", "0.9999999999999999"])
+    assert found.exit_code == 2
+    assert "from 1e-09 to 0.999999999, not 0.9999999999999999" in found.output

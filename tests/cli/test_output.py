@@ -205,3 +205,24 @@ def test_a_foreign_error_after_a_dropped_interruption_counts_as_it(is_told):
     with pytest.raises(KeyboardInterrupt if is_told else RuntimeError) as found:
         compiling()
     assert getattr(found.value, "signal", None) == (signal.SIGTERM if is_told else None)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("redteam", "TREE", "--llm", "nobody", "--log", "redteam.jsonl"),
+        ("describe", "TREE", "--llm", "nobody", "-o", "scenarios.jsonl"),
+        ("prune", "TREE", "--llm", "nobody", "-o", "verdicts.jsonl"),
+        ("grow", "--llm", "nobody", "-o", "tree.initial.json"),
+        ("props", "--details", "--simulator", "nobody", "-o", "study.json"),
+    ],
+)
+def test_a_study_s_file_is_refused_before_the_work(tmp_path, words):
+    (tmp_path / "study.json").write_text("{}")
+    tree = tmp_path / "mine.json"
+    tree.write_text("{}")
+    *order, last = [str(tree) if word == "TREE" else word for word in words]
+    found = CliRunner().invoke(main, [*order, str(tmp_path / last)])
+    assert (found.exit_code, found.output.count("\n")) == (2, 1)
+    assert f"holds {last} already" in found.output
+    assert "nobody" not in found.output

@@ -403,9 +403,9 @@ def build_study(
         _json(
             {
                 "status": "incomplete",
-                "config": StudyConfig(simulator="flat", sets=(10, 20), **config).model_dump(
-                    mode="json"
-                ),
+                "config": StudyConfig(
+                    simulator="flat", sets=(10, 20), width=320, height=240, **config
+                ).model_dump(mode="json"),
                 "versions": {"oodscen": "0.1.0", "python": "3.11.9"},
                 "seconds": {"grow": 0.4, "total": 131.4},
             }

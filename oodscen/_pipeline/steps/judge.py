@@ -56,7 +56,8 @@ def evaluate(
 
     Scenes whose hazard cannot be named at the decision are left out together with their ordinary drives.
 
-    Writes `verdicts.jsonl` and, from it, `leaderboard.json`. At the end a judge model scores the open aspects
+    Writes `verdicts.jsonl` and, from it, `leaderboard.json`. What follows from the answers in earlier verdicts is
+    computed anew, and so are the answers of references and people. At the end a judge model scores the open aspects
     of all verdicts, including those of earlier runs and of references; `opinions.jsonl` holds its answers.
 
     A model that is given up costs its own items only (`unasked`). New items of all models come first, then
@@ -103,7 +104,8 @@ def evaluate(
 
     rows = run.each("evaluate", "verdicts.jsonl", items, work, made_from=made_from)
     kept = [Verdict.parse(row) for row in rows]
-    verdicts = [_mark_outdated(verdict) for verdict in judge_aspects(run, kept, scenarios, scenes)]
+    anew = [questioner.rescored(one, items[one.id], models[items[one.id].model][0]) for one in kept]
+    verdicts = [_mark_outdated(verdict) for verdict in judge_aspects(run, anew, scenarios, scenes)]
     if verdicts != kept:
         run.store.write_lines("verdicts.jsonl", verdicts)
     board = leaderboard(

@@ -9,14 +9,16 @@ from oodscen.data._messages import Image
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.data._verdict import Protocol, Verdict
+from oodscen.data._verdict import Protocol, Verdict, without_pictures
 from oodscen.errors import DataError, Issue
 from oodscen.judging._kinds import Kinds
 from oodscen.judging._questions import Shown, aspect_options
-from oodscen.judging._references import takes_cases
+from oodscen.judging._references import Case, takes_cases
+from oodscen.judging._scoring import AnswerKey, GivenAnswers, Truth, kind_of_answerer, rescored
 from oodscen.protocols import LLM
+from oodscen.stages._evaluate import answers_of_reference, unjudged_verdict
 from oodscen.stages._evaluate import evaluate as judge_episode
-from oodscen.stages._evaluate import unjudged_verdict
+from oodscen.study._frames import frames_of
 
 
 class Item(NamedTuple):
@@ -54,6 +56,7 @@ class Questioner:
         self._scenes = {scene.id: scene for scene in scenes}
         self._up_to_decision = {episode.scene_id: episode for episode in episodes}
         self._rears = rears
+        self._keys: dict[tuple[str, Protocol], AnswerKey] = {}
         maps = {scene.id: scene.map for scene in scenes}
         self._kinds = Kinds.of(scenarios, maps, seed=run.config.seed)
 
@@ -78,34 +81,60 @@ class Questioner:
                 return unjudged_verdict(
                     episode, model, why, kind, protocol, withheld=item.is_withheld
                 )
-        scenario = self._scenarios.get(scene_of(episode.scene_id))
-        scene = self._scenes.get(scene_of(episode.scene_id))
-        leaf = scenario.leaf if scenario else ""
-        kinds = self._kinds.offered(leaf, scene.map if scene else "")
+        key = self._key(episode, protocol)
         return judge_episode(
             episode,
             frames,
             model,
-            path=scenario.path if scenario else (),
-            leaf=leaf,
-            options=aspect_options(kinds, seed=self._config.seed, item=episode.scene_id),
+            path=key.path,
+            leaf=key.leaf,
+            options=key.options,
             protocol=protocol,
             chain=self._config.chain,
             before=before,
-            visible=scene.visible if scene else (),
+            visible=key.visible,
             rear=rear,
             withheld=item.is_withheld,
         )
 
+    def rescored(self, verdict: Verdict, item: Item, model: LLM) -> Verdict:
+        """Return a stored verdict with its scores computed anew, without a question.
+
+        References, and people, whose answers the study holds, answer anew; a model's answers are those of the verdict.
+        """
+        episode, protocol = item.episode, item.protocol
+        if episode.status == "failed" or not episode.frames:
+            return verdict
+        key = self._key(episode, protocol)
+        if takes_cases(model):
+            case = Case(episode, key.path, key.leaf, key.options, episode.frames)
+            return rescored(verdict, key, answers_of_reference(model, case, protocol))
+        fields = {name: getattr(verdict, name) for name in ("is_ood", "aspect", "choice", "action")}
+        said = {name: value for name, value in fields.items() if value is not None}
+        name = without_pictures(model.name) if item.is_withheld else model.name
+        given = GivenAnswers(name, said, protocol=protocol, kind=kind_of_answerer(model))
+        return rescored(verdict, key, given)
+
+    def _key(self, episode: Episode, protocol: Protocol) -> AnswerKey:
+        """Return the key to the answers about an episode, with the options of the closed question."""
+        name = scene_of(episode.scene_id)
+        if (known := self._keys.get((episode.scene_id, protocol))) is not None:
+            return known
+        scenario, scene = self._scenarios.get(name), self._scenes.get(name)
+        leaf = scenario.leaf if scenario else ""
+        kinds = self._kinds.offered(leaf, scene.map if scene else "")
+        options = aspect_options(kinds, seed=self._config.seed, item=episode.scene_id)
+        truth = Truth(scenario.path if scenario else (), leaf, scene.visible if scene else ())
+        key = AnswerKey.of(episode, truth, () if protocol == "paper" else options)
+        self._keys[episode.scene_id, protocol] = key
+        return key
+
     def _images(self, episode: Episode, protocol: Protocol = "ours") -> dict[str, Image]:
         """Return the frames; raises `DataError` if one cannot be shown."""
-        frames = {
-            moment: Image.from_file(self._store.inside(file), file)
-            for moment, file in episode.frames.items()
-        }
+        camera = self._config.camera
+        frames = frames_of(self._store, episode.frames, episode.file_sha256, camera)
         wanted = moments(self._config.frames) if protocol == "ours" else MOMENTS
         faults = [f"there is no {moment} frame" for moment in wanted if moment not in frames]
-        faults += [fault for image in frames.values() if (fault := image.fault())]
         if faults:
             raise DataError("frames", [Issue("", fault) for fault in faults])
         return frames

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from oodscen._arguments import checked
 from oodscen._display import Brief
+from oodscen._files import file_sha256
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.driving import load_corridor
@@ -17,7 +18,7 @@ from oodscen.driving._roads.building import find_map, read_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._sight.placement import staging_issues
-from oodscen.errors import DataError, Issue
+from oodscen.errors import DataError, Issue, OodscenError
 from oodscen.interchange._reading.actions import ActionReader, behaviour
 from oodscen.interchange._reading.assets import nearest_asset, weather
 from oodscen.interchange._reading.positions import (
@@ -30,6 +31,7 @@ from oodscen.interchange._reading.positions import (
 )
 from oodscen.interchange._reading.tree import NOUN, Node, ScenarioTree
 from oodscen.interchange._writing.properties import DIGEST, SCENE, content_digest
+from oodscen.interchange._writing.roads import ROAD_DIGEST, road_file
 
 if TYPE_CHECKING:
     from oodscen.protocols import LLM
@@ -65,7 +67,8 @@ def read_openscenario(
 ) -> ImportedScene:
     """Read an OpenSCENARIO XML 1.x file.
 
-    An unchanged file of `to_openscenario` gives back its scene. Of other files come the road, the
+    An unchanged file of `to_openscenario` gives back its scene, unless the road file beside it was changed. Of other
+    files come the road, the
     entities, where and how fast they start, the weather, and one behaviour for each entity; what is left out is
     listed.
 
@@ -82,8 +85,8 @@ def read_openscenario(
         LLMError: If the model cannot be reached, or its answer cannot be used.
     """
     tree = ScenarioTree(path)
-    _check_version(tree)
-    if (own := _own_scene(tree)) is not None:
+    is_known = _check_version(tree)
+    if is_known and (own := _own_scene(tree, catalogue)) is not None:
         return ImportedScene(own)
     scene = _Assembly(tree, catalogue, road, hazards, llm).scene()
     found = [*tree.omissions, *staging_issues(scene, catalogue)]
@@ -97,8 +100,8 @@ def _header(tree: ScenarioTree) -> Node:
     return header
 
 
-def _check_version(tree: ScenarioTree) -> None:
-    """Refuse another major version, and note an unknown minor one.
+def _check_version(tree: ScenarioTree) -> bool:
+    """Refuse another major version, note an unknown minor one, and return whether it is known.
 
     Raises:
         DataError: If the file is not OpenSCENARIO XML 1.x.
@@ -109,10 +112,11 @@ def _check_version(tree: ScenarioTree) -> None:
         raise header.fault(f"version {major[:20]!r} is not read; 1.0 to 1.3 are", "revMajor")
     if minor not in _MINORS:
         header.leave_out(f"version 1.{minor[:20]} is unknown and read as 1.3")
+    return minor in _MINORS
 
 
-def _own_scene(tree: ScenarioTree) -> Scene | None:
-    """Return the scene that a file says it is, unless the file was changed."""
+def _own_scene(tree: ScenarioTree, catalogue: Catalogue) -> Scene | None:
+    """Return the scene that a file says it is, unless the file or the road file beside it was changed."""
     header = _header(tree)
     said = {
         one.element.get("name"): one.element.get("value", "")
@@ -123,7 +127,27 @@ def _own_scene(tree: ScenarioTree) -> Scene | None:
     if said.get(DIGEST) != content_digest(tree.root.element, said[SCENE]):
         header.leave_out("the file was changed after its export and is read by its elements")
         return None
-    return Scene.parse(said[SCENE], source=str(tree.path))
+    scene = Scene.parse(said[SCENE], source=str(tree.path))
+    road = tree.root.first("RoadNetwork", "LogicFile")
+    if road is None or _is_own_road(tree.path.parent / road.get("filepath"), scene, catalogue):
+        return scene
+    road.leave_out(
+        "the road file was changed after the export, and the file is read by its elements"
+    )
+    return None
+
+
+def _is_own_road(path: Path, scene: Scene, catalogue: Catalogue) -> bool:
+    """Return whether a road file is missing, or is the one that an export of the scene writes."""
+    if not path.is_file():
+        return True
+    try:
+        return read_map(str(path)) == road_file(scene, catalogue).content
+    except (
+        OodscenError
+    ):  # The map is not on this machine; names of users' roads hold their digests.
+        digest = file_sha256(path).hex()[:ROAD_DIGEST]
+        return not scene.map.endswith(".xodr") or path.stem.endswith(f"-{digest}")
 
 
 class _Assembly:

@@ -297,3 +297,30 @@ def test_a_model_without_a_usable_answer_is_an_error(tmp_path):
     model = ScriptedLLM(["no idea"] * 5)
     with pytest.raises(AnswerError):
         read_openscenario(foreign_crowd(tmp_path), catalogue(), llm=model)
+
+
+@pytest.mark.parametrize(
+    ("change", "note"),
+    [
+        (lambda path, road: road.write_bytes(road.read_bytes()), ""),
+        (lambda path, road: road.unlink(), ""),
+        (lambda path, road: road.write_text(road.read_text() + " "), "the road file was changed"),
+        (lambda path, road: put(path, 'revMinor="2"', 'revMinor="NaN"'), "version 1.NaN"),
+        (lambda path, road: put(path, 'revMinor="2"', 'revMinor="99"'), "version 1.99"),
+    ],
+)
+def test_a_changed_road_or_version_is_no_unchanged_export(tmp_path, change, note):
+    path = to_openscenario(SCENES[0], catalogue()).save(tmp_path)
+    (road,) = tmp_path.glob("*.xodr")
+    change(path, road)
+    found = read_openscenario(path, catalogue())
+    assert (found.scene == SCENES[0]) is not bool(note)
+    assert any(note in one.message for one in found.omissions) is bool(note)
+    if note:
+        assert found.scene.map == str(road.resolve())
+
+
+def put(path, old, new):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))

@@ -628,3 +628,29 @@ def test_calls_that_failed_by_a_fault_of_the_class_are_made_again_on_request(fol
     again = run_study(out, config, models={"m": mended}, retry=True)
     assert {row.outcome for row in of(again, "m").values()} <= {"answered", "unavailable"}
     assert again.info["failures"]["verdicts"] == 0
+
+
+def test_what_follows_from_the_answers_is_computed_anew(small, tmp_path):
+    """Every verdict of a reference is edited, each in another field, and none survives."""
+    folder = shutil.copytree(small, tmp_path / "out")
+    file, board = folder / "verdicts.jsonl", folder / "leaderboard.json"
+    before = file.read_bytes(), board.read_bytes()
+    edits = [
+        {"success": None, "action_is_safe": None},
+        {"choice_is_right": None},
+        {"action": "pull_over"},
+        {"is_ood": None},
+        {"aspect_is_right": None, "thing_is_right": None},
+        {"is_ordinary": None},
+        {"status": "failed", "outcome": "error"},
+        {"model": "other"},
+        {"kind": "model"},
+        {"reasoning": "mine", "contradiction": "mine"},
+    ]
+    rows = [json.loads(line) for line in before[0].splitlines()]
+    for number, row in enumerate(rows):
+        for name, value in edits[number % len(edits)].items():
+            row[name] = not row[name] if value is None else value
+    Study.open(folder).store.write_lines("verdicts.jsonl", rows)
+    run_study(folder, Study.open(folder).config)
+    assert (file.read_bytes(), board.read_bytes()) == before
