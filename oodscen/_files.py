@@ -107,7 +107,7 @@ def refuse_special(path: str | Path, noun: str) -> None:
 def _check_regular(status: os.stat_result, path: str | Path) -> None:
     if not stat.S_ISREG(status.st_mode):
         kind = _KINDS.get(stat.S_IFMT(status.st_mode), "something else")
-        raise OSError(errno.EINVAL, f"is no regular file but {kind}", str(path))
+        raise OSError(errno.EINVAL, f"is not a regular file but {kind}", str(path))
 
 
 def read_utf8(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> str:

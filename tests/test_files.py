@@ -26,7 +26,7 @@ KINDS = ("fifo", "endless", "folder", "link to fifo", "link to endless", "socket
 
 
 def put(folder: Path, kind: str, name: str) -> Path:
-    """Put something that is no regular file where one is wanted."""
+    """Put something that is not a regular file where one is wanted."""
     path, other = folder / name, folder / "other"
     if kind == "fifo":
         os.mkfifo(path)
@@ -52,11 +52,11 @@ def test_what_is_no_regular_file_is_refused_at_once(tmp_path, kind):
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "nothing"])
 def test_a_recording_and_a_picture_are_regular_files(tmp_path, kind):
     path = put(tmp_path, kind, "x")
-    with pytest.raises(DataError, match="is no regular file"):
+    with pytest.raises(DataError, match="is not a regular file"):
         RecordingLLM(ScriptedLLM([]), path)
-    with pytest.raises(DataError, match="is no regular file"):
+    with pytest.raises(DataError, match="is not a regular file"):
         make_llm(f"replay:{path}")
-    with pytest.raises(OSError, match="is no regular file"):
+    with pytest.raises(OSError, match="is not a regular file"):
         Image.from_file(path)
 
 

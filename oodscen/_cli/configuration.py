@@ -105,7 +105,7 @@ def read_configuration(file: Path, context: click.Context) -> dict[str, Any]:
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
         if isinstance(error, DataError):
             raise
-        issue = Issue("", f"is no TOML: {one_line(str(error))[:200]}")
+        issue = Issue("", f"is not TOML: {one_line(str(error))[:200]}")
         raise DataError(_NOUN, [issue], source=str(file)) from None
     known = options_of(context.command)
     found: dict[str, Any] = {}
@@ -134,7 +134,7 @@ def options_of(command: click.Command) -> dict[str, click.Option]:
 def _unknown(key: str, known: Mapping[str, click.Option]) -> str:
     matches = close_matches(key.replace("_", "-"), known)
     hint = f"; did you mean {' or '.join(matches)}?" if matches else ""
-    return f"is no option of this command{hint}"
+    return f"is not an option of this command{hint}"
 
 
 def _taken(option: click.Option, value: Any, context: click.Context) -> Any:

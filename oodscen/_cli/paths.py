@@ -27,9 +27,9 @@ class PathName(click.Path):
             self.fail(f"{value!r}: {error.strerror}.", param, ctx)
         found = super().convert(value, param, ctx)
         if not self.file_okay and os.path.exists(found) and not os.path.isdir(found):
-            self.fail(f"{value!r} is no folder.", param, ctx)
+            self.fail(f"{value!r} is not a folder.", param, ctx)
         if self.exists and not (os.path.isfile(found) or os.path.isdir(found)):
-            self.fail(f"{self.name.title()} {value!r} is no regular file.", param, ctx)
+            self.fail(f"{self.name.title()} {value!r} is not a regular file.", param, ctx)
         return found
 
 

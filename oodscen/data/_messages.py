@@ -42,7 +42,7 @@ class Image(Data):
         except OSError as error:
             return f"{self.name}: {error.strerror or error}"
         if not data.startswith(_BEGINS):
-            return f"{self.name} is no JPEG and no PNG"
+            return f"{self.name} is neither a JPEG nor a PNG"
         if not data.endswith(_ENDS):
             return f"{self.name} is cut off before its end"
         if size is None or (found := picture_size(data)) == size:

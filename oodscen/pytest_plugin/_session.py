@@ -84,7 +84,7 @@ class DrivingSession:
         try:
             Baseline.at(self._file)
         except OodscenError as error:
-            raise UsageError(f"{error}\nwhat is no baseline is not overwritten") from None
+            raise UsageError(f"{error}\nonly a baseline is overwritten") from None
         return Baseline(tests={})
 
     # -------------------------------------------------------------- scenes
@@ -417,5 +417,5 @@ def _count(text: str | None) -> int | None:
     if text is None:
         return None
     if not text.isdecimal() or not 0 < int(text) < 10**6:
-        raise UsageError(f"oodscen_per_path: {text!r:.40} is no number of scenes")
+        raise UsageError(f"oodscen_per_path: {text!r:.40} is not a number of scenes")
     return int(text)

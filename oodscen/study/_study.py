@@ -183,7 +183,7 @@ class Study(Brief):
         for name in names:
             path = self.folder / name
             if not (path.is_dir() if name in FOLDERS else path.is_file()):
-                issue = Issue("", f"is no {'folder' if name in FOLDERS else 'regular file'}")
+                issue = Issue("", f"is not a {'folder' if name in FOLDERS else 'regular file'}")
                 raise DataError(Info.noun, [issue], source=str(path))
 
     @property
@@ -369,7 +369,7 @@ class Study(Brief):
         try:
             return pa.Table.from_pylist(self.table(name))
         except (pa.ArrowException, OverflowError) as error:
-            raise StudyError(f"{self.folder / TABLES[name]} is no table: {error}") from None
+            raise StudyError(f"{self.folder / TABLES[name]} is not a table: {error}") from None
 
     @checked
     def to_pandas(self, name: str) -> "pd.DataFrame":

@@ -85,8 +85,8 @@ def test_the_command_line_wins_over_the_file(tmp_path):
         ("baseline = 'nowhere'", "baseline", "does not exist"),
         ("max-cost = nan", "max-cost", "finite"),
         ("[run]\nseed = 1", "run", "is no option"),
-        ("seed = ", "", "is no TOML"),
-        ("a = " + "[" * 9_000, "", "is no TOML"),
+        ("seed = ", "", "is not TOML"),
+        ("a = " + "[" * 9_000, "", "is not TOML"),
     ],
 )
 def test_a_fault_in_a_file_is_named(text, path, words, tmp_path):

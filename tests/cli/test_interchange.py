@@ -124,7 +124,7 @@ def test_a_device_is_no_folder(tmp_path):
     lines.write_text(f"{SCENES[0].to_json()}\n")
     found = run("export", lines, "-o", "/dev/full", "--simulator", "pybullet")
     assert found.exit_code == 2
-    assert "'/dev/full' is no folder" in found.output
+    assert "'/dev/full' is not a folder" in found.output
 
 
 def test_a_field_that_is_too_long_is_named_so(study, tmp_path):

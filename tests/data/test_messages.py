@@ -34,8 +34,8 @@ def test_bytes_are_read_late_and_their_absence_is_said(files):
         (b"\xff\xd8\xff...\xff\xd9", ""),
         (b"\x89PNG\r\n\x1a\n...IEND\xaeB`\x82", ""),
         (b"\xff\xd8\xff...", "is cut off before its end"),
-        (b"GIF89a", "is no JPEG and no PNG"),
-        (b"", "is no JPEG and no PNG"),
+        (b"GIF89a", "is neither a JPEG nor a PNG"),
+        (b"", "is neither a JPEG nor a PNG"),
     ],
 )
 def test_a_picture_that_cannot_be_shown_says_why(tmp_path, data, fault):

@@ -306,7 +306,7 @@ def test_what_is_no_baseline_is_never_overwritten(session, pytester, text):
         (["--oodscen-baseline=test_stack.py"], "malformed baseline"),
         (["--oodscen-baseline-mode=update"], "needs --oodscen-baseline"),
         (["--oodscen-baseline", "../none.json"], "write --oodscen-baseline=../none.json"),
-        (["-o", "oodscen_per_path=few"], "is no number of scenes"),
+        (["-o", "oodscen_per_path=few"], "is not a number of scenes"),
     ],
 )
 def test_a_wrong_option_is_one_line(session, options, words):

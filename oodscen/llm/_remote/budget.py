@@ -37,7 +37,7 @@ def check_price(model: str, price: Any) -> Price:
         asked, answered = (finite_number("a price", value, 0.0, DEAREST_USD) for value in price)
     except (UsageError, TypeError, ValueError):
         raise UsageError(
-            f"{price!r:.80} is no price of {model!r}: give USD per million tokens of input "
+            f"{price!r:.80} is not a price of {model!r}: give USD per million tokens of input "
             f"and output, each from 0 to {DEAREST_USD:,.0f}"
         ) from None
     return Price(asked, answered)

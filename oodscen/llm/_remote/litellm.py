@@ -340,7 +340,7 @@ def _check_address(api_base: str) -> None:
         is_sound = False
     if not is_sound:
         raise UsageError(
-            f"{redact(api_base)!r:.200} is no address of a server; write it as http://HOST:PORT/v1"
+            f"{redact(api_base)!r:.200} is not the address of a server; write it as http://HOST:PORT/v1"
         )
 
 

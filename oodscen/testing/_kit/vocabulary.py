@@ -33,7 +33,7 @@ def check_catalogue(probe: Probe) -> None:
             found.add(f"{noun} {name}", "occurs more than once")
     for kind in catalogue.behaviours:
         if kind.built_in not in BUILT_IN:
-            what = "is no built-in behaviour, and `like` names none that stands in for it"
+            what = "is not a built-in behaviour, and `like` names none that stands in for it"
             found.add(f"behaviour {kind.id}", what)
         for name, parameter in kind.parameters.items():
             inside = parameter.minimum <= parameter.default <= parameter.maximum
