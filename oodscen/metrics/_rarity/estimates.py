@@ -100,14 +100,14 @@ class Rarity(Data):
     def __str__(self) -> str:
         n = len(self.per_text)
         if self.median is None:
-            return f"rarity                 cannot be told for any of {n} texts"
+            return f"rarity                 is unknown for all of {n} texts"
         found = [one.best for one in self.per_text if one.best is not None]
         ends = np.quantile(found, [0.1, 0.9])
         line = (
             f"rarity                 once in 10^{self.median:.1f} km (median; 80 % of texts "
             f"10^{ends[0]:.1f} to 10^{ends[1]:.1f}), by {self.by}"
         )
-        line += f"; cannot be told for {self.untold} of {n}" if self.untold else ""
+        line += f"; unknown for {self.untold} of {n}" if self.untold else ""
         if not self.input_tokens + self.output_tokens:
             return line
         cost = "price not known" if self.cost_usd is None else f"{self.cost_usd:.2f} USD"
