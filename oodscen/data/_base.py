@@ -65,7 +65,7 @@ class Data(Brief, _Model):
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        if cls.noun == Data.noun:
+        if cls.noun == Data.noun and "noun" not in vars(cls):
             cls.noun = re.sub(r"(?<!^)(?=[A-Z])", " ", cls.__name__.lstrip("_")).lower()
 
     @field_validator("schema_version", mode="before", check_fields=False)
@@ -120,6 +120,7 @@ class Data(Brief, _Model):
 class LeanData(Data):
     """Value whose JSON text leaves out some of its fields while they are empty."""
 
+    noun: ClassVar[str] = Data.noun
     _left_out: ClassVar[Collection[str]] = ()
     """The fields that are left out while they are `None`, false or of no length."""
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
 
 
+_LONGEST_ID = 200
 LONGEST_HORIZON_S = 60.0
 """Longest time for which an action is watched, s."""
 
@@ -194,7 +195,8 @@ class Scene(LeanData):
     _left_out: ClassVar = ("stands_for", "visible", "demand", "made", "motions", "map_state")
 
     schema_version: Literal[1] = 1
-    id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.~-]*$", max_length=200)
+    id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.~-]*$", max_length=_LONGEST_ID + 10)
+    """At most 200 characters, to which an ordinary drive of the scene adds a few."""
     scenario_id: str
     map: str
     """Id of a map in the catalogue, or the path of an OpenDRIVE file."""
@@ -310,6 +312,8 @@ def _references(behaviour: Behaviour) -> list[tuple[str, str]]:
 def _misfits(scene: Scene) -> list[Issue]:
     """Return inconsistencies within the scene that do not depend on a catalogue."""
     issues = []
+    if len(scene.id) > _LONGEST_ID and not scene.is_ordinary:
+        issues.append(Issue("id", f"must have at most {_LONGEST_ID} characters"))
     ids = [actor.id for actor in scene.actors]
     lasting = {name for name in ids if scene.hazard.actors.get(name, ...) is not None}
     for index, actor in enumerate(scene.actors):

@@ -142,7 +142,7 @@ def score_answers(key: AnswerKey, given: GivenAnswers, judge: LLM | None = None)
 
 
 def rescored(verdict: Verdict, key: AnswerKey, given: GivenAnswers) -> Verdict:
-    """Return a stored verdict with everything that follows from its answers computed anew.
+    """Return a stored verdict with everything that follows from its answers computed again.
 
     The score of an open aspect is left to `rescore_verdict`. A reference's verdict has nothing else to keep.
 

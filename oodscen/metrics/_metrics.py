@@ -78,7 +78,6 @@ class Metrics(Brief):
         self.seed = seed_number(seed)
         self._space = Space(self.encoder, self.baseline, seed, device)
 
-    @checked
     def oodness(self, texts: Texts, definition: Measure = "tabulated") -> Oodness:
         """Return the distance of texts from the baseline: `-max_i cos(e_b,i, e_o,j)` and its mean.
 
@@ -93,7 +92,6 @@ class Metrics(Brief):
         """
         return oodness(self._space, check_texts(texts), _paths(texts), definition)
 
-    @checked
     def rarity(
         self,
         texts: Texts,
@@ -158,7 +156,6 @@ class Metrics(Brief):
         vectors = self._space.vectors(check_texts(texts))
         return diversity(vectors, self.encoder.name, _paths(texts), seed=self.seed)
 
-    @checked
     def report(
         self,
         texts: Texts,

@@ -2,19 +2,17 @@
 
 import re
 from collections import Counter
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Self, assert_never
+from typing import Self
 
-from oodscen.data._additions import DENSE_FOG_M, ICE
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
-from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, WeatherKind, is_weather_kind
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import DataError, UnknownComponent
 from oodscen.prompts._landmarks import Landmark, landmarks
 from oodscen.prompts._layout import layout
+from oodscen.prompts._weather_line import WeatherLimits, weather_line
 
 _SHARED = 3
 """Number of assets from which their states get a name of their own."""
@@ -73,66 +71,6 @@ class MapLine(Data):
         """Traits, and kinds of landmarks that are not traits."""
         marks = (*(mark.kind for mark in self.landmarks), *self.somewhere)
         return tuple(dict.fromkeys((*self.traits, *marks)))
-
-
-@dataclass(frozen=True)
-class WeatherLimits:
-    """The contents of a digest's line on the weather."""
-
-    night: bool
-    fog_m: float
-    """Least visual range, m."""
-    rain: bool
-    snow: bool
-    intensity: float
-    """Greatest precipitation intensity, mm/h."""
-    friction: float
-    """Least friction."""
-    sun_deg: float = -90.0
-    """Lowest elevation of the sun, degrees; told only where there is no night."""
-    sun_is_drawn: bool = True
-    others: tuple[str, ...] = ()
-    """Kinds of weather that no scene can ask for."""
-
-    @classmethod
-    def of(cls, line: str) -> "WeatherLimits":
-        """Parse a line such as `night; fog down to 30 m visual range; rain and snow up to 60 mm/h; ...`."""
-
-        def number(pattern: str, default: float) -> float:
-            found = re.search(pattern, line)
-            return float(found.group(1)) if found else default
-
-        others = re.search(r"\balso ([^;]*), which no scene", line)
-        return cls(
-            night=re.search(r"\bno night\b", line) is None and "night" in line,
-            fog_m=number(r"fog down to ([\d.e+]+)", CLEAR_AIR_M),
-            rain=re.search(r"\brain\b", line) is not None,
-            snow=re.search(r"\bsnow\b", line) is not None,
-            intensity=number(r"up to ([\d.e+]+) mm/h", 0.0),
-            friction=number(r"friction down to ([\d.e+]+)", 1.0),
-            sun_deg=number(r"sun at (-?[\d.e+]+) degrees", -90.0),
-            sun_is_drawn="every sun looks alike" not in line,
-            others=tuple(others.group(1).split(", ")) if others else (),
-        )
-
-    def offers(self, need: str) -> bool:
-        """Return whether a kind of weather can be shown, whether or not it has a scale in a scene."""
-        return self._shows(need) if is_weather_kind(need) else need in self.others
-
-    def _shows(self, kind: WeatherKind) -> bool:
-        match kind:
-            case "night":
-                return self.night
-            case "fog":
-                return self.fog_m <= DENSE_FOG_M
-            case "rain":
-                return self.rain
-            case "snow":
-                return self.snow
-            case "ice":
-                return self.friction <= ICE
-            case _:
-                assert_never(kind)
 
 
 class CatalogueDigest(Data):
@@ -199,7 +137,7 @@ class CatalogueDigest(Data):
             ),
             behaviours=tuple(_behaviour_line(kind) for kind in catalogue.behaviours),
             maps=tuple(_map_line(road, catalogue) for road in catalogue.maps),
-            weather=_weather_line(catalogue),
+            weather=weather_line(catalogue),
             poses=tuple(kind.id for kind in catalogue.details.poses) if catalogue.details else (),
             parts=tuple(_part_line(kind.id, catalogue) for kind in catalogue.details.parts)
             if catalogue.details
@@ -264,23 +202,3 @@ def _described_road(
 ) -> tuple[tuple[Landmark, ...], str]:
     """Return the landmarks and layout of a road, which every question about its map repeats."""
     return landmarks(corridor, traits), layout(corridor)
-
-
-def _weather_line(catalogue: Catalogue) -> str:
-    weather = catalogue.weather
-    lowest = weather.min_sun_elevation_deg
-    sun = "" if lowest < DUSK_DEG else f" (sun at {lowest:g} degrees or higher)"
-    parts = ["no night" + sun if sun else "night"]
-    if not weather.sun_is_drawn:
-        parts.append("every sun looks alike: neither dusk nor glare")
-    fog = weather.min_fog_visual_range_m
-    parts.append(f"fog down to {fog:g} m visual range" if fog < 5_000 else "no fog")
-    falling = [kind for kind in weather.precipitation if kind != "none"]
-    if falling:
-        parts.append(f"{' and '.join(falling)} up to {weather.max_precipitation_mm_h:g} mm/h")
-    else:
-        parts.append("no precipitation")
-    parts.append(f"road friction down to {weather.min_friction:g}")
-    if weather.others:
-        parts.append(f"also {', '.join(weather.others)}, which no scene can ask for")
-    return "; ".join(parts)

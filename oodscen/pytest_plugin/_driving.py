@@ -268,7 +268,7 @@ class Drive:
             result = result.model_copy(update={"brakes_needlessly": needless})
         known = self._scenes.texts.get(scene_of(item.id))
         result = result.model_copy(update={"made_from": made_from})
-        text = (known.ordinary if is_its_twin else known.text) if known else None
+        text = (known.ordinary if item.is_twin else known.text) if known else None
         driven = Driven(
             result=result,
             scene=item,

@@ -4,8 +4,9 @@ from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._feasibility import realise
 from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._knowledge.designs import load_motions
-from oodscen.prompts._digest import CatalogueDigest, WeatherLimits
+from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._weather_line import WeatherLimits
 
 
 def branch(hazard) -> tuple[str, ...]:
@@ -106,3 +107,11 @@ def test_a_recipe_can_be_shown_or_its_things_are_missing(
             assert moves <= load_motions().keys(), hazard.id
             shown += not missing
     assert shown >= 211
+
+
+def test_weather_that_no_scene_can_ask_for_is_not_offered():
+    line = "night; no fog; no precipitation; road friction down to 0.1; also freezing rain, blowing snow, which no scene can ask for"
+    limits = WeatherLimits.of(line)
+    assert (limits.rain, limits.snow) == (False, False)
+    assert limits.others == ("freezing rain", "blowing snow")
+    assert limits.offers("freezing rain")

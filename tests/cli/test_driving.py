@@ -73,6 +73,7 @@ def test_a_stack_in_the_current_folder_drives(with_stack, tmp_path, capfd) -> No
     study.store.write_lines(
         "episodes.jsonl", [one.model_copy(update=made_from) for one in study.episodes]
     )
+    study.store.remove("staged.jsonl")
     ruled = run(main, ["drive", "out"])
     assert "; needless braking in 0 of 1 [" in ruled.output
     assert "  means: least TTC " in ruled.output

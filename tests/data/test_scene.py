@@ -227,3 +227,15 @@ def test_a_number_is_no_text_and_no_truth_value(changes, path):
     plain = {**json.loads(Scene.parse(example()).to_json()), **changes}
     for draft in (plain, json.dumps(plain)):
         assert path in paths(draft)
+
+
+@given(st.integers(190, 200))
+def test_every_scene_that_is_read_has_ordinary_drives(length):
+    scene = Scene.parse(example(id="x" * length))
+    assert Scene.parse(scene.twin(1.0).to_json()).is_twin
+
+
+def test_an_id_without_room_for_ordinary_drives_is_refused():
+    for length in (201, 205, 300):
+        with pytest.raises(DataError, match=r"at most 2[01]0 char"):
+            Scene.parse(example(id="x" * length))

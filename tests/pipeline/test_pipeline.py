@@ -186,7 +186,6 @@ WRITING = {
     "evaluate": lambda out: call("evaluate", out, "--vlm", "random"),
     "drive": lambda out: call("drive", out),
     "report command": lambda out: call("report", out),
-    "simulate": lambda out: call("simulate", out / "scenes.jsonl", out),
 }
 
 
@@ -232,7 +231,7 @@ def test_what_is_no_file_or_no_folder_stops_a_run_before_it_writes(folder, tmp_p
         path.mkdir()
     before = content(out) | {"study.json": (out / "study.json").read_bytes()}
     for write in (WRITING["run"], lambda out: drop_models(Study.open(out), [])):
-        with pytest.raises(DataError, match=rf"(?s){name}:.* is no "):
+        with pytest.raises(DataError, match=rf"(?s){name}:.* is not a "):
             write(out)
     assert content(out) | {"study.json": (out / "study.json").read_bytes()} == before
 

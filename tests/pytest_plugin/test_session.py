@@ -291,7 +291,7 @@ def test_what_is_no_baseline_is_never_overwritten(session, pytester, text):
     write = ["--oodscen-baseline=mine.txt", "--oodscen-baseline-mode=write"]
     result = session("Blind", *write)
     assert result.ret == pytest.ExitCode.USAGE_ERROR
-    assert "is not overwritten" in result.stderr.str()
+    assert "only a baseline is overwritten" in result.stderr.str()
     assert (pytester.path / "mine.txt").read_text() == text
 
 

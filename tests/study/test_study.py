@@ -5,7 +5,7 @@ import os
 import pytest
 
 from oodscen import Scenario, Study
-from oodscen.errors import DataError, OodscenError, StudyError, UnknownComponent
+from oodscen.errors import DataError, OodscenError, StudyError, UnknownComponent, UsageError
 from oodscen.stages._prune.side_by_side import CatalogueComparison
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._store import Store
@@ -57,7 +57,7 @@ def test_unknown_names_have_close_matches(study):
     assert caught.value.matches[0] == "scenarios"
     with pytest.raises(UnknownComponent):
         study.tree("simulated")
-    with pytest.raises(UnknownComponent):
+    with pytest.raises(UsageError):
         study.tree(None)
 
 
@@ -98,7 +98,7 @@ def test_tables_of_mixed_types_are_a_study_error(tmp_path):
 def test_a_study_with_a_pipe_in_it_is_refused_by_every_reader(tmp_path, name):
     Store(tmp_path).write("study.json", "{}")
     os.mkfifo(tmp_path / name)
-    with pytest.raises(DataError, match=f"(?s){name}:.*is no "):
+    with pytest.raises(DataError, match=f"(?s){name}:.*is not a "):
         Study.open(tmp_path)
 
 

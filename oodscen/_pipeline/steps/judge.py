@@ -57,7 +57,7 @@ def evaluate(
     Scenes whose hazard cannot be named at the decision are left out together with their ordinary drives.
 
     Writes `verdicts.jsonl` and, from it, `leaderboard.json`. What follows from the answers in earlier verdicts is
-    computed anew, and so are the answers of references and people. At the end a judge model scores the open aspects
+    computed again, and references and people are asked again. At the end a judge model scores the open aspects
     of all verdicts, including those of earlier runs and of references; `opinions.jsonl` holds its answers.
 
     A model that is given up costs its own items only (`unasked`). New items of all models come first, then

@@ -98,9 +98,9 @@ class Questioner:
         )
 
     def rescored(self, verdict: Verdict, item: Item, model: LLM) -> Verdict:
-        """Return a stored verdict with its scores computed anew, without a question.
+        """Return a stored verdict with its scores computed again, without a question.
 
-        References, and people, whose answers the study holds, answer anew; a model's answers are those of the verdict.
+        References, and people, whose answers the study holds, answer again; a model's answers are those of the verdict.
         """
         episode, protocol = item.episode, item.protocol
         if episode.status == "failed" or not episode.frames:

@@ -39,9 +39,10 @@ from oodscen.data._scene import Actor, Ego, Hazard, Trigger
 from oodscen.driving._motion.behaviours import STAYS
 from oodscen.driving._motion.off_centre import off_centre
 from oodscen.errors import LLMError
-from oodscen.prompts._digest import CatalogueDigest, MapLine, WeatherLimits
+from oodscen.prompts._digest import CatalogueDigest, MapLine
 from oodscen.prompts._scenario.describe_path import plain
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
+from oodscen.prompts._weather_line import WeatherLimits
 
 _DISTANCE = re.compile(r"\b(\d{1,3})\s?(?:m|metres?|meters?)\b")
 _LEAST_SPEED = 3.0

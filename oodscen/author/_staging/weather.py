@@ -8,7 +8,7 @@ import numpy as np
 from oodscen.author._knowledge.base import Condition, Knowledge, Range, Recipe
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Weather
-from oodscen.prompts._digest import WeatherLimits
+from oodscen.prompts._weather_line import WeatherLimits
 
 _DRY = {"precipitation": "none", "precipitation_mm_h": 0.0}
 

@@ -47,6 +47,8 @@ Scores = NDArray[np.float64]
 
 _Fitted = Callable[[Sequence[str], Vectors], Scores]
 
+DECIMALS = 12
+"""Decimals of a score; beyond them, products of matrices depend on the number of threads."""
 _K = 10
 _SHRUNK = 0.3
 _QUARTER = 0.25
@@ -88,7 +90,7 @@ class Detectors:
                 "events": self._events,
             }[name]
             self._fitted[name] = fit()
-        return self._fitted[name](texts, vectors)
+        return np.round(self._fitted[name](texts, vectors), DECIMALS)
 
     def _kth(self) -> _Fitted:
         k = min(_K, len(self._vectors))

@@ -27,7 +27,7 @@ from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
 from oodscen.encoders._similarity import Vectors, largest
-from oodscen.metrics._detection.detectors import Encode
+from oodscen.metrics._detection.detectors import DECIMALS, Encode
 
 _RIDGE = 0.3
 _NEAREST = 3
@@ -65,7 +65,7 @@ class Guard:
             largest(vectors, known, _NEAREST)[0].mean(axis=1)
             for known in (self._inside, self._outside)
         )
-        return np.asarray(linear + (inside - outside), np.float64)
+        return np.asarray(np.round(linear + (inside - outside), DECIMALS), np.float64)
 
     def flags(self, vectors: Vectors, threshold: float = THRESHOLD) -> OffTopicFlags:
         """Return the flags of the texts with these vectors, [n, d]."""

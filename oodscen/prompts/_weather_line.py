@@ -1,0 +1,91 @@
+"""The line on the weather in a digest: models read it, and the built-in author, which sees only the prompt, parses it."""
+
+import re
+from dataclasses import dataclass
+from typing import Self, assert_never
+
+from oodscen.data._additions import DENSE_FOG_M, ICE
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, WeatherKind, is_weather_kind
+
+
+@dataclass(frozen=True)
+class WeatherLimits:
+    """The contents of a digest's line on the weather."""
+
+    night: bool
+    fog_m: float
+    """Least visual range, m."""
+    rain: bool
+    snow: bool
+    intensity: float
+    """Greatest precipitation intensity, mm/h."""
+    friction: float
+    """Least friction."""
+    sun_deg: float = -90.0
+    """Lowest elevation of the sun, degrees; told only where there is no night."""
+    sun_is_drawn: bool = True
+    others: tuple[str, ...] = ()
+    """Kinds of weather that no scene can ask for."""
+
+    @classmethod
+    def of(cls, line: str) -> Self:
+        """Parse a line such as `night; fog down to 30 m visual range; rain and snow up to 60 mm/h; ...`."""
+        told, _, also = line.partition("; also ")
+        others = also.removesuffix(", which no scene can ask for")
+
+        def number(pattern: str, default: float) -> float:
+            found = re.search(pattern, told)
+            return float(found.group(1)) if found else default
+
+        return cls(
+            night=told.startswith("night"),
+            fog_m=number(r"fog down to ([\d.e+]+)", CLEAR_AIR_M),
+            rain=re.search(r"\brain\b", told) is not None,
+            snow=re.search(r"\bsnow\b", told) is not None,
+            intensity=number(r"up to ([\d.e+]+) mm/h", 0.0),
+            friction=number(r"friction down to ([\d.e+]+)", 1.0),
+            sun_deg=number(r"sun at (-?[\d.e+]+) degrees", -90.0),
+            sun_is_drawn="every sun looks alike" not in told,
+            others=tuple(others.split(", ")) if others else (),
+        )
+
+    def offers(self, need: str) -> bool:
+        """Return whether a kind of weather can be shown, whether or not it has a scale in a scene."""
+        return self._shows(need) if is_weather_kind(need) else need in self.others
+
+    def _shows(self, kind: WeatherKind) -> bool:
+        match kind:
+            case "night":
+                return self.night
+            case "fog":
+                return self.fog_m <= DENSE_FOG_M
+            case "rain":
+                return self.rain
+            case "snow":
+                return self.snow
+            case "ice":
+                return self.friction <= ICE
+            case _:
+                assert_never(kind)
+
+
+def weather_line(catalogue: Catalogue) -> str:
+    """Return the line of a catalogue; `WeatherLimits.of` reads it back."""
+    weather = catalogue.weather
+    lowest = weather.min_sun_elevation_deg
+    no_night = f"no night (sun at {lowest:g} degrees or higher)"
+    parts = ["night" if lowest < DUSK_DEG else no_night]
+    if not weather.sun_is_drawn:
+        parts.append("every sun looks alike: neither dusk nor glare")
+    fog = weather.min_fog_visual_range_m
+    parts.append(f"fog down to {fog:g} m visual range" if fog < 5_000 else "no fog")
+    falling = [kind for kind in weather.precipitation if kind != "none"]
+    if falling:
+        parts.append(f"{' and '.join(falling)} up to {weather.max_precipitation_mm_h:g} mm/h")
+    else:
+        parts.append("no precipitation")
+    parts.append(f"road friction down to {weather.min_friction:g}")
+    if weather.others:
+        parts.append(f"also {', '.join(weather.others)}, which no scene can ask for")
+    return "; ".join(parts)
