@@ -5,14 +5,15 @@ import inspect
 import textwrap
 from typing import TypeVar
 
+from oodscen._text import one_line
+
 Class = TypeVar("Class", bound=type)
 
 
 def with_fields(cls: Class) -> Class:
     """Let the docstring of a class list its fields with the strings under them.
 
-    Python keeps no string under a field. The class's source is read when the docstring is, and not when the class
-    is made.
+    Python drops a string under a field, so it is read from the class's source, and only when the docstring is read.
     """
     type.__setattr__(cls, "__doc__", _Docstring(cls.__doc__ or ""))
     return cls
@@ -21,18 +22,18 @@ def with_fields(cls: Class) -> Class:
 class _Docstring:
     """A docstring that is completed when it is read."""
 
-    def __init__(self, given: str) -> None:
-        self.given = given
-        self.whole: str | None = None
+    def __init__(self, written: str) -> None:
+        self.written = written
+        self.completed: str | None = None
 
     def __get__(self, instance: object, owner: type) -> str:
-        if self.whole is None:
+        if self.completed is None:
             listed = "\n".join(_fields(owner))
-            self.whole = self.given
+            self.completed = self.written
             if listed:
-                indented = textwrap.indent(listed, "    ")
-                self.whole = f"{self.given.rstrip()}\n\n    Attributes:\n{indented}\n    "
-        return self.whole
+                indented = textwrap.indent(listed, " " * 8)
+                self.completed = f"{self.written.rstrip()}\n\n    Attributes:\n{indented}\n    "
+        return self.completed
 
 
 def _fields(cls: type) -> list[str]:
@@ -50,7 +51,8 @@ def _fields(cls: type) -> list[str]:
             continue
         said = ""
         if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
-            said = ": " + " ".join(str(after.value.value).split())
+            text = after.value.value
+            said = f": {one_line(text)}" if isinstance(text, str) else ""
         default = f" = {ast.unparse(node.value)}" if node.value is not None else ""
-        lines.append(f"    {node.target.id} ({ast.unparse(node.annotation)}{default}){said}")
+        lines.append(f"{node.target.id} ({ast.unparse(node.annotation)}{default}){said}")
     return lines

@@ -39,7 +39,7 @@ class Placed:
 
 
 class Connection:
-    """One client of one server; all failures of the client become `SimulatorError`."""
+    """One client of one server; its failures become `SimulatorError`, but for a refused spawn."""
 
     def __init__(self, address: str, timeout_s: float) -> None:
         """Connect.
@@ -64,7 +64,7 @@ class Connection:
         self._frame = 0
         self._is_listening = self._is_seen = False
         with self._calling("connect"):
-            self._client = carla.Client(host, int(port), 1)
+            self._client = carla.Client(host, int(port), 1)  # One worker thread.
             self._client.set_timeout(timeout_s)
             server, own = self._client.get_server_version(), self._client.get_client_version()
         if server != own or own not in VERSIONS:

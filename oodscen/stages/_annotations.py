@@ -123,19 +123,14 @@ class FrameAnnotations(Data):
         camera = camera_for(catalogue, camera)
         cast = bodies(scene, catalogue, state.poses)
         assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
+        # By the value in `Frame.ids`: 0 is no body, 1 the ego, then the actors in order.
         table = [CLASSES["scenery"], CLASSES["ego"]]
         table += [CLASSES[assets[body.asset].category] for body in cast[1:]]
         classes: NDArray[np.uint8] = np.array(table, np.uint8)[frame.ids]
         classes[(frame.ids == 0) & ~np.isfinite(frame.depth)] = CLASSES["sky"]
         eye = Eye(camera, cast[0].solid)
         rows, columns = np.nonzero((frame.ids == 0) & np.isfinite(frame.depth))
-        u = (columns + 0.5 - 0.5 * camera.width) / eye.focal
-        v = (rows + 0.5 - 0.5 * camera.height) / eye.focal
-        depth = frame.depth[rows, columns].astype(np.float64)
-        x, y, z = (
-            eye.place[axis] + depth * (eye.forward[axis] + u * eye.right[axis] + v * eye.down[axis])
-            for axis in range(3)
-        )
+        x, y, z = _points(eye, camera, frame.depth, rows, columns)
         corridor = load_corridor(scene.map, catalogue)
         kinds = _ground(corridor, x, y, z)
         for other in corridor.others:
@@ -242,6 +237,23 @@ def annotate(
     )
 
 
+def _points(
+    eye: Eye,
+    camera: Camera,
+    depth: NDArray[np.float32],
+    rows: NDArray[np.intp],
+    columns: NDArray[np.intp],
+) -> list[NDArray[np.float64]]:
+    """Return the world coordinates x, y, z of the points that pixels show."""
+    u = (columns + 0.5 - 0.5 * camera.width) / eye.focal
+    v = (rows + 0.5 - 0.5 * camera.height) / eye.focal
+    far = depth[rows, columns].astype(np.float64)
+    return [
+        eye.place[axis] + far * (eye.forward[axis] + u * eye.right[axis] + v * eye.down[axis])
+        for axis in range(3)
+    ]
+
+
 def _ground(
     corridor: Corridor, x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64]
 ) -> NDArray[np.uint8]:
@@ -255,11 +267,13 @@ def _ground(
         on_surface &= (s >= 0.0) & (s <= corridor.length)
         here = kinds[part]
         for strip in corridor.strips:
-            name = "road" if strip.kind in DRIVABLE else "pavement"
-            if name == "pavement" and strip.kind != "sidewalk":
+            if strip.kind in DRIVABLE:
+                kind = CLASSES["road"]
+            elif strip.kind == "sidewalk":
+                kind = CLASSES["pavement"]
+            else:
                 continue
-            inside = on_surface & (strip.right[index] <= t) & (t < strip.left[index])
-            here[inside] = CLASSES[name]
+            here[on_surface & (strip.right[index] <= t) & (t < strip.left[index])] = kind
     return kinds
 
 
@@ -278,7 +292,7 @@ def _around(outline: Sequence[tuple[float, float]]) -> Box:
 
 
 def _rounded(point: Sequence[float]) -> tuple[float, float, float]:
-    x, y, z = (round(value, 4) + 0.0 for value in point)
+    x, y, z = (round(value, 4) + 0.0 for value in point)  # Adding 0.0 turns -0.0 into 0.0.
     return x, y, z
 
 

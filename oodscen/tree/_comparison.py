@@ -1,6 +1,6 @@
 """Differences between two trees, node by node."""
 
-from collections.abc import Container
+from collections.abc import Container, Iterable
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from oodscen.data._base import Data
@@ -10,6 +10,18 @@ from oodscen.tree._matching import THRESHOLD, Match, match
 
 if TYPE_CHECKING:
     from oodscen.tree._scenario_tree import ScenarioTree
+
+
+_SHOWN_LABELS = 12
+"""Number of labels of a path that are shown."""
+
+_STYLES = (
+    "  classDef added fill:#d9f2e6,stroke:#0f7558,color:#10201a",
+    "  classDef removed fill:#fae0d9,stroke:#b23a1e,color:#2a120b,stroke-dasharray:4",
+    "  classDef broadened fill:#fbf1d9,stroke:#7a5200,color:#2a1d00",
+    "  classDef moved fill:#dce9f8,stroke:#1d5a9e,color:#0c1b2b",
+)
+"""Colours of a chart's nodes."""
 
 
 class Placed(Data):
@@ -94,64 +106,78 @@ class TreeDiff(Data):
         lines += [f"+ {_shown(item.path)}" for item in self.added]
         lines += [f"- {_shown(item.path)}" for item in self.removed]
         for broad in self.broadened:
-            sure = "" if broad.similarity is None else f" (similarity {broad.similarity:.2f})"
-            lines.append(f"~ {broad.label_before} -> {broad.label_after}{sure}")
+            similarity = "" if broad.similarity is None else f" (similarity {broad.similarity:.2f})"
+            lines.append(f"~ {broad.label_before} -> {broad.label_after}{similarity}")
         lines += [f"> {_shown(m.path_before)} -> {_shown(m.path_after)}" for m in self.moved]
         return "\n".join(lines)
 
     def to_mermaid(self) -> str:
         """Return the changes as a Mermaid flowchart: added green, removed red, relabelled amber."""
-        partner = {pair.before: f"b {pair.after}" for pair in self.matches}
-        texts: dict[str, str] = {}
-        classes: dict[str, str] = {}
-        edges: list[tuple[str, str, str]] = []
-
-        def key(node_id: str, is_before: bool) -> str:
-            return partner.get(node_id, f"a {node_id}") if is_before else f"b {node_id}"
-
-        def hang(item: Placed, style: str) -> None:
-            here = key(item.id, style == "removed")
-            texts[here], classes[here] = item.path[-1], style
-            if item.parent is not None:
-                above = key(item.parent, style == "removed")
-                texts.setdefault(above, item.path[-2])
-                edges.append((above, "-->", here))
-
-        for item in self.removed:
-            hang(item, "removed")
-        for item in self.added:
-            hang(item, "added")
+        chart = _Chart(self.matches)
+        for items, key_of, style in (
+            (self.removed, chart.first, "removed"),
+            (self.added, chart.second, "added"),
+        ):
+            for item in items:
+                chart.show(key_of(item.id), item.path[-1], style)
+                if item.parent is not None:
+                    chart.hang(key_of(item.id), key_of(item.parent), item.path)
         for broad in self.broadened:
-            here = key(broad.after, False)
-            texts[here] = f"{broad.label_before} → {broad.label_after}"
-            classes[here] = "broadened"
+            text = f"{broad.label_before} → {broad.label_after}"
+            chart.show(chart.second(broad.after), text, "broadened")
         for moved in self.moved:
-            here = key(moved.after, False)
-            texts.setdefault(here, moved.path_after[-1])
-            classes.setdefault(here, "moved")
-            for parent, path, is_before in (
-                (moved.parent_before, moved.path_before, True),
-                (moved.parent_after, moved.path_after, False),
-            ):
-                if parent is not None:
-                    above = key(parent, is_before)
-                    texts.setdefault(above, path[-2])
-                    edges.append((above, "-. was .->" if is_before else "-->", here))
-        names = {name: f"n{number}" for number, name in enumerate(texts)}
-        lines = [f'  {names[name]}["{mermaid_text(text)}"]' for name, text in texts.items()]
-        lines += [f"  {names[above]} {arrow} {names[below]}" for above, arrow, below in edges]
-        lines += [f"  class {names[name]} {style}" for name, style in classes.items()]
-        return "\n".join(["flowchart LR", *lines, *_STYLES])
+            key = chart.second(moved.after)
+            chart.show_moved(key, moved.path_after[-1])
+            if moved.parent_before is not None:
+                parent = chart.first(moved.parent_before)
+                chart.hang(key, parent, moved.path_before, "-. was .->")
+            if moved.parent_after is not None:
+                chart.hang(key, chart.second(moved.parent_after), moved.path_after)
+        return "\n".join(chart.lines())
 
 
-_SHOWN_LABELS = 12
+class _Chart:
+    """A Mermaid flowchart of two trees; paired nodes are one node of the chart."""
 
-_STYLES = (
-    "  classDef added fill:#d9f2e6,stroke:#0f7558,color:#10201a",
-    "  classDef removed fill:#fae0d9,stroke:#b23a1e,color:#2a120b,stroke-dasharray:4",
-    "  classDef broadened fill:#fbf1d9,stroke:#7a5200,color:#2a1d00",
-    "  classDef moved fill:#dce9f8,stroke:#1d5a9e,color:#0c1b2b",
-)
+    def __init__(self, matches: Iterable[Match]) -> None:
+        self._partner = {pair.before: pair.after for pair in matches}
+        self._texts: dict[str, str] = {}
+        self._styles: dict[str, str] = {}
+        self._edges: list[tuple[str, str, str]] = []
+
+    def first(self, node_id: str) -> str:
+        """Return the key of a node of the first tree."""
+        after = self._partner.get(node_id)
+        return f"a {node_id}" if after is None else f"b {after}"
+
+    def second(self, node_id: str) -> str:
+        """Return the key of a node of the second tree."""
+        return f"b {node_id}"
+
+    def show(self, key: str, text: str, style: str) -> None:
+        """Show a node that was added, removed or relabelled."""
+        self._texts[key], self._styles[key] = text, style
+
+    def show_moved(self, key: str, text: str) -> None:
+        """Show a moved node, unless it is shown as relabelled."""
+        self._texts.setdefault(key, text)
+        self._styles.setdefault(key, "moved")
+
+    def hang(self, key: str, parent: str, path: tuple[str, ...], arrow: str = "-->") -> None:
+        """Draw an edge from a parent, the last but one of the path."""
+        self._texts.setdefault(parent, path[-2])
+        self._edges.append((parent, arrow, key))
+
+    def lines(self) -> list[str]:
+        """Return the lines of the flowchart."""
+        names = {key: f"n{number}" for number, key in enumerate(self._texts)}
+        return [
+            "flowchart LR",
+            *(f'  {names[key]}["{mermaid_text(text)}"]' for key, text in self._texts.items()),
+            *(f"  {names[above]} {arrow} {names[below]}" for above, arrow, below in self._edges),
+            *(f"  class {names[key]} {style}" for key, style in self._styles.items()),
+            *_STYLES,
+        ]
 
 
 def diff(
@@ -178,7 +204,8 @@ def diff(
                     similarity=pair.similarity,
                 )
             )
-        if (partner.get(before.parent) if before.parent else None) != after.parent:
+        expected = partner.get(before.parent) if before.parent else None
+        if after.parent != expected:
             moved.append(
                 Moved(
                     before=before.id,

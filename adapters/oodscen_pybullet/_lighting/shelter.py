@@ -80,18 +80,10 @@ class Shelter:
         is_inside = bool(self.covers(np.array([view.eye]))[0])
         way = self._direction(s)
         sign = 1.0 if view.forward[0] * way[0] + view.forward[1] * way[1] >= 0.0 else -1.0
-        ends = [(one.start, one.end) for one in self._tunnels]
-        deep = 0.0
-        if is_inside:
-            start, end = next(pair for pair in ends if pair[0] < s < pair[1])
-            place = end if sign > 0 else start
-            deep = min(1.0, min(s - start, end - s) / _USED_M)
-        else:
-            entrances = [start if sign > 0 else end for start, end in ends]
-            ahead = [at for at in entrances if (at - s) * sign > 0.0]
-            if not ahead:
-                return None
-            place = min(ahead, key=lambda at: abs(at - s))
+        place = self._end_ahead(s, sign, is_inside)
+        if place is None:
+            return None
+        deep = self._adaptation(s) if is_inside else 0.0
         x, y, _, _ = road.point(place, 0.0)
         along = self._direction(place)
         normal = (sign * along[0], sign * along[1])
@@ -101,6 +93,23 @@ class Shelter:
         ]
         distance = (x - view.eye[0]) * normal[0] + (y - view.eye[1]) * normal[1]
         return Portal(is_inside, deep, max(distance, 0.01), (parts[0], parts[1], parts[2]))
+
+    def _end_ahead(self, s: float, sign: float, is_inside: bool) -> float | None:
+        """Return s of the exit, or of the next entrance; `None` if no tunnel lies ahead."""
+        if is_inside:
+            tunnel = self._around(s)
+            return tunnel.end if sign > 0.0 else tunnel.start
+        entrances = (one.start if sign > 0.0 else one.end for one in self._tunnels)
+        ahead = (at for at in entrances if (at - s) * sign > 0.0)
+        return min(ahead, key=lambda at: abs(at - s), default=None)
+
+    def _adaptation(self, s: float) -> float:
+        """Return how far eyes in a tunnel are used to the dark, from 0 at its ends to 1."""
+        tunnel = self._around(s)
+        return min(1.0, min(s - tunnel.start, tunnel.end - s) / _USED_M)
+
+    def _around(self, s: float) -> Structure:
+        return next(one for one in self._tunnels if one.start < s < one.end)
 
     def _direction(self, s: float) -> tuple[float, float]:
         road = self.corridor

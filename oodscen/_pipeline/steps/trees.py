@@ -1,27 +1,13 @@
 """The stages that make the trees: grow, red-team, prune."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar
-
-from oodscen._jpeg import to_jpeg
 from oodscen._pipeline.context import Context
-from oodscen._pipeline.models import is_asked
-from oodscen.data._base import Data
-from oodscen.data._motion import Motion
+from oodscen._pipeline.steps.making import makes, pruner, with_made
 from oodscen.stages._grow import TreeGrower
-from oodscen.stages._making.files import ASSETS, picture_of
-from oodscen.stages._making.looking import ShownProp, views_of
-from oodscen.stages._making.making import MadeProp, PropMaker, judged_again, wanted_things
-from oodscen.stages._making.motions import MOTIONS, MotionMaker, made_motions, wanted_motions
-from oodscen.stages._making.recognition import PropRecogniser
-from oodscen.stages._prune.decisions import PruneDecision, all_decisions, apply_decisions
-from oodscen.stages._prune.pruner import Pruner
+from oodscen.stages._prune.decisions import all_decisions, apply_decisions
 from oodscen.stages._prune.restoration import restoration
 from oodscen.stages._redteam.red_teamer import RedTeamer
 from oodscen.stages._redteam.thresholds import TOKENS
 from oodscen.tree._scenario_tree import ScenarioTree
-
-Wish = TypeVar("Wish")
 
 
 def grow(run: Context) -> ScenarioTree:
@@ -96,20 +82,13 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
     judgements = [item for item in judgements if not run.is_again(item.model_dump())]
     run.store.write_lines("pruned.jsonl", judgements)
     run.progress("prune", len(judgements), total)
-    pruner = Pruner(
-        run.llm,
-        run.simulator.catalogue(),
-        substitutes=False,
-        threads=run.threads,
-        cancel=run.cancel,
-        context=run.config.context,
-    )
-    for decision in pruner.decisions(tree, [item.id for item in judgements]):
+    judge = pruner(run, run.simulator.catalogue())
+    for decision in judge.decisions(tree, [item.id for item in judgements]):
         run.store.append("pruned.jsonl", decision)
         judgements.append(decision)
         run.progress("prune", len(judgements), total)
-    if _makes(run):
-        judgements = _with_made(run, tree, judgements)
+    if makes(run):
+        judgements = with_made(run, tree, judgements)
     decisions = all_decisions(tree, judgements)
     run.store.write_lines("pruned.jsonl", decisions)
     simulatable = apply_decisions(tree, judgements)
@@ -117,71 +96,6 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
     run.store.write("restore.json", restoration(decisions).to_json() + "\n")
     run.store.write("tree.simulatable.json", _tree_text(simulatable))
     return simulatable
-
-
-def _makes(run: Context) -> bool:
-    """Return whether what the simulator lacks is made."""
-    if run.config.made is not None:
-        return run.config.made
-    return is_asked(run.config.llm) and run.simulator.catalogue().draws_props
-
-
-def _with_made(
-    run: Context, tree: ScenarioTree, judgements: Sequence[PruneDecision]
-) -> list[PruneDecision]:
-    """Make what dropped leaves lack, and judge these leaves again.
-
-    `assets.jsonl` and `motions.jsonl` keep what was made.
-    """
-    catalogue = run.simulator.catalogue()
-    recogniser = None
-    if run.config.recogniser is not None:
-        recogniser = PropRecogniser(run.models.get(run.config.recogniser), catalogue)
-    maker = PropMaker(
-        run.llm, run.simulator, lambda seen: _keep_picture(run, seen), recogniser=recogniser
-    )
-    mover = MotionMaker(run.llm, run.simulator)
-    wanted = {one.name: one for one in wanted_things(tree, judgements, catalogue)}
-    rows = _made(run, ASSETS, judgements, wanted, maker.make)
-    props = {one.id: one.prop for one in map(MadeProp.parse, rows) if one.prop is not None}
-    moves = {one.name: one for one in wanted_motions(tree, judgements, catalogue)}
-    motions: dict[str, Motion] = {}
-    if moves or run.has(MOTIONS):
-        motions = made_motions(_made(run, MOTIONS, judgements, moves, mover.make))
-    if not props and not motions:
-        return list(judgements)
-    pruner = Pruner(
-        run.llm,
-        catalogue.with_made(props.values(), motions.values()),
-        substitutes=False,
-        threads=run.threads,
-        cancel=run.cancel,
-        context=run.config.context,
-    )
-    again = {one.id: one for one in judged_again(pruner, tree, judgements, {*props, *motions})}
-    return [again.get(one.id, one) for one in judgements]
-
-
-def _keep_picture(run: Context, seen: ShownProp) -> None:
-    run.store.write(picture_of(seen.look.id), to_jpeg(views_of(seen)))
-
-
-def _made(
-    run: Context,
-    file: str,
-    judgements: Sequence[PruneDecision],
-    wanted: Mapping[str, Wish],
-    make: Callable[[Wish], Data],
-) -> list[dict[str, Any]]:
-    """Return the lines of what was made: what is wanted, and what decisions already use."""
-    used = {name for one in judgements for name in one.made}
-    before = {line["id"]: line for line in run.store.lines(file) if line["id"] in used}
-    return run.each(
-        "make",
-        file,
-        {**dict.fromkeys(before), **wanted},
-        lambda todo: (make(one) for one in todo.values() if one is not None),
-    )
 
 
 def _tree_text(tree: ScenarioTree) -> str:

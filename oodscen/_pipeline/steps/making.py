@@ -1,0 +1,100 @@
+"""The making of what a simulator lacks, and the second judgement of the leaves that lacked it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
+
+from oodscen._jpeg import to_jpeg
+from oodscen._pipeline.context import Context
+from oodscen._pipeline.models import is_asked
+from oodscen.data._base import Data
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._motion import Motion
+from oodscen.stages._making.files import ASSETS, picture_of
+from oodscen.stages._making.looking import ShownProp, views_of
+from oodscen.stages._making.making import MadeProp, PropMaker, judged_again, wanted_things
+from oodscen.stages._making.motions import MOTIONS, MotionMaker, made_motions, wanted_motions
+from oodscen.stages._making.recognition import PropRecogniser
+from oodscen.stages._prune.decisions import PruneDecision
+from oodscen.stages._prune.pruner import Pruner
+from oodscen.tree._scenario_tree import ScenarioTree
+
+Wish = TypeVar("Wish")
+
+
+def pruner(run: Context, catalogue: Catalogue) -> Pruner:
+    """Return a pruner that accepts no substitutes: a scene must show what its text names."""
+    return Pruner(
+        run.llm,
+        catalogue,
+        substitutes=False,
+        threads=run.threads,
+        cancel=run.cancel,
+        context=run.config.context,
+    )
+
+
+def makes(run: Context) -> bool:
+    """Return whether what the simulator lacks is made."""
+    if run.config.made is not None:
+        return run.config.made
+    return is_asked(run.config.llm) and run.simulator.catalogue().draws_props
+
+
+def with_made(
+    run: Context, tree: ScenarioTree, judgements: Sequence[PruneDecision]
+) -> list[PruneDecision]:
+    """Make what dropped leaves lack, and judge these leaves again.
+
+    `assets.jsonl` and `motions.jsonl` keep what was made.
+    """
+    catalogue = run.simulator.catalogue()
+    recogniser = None
+    if run.config.recogniser is not None:
+        recogniser = PropRecogniser(run.models.get(run.config.recogniser), catalogue)
+    maker = PropMaker(
+        run.llm, run.simulator, lambda seen: _keep_picture(run, seen), recogniser=recogniser
+    )
+    wanted = {one.name: one for one in wanted_things(tree, judgements, catalogue)}
+    rows = _made(run, ASSETS, judgements, wanted, maker.make)
+    props = {one.id: one.prop for one in map(MadeProp.parse, rows) if one.prop is not None}
+    motions = _made_motions(run, tree, judgements)
+    if not props and not motions:
+        return list(judgements)
+    judge = pruner(run, catalogue.with_made(props.values(), motions.values()))
+    again = {one.id: one for one in judged_again(judge, tree, judgements, {*props, *motions})}
+    return [again.get(one.id, one) for one in judgements]
+
+
+def _made_motions(
+    run: Context, tree: ScenarioTree, judgements: Sequence[PruneDecision]
+) -> dict[str, Motion]:
+    """Make the movements that dropped leaves lack."""
+    catalogue = run.simulator.catalogue()
+    wanted = {one.name: one for one in wanted_motions(tree, judgements, catalogue)}
+    if not wanted and not run.has(MOTIONS):
+        return {}
+    maker = MotionMaker(run.llm, run.simulator)
+    return made_motions(_made(run, MOTIONS, judgements, wanted, maker.make))
+
+
+def _keep_picture(run: Context, seen: ShownProp) -> None:
+    run.store.write(picture_of(seen.look.id), to_jpeg(views_of(seen)))
+
+
+def _made(
+    run: Context,
+    file: str,
+    judgements: Sequence[PruneDecision],
+    wanted: Mapping[str, Wish],
+    make: Callable[[Wish], Data],
+) -> list[dict[str, Any]]:
+    """Return the lines of what was made: what is wanted, and what decisions already use."""
+    used = {name for one in judgements for name in one.made}
+    before = {line["id"]: line for line in run.store.lines(file) if line["id"] in used}
+    # What decisions already use keeps its line, and there is no wish to make it again.
+    return run.each(
+        "make",
+        file,
+        {**dict.fromkeys(before), **wanted},
+        lambda todo: (make(one) for one in todo.values() if one is not None),
+    )
