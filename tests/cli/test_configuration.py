@@ -72,7 +72,7 @@ def test_the_command_line_wins_over_the_file(tmp_path):
     ("text", "path", "words"),
     [
         ("per-paht = 3", "per-paht", "did you mean per-path"),
-        ("config = 'x'", "config", "is no option"),
+        ("config = 'x'", "config", "is not an option"),
         ("seed = 1.5", "seed", "not a valid integer"),
         ("seed = true", "seed", "must be a number"),
         ("nodes = 1", "nodes", "not in the range"),
@@ -84,7 +84,7 @@ def test_the_command_line_wins_over_the_file(tmp_path):
         ("style = 'loud'", "style", "is not one of"),
         ("baseline = 'nowhere'", "baseline", "does not exist"),
         ("max-cost = nan", "max-cost", "finite"),
-        ("[run]\nseed = 1", "run", "is no option"),
+        ("[run]\nseed = 1", "run", "is not an option"),
         ("seed = ", "", "is not TOML"),
         ("a = " + "[" * 9_000, "", "is not TOML"),
     ],

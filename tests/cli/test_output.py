@@ -132,7 +132,7 @@ def test_an_id_too_long_for_a_file_is_refused_before_anything_runs(tmp_path):
     order = ["simulate", str(tmp_path / "scenes.jsonl"), str(tmp_path / "out")]
     found = CliRunner().invoke(main, order)
     assert found.exit_code == 2
-    assert "line 1: id: String should have at most 200" in found.output
+    assert "line 1: id: String should have at most 210" in found.output
     assert not (tmp_path / "out").exists()
 
 

@@ -51,8 +51,8 @@ def test_the_recorded_frame_is_shown(tmp_path, is_recorded):
         (lying(picture()), "60000 x 60000 pixels"),
         (picture(1, 1), "1 x 1 pixels, not the 64 x 48 of the camera"),
         (picture()[:-40], "cut off"),
-        (b"<script>", "no JPEG and no PNG"),
-        (b"", "no JPEG and no PNG"),
+        (b"<script>", "neither a JPEG nor a PNG"),
+        (b"", "neither a JPEG nor a PNG"),
     ],
 )
 def test_another_picture_is_refused_by_name_and_reason(tmp_path, data, fault):

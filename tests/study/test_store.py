@@ -94,7 +94,7 @@ def test_a_folder_in_place_of_a_file_is_refused(tmp_path):
     store = Store(tmp_path)
     store.path("a.jsonl").mkdir()
     for read in (store.read, lambda name: list(store.lines(name))):
-        with pytest.raises(DataError, match="no regular file"):
+        with pytest.raises(DataError, match="not a regular file"):
             read("a.jsonl")
 
 
@@ -181,7 +181,7 @@ def test_nothing_is_written_through_a_folder_that_leads_elsewhere(tmp_path):
 
 def test_a_pipe_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "verdicts.jsonl")
-    with pytest.raises(DataError, match="no regular file"):
+    with pytest.raises(DataError, match="not a regular file"):
         list(Store(tmp_path).lines("verdicts.jsonl"))
 
 
