@@ -1,6 +1,7 @@
 """States and observations from outside: checked, and states copied into arrays that no later call changes."""
 
 import math
+from dataclasses import fields
 from numbers import Integral, Real
 from typing import Any, Self
 
@@ -29,11 +30,9 @@ _SHAPES: dict[str, tuple[int, ...]] = {
 """Shapes of a state's arrays after their first axis, the bodies."""
 _MEASURED = ("accelerations", "places")
 """The arrays that may be unknown."""
-_NUMBERS = (
-    *("time", "speed", "offset_m", "heading_error", "curvature", "wheelbase", "roadside_m"),
-    *("friction", "visual_range_m", "curve_speed"),
-)
+_NUMBERS = tuple(one.name for one in fields(Observation) if one.name != "frame")
 _LANES = ("lane_left_m", "lane_right_m")
+"""The numbers that are `None` where there is no lane."""
 _TOLERANCE = 0.01
 """Share of a step by which a state's time may be off."""
 _OWN = (BaseSimulator, MirrorSimulator, DynamicSimulator, RestorableSimulator)
@@ -172,7 +171,7 @@ def check_observation(seen: Observation, method: str) -> None:
     """
     if not isinstance(seen, Observation):
         raise SimulatorError(f"{method} returned a {type(seen).__name__}, not an Observation")
-    for name in (*_NUMBERS, *_LANES):
+    for name in _NUMBERS:
         value = getattr(seen, name)
         if value is None and name in _LANES:
             continue

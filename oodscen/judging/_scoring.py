@@ -164,16 +164,11 @@ def rescored(verdict: Verdict, key: AnswerKey, given: GivenAnswers) -> Verdict:
         **given.fields,
     }
     verdict = verdict.model_copy(update=said)
-    scores: dict[str, Any] = {
-        "choice_is_right": None,
-        "action_is_safe": None,
-        "action_is_marginal": False,
-        "success": None,
-    }
+    scores = dict[str, Any]()
     if is_open(verdict):
         given = replace(given, fields={**given.fields, "is_ood": None})
     else:
-        scores |= {"thing_is_right": None, "aspect_is_right": None}
+        scores = {"thing_is_right": None, "aspect_is_right": None}
     if verdict.status == "ok":
         outcome = key.actions.get(verdict.action or "")
         is_missing = outcome is not None and outcome.unavailable
@@ -182,8 +177,14 @@ def rescored(verdict: Verdict, key: AnswerKey, given: GivenAnswers) -> Verdict:
 
 
 def _scores(key: AnswerKey, given: GivenAnswers) -> dict[str, Any]:
-    """Return the verdict's fields about what is right."""
-    fields, scores, is_usual = given.fields, dict[str, Any](), is_ordinary(key.item)
+    """Return the verdict's fields about what is right; those of an open aspect only if it is scored here."""
+    fields, is_usual = given.fields, is_ordinary(key.item)
+    scores: dict[str, Any] = {
+        "choice_is_right": None,
+        "action_is_safe": None,
+        "action_is_marginal": False,
+        "success": None,
+    }
     if (is_ood := fields.get("is_ood")) is not None and not is_usual:
         named = score_naming(fields["aspect"] if is_ood else "", key.path, key.visible)
         scores |= {"thing_is_right": named.thing, "aspect_is_right": named.right}

@@ -98,12 +98,10 @@ class Driven:
     @cached_property
     def shown(self) -> State:
         """The moment that a failure shows: where needless braking begins, else the end of the drive."""
+        if not (self.is_safe and self.is_needless):
+            return self.states[-1]
         hard = (after for before, after in pairwise(self.states) if brakes_hard(before, after))
-        return next(hard, self.states[-1]) if self._is_only_needless else self.states[-1]
-
-    @property
-    def _is_only_needless(self) -> bool:
-        return self.is_safe and self.is_needless
+        return next(hard, self.states[-1])
 
     @property
     def is_safe(self) -> bool:

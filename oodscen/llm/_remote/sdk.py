@@ -4,6 +4,7 @@ import logging
 import os
 import threading
 import warnings
+from functools import lru_cache
 from types import ModuleType
 from typing import Any
 
@@ -35,7 +36,15 @@ def load_litellm() -> ModuleType:
             warnings.filterwarnings(
                 "ignore", message=message, category=UserWarning, module=r"pydantic\."
             )
-        _check_environment()
+        _check_environment(
+            tuple(
+                sorted(
+                    (name, value)
+                    for name, value in os.environ.items()
+                    if name.casefold().endswith("_proxy") or name.startswith("SSL_CERT_")
+                )
+            )
+        )
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
@@ -64,8 +73,12 @@ def load_litellm() -> ModuleType:
         return module
 
 
-def _check_environment() -> None:
+@lru_cache(maxsize=1)
+def _check_environment(settings: tuple[tuple[str, str], ...]) -> None:
     """Check the proxies and certificates that the environment names: litellm fails on them at any time.
+
+    Args:
+        settings: The variables that httpx reads, with their values; sound ones are checked once, which takes 50 ms.
 
     Raises:
         UsageError: If httpx cannot use them.
