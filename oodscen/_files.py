@@ -69,7 +69,7 @@ def read_regular(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> byte
     try:
         return read_bytes(path, limit=limit)
     except (OSError, ValueError) as error:
-        raise _refused(noun, path, getattr(error, "strerror", None) or str(error)) from None
+        raise unreadable(noun, path, error) from None
 
 
 def read_bytes(path: str | Path, *, limit: int = MAX_BYTES) -> bytes:
@@ -101,7 +101,7 @@ def refuse_special(path: str | Path, noun: str) -> None:
     try:
         _check_regular(os.stat(path), path)
     except (OSError, ValueError) as error:
-        raise _refused(noun, path, getattr(error, "strerror", None) or str(error)) from None
+        raise unreadable(noun, path, error) from None
 
 
 def _check_regular(status: os.stat_result, path: str | Path) -> None:
@@ -133,8 +133,10 @@ def _read(opened: int, limit: int) -> bytes:
     return bytes(content)
 
 
-def _refused(noun: str, path: str | Path, fault: str) -> DataError:
-    return DataError(noun, [Issue("", fault)], source=str(path))
+def unreadable(noun: str, path: str | Path, error: OSError | ValueError) -> DataError:
+    """Return the error that says why a file or folder cannot be read."""
+    reason = getattr(error, "strerror", None) or str(error)
+    return DataError(noun, [Issue("", reason)], source=str(path), fault="unreadable")
 
 
 def replace(target: Path, data: bytes) -> None:

@@ -161,19 +161,21 @@ class MissingExtra(UsageError):
 
 
 class DataError(UsageError):
-    """Malformed data from a file, a model or a caller."""
+    """Malformed data from a file, a model or a caller, or an unreadable file."""
 
     noun: str = ""
     issues: tuple[Issue, ...] = ()
     source: str = ""
 
-    def __init__(self, noun: str, issues: Sequence[Issue], *, source: str = "") -> None:
+    def __init__(
+        self, noun: str, issues: Sequence[Issue], *, source: str = "", fault: str = "malformed"
+    ) -> None:
         self.noun = noun
         self.issues = tuple(issues)
         self.source = source
         place = f" in {source}" if source else ""
         lines = "".join(f"\n  - {issue}" for issue in self.issues)
-        super().__init__(f"malformed {noun}{place}:{lines}")
+        super().__init__(f"{fault} {noun}{place}:{lines}")
 
 
 class StudyMismatch(UsageError):

@@ -1,6 +1,6 @@
 """Options shared by several commands."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -271,11 +271,19 @@ def limits_from(choices: dict[str, Any]) -> "Limits":
         tokens=choices.pop("max_tokens"),
         cost_usd=choices.pop("max_cost"),
         seconds=choices.pop("max_seconds"),
-        prices=dict(map(_price, choices.pop("prices"))),
+        prices=_prices(choices.pop("prices")),
         concurrency=choices.pop("concurrency"),
         patience_s=choices.pop("patience"),
         timeout_s=choices.pop("timeout"),
     )
+
+
+def _prices(texts: Sequence[str]) -> "dict[str, Price]":
+    found: dict[str, Price] = {}
+    for model, price in map(_price, texts):
+        if found.setdefault(model, price) != price:
+            raise UsageError(f"--price gives {model!r} two prices; keep one")
+    return found
 
 
 def _price(text: str) -> "tuple[str, Price]":

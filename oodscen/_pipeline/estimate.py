@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from oodscen._files import temporary_folder
+from oodscen._files import temporary_folder, unreadable
 from oodscen._pipeline.models import Models, is_asked
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
@@ -15,7 +15,7 @@ from oodscen.data._episode import moments
 from oodscen.data._messages import Image, Message
 from oodscen.data._pairing import twin_id
 from oodscen.data._verdict import verdict_id, without_pictures
-from oodscen.errors import DataError, Issue, MissingExtra, StudyMismatch, UnknownComponent
+from oodscen.errors import MissingExtra, StudyMismatch, UnknownComponent
 from oodscen.judging._kinds import LISTED
 from oodscen.judging._questions import Shown, acting_prompt, choosing_prompt, naming_prompt
 from oodscen.judging._references import AspectOption
@@ -123,8 +123,7 @@ def _copy(study: Study, target: Path) -> None:
             try:
                 shutil.copy(study.store.path(name), target / name)
             except OSError as error:
-                issue = Issue("", error.strerror or str(error))
-                raise DataError("study", [issue], source=str(study.folder / name)) from None
+                raise unreadable("study", study.folder / name, error) from None
 
 
 def _judging(config: StudyConfig, is_withheld: bool) -> Iterator[Request]:

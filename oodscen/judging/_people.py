@@ -37,7 +37,7 @@ class QuizAnswer(Data):
     item: str = Field(max_length=64)
     """The drive's token; see `token`."""
     is_ood: StrictBool
-    confidence: float | None = Field(default=None, ge=0.5, le=1.0)
+    confidence: float | None = Field(default=None, ge=0.5, le=1.0, strict=True)
     aspect: str = Field(default="", max_length=500)
     choice: str | None = Field(default=None, max_length=200)
     """Id of the chosen option."""

@@ -18,7 +18,7 @@ from typing import BinaryIO, ClassVar, NamedTuple
 from pydantic import Field
 
 from oodscen._display import Brief
-from oodscen._files import refuse_special
+from oodscen._files import refuse_special, unreadable
 from oodscen._lock import locked
 from oodscen._redaction import redact_keys
 from oodscen.data._base import Data, digest
@@ -212,7 +212,7 @@ class Recording(Brief):
         except FileNotFoundError:
             return None
         except OSError as error:
-            raise self._unreadable(error) from None
+            raise unreadable("recording", self.path, error) from None
         return found.st_ino, found.st_size, found.st_mtime_ns
 
     def _parse(self, line: bytes, number: int) -> Exchange:
@@ -225,11 +225,7 @@ class Recording(Brief):
             with self.path.open("rb") as file:
                 yield file
         except OSError as error:
-            raise self._unreadable(error) from None
-
-    def _unreadable(self, error: OSError) -> DataError:
-        issue = Issue("", error.strerror or str(error))
-        return DataError("recording", [issue], source=str(self.path))
+            raise unreadable("recording", self.path, error) from None
 
 
 class Recorder(Recording):

@@ -1,5 +1,6 @@
 """The files of a study: atomic replacement, append-only lines, tolerant of a torn last line."""
 
+import errno
 import hashlib
 import os
 import threading
@@ -103,6 +104,8 @@ class Store(Brief):
             self.inside(str(target.parent.relative_to(self.folder)))
         data = content.encode() if isinstance(content, str) else content
         with self._guard(target):
+            if not self.folder.is_dir():  # Moved or deleted since `prepare`.
+                raise FileNotFoundError(errno.ENOENT, "the folder of the study is gone")
             target.parent.mkdir(parents=True, exist_ok=True)
             replace(target, data)
 

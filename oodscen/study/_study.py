@@ -8,6 +8,7 @@ from urllib.parse import quote
 
 from oodscen._arguments import checked, instance_of
 from oodscen._display import Brief, escaped, html_table
+from oodscen._files import unreadable
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode
@@ -131,8 +132,7 @@ class Study(Brief):
         except FileNotFoundError:
             return []
         except OSError as error:
-            issue = Issue("", error.strerror or str(error))
-            raise DataError(Info.noun, [issue], source=str(self.folder)) from None
+            raise unreadable(Info.noun, self.folder, error) from None
 
     def check(self) -> None:
         """Check that a run can resume from the folder, or start in it.

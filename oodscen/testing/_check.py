@@ -55,7 +55,7 @@ PARTS = tuple(_PARTS)
 """The parts of `check_simulator`, in order.
 
 `appearance` renders every asset in every state, `process` repeats the runs in a fresh process, and
-`leaks` watches memory and open files over many resets: these three take the longest.
+`leaks` watches memory, files, threads and processes over many resets: these three take the longest.
 """
 
 QUICK = tuple(part for part in PARTS if part not in ("appearance", "process", "leaks"))
@@ -85,7 +85,7 @@ def check_simulator(
     - pictures whose colours, ids and depth agree with each other, with the state and with the camera, also one that
       looks aside or back;
     - snapshots if offered, typed refusals, and a `close` that may be called twice;
-    - memory and open files that do not grow.
+    - memory, open files, threads and processes that do not grow, and none of the latter two after `close`.
 
     Args:
         simulator: A factory of fresh simulators, or a name as in `make_simulator`. Only names, and the

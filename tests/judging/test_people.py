@@ -62,6 +62,8 @@ def test_answers_about_no_drive_of_the_study_or_twice_about_one_are_refused(item
         {"name": ""},
         {"action": "fly"},
         {"confidence": 0.1},
+        {"confidence": True},
+        {"confidence": "0.8"},
         {"more": 1},
         {"is_ood": "yes"},
     ],

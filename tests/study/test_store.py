@@ -100,6 +100,7 @@ def test_a_folder_in_place_of_a_file_is_refused(tmp_path):
 
 def test_names_lead_nowhere_else(tmp_path):
     store = Store(tmp_path / "study")
+    store.prepare()
     store.write("frames/a/first.jpg", b"")
     (tmp_path / "priv").mkdir()
     store.path("frames/b").symlink_to(tmp_path / "priv")
@@ -163,6 +164,15 @@ def test_a_folder_that_cannot_be_made_is_a_study_error(tmp_path):
         assert (tmp_path / "a" / "b").is_dir()
 
 
+def test_a_folder_that_was_moved_away_is_not_made_again(tmp_path):
+    store = Store(tmp_path / "study")
+    store.prepare()
+    store.folder.rename(tmp_path / "elsewhere")
+    with pytest.raises(StudyError, match="cannot write"):
+        store.write("frames/a.jpg", b"")
+    assert not store.folder.exists()
+
+
 def test_lines_are_canonical(tmp_path):
     store = Store(tmp_path)
     store.append("a.jsonl", {"b": 1, "a": "ü"})
@@ -182,6 +192,17 @@ def test_nothing_is_written_through_a_folder_that_leads_elsewhere(tmp_path):
 def test_a_pipe_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "verdicts.jsonl")
     with pytest.raises(DataError, match="not a regular file"):
+        list(Store(tmp_path).lines("verdicts.jsonl"))
+
+
+def test_an_unreadable_file_is_not_called_malformed(tmp_path, monkeypatch):
+    Store(tmp_path).append("verdicts.jsonl", {})
+
+    def refuse(*_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(os, "open", refuse)
+    with pytest.raises(DataError, match=r"unreadable study in .*\n  - Permission denied"):
         list(Store(tmp_path).lines("verdicts.jsonl"))
 
 

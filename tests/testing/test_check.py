@@ -3,6 +3,8 @@ import itertools
 import math
 import mmap
 import os
+import subprocess
+import threading
 
 import numpy as np
 import pytest
@@ -396,6 +398,30 @@ def test_broken_promises_are_found(factory, part: str, words: list[str]) -> None
         check_simulator(factory, scenes=[weaving], parts=(part,), resets=40)
     for word in words:
         assert word in str(caught.value)
+
+
+def test_threads_and_processes_that_stay_are_found() -> None:
+    ends, started = threading.Event(), []
+
+    class Leaky(Small):
+        def reset(self, scene, seed):
+            threading.Thread(target=ends.wait, name="poller").start()
+            started.append(subprocess.Popen(["sleep", "600"]))
+            return super().reset(scene, seed)
+
+    try:
+        result, *_ = examine_parts(Leaky, parts=("leaks",), resets=10)
+    finally:
+        ends.set()
+        for process in started:
+            process.kill()
+            process.wait()
+    assert [one.message for one in result.findings] == [
+        "10 resets leave 6 threads behind",
+        "10 resets leave 6 processes behind",
+        "close leaves threads behind: poller",
+        "close leaves 1 processes behind",
+    ]
 
 
 def test_all_findings_are_listed() -> None:

@@ -9,7 +9,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from oodscen._files import read_utf8
+from oodscen._files import read_utf8, unreadable
 from oodscen.author._knowledge.base import (
     AmbientTraffic,
     BackgroundTraffic,
@@ -210,8 +210,7 @@ def _toml_files(path: Path) -> list[Path]:
     try:
         return sorted(path.glob("*.toml")) if path.is_dir() else [path]
     except OSError as error:
-        issue = Issue("", error.strerror or str(error))
-        raise DataError("knowledge base", [issue], source=str(path)) from None
+        raise unreadable("knowledge base", path, error) from None
 
 
 def _own(path: Path) -> list[tuple[str, str]]:

@@ -102,9 +102,9 @@ def parse_requirement(text: str, known: Mapping[str, str] = FIGURES) -> tuple[Ba
     """Return the bars of a text such as `safe>=0.9,needless<=5%`, on the known figures.
 
     Raises:
-        UsageError: If it is malformed, or names an unknown figure.
+        UsageError: If it is malformed, names an unknown figure, or holds bars that exclude each other.
     """
-    bars = []
+    bars: list[Bar] = []
     for part in text.split(","):
         found = _BAR.fullmatch(part)
         if found is None:
@@ -116,7 +116,21 @@ def parse_requirement(text: str, known: Mapping[str, str] = FIGURES) -> tuple[Ba
         if not 0 <= value <= 1:
             raise UsageError(f"the bar of {name} must lie between 0 and 1")
         bars.append(Bar(figure=name, sign=sign, value=value))
+        _check_last(bars)
     return tuple(bars)
+
+
+def _check_last(bars: Sequence[Bar]) -> None:
+    """Raise an error if the last bar repeats an earlier one, or excludes it."""
+    *earlier, last = bars
+    for bar in earlier:
+        if bar.figure != last.figure:
+            continue
+        if bar.sign == last.sign:
+            raise UsageError(f"{bar} and {last} are two bars of one kind; keep one")
+        lower, upper = (bar, last) if bar.sign == ">=" else (last, bar)
+        if lower.value > upper.value:
+            raise UsageError(f"{bar} and {last} exclude each other")
 
 
 def requirements(

@@ -6,10 +6,13 @@ import importlib
 import os
 import pickle
 import sys
+import threading
+import time
 from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor
+from typing import NamedTuple
 
-from oodscen._processes import Processes, is_importable
+from oodscen._processes import Processes, children, is_importable
 from oodscen._registry import make_simulator
 from oodscen.data._scene import Scene
 from oodscen.errors import UsageError
@@ -22,6 +25,8 @@ LEAK_BYTES = 8 * 2**20
 """Maximum growth of resident memory over all watched resets that does not count as a leak."""
 LEAK_FILES = 2
 """Maximum growth of the number of open files that does not count as a leak."""
+CLOSING_S = 2.0
+"""Seconds in which threads and processes of a closed simulator must end."""
 
 NEEDS_GUARD = (
     "the module of the simulator checks it when it is imported, also in the fresh process of the part "
@@ -93,42 +98,84 @@ def run_digests(
 
 
 def check_leaks(probe: Probe) -> None:
-    """Load two scenes in turn many times and check that neither memory nor open files grow.
+    """Check that resets leak no memory, files, threads or processes, and that `close` ends all threads and processes."""
+    _check_resets(probe)
+    _check_close(probe)
 
-    The first fifth of the resets warms up caches. After that the minimum of each fifth is compared, which a
-    passing peak does not affect.
+
+class _Usage(NamedTuple):
+    """What this process holds."""
+
+    memory: int
+    """Resident memory in bytes."""
+    files: int
+    threads: int
+    processes: int
+
+    @classmethod
+    def now(cls) -> "_Usage":
+        return cls(resident_bytes(), open_files(), threading.active_count(), len(children()))
+
+
+def _check_resets(probe: Probe) -> None:
+    """Load two scenes in turn many times and compare what this process holds.
+
+    The first fifth of the resets warms up caches. After that the minima of the fifths are compared, which a passing
+    peak does not affect.
     """
     gc.collect()
     # Objects from before are not the simulator's leaks, and collecting them takes long.
     gc.freeze()
     try:
-        memory, files = _use(probe)
+        blocks = [_use(probe) for _ in range(_BLOCKS)][1:]
     finally:
         gc.unfreeze()
-    grown, opened = memory[-1] - memory[0], files[-1] - files[0]
+    first, last = blocks[0], blocks[-1]
     leaves, expect = f"{probe.resets} resets leave", probe.findings.expect
+    grown = last.memory - first.memory
     expect(grown <= LEAK_BYTES, "", f"{leaves} {grown / 2**20:.1f} MiB of memory behind")
-    expect(opened <= LEAK_FILES, "", f"{leaves} {opened} open files behind")
+    for what, limit, more in (
+        ("open files", LEAK_FILES, last.files - first.files),
+        ("threads", 0, last.threads - first.threads),
+        ("processes", 0, last.processes - first.processes),
+    ):
+        expect(more <= limit, "", f"{leaves} {more} {what} behind")
 
 
-def _use(probe: Probe) -> tuple[list[int], list[int]]:
-    """Return the minimum memory and the number of open files of each fifth but the first."""
+def _use(probe: Probe) -> _Usage:
+    """Make a fifth of the resets and return the minima of what this process held meanwhile."""
     simulator, turn, camera = probe.simulator, probe.scenes[:2], probe.camera()
-    memory: list[int] = []
-    files: list[int] = []
-    for block in range(_BLOCKS):
-        used = []
-        for index in range(max(1, probe.resets // _BLOCKS)):
-            simulator.reset(turn[index % len(turn)], index % 3)
-            if index % 8 == 0:
-                simulator.render(camera)
-            if index % 8 == 7 or index < 2:
-                gc.collect()
-                used.append(resident_bytes())
-        if block > 0:
-            memory.append(min(used))
-            files.append(open_files())
-    return memory, files
+    used = []
+    for index in range(max(1, probe.resets // _BLOCKS)):
+        simulator.reset(turn[index % len(turn)], index % 3)
+        if index % 8 == 0:
+            simulator.render(camera)
+        if index % 8 == 7 or index < 2:
+            gc.collect()
+            used.append(_Usage.now())
+    return _Usage(*map(min, zip(*used, strict=True)))
+
+
+def _check_close(probe: Probe) -> None:
+    """Check that a simulator that was used and closed leaves no thread or process behind."""
+    threads, processes = set(threading.enumerate()), children()
+    simulator = probe.factory()
+    try:
+        simulator.reset(probe.scenes[0], _SEED)
+    finally:
+        simulator.close()
+    deadline = time.monotonic() + CLOSING_S
+    while True:
+        left = {thread for thread in threading.enumerate() if thread.is_alive()} - threads
+        started = children() - processes
+        if not left | started or time.monotonic() > deadline:
+            break
+        time.sleep(0.02)
+    expect = probe.findings.expect
+    expect(
+        not left, "", f"close leaves threads behind: {', '.join(sorted(one.name for one in left))}"
+    )
+    expect(not started, "", f"close leaves {len(started)} processes behind")
 
 
 def resident_bytes() -> int:

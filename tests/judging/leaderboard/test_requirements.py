@@ -95,10 +95,23 @@ def test_an_action_neither_safe_nor_unsafe_scores_neither_way():
     assert (found.share, found.items, found.missing) == (1, 20, 0)
 
 
-@pytest.mark.parametrize("text", ["", "safe", "safe>0.9", "sane>=0.9", "safe>=1.2", "safe>=.9,,"])
+_CONTRADICTIONS = (
+    "safe>=0.9,safe<=0.5",
+    "safe>=0.9,pick>=0.1,safe>=0.8",
+    "needless<=1%,needless<=2%",
+)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "safe", "safe>0.9", "sane>=0.9", "safe>=1.2", "safe>=.9,,", *_CONTRADICTIONS]
+)
 def test_what_is_no_requirement_is_refused(text):
     with pytest.raises(UsageError):
         parse_requirement(text)
+
+
+def test_a_figure_can_have_a_bar_on_either_side():
+    assert len(parse_requirement("notice>=0.5,notice<=0.5,safe>=0.9")) == 3
 
 
 @given(st.sampled_from(sorted(FIGURES)), st.sampled_from([">=", "<="]), st.integers(0, 100))
