@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from oodscen import (
     Augmenter,
     Describer,
+    Metrics,
     Pruner,
     RedTeamer,
     ScenarioTree,
@@ -159,6 +160,7 @@ OBJECTS = (
     Pruner(ScriptedLLM([]), FLAT),
     RedTeamer(ScriptedLLM([])),
     TreeGrower(ScriptedLLM([])),
+    Metrics(make_encoder("hash"), ["a car drives", "a van drives"]),
 )
 """Objects whose methods are called."""
 
@@ -223,9 +225,9 @@ def cases() -> Iterator[Any]:
 
 
 def methods() -> Iterator[tuple[str, Any]]:
-    """Yield the methods of trees, and of each stage the one that runs it."""
+    """Yield the public methods of trees, stages and metrics."""
     for made in OBJECTS:
-        for name in dir(made) if isinstance(made, ScenarioTree) else ["run"]:
+        for name in dir(made):
             if not name.startswith("_") and inspect.isroutine(found := getattr(made, name)):
                 yield f"{type(made).__name__}.{name}", found
 

@@ -207,10 +207,12 @@ class Metrics(Brief):
         finite_number("threshold", threshold)
         return self._space.guard.flags(self._space.vectors(check_texts(texts)), threshold)
 
+    @checked
     def held_out_scores(self, definition: Measure = "tabulated") -> tuple[float, ...]:
         """Return the OOD-ness of baseline texts held out in groups of similar texts, for calibration."""
         return tuple(self._space.held_out(definition)[0].tolist())
 
+    @checked
     def control_scores(self, definition: Measure = "tabulated") -> tuple[float, ...]:
         """Return the OOD-ness of the bundled ordinary control sentences (*frozen*)."""
         return tuple(self._space.control_scores(definition).tolist())

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from oodscen._arguments import checked
 from oodscen._seeding import stream
 from oodscen.data._base import Data
 from oodscen.data._scenario import Scenario
@@ -48,6 +49,7 @@ class Table(Data):
         return "\n".join(lines)
 
 
+@checked
 def paper_table(
     metrics: "Metrics",
     texts: Sequence[str | Scenario],

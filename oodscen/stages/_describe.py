@@ -8,6 +8,7 @@ import numpy as np
 from oodscen._arguments import checked
 from oodscen._concurrency import as_finished
 from oodscen._display import Brief
+from oodscen._numbers import whole_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
@@ -99,13 +100,14 @@ class Describer(Brief):
         return [again.get(scenario.id, scenario) for scenario in scenarios]
 
     @checked
-    def path(self, leaf: str, path: tuple[str, ...], count: int) -> list[Scenario]:
+    def path(self, leaf: str, path: Sequence[str], count: int) -> list[Scenario]:
         """Return scenarios `<leaf>-001`, `<leaf>-002` ... for one path: `count`, or as many as its kind bears.
 
         Raises:
             LLMError: When the model fails.
             UsageError: When too few candidates lie inside the band.
         """
+        path, count = tuple(path), whole_number("count", count)
         texts, is_dry = self._draw(path, count * self.options.candidates, avoid=())
         for _ in range(self.options.redraws):
             unfit = self._near_duplicates(texts) | self._off_topic(texts)

@@ -5,6 +5,7 @@ from typing import Any, Literal
 
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
+from oodscen._arguments import checked
 from oodscen._paper import attestation
 from oodscen.data._additions import Addition
 from oodscen.data._base import Data
@@ -80,6 +81,7 @@ class PruneDecision(Data):
         return value
 
 
+@checked
 def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
     """Extend the decisions on leaves to every node, in tree order.
 
@@ -136,6 +138,7 @@ def alike(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDeci
     ]
 
 
+@checked
 def apply_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> ScenarioTree:
     """Return the tree after decisions on its leaves: one `keep`, `narrow` or `remove` per node, children first.
 

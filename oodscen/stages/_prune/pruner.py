@@ -87,6 +87,7 @@ class Pruner(Brief):
             judged = counted(self.decisions(tree), "prune", len(tree.leaves), report_progress)
             return apply_decisions(tree, judged)
 
+    @checked
     def decisions(self, tree: ScenarioTree, done: Iterable[str] = ()) -> Iterator[PruneDecision]:
         """Yield a decision for every leaf, in the order of the answers.
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Literal
 
+from oodscen._arguments import checked
 from oodscen.data._additions import Addition
 from oodscen.data._base import Data
 from oodscen.data._category import Category
@@ -60,6 +61,7 @@ class Restoration(Data):
     """Ids of leaves for which the model gave no answer."""
 
 
+@checked
 def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
     """Rank the additions that would restore the branches that pruning dropped.
 

@@ -5,6 +5,7 @@ from typing import ClassVar, Literal, Self, get_args
 
 from pydantic import model_validator
 
+from oodscen._arguments import checked
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
@@ -119,6 +120,7 @@ class CatalogueComparison(Data):
         return "\n".join(parts)
 
 
+@checked
 def compare(
     tree: ScenarioTree,
     catalogues: Mapping[str, Catalogue],

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, ClassVar, NamedTuple
 
-from oodscen._arguments import checked, instance_of
+from oodscen._arguments import checked
 from oodscen._concurrency import cancelling
 from oodscen._display import Brief
 from oodscen._progress import Progress, reporting
@@ -96,6 +96,7 @@ class RedTeamer(Brief):
                 report_progress("redteam", done, done)
         return tree
 
+    @checked
     def rounds(self, tree: ScenarioTree, done: Iterable[Round] = ()) -> Iterator[Round]:
         """Play the rounds one by one, until a stopping rule holds.
 
@@ -106,7 +107,6 @@ class RedTeamer(Brief):
             tree: The tree before the first round.
             done: Earlier rounds to continue from.
         """
-        instance_of("tree", tree, ScenarioTree)
         game = _Session(self, tree)
         for item in done:
             game.add(item)
@@ -132,6 +132,7 @@ class RedTeamer(Brief):
                         flying[number] = pool.submit(self._imagine, question, number, attempts)
                 yield game.play(flying.pop(first).result())
 
+    @checked
     def stopped_by(self, rounds: Iterable[Round]) -> Stop | None:
         """Return the rule that ends the red teaming after these rounds, or `None` if it goes on."""
         progress = Stopping(self.options)

@@ -8,6 +8,8 @@ import math
 from collections import Counter
 from collections.abc import Iterable
 
+from oodscen._arguments import checked
+from oodscen._numbers import whole_number
 from oodscen.data._base import Data
 from oodscen.stages._redteam.rounds import NEW, Round
 from oodscen.statistics._intervals import wilson
@@ -79,6 +81,7 @@ class Saturation(Data):
     """One point per round."""
 
 
+@checked
 def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
     """Estimate, from the log of a red team, the number of kinds left to find.
 
@@ -86,6 +89,7 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
         rounds: All rounds in order, from the first.
         patience: Number of rounds without a new kind that count as dry, and number of recent rounds.
     """
+    patience = whole_number("patience", patience, 1)
     played = tuple(rounds)
     tally = KindTally()
     curve, calls, dry_from, last_new = [], 0, None, 0
