@@ -101,6 +101,7 @@ def audit(out: Path, as_json: bool) -> None:
     from oodscen.judging._shortcuts.audit import FILE
     from oodscen.judging._shortcuts.audit import audit as audited
     from oodscen.report._render import write_report
+    from oodscen.study._frames import frames_of
     from oodscen.study._stale import refuse_stale
     from oodscen.study._study import Study
 
@@ -108,6 +109,8 @@ def audit(out: Path, as_json: bool) -> None:
     with study.store.writing():
         episodes, scenes = study.episodes, study.scenes
         refuse_stale(study, episodes, scenes)
+        for episode in episodes:
+            frames_of(study.store, episode.frames, episode.file_sha256, study.config.camera)
         found = audited(episodes, scenes, study.scenarios, study.folder, seed=study.config.seed)
         study.store.write(FILE, canonical_json(found.model_dump(mode="json")) + "\n")
     write_report(study)

@@ -69,3 +69,14 @@ def test_a_study_of_other_scenes_is_refused_in_one_line(stale, tmp_path):
         assert f"changed since it was run: {name}; the same `oodscen run OUT`" in found.output
     assert {path: path.read_bytes() for path in stale.rglob("*") if path.is_file()} == before
     assert not (tmp_path / "data").exists()
+
+
+def test_an_audit_looks_only_at_recorded_frames(small, tmp_path):
+    folder = shutil.copytree(small, tmp_path / "out")
+    frame = next(folder.glob("frames/*/last.jpg"))
+    data = frame.read_bytes()
+    frame.write_bytes(data[:-2] + b"\0" + data[-2:])
+    found = CliRunner().invoke(main, ["audit", str(folder)])
+    assert found.exit_code == 2
+    assert f"{frame.relative_to(folder)} is not the recorded frame" in found.output
+    assert not (folder / "audit.json").exists()
