@@ -95,6 +95,8 @@ class Completion(Data):
     usage: Usage = Usage()
     requests: int = Field(default=1, ge=0)
     """HTTP requests made for this completion, including retries; 0 for a model that makes none."""
+    is_cut_off: bool = False
+    """True if the text ends because a limit on its length was reached."""
 
     @field_validator("text")
     @classmethod

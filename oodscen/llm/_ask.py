@@ -6,6 +6,7 @@ from typing import TypeVar, cast
 from pydantic import BaseModel, ValidationError
 
 from oodscen._arguments import checked
+from oodscen._json import is_object
 from oodscen._numbers import whole_number
 from oodscen._redaction import redact_keys
 from oodscen._seeding import MAX_SEED
@@ -31,6 +32,8 @@ MAX_ANSWER = 200_000
 
 QUOTED = 8_000
 """Maximum length of an invalid answer that is quoted back to the model, in characters."""
+
+_CUT_OFF = Issue("", "the answer is cut off before its end; answer more briefly")
 
 Check = Callable[[Answer], Sequence[Issue]]
 Read = Callable[[str], tuple[Answer | None, list[Issue]]]
@@ -71,8 +74,12 @@ def ask(
     issues: list[Issue] = []
     raw = ""
     for attempt in range(1, attempts + 1):
-        raw = heard(complete(llm, Request(prompt, messages, schema, sample, attempt)).text)
-        answer, issues = read(raw) if read else read_answer(raw, kind, checks)
+        completion = complete(llm, Request(prompt, messages, schema, sample, attempt))
+        raw = heard(completion.text)
+        if completion.is_cut_off and not is_object(raw.encode()):
+            answer, issues = None, [_CUT_OFF]
+        else:
+            answer, issues = read(raw) if read else read_answer(raw, kind, checks)
         if answer is not None:
             return answer
         messages = (*question, *repair(raw, issues))
@@ -118,7 +125,7 @@ def read_answer(
     if refused:
         return None, refused
     if is_cut_off(raw):
-        return None, [Issue("", "the answer is cut off before its end; answer more briefly")]
+        return None, [_CUT_OFF]
     if misshapen:
         return None, max(misshapen, key=lambda item: item[0])[1]
     return None, [Issue("", "no JSON object was found in the answer")]

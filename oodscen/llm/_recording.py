@@ -57,6 +57,8 @@ class Exchange(Data):
     """Time until the answer, including waiting and retries."""
     requests: int = Field(default=1, ge=0)
     """HTTP requests, retries included."""
+    is_cut_off: bool = False
+    """`Completion.is_cut_off`."""
 
     @classmethod
     def of(cls, request: Request, completion: Completion, model: str, seconds: float) -> "Exchange":
@@ -72,11 +74,14 @@ class Exchange(Data):
             usage=completion.usage,
             seconds=round(seconds, 6),
             requests=completion.requests,
+            is_cut_off=completion.is_cut_off,
         )
 
     def again(self) -> Completion:
         """Return the recorded answer, which costs no request."""
-        return Completion(text=self.answer, usage=self.usage, requests=0)
+        return Completion(
+            text=self.answer, usage=self.usage, requests=0, is_cut_off=self.is_cut_off
+        )
 
     def key(self) -> str:
         """Return the key by which a request is matched to this exchange."""

@@ -235,11 +235,12 @@ class _Handler(BaseHTTPRequestHandler):
         if request is None:
             return self._error(400, "this conversation was not announced, or arrived changed")
         try:
-            text = server.llm.complete(request).text
+            completion = server.llm.complete(request)
         except LLMError as error:
             return self._error(400, str(error))
-        ending = "content_filter" if fault in ("withheld", "flagged") else "stop"
-        spoilt = _spoil(text, fault)
+        ending = "length" if completion.is_cut_off or fault == "truncated" else "stop"
+        ending = "content_filter" if fault in ("withheld", "flagged") else ending
+        spoilt = _spoil(completion.text, fault)
         document = _chat_completion(body["model"], body["messages"], spoilt, ending)
         if fault == "cut":
             return self._send(200, document, announced=len(document) + 999)

@@ -3,16 +3,18 @@
 import json
 import pickle
 import re
+from contextlib import nullcontext
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.errors import AnswerError, Issue, LLMError
-from oodscen.llm._ask import MAX_ANSWER, QUOTED, SHOWN_ISSUES, ask, read_answer
+from oodscen.llm._ask import ATTEMPTS, MAX_ANSWER, QUOTED, SHOWN_ISSUES, ask, read_answer
 from oodscen.prompts import QUESTIONS
 from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.prompts._tree.imagine_scenario import ImaginedScenario, ImagineScenario
+from oodscen.protocols import Completion
 from oodscen.testing import ScriptedLLM
 from tests import strategies  # noqa: F401  # says how claims are drawn
 from tests.prompts.samples import SAMPLES
@@ -219,3 +221,25 @@ def test_whatever_a_models_object_raises_is_a_model_that_failed(raised, is_retry
         ask(ScriptedLLM(answer), QUESTION)
     assert caught.value.__cause__ is raised
     assert caught.value.retryable is is_retryable
+
+
+def read_prose(raw):
+    return ImaginedScenario(text=raw), []
+
+
+@pytest.mark.parametrize(
+    ("text", "is_taken"),
+    [
+        (json.dumps(GOOD), True),
+        (f"{json.dumps(GOOD)}\n\n\n", True),
+        (f"First: {json.dumps(GOOD)}. No, better: ", False),
+        ("I would slow down", False),
+        ("", False),
+    ],
+)
+@pytest.mark.parametrize("read", [None, read_prose])
+def test_an_answer_that_the_model_did_not_end_is_not_taken_for_a_shorter_one(text, is_taken, read):
+    llm = ScriptedLLM(lambda asked: Completion(text=text, is_cut_off=True))
+    with nullcontext() if is_taken else pytest.raises(AnswerError, match="cut off before its end"):
+        ask(llm, QUESTION, read=read)
+    assert len(llm.requests) == (1 if is_taken else ATTEMPTS)

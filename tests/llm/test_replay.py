@@ -76,7 +76,14 @@ def test_a_line_says_everything(file):
         "answer": by_sample(request(sample=3)).text,
         "usage": {"input_tokens": 9, "output_tokens": 4, "cached_tokens": 0, "cost_usd": 0.5},
         "requests": 2,
+        "is_cut_off": False,
     }
+
+
+def test_a_cut_off_answer_is_one_when_it_is_replayed(file):
+    cut = RecordingLLM(ScriptedLLM(lambda asked: Completion(text="It", is_cut_off=True)), file)
+    assert cut.complete(request()).is_cut_off
+    assert ReplayLLM(file).complete(request()).is_cut_off
 
 
 def test_a_recording_made_elsewhere_needs_three_fields(tmp_path):

@@ -263,7 +263,8 @@ class LiteLLM(Brief):
         if not response.choices:
             raise NoAnswer("the response holds no answer: its list of choices is empty")
         choice = response.choices[0]
-        if getattr(choice, "finish_reason", "") == "content_filter":
+        ending = getattr(choice, "finish_reason", "")
+        if ending == "content_filter":
             raise Filtered("the answer was withheld or cut")
         text = choice.message.content or getattr(choice.message, "refusal", None) or ""
         said = getattr(response, "usage", None)
@@ -277,6 +278,7 @@ class LiteLLM(Brief):
         return Completion(
             text=redact_keys(text.encode("utf-8", "replace").decode()),
             usage=plausible_usage(usage.model_copy(update={"cost_usd": cost}), request),
+            is_cut_off=ending == "length",
         )
 
     def _cost(self, response: Any, asked: int, answered: int) -> float | None:

@@ -34,7 +34,7 @@ from oodscen.llm._remote.sdk import load_litellm
 from oodscen.llm._remote.wire import provider_seed, wire_message
 from oodscen.prompts._judging.describe_frame import DescribeFrame
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
-from oodscen.protocols import LLM, Request
+from oodscen.protocols import LLM, Completion, Request
 from oodscen.testing import AnsweringServer, ScriptedLLM
 
 KEY = "sk-test-planted-0123456789abcdef"
@@ -277,6 +277,13 @@ def test_a_bad_answer_is_repaired_or_ends_as_one_typed_error(fault):
     with serving(*[fault] * 9) as server, pytest.raises(AnswerError) as caught:
         ask(server.client("m"), QUESTION)
     assert caught.value.attempts == len(server.received) == 3
+
+
+def test_the_server_says_that_an_answer_was_cut_off():
+    said = [Completion(text=TEXT, is_cut_off=True), Completion(text=TEXT)]
+    with AnsweringServer(ScriptedLLM(lambda asked: said[asked.sample])) as server:
+        llm = server.client("m")
+        assert [llm.complete(request(sample=n)).is_cut_off for n in (0, 1)] == [True, False]
 
 
 @pytest.mark.parametrize("fault", ["http401", "http400", "http500", "html", "reset"])
