@@ -316,7 +316,7 @@ class State(Brief):
 
 @runtime_checkable
 class Simulator(Protocol):
-    """Runs scenes, one at a time, in fixed steps.
+    """Runs scenes, one at a time and in one thread at a time, in fixed steps.
 
     The same scene, seed and controls give the same bytes, whatever ran before. Nothing expensive
     starts before the first `reset`. `step`, `render` and `observe` follow a `reset`.

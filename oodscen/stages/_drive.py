@@ -20,6 +20,7 @@ from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
 from oodscen.driving._drivers.following import following_acceleration
+from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._states import watched
@@ -78,7 +79,7 @@ def drive(
 
     Raises:
         UsageError: If there are two drives of one id, what is to be driven is not a scene, or where it is driven
-            is not a simulator.
+            is not a simulator, or another thread uses it.
     """
     conforming("simulator", simulator)
     seed_number(seed)
@@ -87,7 +88,7 @@ def drive(
         raise UsageError(f"drive() needs a name for the driver, not {label!r:.80}")
     scenes = _distinct(scenes, twins)
     drives = _Drives(driver, simulator, label, seed, twins, camera)
-    with reporting(progress) as report_progress:
+    with reporting(progress) as report_progress, exclusive(simulator):
         results = [
             result
             for scene in counted(scenes, "drive", len(scenes), report_progress)

@@ -26,6 +26,7 @@ from oodscen.data._episode import (
 from oodscen.data._scene import LONGEST_HORIZON_S, Scene
 from oodscen.driving import load_corridor
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._sight.visibility import is_noticeable, least_area
@@ -144,7 +145,8 @@ def simulate(
     Raises:
         SceneError: When the simulator refuses the scene.
         SimulatorError: When the simulator fails, whatever it raises.
-        UsageError: When the object is not a simulator, an action is unknown, or a time is out of range.
+        UsageError: When the object is not a simulator or another thread uses it, an action is unknown, or a time is
+            out of range.
     """
     conforming("simulator", simulator)
     seed_number(seed)
@@ -155,7 +157,7 @@ def simulate(
     if horizon is not None:
         seconds = finite_number("horizon", horizon, 0.1, LONGEST_HORIZON_S)
         scene = scene.model_copy(update={"horizon_s": seconds})
-    with working("simulator", simulator.name):
+    with working("simulator", simulator.name), exclusive(simulator):
         shown = camera_for(simulator.catalogue(), camera) if render else None
         return _Run(scene, watched(simulator), seed, shown, moments, trials).simulated(
             actions, traces

@@ -16,6 +16,7 @@ from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.driving import action_driver, load_corridor
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._states import watched
@@ -137,7 +138,7 @@ def record(
         UnknownComponent: When the view or the action is unknown.
         MissingExtra: When OpenCV is not installed.
         SceneError: When the simulator refuses the scene.
-        UsageError: When `driver` is not a driver, or returns no control; `fps` or `path` is invalid.
+        UsageError: When another thread uses the simulator; `driver` is not a driver, or returns no control; `fps` or `path` is invalid.
         OodscenError: When the file cannot be written. An earlier file of that name stays then.
     """
     if view not in VIEWS:
@@ -145,21 +146,24 @@ def record(
     later = action_driver(driver, NOMINAL_REACTION_S) if isinstance(driver, str) else None
     own = None if isinstance(driver, str) else driver
     now: Driver = Cruise() if own is None else conforming("driver", own)
-    simulator = watched(conforming("simulator", simulator))
+    used_alone = exclusive(conforming("simulator", simulator))
+    simulator = watched(simulator)
     catalogue = simulator.catalogue()
     corridor = load_corridor(scene.map, catalogue)
     camera = camera_for(catalogue, camera)
     steering = Steering(now, simulator, camera_for(catalogue, own_camera(now)))
-    state = simulator.reset(scene, seed_number(seed))
+    seed_number(seed)
     finite_number("fps", fps, 0.1, 1.0 / simulator.dt + 1e-9)
     if Path(path).suffix.lower() != ".mp4":
         raise UsageError(f"a video's name must end in .mp4, not {Path(path).name!r}")
     stride = max(1, round(1.0 / (simulator.dt * fps)))
     end, is_decided = MAX_APPROACH_S + scene.horizon_s, False
     with (
+        used_alone,
         reporting(progress) as report_progress,
         Video(path, fps=1.0 / (stride * simulator.dt)) as video,
     ):
+        state = simulator.reset(scene, seed)
         while True:
             if not is_decided and (
                 state.time >= MAX_APPROACH_S or is_due(scene.decision, None, state, corridor)
