@@ -1,4 +1,4 @@
-"""The limits shared by all models of a run."""
+"""The limits that a user sets for all models of a run; a server's rate limit is kept by its `endpoint`."""
 
 import math
 import threading
