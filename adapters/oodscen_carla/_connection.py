@@ -1,29 +1,24 @@
 """A connection to a CARLA server through the official client, which must be of the same version."""
 
 import math
-import queue
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from oodscen.errors import MissingExtra, SimulatorError, UsageError
 from oodscen.protocols import Camera, Frame
+from oodscen_carla._cameras import Cameras, decode
+from oodscen_carla._lights import Lamp
 from oodscen_carla._weather import WeatherParameters
 
 VERSIONS = ("0.9.15", "0.9.16")
 """Versions that the adapter accepts, of server and client alike."""
-KINDS = ("rgb", "depth", "instance_segmentation")
-"""Cameras of a frame."""
 _BODIES = ("vehicle.", "walker.", "static.prop.")
 """Beginnings of the ids of all blueprints with a body."""
 _TRIES = 3
 """Number of ticks after which a frame that never comes is an error."""
-_SKY_M = 999.99
-"""Depth from which a pixel is sky, m."""
+_LAST_PORT = 65_535
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,15 +49,17 @@ class Connection:
             SimulatorError: If there is no server, or it is of another version.
         """
         host, _, port = address.rpartition(":")
-        if not host or not port.isdigit() or not 0 < int(port) < 65536:
+        if not host or not port.isdigit() or not 0 < int(port) <= _LAST_PORT:
             raise UsageError(f"CARLA's address must be host:port, not {address[:80]!r}")
         self._address, self._timeout_s = address, timeout_s
         self._carla = carla = _load()
-        self._forget()
+        self._cameras = Cameras()
+        self._actors: list[int] = []
+        self._lit: dict[int, Lamp] = {}
         self._map: str | None = None
         self._before: Any = None
         self._frame = 0
-        self._is_listening = self._is_seen = False
+        self._is_seen = False
         with self._calling("connect"):
             self._client = carla.Client(host, int(port), 1)  # One worker thread.
             self._client.set_timeout(timeout_s)
@@ -131,34 +128,27 @@ class Connection:
         """
         with self._calling("remove the last scene"):
             self._follow_episode()
-            doomed = [camera.id for camera, _ in self._cameras.values()] + self._actors
-            self._listen(False)
+            doomed = dict.fromkeys([*self._cameras.ids, *self._actors])
+            self._cameras.sleep()
             if others:
                 every = self._world.get_actors()
-                own = set(doomed)
-                doomed += [
-                    one.id for one in every if one.type_id.startswith(_BODIES) and one.id not in own
-                ]
+                doomed |= dict.fromkeys(one.id for one in every if one.type_id.startswith(_BODIES))
             if doomed:
                 commands = [self._carla.command.DestroyActor(number) for number in doomed]
                 self._client.apply_batch_sync(commands, False)
-        self._forget()
+            self._forget()
 
     def _follow_episode(self) -> None:
         """Notice that another client has loaded another world, in which nothing of this one is left."""
         world = self._client.get_world()
         if world.id != self._world.id:
-            # A camera that still listens when it is forgotten would end the process.
-            self._listen(False)
-            self._world, self._map = world, None
             self._forget()
+            self._world, self._map = world, None
 
     def _forget(self) -> None:
-        """Forget cameras and actors, of which the server has none."""
-        self._cameras: dict[str, tuple[Any, queue.SimpleQueue[Any]]] = {}
-        self._mounted: tuple[int, Camera] | None = None
-        self._actors: list[int] = []
-        self._lit: dict[int, int] = {}
+        """Forget cameras and actors, which the server has lost or will lose."""
+        self._cameras.forget()
+        self._actors, self._lit = [], {}
 
     def close(self) -> None:
         """Destroy everything and restore the settings; a server that is gone needs neither."""
@@ -196,13 +186,13 @@ class Connection:
         bodies: Sequence[Placed],
         poses: Sequence[Sequence[float]],
         speeds: Sequence[float],
-        lights: Sequence[int],
+        lights: Sequence[Lamp],
     ) -> None:
         """Move all bodies, switch the lamps of vehicles, and take one tick."""
         command, commands = self._carla.command, []
         for body, pose, speed, lit in zip(bodies, poses, speeds, lights, strict=True):
-            if self._lit.get(body.id, 0) != lit and hasattr(body.actor, "set_light_state"):
-                state = self._carla.VehicleLightState(lit)
+            if self._lit.get(body.id, Lamp(0)) != lit and hasattr(body.actor, "set_light_state"):
+                state = self._carla.VehicleLightState(int(lit))
                 commands.append(command.SetVehicleLightState(body.id, state))
                 self._lit[body.id] = lit
             yaw = pose[3]
@@ -210,8 +200,8 @@ class Connection:
             commands.append(command.ApplyTransform(body.id, self._transform(pose, body.lift)))
             commands.append(command.ApplyTargetVelocity(body.id, velocity))
         with self._calling("move the actors"):
-            if self._is_listening and not self._is_seen:
-                self._listen(False)
+            if not self._is_seen:
+                self._cameras.sleep()
             answers = self._client.apply_batch_sync(commands, False)
             failed = [one.error for one in answers if one.has_error()]
         if failed:
@@ -233,68 +223,28 @@ class Connection:
     def take(self, bodies: Sequence[Placed], camera: Camera) -> Frame:
         """Return the picture of the last tick; another tick is taken if the cameras slept.
 
+        Args:
+            bodies: All bodies, first the one that carries the camera.
+            camera: The camera.
+
         Raises:
             SimulatorError: If no complete frame arrives.
         """
-        if self._mounted != (bodies[0].id, camera):
-            self._mount(bodies[0], camera)
-        if not self._is_listening:
-            self._listen(True)
+        cameras, host = self._cameras, bodies[0].actor
+        with self._calling("mount the cameras"):
+            if not cameras.are_mounted(host, camera):
+                cameras.mount(self._carla, self._world, host, camera)
+            is_awake = cameras.is_listening
+            cameras.listen()
+        if not is_awake:
             self._tick()
         for _ in range(_TRIES):
-            images = self._images()
-            if images is not None:
+            pictures = cameras.pictures(self._frame, self._timeout_s / _TRIES)
+            if pictures is not None:
                 self._is_seen = True
-                return _frame(images, bodies, camera)
+                return decode(pictures, camera, [body.id for body in bodies])
             self._tick()
         raise SimulatorError(f"CARLA at {self._address} lost {_TRIES} frames in a row")
-
-    def _mount(self, host: Placed, camera: Camera) -> None:
-        """Replace the cameras."""
-        with self._calling("mount the cameras"):
-            self._listen(False)
-            for old, _ in self._cameras.values():
-                old.destroy()
-            self._cameras = {}
-            place = self._carla.Transform(
-                self._carla.Location(camera.x, -camera.y, camera.z),
-                self._carla.Rotation(pitch=-camera.pitch_deg, yaw=-camera.yaw_deg),
-            )
-            for kind in KINDS:
-                blueprint = self._blueprints.find(f"sensor.camera.{kind}")
-                for name, value in (
-                    ("image_size_x", camera.width),
-                    ("image_size_y", camera.height),
-                    ("fov", camera.fov_deg),
-                ):
-                    blueprint.set_attribute(name, str(value))
-                sensor = self._world.spawn_actor(blueprint, place, attach_to=host.actor)
-                self._cameras[kind] = sensor, queue.SimpleQueue()
-        self._mounted = (host.id, camera)
-
-    def _listen(self, wanted: bool) -> None:
-        """Begin or end to receive pictures."""
-        for sensor, images in self._cameras.values():
-            if wanted and not self._is_listening:
-                sensor.listen(images.put)
-            elif self._is_listening and not wanted:
-                sensor.stop()
-        self._is_listening = wanted and bool(self._cameras)
-
-    def _images(self) -> dict[str, Any] | None:
-        """Return the pictures of the last tick, or `None` if one of them is lost."""
-        found = {}
-        for kind, (_, images) in self._cameras.items():
-            try:
-                image = images.get(timeout=self._timeout_s / _TRIES)
-                while image.frame < self._frame:
-                    image = images.get(timeout=self._timeout_s / _TRIES)
-            except queue.Empty:
-                return None
-            if image.frame > self._frame:
-                return None
-            found[kind] = image
-        return found
 
 
 def _load() -> Any:
@@ -303,24 +253,3 @@ def _load() -> Any:
     except ModuleNotFoundError:
         raise MissingExtra("a CARLA server", "carla", "carla") from None
     return carla
-
-
-def _frame(images: dict[str, Any], bodies: Sequence[Placed], camera: Camera) -> Frame:
-    """Decode the three pictures of one tick."""
-    shape = (camera.height, camera.width, 4)
-    raw = {k: np.frombuffer(image.raw_data, np.uint8).reshape(shape) for k, image in images.items()}
-    code = raw["depth"].astype(np.uint32)
-    depth = (code[..., 2] + 256 * code[..., 1] + 65536 * code[..., 0]) * (1000.0 / 16_777_215.0)
-    depth[depth >= _SKY_M] = np.inf
-    tags = raw["instance_segmentation"].astype(np.int32)
-    number = tags[..., 1] + 256 * tags[..., 0]
-    rows: NDArray[np.int32] = np.zeros(1 << 16, np.int32)
-    for row, body in enumerate(bodies):
-        rows[body.id & 0xFFFF] = row + 1
-    ids = rows[number]
-    return Frame(
-        rgb=np.ascontiguousarray(raw["rgb"][..., 2::-1]),
-        depth=depth.astype(np.float32),
-        ids=ids,
-        tags=np.where(ids > 0, np.uint8(0), raw["instance_segmentation"][..., 2]),
-    )

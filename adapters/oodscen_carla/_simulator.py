@@ -19,6 +19,7 @@ from oodscen.protocols import Camera, Frame
 from oodscen_carla._blueprints import blueprint_of
 from oodscen_carla._catalogue import load_catalogue
 from oodscen_carla._connection import Connection, Placed
+from oodscen_carla._lights import LAMPS_OF_STATE, Lamp
 from oodscen_carla._opendrive import for_carla
 from oodscen_carla._weather import to_carla
 
@@ -28,14 +29,6 @@ _ABOVE = 500.0
 """Height above the road at which bodies are spawned, out of everything's way, m."""
 _APART = 50.0
 """Distance in height between two bodies that are spawned, m."""
-_BRAKE = 8
-"""Brake lamps of `carla.VehicleLightState`."""
-_LIGHTS = {
-    "hazard": 16 | 32, "indicate_left": 32, "indicate_right": 16, "beacon": 128, "brake": _BRAKE,
-}  # fmt: skip
-"""`carla.VehicleLightState` by state of an asset."""
-_LAMPS = 1 | 2
-"""Position lamps and low beam of `carla.VehicleLightState`."""
 
 
 class CarlaSimulator(MirrorSimulator):
@@ -73,7 +66,7 @@ class CarlaSimulator(MirrorSimulator):
         self._timeout_s = timeout_s
         self._connection: Connection | None = None
         self._bodies: list[Placed] = []
-        self._lights: list[int] = []
+        self._lights: list[Lamp] = []
         self._waits: list[bool] = []
         self._scene: Scene | None = None
 
@@ -148,9 +141,9 @@ class CarlaSimulator(MirrorSimulator):
             body = connection.spawn(name, above, role=role, state=state)
         except RuntimeError as error:
             raise SpawnError(actor_id, asset.id, pose, str(error)) from None
-        lights = _LIGHTS.get(state, 0)
+        lights = Lamp.BRAKE if state == "brake" else LAMPS_OF_STATE.get(state, Lamp(0))
         if self._scene is not None and has_lamps_on(self._scene, actor_id):
-            lights |= _LAMPS
+            lights |= Lamp.POSITION | Lamp.LOW_BEAM
         self._bodies.append(body)
         self._lights.append(lights)
         self._waits.append(self._scene is not None and waits_in_traffic(self._scene, actor_id))
@@ -159,7 +152,7 @@ class CarlaSimulator(MirrorSimulator):
         """Send poses, speeds and lights, and let the server take one tick."""
         moving = zip(speeds.tolist(), self.world.accelerations().tolist(), strict=True)
         lights = [
-            lit | _BRAKE if is_braking(speed, acceleration, waits=waits) else lit
+            lit | Lamp.BRAKE if is_braking(speed, acceleration, waits=waits) else lit
             for lit, waits, (speed, acceleration) in zip(
                 self._lights, self._waits, moving, strict=True
             )

@@ -7,7 +7,14 @@ from typing import Any, Literal, assert_never, get_args
 from pydantic import Field, model_validator
 
 from oodscen.data._base import Data
-from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap, WeatherRange
+from oodscen.data._catalogue import (
+    LANDMARKS,
+    Asset,
+    BehaviourKind,
+    Catalogue,
+    RoadMap,
+    WeatherRange,
+)
 from oodscen.data._category import Category
 from oodscen.data._scene import WeatherKind, is_weather_kind
 
@@ -24,7 +31,6 @@ DENSE_FOG_M = 60.0
 """Visual range up to which fog counts as dense, m."""
 ICE = 0.25
 """Friction up to which a road counts as icy."""
-LANDMARKS = ("junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light")
 
 
 class Addition(Data):

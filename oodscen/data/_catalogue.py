@@ -1,7 +1,7 @@
 """A simulator's vocabulary: static data that is readable without starting the simulator."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
 from pydantic import Field
 
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from oodscen.data._additions import Addition
 
 
+LandmarkKind = Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"]
+LANDMARKS: tuple[LandmarkKind, ...] = get_args(LandmarkKind)
+"""Places along a road at which something can be staged."""
 FLAT_M = 0.08
 """Maximum height of things that lie flat on the road, m: others can drive over and stand on them."""
 
@@ -124,9 +127,7 @@ class RoadMap(Data):
     """Usable length ahead of the start, m."""
     traits: tuple[str, ...] = ()
     """`residential`, `urban`, `highway`, `rural`, `curve`, `junction`, `one_way` ..."""
-    landmarks: tuple[
-        Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"], ...
-    ] = ()
+    landmarks: tuple[LandmarkKind, ...] = ()
     """Landmarks known to be on its roads, for maps without a file to search."""
 
 

@@ -8,14 +8,11 @@ from numpy.typing import NDArray
 
 from oodscen.data._episode import ACTIONS
 from oodscen.driving._motion.actions import ActionDriver
-from oodscen.driving._motion.bodies import MAX_DRIVE, MAX_STEERING
+from oodscen.driving._motion.bodies import GRAVITY, MAX_DRIVE, MAX_STEERING
 from oodscen.errors import UsageError
 from oodscen.gymnasium._extra import gymnasium
 from oodscen.gymnasium._observing import Space
 from oodscen.protocols import Control, Observation
-
-BRAKING = 9.81
-"""Deceleration of the action -1, m/s^2."""
 
 
 def action_space(kind: str) -> Space:
@@ -26,14 +23,17 @@ def action_space(kind: str) -> Space:
 
 
 def as_control(action: NDArray[np.float64]) -> Control:
-    """Return the control of a continuous action; values beyond -1..1 count as the nearest of them."""
+    """Return the control of a continuous action; values beyond -1..1 count as the nearest of them.
+
+    -1 brakes with the deceleration of gravity, 1 accelerates with all that the motor has.
+    """
     along, turn = np.clip(action, -1.0, 1.0).tolist()
-    return Control(along * (BRAKING if along < 0.0 else MAX_DRIVE), turn * MAX_STEERING)
+    return Control(along * (GRAVITY if along < 0.0 else MAX_DRIVE), turn * MAX_STEERING)
 
 
 def as_action(control: Control) -> NDArray[np.float32]:
     """Return the continuous action of a control, within -1..1."""
-    along = control.acceleration / (BRAKING if control.acceleration < 0.0 else MAX_DRIVE)
+    along = control.acceleration / (GRAVITY if control.acceleration < 0.0 else MAX_DRIVE)
     values = np.array([along, control.steering / MAX_STEERING], np.float32)
     return np.minimum(np.maximum(values, np.float32(-1.0)), np.float32(1.0))
 

@@ -4,7 +4,7 @@ import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Any
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -13,117 +13,26 @@ from numpy.typing import NDArray
 from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._members import close, working
-from oodscen._numbers import finite_number, seed_number, whole_number
+from oodscen._numbers import seed_number
 from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._states import watched
-from oodscen.driving._trace import Course, least_time_to_collision
+from oodscen.driving._trace import Course
 from oodscen.errors import SimulatorError, UnknownComponent, UsageError
-from oodscen.gymnasium._acting import ActionDecoder, action_space
+from oodscen.gymnasium._acting import ActionDecoder
+from oodscen.gymnasium._episode import Episode, PreparedScene
 from oodscen.gymnasium._extra import gymnasium
-from oodscen.gymnasium._observing import (
-    Space,
-    ego_numbers,
-    neighbour_numbers,
-    observation_space,
-    picture,
-)
+from oodscen.gymnasium._interface import ActionKind, Interface, ObservationKind, nearest_steps
+from oodscen.gymnasium._observing import picture
 from oodscen.gymnasium._reward import Reward
 from oodscen.gymnasium._scenes import chosen_scenes
 from oodscen.protocols import Camera, Frame, Observation, Simulator, State
 from oodscen.stages._drive import horizon
 from oodscen.study._study import Study
 
-ObservationKind = Literal["state", "frame", "both"]
-ActionKind = Literal["continuous", "discrete"]
-SMALL = Camera(width=128, height=96)
-"""The camera of observations."""
-_USUAL_STEP_S = 0.1
-"""Time for which an action holds, s, if the simulator's step divides it."""
-_OBSERVATIONS, _ACTIONS = ("state", "frame", "both"), ("continuous", "discrete")
 _USERS: WeakValueDictionary[tuple[int, int], "SceneEnv"] = WeakValueDictionary()
 """The open environments by process and id of their simulator."""
-
-
-def nearest_steps(seconds: float | None, dt: float) -> int:
-    """Return the number of a simulator's steps that comes nearest to a time, or to the usual one."""
-    return max(1, round((seconds or _USUAL_STEP_S) / dt))
-
-
-class Interface(Brief):
-    """The observations and actions of an environment, and of a policy that was trained in it.
-
-    Args:
-        observation: `state`, numbers about the ego and its neighbours; `frame`, a picture; or `both`.
-        actions: `continuous`, acceleration and steering; or `discrete`, the seven actions.
-        neighbours: Number of neighbours in the state.
-        camera: The camera of the picture; by default the dash camera with 128 x 96 pixels.
-        step_s: Time for which an action holds, s; `None` for the multiple of the simulator's step that is
-            nearest to 0.1 s.
-
-    Raises:
-        UsageError: If a value is out of its range.
-    """
-
-    _repr_fields: ClassVar[tuple[str, ...]] = ("observation", "actions", "neighbours", "step_s")
-
-    def __init__(
-        self,
-        observation: ObservationKind = "state",
-        actions: ActionKind = "continuous",
-        neighbours: int = 6,
-        camera: Camera | None = None,
-        step_s: float | None = None,
-    ) -> None:
-        for kind, value, known in (
-            ("observation", observation, _OBSERVATIONS),
-            ("kind of action", actions, _ACTIONS),
-        ):
-            if value not in known:
-                raise UnknownComponent(kind, str(value)[:80], known)
-        if camera is not None and not isinstance(camera, Camera):
-            raise UsageError(f"camera must be a Camera, not {camera!r:.80}")
-        self.observation = observation
-        self.actions = actions
-        self.neighbours = whole_number("neighbours", neighbours, 1, 200)
-        self.camera = camera or SMALL
-        self.step_s = None if step_s is None else finite_number("step_s", step_s, 0.01, 10.0)
-
-    @property
-    def observation_space(self) -> Space:
-        """The Gymnasium space of the observations."""
-        return observation_space(self.observation, self.neighbours, self.camera)
-
-    @property
-    def action_space(self) -> Space:
-        """The Gymnasium space of the actions."""
-        return action_space(self.actions)
-
-    @property
-    def wants_frames(self) -> bool:
-        """Return whether observations have a picture."""
-        return self.observation != "state"
-
-    def observed(self, state: State, now: Observation, frame: Frame | None, source: str) -> Any:
-        """Return the observation of a true state, with the frame of the method `source` if observations have one."""
-        if self.observation == "frame":
-            return picture(frame, self.camera, source)
-        found: dict[str, NDArray[Any]] = {
-            "ego": ego_numbers(state, now),
-            "neighbours": neighbour_numbers(state, now, self.neighbours),
-        }
-        if self.observation == "both":
-            found["frame"] = picture(frame, self.camera, source)
-        return found
-
-
-class _Prepared(NamedTuple):
-    """A scene or twin with its road, and the number of its steps."""
-
-    scene: Scene
-    course: Course
-    steps: int
 
 
 class SceneEnv(Brief, gymnasium.Env[Any, Any]):
@@ -202,16 +111,12 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self._held = self._steps()
         self.interface.step_s = self._held * self.simulator.dt
         self.metadata = {**self.metadata, "render_fps": round(1.0 / self.interface.step_s)}
-        self._prepared: dict[str, _Prepared] = {}
-        self._now: _Prepared | None = None
+        self._prepared: dict[str, PreparedScene] = {}
         self._steerer = ActionDecoder(actions)
+        self._episode: Episode | None = None
         self._is_over = True
         self.episode = 0
         """Number of episodes that have begun."""
-        self.state: State | None = None
-        """The true state; `None` before the first reset."""
-        self.seen: Observation | None = None
-        """The driver's observation of the state; `None` before the first reset."""
         self._claim()
 
     def _steps(self) -> int:
@@ -251,20 +156,17 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             name = self.scene_ids[int(self.np_random.integers(len(self.scene_ids)))]
         self._claim()
         self._is_over = True
-        now = self._now = self._prepare(str(name))
+        prepared = self._prepare(str(name))
         with working("simulator", self.simulator.name):
-            self.state = self._watched.reset(now.scene, self._seed)
-            self.seen = self._watched.observe()
-        self._steerer, self._count = ActionDecoder(self.interface.actions), 0
-        self._start = self._place()
-        self._initial = max(1.0, float(self.state.speeds[0]))
+            episode = self._episode = Episode.begin(prepared, self._watched, self._seed)
+        self._steerer = ActionDecoder(self.interface.actions)
         self.episode += 1
-        self._is_over = bool(self.state.contacts) or self.state.off_road
-        if self._is_over:
+        if episode.is_lost:
             raise SimulatorError(
-                f"the scene {now.scene.id!r} begins with a collision or off the road"
+                f"the scene {prepared.scene.id!r} begins with a collision or off the road"
             )
-        return self._observed(), self._info(None)
+        self._is_over = False
+        return self._observed(episode), self._info(episode, None)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Hold an action for one step of the environment.
@@ -273,36 +175,35 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             UsageError: If the action is not in the action space, or the episode is over.
             SimulatorError: If the simulator fails.
         """
-        if self._is_over or self.state is None or self.seen is None or self._now is None:
+        episode = self._episode
+        if self._is_over or episode is None:
             raise UsageError(
                 "SceneEnv.step(): call reset() first; the episode is over or has not begun"
             )
-        self._steerer.begin(action, self.seen, "SceneEnv.step()")
-        place, speed, time = self._place(), float(self.state.speeds[0]), self.state.time
+        self._steerer.begin(action, episode.seen, "SceneEnv.step()")
+        place, speed, time = episode.place_m, episode.speed, episode.state.time
         self._is_over = True  # Also if the simulator fails: its state is unknown then.
         for _ in range(self._held):
-            before = self.state
+            before = episode.state
             with working("simulator", self.simulator.name):
-                self.state = self._watched.step(self._steerer.control(self.seen))
-                self.seen = self._watched.observe()
-            self._count += 1
-            if self.state.contacts or self.state.off_road or self._count >= self._now.steps:
+                episode.advance(self._steerer.control(episode.seen))
+            if episode.is_lost or episode.is_at_horizon:
                 break
-        terminated = bool(self.state.contacts) or self.state.off_road
-        truncated = not terminated and self._count >= self._now.steps
+        terminated = episode.is_lost
+        truncated = not terminated and episode.is_at_horizon
         self._is_over = terminated or truncated
-        info = self._info(before)
-        seconds = self.state.time - time
+        info = self._info(episode, before)
+        seconds = episode.state.time - time
         terms = info["reward_terms"] = self.reward.terms(
             seconds,
-            progress=(self._place() - place) / (self._initial * seconds),
-            offset_m=self.seen.offset_m,
-            deceleration=(speed - float(self.state.speeds[0])) / seconds,
+            progress=(episode.place_m - place) / (episode.initial_speed * seconds),
+            offset_m=episode.seen.offset_m,
+            deceleration=(speed - episode.speed) / seconds,
             ttc_s=info["ttc_s"],
-            collision=bool(self.state.contacts),
-            off_road=self.state.off_road,
+            collision=info["collision"],
+            off_road=info["off_road"],
         )
-        return self._observed(), math.fsum(terms.values()), terminated, truncated, info
+        return self._observed(episode), math.fsum(terms.values()), terminated, truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return the dash camera's picture, 640 x 480, or `None` without a render mode."""
@@ -319,16 +220,26 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
 
     # ------------------------------------------------------------------ for drivers
 
+    @property
+    def state(self) -> State | None:
+        """The true state; `None` before the first reset."""
+        return None if self._episode is None else self._episode.state
+
+    @property
+    def seen(self) -> Observation | None:
+        """The driver's observation of the state; `None` before the first reset."""
+        return None if self._episode is None else self._episode.seen
+
     def look(self, camera: Camera) -> Frame:
         """Return a frame of the current state.
 
         Raises:
             UsageError: Before the first reset.
         """
-        if self.state is None:
+        if self._episode is None:
             raise UsageError("SceneEnv: call reset() first")
         with working("simulator", self.simulator.name):
-            return render_checked(self.simulator, camera, len(self.state.ids))
+            return render_checked(self.simulator, camera, len(self._episode.state.ids))
 
     # ------------------------------------------------------------------ internals
 
@@ -352,7 +263,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
                 "object per environment"
             )
 
-    def _prepare(self, name: str) -> _Prepared:
+    def _prepare(self, name: str) -> PreparedScene:
         """Return a scene or twin with its duration, found by one blind drive."""
         if name in self._prepared:
             return self._prepared[name]
@@ -363,38 +274,12 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             steps, decision_s, _ = horizon(scene, self._watched, self._seed)
             one = scene if name == scene.id else scene.twin(decision_s)
             course = Course.of(one, self.simulator.catalogue())
-        self._prepared[name] = _Prepared(one, course, steps)
+        self._prepared[name] = PreparedScene(one, course, steps)
         return self._prepared[name]
 
-    def _place(self) -> float:
-        """Return the ego's place along the road, m."""
-        assert self.state is not None
-        assert self._now is not None
-        if self.state.places is not None:
-            return float(self.state.places[0, 0])
-        x, y = self.state.poses[0, :2].tolist()
-        return float(self._now.course.corridor.locate(x, y, None)[0])
-
-    def _observed(self) -> Any:
-        assert self.state is not None
-        assert self.seen is not None
+    def _observed(self, episode: Episode) -> Any:
         frame = self.look(self.interface.camera) if self.interface.wants_frames else None
-        return self.interface.observed(self.state, self.seen, frame, self._drawn)
+        return self.interface.observed(episode.state, episode.seen, frame, self._drawn)
 
-    def _info(self, before: State | None) -> dict[str, Any]:
-        """Return the facts of the state, with velocities since the one before."""
-        assert self.state is not None
-        assert self._now is not None
-        state = self.state
-        return {
-            "scene": self._now.scene.id,
-            "time": state.time,
-            "collision": bool(state.contacts),
-            "collisions": state.contacts,
-            "off_road": state.off_road,
-            "ttc_s": least_time_to_collision(before, state, self._now.course),
-            "gap_m": float(state.gaps[1:].min(initial=math.inf)),
-            "speed": float(state.speeds[0]),
-            "progress_m": self._place() - self._start,
-            "step_s": self.interface.step_s,
-        }
+    def _info(self, episode: Episode, before: State | None) -> dict[str, Any]:
+        return {**episode.info(before), "step_s": self.interface.step_s}

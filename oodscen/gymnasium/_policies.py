@@ -13,8 +13,9 @@ from oodscen._display import Brief
 from oodscen._members import conforming, described, working
 from oodscen.errors import UsageError
 from oodscen.gymnasium._acting import ActionDecoder, as_action
-from oodscen.gymnasium._env import ActionKind, Interface, ObservationKind, SceneEnv, nearest_steps
+from oodscen.gymnasium._env import SceneEnv
 from oodscen.gymnasium._extra import gymnasium
+from oodscen.gymnasium._interface import ActionKind, Interface, ObservationKind, nearest_steps
 from oodscen.protocols import Camera, Control, Driver, Observation, State
 from oodscen.stages._steering import own_camera
 
@@ -154,9 +155,7 @@ class DriverPolicy(Brief):
         assert self._driver is not None
         seen = env.seen
         if getattr(self._driver, "wants_frames", False):
-            own = own_camera(self._driver)
-            camera = own or Camera()
-            seen = replace(seen, frame=env.look(camera))
+            seen = replace(seen, frame=env.look(own_camera(self._driver) or Camera()))
         if (look := getattr(self._driver, "look", None)) is not None:
             look(env.state)
         source = f"{type(self._driver).__name__}.act()"

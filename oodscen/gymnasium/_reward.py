@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 
 from oodscen._numbers import finite_number
+from oodscen.driving._motion.bodies import GRAVITY
 
 CRITICAL_TTC_S = 1.5
 """Time to collision below which `Reward.critical` counts, s."""
@@ -56,7 +57,7 @@ class Reward:
             collision: True if the ego touches a body.
             off_road: True if it is beside the drivable road.
         """
-        braking = max(0.0, deceleration) / 9.81
+        braking = max(0.0, deceleration) / GRAVITY
         return {
             "progress": self.progress * min(1.0, progress) * seconds,
             "offset": self.offset * abs(offset_m) * seconds,

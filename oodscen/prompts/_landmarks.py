@@ -1,9 +1,10 @@
 """Landmarks of a map at which a scene can be staged: junction, tunnel, bridge, crest and lights."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from oodscen.data._base import Data
+from oodscen.data._catalogue import LandmarkKind
 from oodscen.numerics._exact import cos
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ _FACING = -0.7
 class Landmark(Data):
     """A landmark of a map at which a scene can be staged."""
 
-    kind: Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"]
+    kind: LandmarkKind
     ahead_m: float
     """Distance from the ego's start along its road, m: to the middle of a junction or roundabout,
     the near end of a tunnel or bridge, the highest point of a crest, or a light that faces the
@@ -85,12 +86,7 @@ def _crest(road: "Corridor") -> Iterator[Landmark]:
         yield _mark("crest", float(road.s[first + top]) - road.start)
 
 
-def _mark(
-    kind: Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"],
-    ahead: float,
-    length: float = 0.0,
-    left: float = 0.0,
-) -> Landmark:
+def _mark(kind: LandmarkKind, ahead: float, length: float = 0.0, left: float = 0.0) -> Landmark:
     return Landmark(
         kind=kind,
         ahead_m=round(float(ahead), 1),

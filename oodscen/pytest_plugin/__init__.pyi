@@ -1,2 +1,2 @@
 from ._driving import Drive as Drive
-from ._driving import Driven as Driven
+from ._driven import Driven as Driven

@@ -1,9 +1,7 @@
 """The hooks of a session that names a study: scenes as parameters, reports, grades and the baseline."""
 
 import os
-import re
-from collections.abc import Generator, Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Generator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,17 +9,17 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from oodscen._text import plain
-from oodscen.data._pairing import scene_of
 from oodscen.errors import OodscenError, UsageError
 from oodscen.pytest_plugin._baseline import Baseline, Change, KnownTest, Outcome
 from oodscen.pytest_plugin._hooks import path_setting, setting
 
 if TYPE_CHECKING:
+    from oodscen.data._catalogue import Catalogue
     from oodscen.data._drive_result import DriveResult
-    from oodscen.data._scenario import Scenario
     from oodscen.data._scene import Scene
     from oodscen.judging._leaderboard.requirements import Bar, RequirementResult
-    from oodscen.pytest_plugin._driving import Drive, Scenes
+    from oodscen.pytest_plugin._driving import Drive
+    from oodscen.pytest_plugin._scenes import Scenes
     from oodscen.study._study import Study
 
 PARAMETER = "oodscen_scene"
@@ -99,7 +97,7 @@ class DrivingSession:
     @cached_property
     def scenes(self) -> "Scenes":
         """The texts, plans and folder that the drives of the session share."""
-        from oodscen.pytest_plugin._driving import Scenes
+        from oodscen.pytest_plugin._scenes import Scenes
 
         return Scenes(self.study, self.study.config.seed, self._pictures())
 
@@ -123,35 +121,23 @@ class DrivingSession:
     @cached_property
     def parameters(self) -> list[Any]:
         """One parameter per scene, with its id and its marks."""
-        texts = self.scenes.texts
-        chosen: list[Scene] = []
-        counts: dict[str, int] = {}
-        for scene in self.study.scenes:
-            path = _path(texts.get(scene.id), scene.id)
-            counts[path] = counts.get(path, 0) + 1
-            if self._per_path is None or counts[path] <= self._per_path:
-                chosen.append(scene)
-        tags = self._tags(chosen)
-        found = []
-        for scene in chosen:
-            labels = texts[scene.id].path[1:] if scene.id in texts else ()
-            names = [*(f"path_{slug(label)}" for label in labels), *tags.get(scene.id, ())]
-            marks = [self._mark(name) for name in dict.fromkeys(names)]
-            found.append(pytest.param(scene, id=scene.id, marks=marks))
-        return found
+        scenes, catalogue = self.scenes, self._catalogue()
+        return [
+            pytest.param(
+                scene,
+                id=scene.id,
+                marks=[self._mark(name) for name in scenes.marks(scene, catalogue)],
+            )
+            for scene in scenes.first_per_path(self._per_path)
+        ]
 
-    def _tags(self, scenes: "Iterable[Scene]") -> dict[str, list[str]]:
-        """Return the marks of every scene by its tags in ASAM OpenLABEL's ontology."""
+    def _catalogue(self) -> "Catalogue | None":
         from oodscen._registry import make_catalogue
-        from oodscen.interchange._tags import scene_tags
 
-        found: dict[str, list[str]] = {}
-        with suppress(OodscenError):  # Without the simulator's catalogue, scenes have no tags.
-            catalogue = make_catalogue(self.simulator_name)
-            for scene in scenes:
-                tags = scene_tags(scene, catalogue)
-                found[scene.id] = [f"tag_{name}" for name in tags if not name.endswith("Value")]
-        return found
+        try:
+            return make_catalogue(self.simulator_name)
+        except OodscenError:  # The tests that need the simulator say what is wrong with it.
+            return None
 
     def _mark(self, name: str) -> pytest.MarkDecorator:
         if name not in self._registered:
@@ -240,10 +226,9 @@ class DrivingSession:
         change: Change,
     ) -> None:
         """Add the properties of a test for the JUnit file."""
-        known = self.scenes.texts.get(scene.id)
         rows: list[tuple[str, object]] = [
             ("oodscen.scene", scene.id),
-            ("oodscen.path", " > ".join(known.path) if known else ""),
+            ("oodscen.path", " > ".join(self.scenes.path(scene))),
         ]
         if self._file is not None:
             rows.append(("oodscen.change", change))
@@ -393,15 +378,6 @@ class DrivingSession:
         if improved:
             lines.append("  keep the improvements with --oodscen-baseline-mode update")
         return lines
-
-
-def slug(label: str) -> str:
-    """Return a label as a part of a mark's name."""
-    return re.sub(r"[^a-z0-9]+", "_", label.lower()).strip("_")
-
-
-def _path(scenario: "Scenario | None", scene_id: str) -> str:
-    return " > ".join(scenario.path) if scenario else scene_of(scene_id).rpartition("-")[0]
 
 
 def _text(value: object) -> str:

@@ -13,6 +13,7 @@ from oodscen_carla.server._geometry import rotated
 from oodscen_carla.server._sensors import checked_camera
 from oodscen_carla.server._streams import WORLD_STREAM, Streams
 from oodscen_carla.server._values import CallError, Transform
+from oodscen_carla.server._vehicles import physics
 from oodscen_carla.server._world import SPECTATOR_ID, World
 
 VERSION = "0.9.16"
@@ -277,7 +278,7 @@ class Calls:
         return [[actor.id, actor.lights] for actor in every if actor.is_vehicle]
 
     def rpc_get_physics_control(self, number: Any) -> list[Any]:
-        return _physics(self.find(number, "get physics control"))
+        return physics(self.find(number, "get physics control"))
 
     def rpc_project_point(self, start: Any, direction: Any, distance: Any) -> list[Any]:
         """Return the road below a point; only rays downwards find something."""
@@ -317,22 +318,3 @@ def failed(message: str) -> list[Any]:
 
 def _share(value: Any, least: float) -> float:
     return max(least, min(1.0, read.number(value)))
-
-
-def _physics(actor: Actor) -> list[Any]:
-    """Return `carla.VehiclePhysicsControl`: constants that agree with the bicycle model."""
-    x, y, _ = actor.place.location
-    length, width, _ = actor.blueprint.extent
-
-    def wheel(ahead: float, right: float, steer: float) -> list[Any]:
-        place = [100.0 * (x + ahead * length), 100.0 * (y + right * width), 30.0]
-        return [2.0, 0.25, steer, 35.0, 1500.0, 3000.0, 2.0, 17.0, 1000.0, place]
-
-    torque, steering = [[0.0, 500.0], [5000.0, 500.0]], [[0.0, 1.0], [120.0, 1.0]]
-    engine = [torque, 5000.0, 1.0, 0.15, 2.0, 0.35]
-    gears = [True, 0.5, 10.0, 4.0, []]
-    wheels = [
-        *(wheel(0.6, side, 34.4) for side in (-0.8, 0.8)),
-        *(wheel(-0.6, side, 0.0) for side in (-0.8, 0.8)),
-    ]
-    return [*engine, *gears, 1500.0, 0.3, list(ZERO), steering, wheels, False]

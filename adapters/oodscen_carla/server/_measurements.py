@@ -4,6 +4,7 @@ The type index is the sensor's place in the `SensorRegistry` of libcarla 0.9.16;
 have other places, and a wrong one ends the client's process.
 """
 
+import math
 import struct
 from collections.abc import Iterable
 from typing import Any
@@ -13,7 +14,9 @@ import msgpack
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.driving._motion.bodies import GRAVITY
 from oodscen.protocols import Frame
+from oodscen_carla._cameras import DEPTH_CODES, FARTHEST_M
 from oodscen_carla.server._actors import Actor
 from oodscen_carla.server._values import Transform
 
@@ -31,8 +34,6 @@ WORLD = 17
 """Type index of the world's state."""
 ACTIVE = 1
 """`carla.ActorState.Active`."""
-FARTHEST = 1000.0
-"""Depth of the sky and of all beyond, m."""
 SKY, OTHER = 11, 22
 """Semantic tags of the sky and of what the drawing simulator cannot tell."""
 
@@ -113,8 +114,8 @@ def picture(
     if kind == "rgb":
         return np.asarray(cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2BGRA), np.uint8)
     if kind == "depth":
-        share = cv2.min(frame.depth, FARTHEST)
-        share *= np.float32(16_777_215.0 / FARTHEST)
+        share = cv2.min(frame.depth, FARTHEST_M)
+        share *= np.float32(DEPTH_CODES / FARTHEST_M)
         code = np.rint(share, out=share).astype("<i4")
         code |= _OPAQUE
         low_first = code.view(np.uint8).reshape(*frame.depth.shape, 4)
@@ -149,10 +150,9 @@ def collision(actor: list[Any], other: list[Any], impulse: list[float]) -> bytes
 def inertial(actor: Actor, place: Transform) -> bytes:
     """Return accelerometer, gyroscope and compass."""
     x, y, z = actor.acceleration
-    turn = [angle * 0.017453292519943295 for angle in actor.angular]
-    return _packed(
-        [[x, y, z + 9.81], turn, (place.rotation[1] + 90.0) % 360.0 * 0.017453292519943295]
-    )
+    turn = [math.radians(angle) for angle in actor.angular]
+    compass = math.radians((place.rotation[1] + 90.0) % 360.0)
+    return _packed([[x, y, z + GRAVITY], turn, compass])
 
 
 def position(place: Transform) -> bytes:

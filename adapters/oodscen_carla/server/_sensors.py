@@ -12,6 +12,7 @@ from oodscen_carla.server._blueprints import CAMERAS
 from oodscen_carla.server._cameras import Body, CameraRenderer, Shot
 from oodscen_carla.server._streams import WORLD_STREAM, Streams
 from oodscen_carla.server._values import CallError, Description, Transform
+from oodscen_carla.server._vehicles import MASS_KG
 from oodscen_carla.server._world import World
 
 MAX_SIDE = 4096
@@ -129,7 +130,7 @@ class SensorSender:
         for car, other in world.collisions if listening else ():
             for sensor in listening.get(car.id, ()):
                 pairs = zip(car.velocity, other.velocity, strict=True)
-                impulse = [1500.0 * (a - b) for a, b in pairs]
+                impulse = [MASS_KG * (a - b) for a, b in pairs]
                 self._send(sensor, wire.collision(car.row(b""), other.row(b""), impulse))
 
 
@@ -155,7 +156,7 @@ def aimed(
     x, y, z = place.location
     pitch, yaw, roll = place.rotation
     camera = _moved(size, 0.0, 0.0, 0.0, -pitch, 0.0)
-    return Shot(camera, (x, -y, z, -yaw * 0.017453292519943295), roll, time)
+    return Shot(camera, (x, -y, z, math.radians(-yaw)), roll, time)
 
 
 def _moved(size: Camera, x: float, y: float, z: float, pitch_deg: float, yaw_deg: float) -> Camera:

@@ -1,11 +1,14 @@
 """The motion of a driven vehicle: a kinematic bicycle within the road's friction."""
 
 import math
+from typing import Any
 
-from oodscen_carla.server._actors import Actor, VehicleControl
+from oodscen.driving._motion.bodies import GRAVITY
+from oodscen_carla.server._actors import ZERO, Actor, VehicleControl
 from oodscen_carla.server._values import Transform, Vector
 
-GRAVITY = 9.81
+MASS_KG = 1500.0
+"""Mass of every vehicle."""
 MAX_DRIVE = 4.0
 """Maximum acceleration of the motor, m/s^2."""
 TOP_SPEED = 55.0
@@ -76,3 +79,49 @@ def drive(actor: Actor, control: VehicleControl, friction: float, dt: float) -> 
         actor.acceleration_along = (after - before) / dt
     actor.velocity, actor.speed = velocity, after
     actor.angular = (0.0, 0.0, math.degrees(turn / dt) if dt > 0.0 else 0.0)
+
+
+def physics(actor: Actor) -> list[Any]:
+    """Return `carla.VehiclePhysicsControl` as clients read it: constants that agree with the bicycle model."""
+    x, y, _ = actor.place.location
+    length, width, _ = actor.blueprint.extent
+
+    def wheel(ahead: float, right: float, max_steer_deg: float) -> list[Any]:
+        control = {
+            "tire_friction": 2.0,
+            "damping_rate": 0.25,
+            "max_steer_angle": max_steer_deg,
+            "radius": 35.0,
+            "max_brake_torque": 1500.0,
+            "max_handbrake_torque": 3000.0,
+            "lat_stiff_max_load": 2.0,
+            "lat_stiff_value": 17.0,
+            "long_stiff_value": 1000.0,
+            "position": [100.0 * (x + ahead * length), 100.0 * (y + right * width), 30.0],
+        }
+        return list(control.values())
+
+    control = {
+        "torque_curve": [[0.0, 500.0], [5000.0, 500.0]],
+        "max_rpm": 5000.0,
+        "moi": 1.0,
+        "damping_rate_full_throttle": 0.15,
+        "damping_rate_zero_throttle_clutch_engaged": 2.0,
+        "damping_rate_zero_throttle_clutch_disengaged": 0.35,
+        "use_gear_autobox": True,
+        "gear_switch_time": 0.5,
+        "clutch_strength": 10.0,
+        "final_ratio": 4.0,
+        "forward_gears": [],
+        "mass": MASS_KG,
+        "drag_coefficient": 0.3,
+        "center_of_mass": list(ZERO),
+        "steering_curve": [[0.0, 1.0], [120.0, 1.0]],
+        "wheels": [
+            wheel(ahead, right, max_steer_deg)
+            for ahead, max_steer_deg in ((0.6, 34.4), (-0.6, 0.0))
+            for right in (-0.8, 0.8)
+        ],
+        "use_sweep_wheel_collision": False,
+    }
+    return list(control.values())

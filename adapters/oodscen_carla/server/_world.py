@@ -13,6 +13,7 @@ from oodscen.driving._roads.building import find_map
 from oodscen.errors import OodscenError
 from oodscen_carla._blueprints import own_id
 from oodscen_carla._catalogue import load_catalogue
+from oodscen_carla._lights import LAMPS_OF_STATE, Lamp
 from oodscen_carla._weather import WeatherParameters, from_carla, to_carla
 from oodscen_carla.server._actors import ZERO, Actor
 from oodscen_carla.server._blueprints import (
@@ -36,19 +37,9 @@ MAX_ACTORS = 2_000
 SPECTATOR_ID = 23
 """Id of the spectator; actors follow."""
 
-_LAMPS = 1 | 2 | 4
-"""Position lamps, low and high beam of `carla.VehicleLightState`."""
-_BRAKE = 8
-"""Brake lamps of `carla.VehicleLightState`."""
+_HEADLAMPS = Lamp.POSITION | Lamp.LOW_BEAM | Lamp.HIGH_BEAM
 _BRAKING = -9.0
 """Acceleration at which every simulator shows brake lamps, m/s^2."""
-_STATES = (
-    (16 | 32, "hazard"),
-    (32, "indicate_left"),
-    (16, "indicate_right"),
-    (128, "beacon"),
-)
-"""State of an asset by the lights that are on."""
 
 
 class World:
@@ -220,7 +211,7 @@ class World:
         """Yield name and asset of every vehicle with its lamps on."""
         for actor in self.actors.values():
             asset = actor.blueprint.asset
-            if asset is not None and actor.lights & _LAMPS:
+            if asset is not None and actor.lights & _HEADLAMPS:
                 yield name_of(actor), asset.id
 
     # ------------------------------------------------------------------ actors
@@ -289,7 +280,7 @@ class World:
                 x, y, z = place.location
                 yaw = -math.radians(place.rotation[1])
                 acceleration = actor.acceleration_along
-                if actor.lights & _BRAKE:
+                if actor.lights & Lamp.BRAKE:
                     acceleration = min(acceleration, _BRAKING)
                 pose, speed = (x, -y, z, yaw), actor.speed
                 name, state = name_of(actor), _state(actor, asset.states)
@@ -383,7 +374,7 @@ def _state(actor: Actor, states: Sequence[str]) -> str:
     given = actor.attributes.get("state", "")
     if given in states:
         return given
-    for lights, state in _STATES:
+    for state, lights in LAMPS_OF_STATE.items():
         if actor.lights & lights == lights and state in states:
             return state
     return ""

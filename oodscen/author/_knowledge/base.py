@@ -38,6 +38,7 @@ class Needs(Data):
     assets: tuple[str, ...] = ()
     """Asset ids, or plain names if no known catalogue has the asset."""
     behaviours: tuple[str, ...] = ()
+    """Behaviour ids."""
     weather: tuple[str, ...] = ()
     """`night`, `fog`, `rain`, `snow`, `ice`; other words name weather that no range can express."""
     traits: tuple[str, ...] = ()
@@ -48,34 +49,40 @@ class RecipeTrigger(Data):
     """A trigger with a range of values."""
 
     kind: Literal["time", "distance", "ttc"] = "time"
+    """Time since the start, distance to an actor, or time to collision with it."""
     value: Range = (0.0, 0.0)
     """Value in s or m."""
     actor: str | None = None
-
-
-LandmarkName = Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"]
-"""Landmarks along the road, besides the ego's start, from which a recipe can measure."""
+    """The actor that the ego approaches: by default the one that the trigger starts; for a decision, the first of the hazard."""
 
 
 class Counterpart(Data):
-    """Differences between the ordinary actor and the unusual one."""
+    """Fields of an actor that differ in the ordinary twin or in a variant; `None` leaves a field as it is."""
 
     asset: Names | None = None
     ahead: Range | None = None
+    """Distance ahead of the ego's start in the twin, m; of the recipe's anchor in a variant."""
     lane: int | None = None
+    """Lane, counted to the left of the ego's."""
     offset: Range | None = None
+    """Offset to the left of the lane's centre, m."""
     heading_deg: Range | None = None
+    """Heading relative to the lane, degrees to the left."""
     behaviour: str | None = None
     parameters: dict[str, Drawn] | None = None
+    """Parameters of the behaviour; those that are not named keep their values."""
     trigger: RecipeTrigger | None = None
     state: str | None = None
+    """State of the asset, such as `indicate_left`."""
 
 
 class RecipeActor(Data):
     """One actor, or a row of identical actors, with ranges to draw from."""
 
     id: str
+    """Id in the scene."""
     asset: Names
+    """Ids of the assets that the actor may be."""
     ahead: Range
     """Distance ahead of the ego's start, or of the anchor that `at` names, m."""
     at: str = "start"
@@ -84,23 +91,30 @@ class RecipeActor(Data):
     every light that faces the ego. Or the id of an actor listed before, from which `offset` is
     also measured."""
     lane: Lanes = (0,)
+    """Lane, counted to the left of the ego's."""
     offset: Range = (0.0, 0.0)
     """Offset to the left of the lane's centre, m."""
     meets: Range | None = None
     """For crossing traffic: time by which the actor reaches the middle of the ego's lane after an
     ego that continues unchanged, s. It replaces `offset`; the side follows from `heading_deg`."""
     heading_deg: Range = (0.0, 0.0)
+    """Heading relative to the lane, degrees to the left."""
     behaviour: str = "stand"
+    """Id of the behaviour."""
     parameters: dict[str, Drawn] = {}
+    """Parameters of the behaviour by name."""
     trigger: RecipeTrigger = RecipeTrigger()
+    """Start of the behaviour."""
     other: str | None = None
     """The actor to which this one belongs: the one that tows or carries it, or its car."""
     state: str = ""
+    """State of the asset, such as `indicate_left`; ignored if the asset does not have it."""
     details: Details | None = None
     """Pose of a person or states of a vehicle's parts, where the simulator has them."""
     hazard: bool = True
     """True if the actor is part of the unusual event."""
     ordinary: Literal["remove"] | Counterpart = "remove"
+    """Differences of the actor in the ordinary twin; by default the twin does not have it."""
     count: int = Field(default=1, ge=1, le=40)
     """Number of actors; if there are several, they are called `<id>-1`, `<id>-2` ..."""
     spread_ahead: float = 0.0
@@ -131,7 +145,9 @@ class Recipe(Data):
     speed: Range
     """Speed of the ego, m/s."""
     decision: RecipeTrigger
+    """The moment at which the ego must choose an action."""
     horizon: float = 8.0
+    """Duration from the decision to the end, s."""
     ego_lane: Literal["right", "any", "mirror"] = "right"
     """Permitted starting lanes of the ego: the rightmost, any, or the leftmost with everything
     mirrored. If the ego starts in another lane than the rightmost, roadside objects stay at the
@@ -143,11 +159,13 @@ class Recipe(Data):
     """Width of the obstacle, m. If it is given and nothing moves, some decisions come so late that
     only a lane change helps, not braking."""
     variants: tuple[Variant, ...] = ()
+    """Variants for certain texts, of which the first that fits applies."""
     weather: dict[str, Range | str] = {}
     """Fields of `oodscen.data._scene.Weather`, if the weather is the hazard."""
     ordinary_weather: dict[str, float | str] = {}
     """Values of these fields in the ordinary twin."""
     actors: tuple[RecipeActor, ...] = ()
+    """The actors, in an order in which each follows its anchor."""
 
     @property
     def is_static(self) -> bool:
@@ -172,17 +190,21 @@ class HazardKind(Data):
     id: str = Field(pattern=r"^[a-z0-9][a-z0-9-]*$")
     """Internal id; it occurs in no prompt and no answer."""
     class_name: ClassName = Field(alias="class")
+    """Class of the paper's taxonomy."""
     family: str = Field(min_length=3, max_length=MAX_LABEL)
+    """Label of the family's node in a scenario tree."""
     label: str = Field(min_length=3, max_length=MAX_LABEL)
+    """Label of the leaf."""
     wider: str = Field(default="", max_length=MAX_LABEL)
     """The label of the leaf after it is broadened to cover the hazard's kin."""
     kin: tuple[str, ...] = ()
     """Ids of the hazards that the wider label also covers."""
     words: tuple[str, ...] = ()
-    """Distinctive words."""
+    """Distinctive words, by which texts are recognised."""
     places: tuple[str, ...] = Field(min_length=1)
+    """Keys of the places where it can be met."""
     conditions: tuple[str, ...] = ()
-    """Conditions compatible with the hazard; empty if its events describe the weather themselves."""
+    """Keys of the conditions compatible with it; empty if its events describe the weather themselves."""
     events: tuple[str, ...] = Field(min_length=1)
     """Full clauses that start with a capital letter and end without a full stop; `{where}` is filled in."""
     details: tuple[str, ...] = ()
@@ -192,23 +214,28 @@ class HazardKind(Data):
     ordinary: Names = Field(min_length=1)
     """Ordinary counterparts as clauses; the first one that suits the setting is used."""
     needs: Needs = Needs()
+    """What a simulator must have to show it."""
     first: bool = False
     """True if the hazard is imagined before others, until a question names it as covered."""
     source: str = ""
+    """Kind of source that it was taken from."""
     stage: Recipe | None = None
+    """The recipe for staging it; `None` if it cannot be staged yet."""
 
 
 class RoadKind(Data):
     """A kind of road."""
 
     key: str
+    """Key by which hazards name it; several kinds of road may share one."""
     traits: tuple[str, ...]
     """Traits of a map that shows this kind of road."""
     told: dict[str, Names] = {}
-    """Traits that only some phrases tell: those with a word that begins with one of these. The others are told by all."""
+    """Traits that only some phrases mention, each with the beginnings of the words that do so; all phrases mention the others."""
     speed: Range = (8.0, 12.0)
     """Usual speed of the ego, m/s."""
     words: tuple[str, ...] = ()
+    """Words by which texts name this kind of road."""
     phrases: tuple[str, ...] = Field(min_length=1)
     """Adverbials, such as `on a two-lane residential street`."""
 
@@ -217,33 +244,45 @@ class Condition(Data):
     """Weather and time of day."""
 
     key: str
+    """Key by which hazards name it."""
     phrases: tuple[str, ...] = Field(min_length=1)
     """Adverbials, such as `in light rain`."""
     statements: tuple[str, ...] = ()
     """Clauses, such as `It is raining`."""
     words: tuple[str, ...] = ()
+    """Words by which texts name it."""
     weather: dict[str, Range | str] = {}
+    """Fields of `oodscen.data._scene.Weather`, with ranges to draw from."""
 
 
 class TrafficActor(Data):
     """The ordinary road user of a traffic phrase."""
 
     id: str
+    """Id in the scene."""
     asset: Names
+    """Ids of the assets that it may be."""
     side: Literal["oncoming", "left"]
+    """Its lane: the first one for oncoming traffic, or the one to the left of the ego's."""
     ahead: Range
+    """Distance ahead of the ego's start, m."""
     behaviour: str = "follow_lane"
+    """Id of its behaviour."""
     parameters: dict[str, Drawn] = {}
+    """Parameters of the behaviour by name."""
 
 
 class BackgroundTraffic(Data):
     """Other traffic on the road."""
 
     key: str
+    """Key by which clashes name it: `quiet` for none, `follower` for a vehicle behind the ego."""
     traits: tuple[str, ...] = ()
     """Traits of the maps on which this traffic can occur."""
     phrases: tuple[str, ...] = Field(min_length=1)
+    """Adverbials, such as `with no other traffic nearby`."""
     actor: TrafficActor | None = None
+    """The road user that the phrases mention, if staging adds one."""
 
 
 class Clash(Data):
@@ -252,9 +291,13 @@ class Clash(Data):
     words: Names = Field(min_length=1)
     """Whole words; an asterisk stands for any ending."""
     places: tuple[str, ...] = ()
+    """Keys of places."""
     conditions: tuple[str, ...] = ()
+    """Keys of conditions."""
     traffic: tuple[str, ...] = ()
+    """Keys of traffic."""
     why: str = ""
+    """The reason, for readers of the file and of faults."""
 
     @cached_property
     def pattern(self) -> re.Pattern[str]:
@@ -280,9 +323,11 @@ class AmbientTraffic(Data):
     """Ordinary traffic that no text mentions, present when the ego must decide."""
 
     side: Literal["left", "right", "oncoming", "behind"]
+    """Its position relative to the ego."""
     share: float = Field(ge=0.0, le=1.0)
     """Share of the scenes with room for this traffic in which it appears."""
     asset: Names
+    """Ids of the assets that it may be."""
     gap: Range
     """Distance ahead of the ego at the decision, m; for a follower, the time gap at the start, s."""
     speed: Range | Literal["ego"] = "ego"
@@ -296,6 +341,7 @@ class Things(Data):
 
     category: Category
     names: tuple[str, ...] = Field(min_length=1)
+    """The names of the things."""
     kinds: tuple[str, ...] = ()
     """Words for the category as a whole: `animal`, `wildlife`."""
     others: tuple[str, ...] = ()
@@ -306,26 +352,35 @@ class Replacement(Data):
     """Acceptable replacements for an unavailable thing, which viewers still recognise as intended."""
 
     wanted: str
+    """Name of the thing that a hazard needs."""
     by: tuple[str, ...] = Field(min_length=1)
     """Replacements, the closest first."""
     why: str = ""
+    """The reason, for readers of the file."""
 
 
 class Wording(Data):
     """Phrases for how a text opens and how far away something is."""
 
     openings: tuple[str, ...] = Field(min_length=1)
+    """Beginnings of a text, up to the place."""
     near: tuple[str, ...] = Field(min_length=1)
+    """Adverbials for a place ahead, at no certain distance."""
     metres: tuple[str, ...] = Field(min_length=1)
+    """The same with `{distance}` filled in, m."""
     near_ego: tuple[str, ...] = Field(min_length=1)
+    """Adverbials for a place ahead of the ego, for texts that do not mention it elsewhere."""
     metres_ego: tuple[str, ...] = Field(min_length=1)
+    """The same with `{distance}` filled in, m."""
 
 
 class Paper(Data):
     """The scenarios of the paper, described in a few words each."""
 
     simulated: tuple[str, ...] = ()
+    """Those that it simulated."""
     mentioned: tuple[str, ...] = ()
+    """Those that it only mentions."""
 
 
 class Knowledge(Data):

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from oodscen.author._knowledge.base import Clash, Driving, HazardKind, Knowledge, Recipe
 from oodscen.author._knowledge.loading import gather
-from oodscen.author._staging.anchors import LANDMARKS
 from oodscen.author._writing.agreement import Agreement, Setting
+from oodscen.data._catalogue import LANDMARKS
 from oodscen.data._scene import Weather
 from oodscen.errors import DataError, Issue
 
@@ -149,7 +149,7 @@ def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
             if target is not None and target not in names:
                 yield Issue(f"stage.actors[{index}].{field}", f"unknown actor {target!r}")
         earlier = {one.id for one in recipe.actors[:index]}
-        if actor.at != "start" and actor.at not in LANDMARKS | earlier:
+        if actor.at != "start" and actor.at not in {*LANDMARKS, *earlier}:
             message = f"{actor.at!r} is neither a landmark nor an actor listed before"
             yield Issue(f"stage.actors[{index}].at", message)
         if actor.meets is not None and "speed" not in actor.parameters:

@@ -17,9 +17,10 @@ from oodscen.author._knowledge.base import (
     RecipeTrigger,
     TrafficActor,
 )
-from oodscen.author._staging.anchors import LANDMARKS, marks
+from oodscen.author._staging.anchors import marks
 from oodscen.author._staging.decision_timing import decisive
 from oodscen.claims._things import Thing
+from oodscen.data._catalogue import LANDMARKS
 from oodscen.data._details import Details
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.driving._motion.behaviour_row import Course

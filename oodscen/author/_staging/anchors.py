@@ -1,21 +1,19 @@
 """Anchors of a recipe's actors: the ego's start, a landmark of the map, or another actor."""
 
-from typing import get_args
-
-from oodscen.author._knowledge.base import LandmarkName, Range, Recipe, RecipeActor
+from oodscen.author._knowledge.base import Range, Recipe, RecipeActor
+from oodscen.data._catalogue import LANDMARKS
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import MapLine
 from oodscen.prompts._landmarks import Landmark
 
-LANDMARKS: frozenset[str] = frozenset(get_args(LandmarkName))
-"""Permitted values of `RecipeActor.at` besides `start` and the ids of actors."""
-
 
 def landmarks_needed(recipe: Recipe) -> tuple[str, ...]:
+    """Return the landmarks from which a recipe measures, each once."""
     return tuple(dict.fromkeys(actor.at for actor in recipe.actors if actor.at in LANDMARKS))
 
 
 def has_landmarks(road: MapLine, recipe: Recipe | None) -> bool:
+    """Return whether a map has the landmarks from which a recipe measures."""
     there = {mark.kind for mark in road.landmarks} | set(road.somewhere)
     return recipe is None or there.issuperset(landmarks_needed(recipe))
 

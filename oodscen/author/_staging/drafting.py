@@ -19,7 +19,7 @@ from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._settings import places_of, roads_for
 from oodscen.author._staging import decision_timing as timing
 from oodscen.author._staging.actors import SceneDraftState, cast, named_traffic
-from oodscen.author._staging.anchors import LANDMARKS, anchors
+from oodscen.author._staging.anchors import anchors
 from oodscen.author._staging.aside import moved_aside
 from oodscen.author._staging.background_traffic import (
     company,
@@ -34,6 +34,7 @@ from oodscen.author._staging.weather import draw_weather
 from oodscen.author._writing.stand_in import stand_in
 from oodscen.claims._roads import is_so, of_roads
 from oodscen.claims._things import Thing, may_be, mentions
+from oodscen.data._catalogue import LANDMARKS
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Ego, Hazard, Trigger
 from oodscen.driving._motion.behaviours import STAYS

@@ -1,0 +1,24 @@
+"""The lamps of vehicles, as CARLA's clients and servers number them."""
+
+from enum import IntFlag
+
+
+class Lamp(IntFlag):
+    """The part of `carla.VehicleLightState` that scenes use."""
+
+    POSITION = 1
+    LOW_BEAM = 2
+    HIGH_BEAM = 4
+    BRAKE = 8
+    RIGHT_BLINKER = 16
+    LEFT_BLINKER = 32
+    SPECIAL_1 = 128
+
+
+LAMPS_OF_STATE = {
+    "hazard": Lamp.LEFT_BLINKER | Lamp.RIGHT_BLINKER,
+    "indicate_left": Lamp.LEFT_BLINKER,
+    "indicate_right": Lamp.RIGHT_BLINKER,
+    "beacon": Lamp.SPECIAL_1,
+}
+"""The lamps that flash in a state of an asset; brake lamps follow from the motion."""

@@ -1,0 +1,116 @@
+"""One drive of a test, and what its failure shows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+
+from oodscen._text import plain
+from oodscen.data._drive_result import DriveResult
+from oodscen.data._scene import Scene
+from oodscen.protocols import State
+from oodscen.stages._drive import brakes_hard
+
+_SHOWN_S = (3.0, 2.0, 1.5, 1.0, 0.5, 0.0)
+"""Times before the shown moment of a drive that a failure lists, s."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Driven:
+    """One drive of a stack in a scene or twin; its representation shows what happened."""
+
+    result: DriveResult
+    """All figures of the drive."""
+    scene: Scene
+    """The scene or twin that was driven."""
+    states: tuple[State, ...]
+    """The states from the start to the end of the drive."""
+    text: str
+    """The text of the scene, on one line; empty if the study has none."""
+    path: tuple[str, ...]
+    """The path of the scenario tree that the scene realises."""
+    pictures: tuple[Path, ...] = ()
+    """The frame and the plan view of the shown moment, if they were saved."""
+
+    @cached_property
+    def shown(self) -> State:
+        """The moment that a failure shows: where needless braking begins, else the end of the drive."""
+        if not (self.is_safe and self.is_needless):
+            return self.states[-1]
+        hard = (after for before, after in pairwise(self.states) if brakes_hard(before, after))
+        return next(hard, self.states[-1])
+
+    @property
+    def is_safe(self) -> bool:
+        """True without a collision and without leaving the road."""
+        return self.result.passed
+
+    @property
+    def is_needless(self) -> bool:
+        """True if the stack braked hard in a twin in which keeping the speed is safe; False for a scene."""
+        return bool(self.result.brakes_needlessly)
+
+    @property
+    def outcome(self) -> str:
+        """The outcome of the drive in a few words."""
+        one = self.result
+        end = f"after {one.seconds:.2f} s at {float(self.states[-1].speeds[0]):.1f} m/s"
+        if one.collisions:
+            kinds = {actor.id: actor.asset for actor in self.scene.actors}
+            touched = " and ".join(f"{name} ({kinds.get(name, '?')})" for name in one.collisions)
+            return f"touches {touched} {end}"
+        if one.off_road:
+            return f"leaves the road {end}"
+        ttc = "none" if one.min_ttc_s is None else f"{one.min_ttc_s:.1f} s"
+        hard = ""
+        if self.is_needless:
+            hard = (
+                f", braking hard after {self.shown.time:.2f} s although keeping the speed is safe"
+            )
+        return f"is safe{hard}; least time to collision {ttc}"
+
+    def __repr__(self) -> str:
+        return f"<{self.result.driver} in {self.scene.id}: {self.outcome}>"
+
+    def report(self, safe_actions: Sequence[str] = ()) -> str:
+        """Return what a reader needs in order to understand the drive, in a few lines.
+
+        Args:
+            safe_actions: The actions that were safe from the scene's decision on.
+        """
+        one = self.result
+        gap = "none" if one.min_gap_m is None else f"{one.min_gap_m:.1f} m"
+        ttc = "none" if one.min_ttc_s is None else f"{one.min_ttc_s:.2f} s"
+        rows = [
+            ("scene", self.scene.id),
+            ("path", " > ".join(self.path)),
+            ("text", self.text),
+            ("outcome", self.outcome),
+            (
+                "figures",
+                f"least gap {gap}, least time to collision {ttc}, hardest braking "
+                f"{one.peak_deceleration:.1f} m/s2, {one.progress:.0%} of the way at constant speed",
+            ),
+            ("safe here", ", ".join(safe_actions)),
+            *(("before" if not row else "", line) for row, line in enumerate(self._last())),
+            *zip(("frame", "plan view"), map(str, self.pictures), strict=False),
+        ]
+        return "\n".join(plain(f"{name:11}{value}") for name, value in rows if value)
+
+    def _last(self) -> list[str]:
+        """Return the ego's speed and the nearest actor at a few times up to the shown moment."""
+        end, lines = self.shown.time, []
+        shown: set[int] = set()
+        for before in _SHOWN_S:
+            state = min(self.states, key=lambda one: abs(one.time - (end - before)))
+            if state.step in shown:
+                continue
+            shown.add(state.step)
+            line = f"{state.time:6.2f} s  {float(state.speeds[0]):5.1f} m/s"
+            if len(state.ids) > 1:
+                row = int(state.gaps[1:].argmin()) + 1
+                if state.gaps[row] < float("inf"):
+                    line += f"  {float(state.gaps[row]):5.1f} m from {state.ids[row]}"
+            lines.append(line)
+        return lines
