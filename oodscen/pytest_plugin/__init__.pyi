@@ -1,2 +1,2 @@
-from ._driving import Drive as Drive
 from ._driven import Driven as Driven
+from ._driving import Drive as Drive

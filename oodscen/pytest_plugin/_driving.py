@@ -2,9 +2,11 @@
 
 import dataclasses
 import re
+import unittest
 from collections.abc import Mapping
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from oodscen._arguments import instance_of
@@ -29,6 +31,9 @@ from oodscen.stages._drive import (
     failed_drive,
     is_needless,
 )
+
+_SKIPS = (unittest.SkipTest, pytest.skip.Exception, pytest.xfail.Exception)
+"""What would end a test as neither passed nor failed; a stack must not."""
 
 _Pictures = Mapping[str, NDArray[np.uint8]]
 """The frame and the plan view of one moment."""
@@ -83,8 +88,8 @@ class Drive:
             camera: Camera for drivers that want frames; by default the ego's dash camera, or the view from above.
 
         Raises:
-            UsageError: If the driver is an object that already exists, or returns no control.
-            Exception: Anything that the driver raises.
+            UsageError: If the driver is an object that already exists, returns no control, or skips.
+            Exception: Anything else that the driver raises.
         """
         make, own_name = _maker(driver)
         label = name or own_name
@@ -98,9 +103,14 @@ class Drive:
         try:
             states, braking = self._run(make, driven, plan.steps, camera, is_clear=is_clear)
         except BaseException as error:
-            if not is_interruption(error):
+            is_skip = isinstance(error, _SKIPS)
+            if is_skip or not is_interruption(error):
                 failed = failed_drive(driven.id, label, error)
                 self.results.append(failed.model_copy(update=facts))
+            if is_skip:
+                raise UsageError(
+                    f"{label} skips the scene: {error}; skip in the test, before drive()"
+                ) from error
             raise
         simulator = self._simulator
         result = drive_result(

@@ -22,6 +22,10 @@ pytest_plugins = ["pytester"]
 ROOT = Path(__file__).parents[2]
 
 STACK = """
+import unittest
+
+import pytest
+
 from oodscen.driving import action_driver
 from oodscen.stages import RuleBasedDriver
 
@@ -37,6 +41,11 @@ class Blind:
 class Broken:
     def act(self, observation):
         raise RuntimeError("no map")
+
+
+class Skips:
+    def act(self, observation):
+        raise {skip}("no GPU")
 
 
 class Cautious(Blind):
@@ -109,8 +118,8 @@ def session(pytester, study, monkeypatch):
     pytester.makepyfile(test_stack=TESTS)
     pytester.syspathinsert()
 
-    def run(stack, *options, named=True):
-        pytester.makepyfile(stack=STACK.format(stack=stack))
+    def run(stack, *options, named=True, skip="unittest.SkipTest"):
+        pytester.makepyfile(stack=STACK.format(stack=stack, skip=skip))
         shutil.rmtree(pytester.path / "__pycache__", ignore_errors=True)
         words = [f"--oodscen={study.folder}"] if named else []
         strict = ("-W", "error", "-W", "ignore::pytest.PytestAssertRewriteWarning")
@@ -166,6 +175,18 @@ def test_an_error_of_the_stack_is_shown_as_its_own(session):
     assert result.ret == pytest.ExitCode.TESTS_FAILED
     result.stdout.fnmatch_lines(["*RuntimeError: no map", "Stack, scenes: 0 of 3 *3 failed"])
     assert result.parseoutcomes()["failed"] == 3
+
+
+@pytest.mark.parametrize(
+    "skip", ["unittest.SkipTest", "pytest.skip.Exception", "pytest.xfail.Exception"]
+)
+def test_a_stack_cannot_skip_the_drives_that_a_requirement_counts(session, skip):
+    result = session("Skips", "-k", "test_safe", "--oodscen-require=safe>=0.5", skip=skip)
+    assert result.ret == pytest.ExitCode.TESTS_FAILED
+    assert result.parseoutcomes()["failed"] == 3
+    result.stdout.fnmatch_lines(
+        ["*Stack skips the scene: no GPU;*", "Stack, scenes: 0 of 3 *3 failed"]
+    )
 
 
 def test_needless_braking_in_a_twin_fails_with_pictures_of_where_it_begins(session, pytester):
