@@ -169,8 +169,8 @@ class Hoards(Small):
     kept: list[mmap.mmap] = []
 
     def reset(self, scene, seed):
-        block = mmap.mmap(-1, 1_000_000)
-        block.write(b"x" * 1_000_000)
+        block = mmap.mmap(-1, 4_000_000)
+        block.write(b"x" * 4_000_000)
         self.kept.append(block)
         return super().reset(scene, seed)
 

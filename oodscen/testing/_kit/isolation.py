@@ -104,7 +104,7 @@ def check_leaks(probe: Probe) -> None:
 
 
 class _Usage(NamedTuple):
-    """What this process holds."""
+    """Memory, files, threads and processes that this process holds."""
 
     memory: int
     """Resident memory in bytes."""
