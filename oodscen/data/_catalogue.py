@@ -17,7 +17,7 @@ from oodscen.data._details import (
 )
 from oodscen.data._map_state import MapPart
 from oodscen.data._motion import KEYED, Motion, motion_faults
-from oodscen.data._prop import Prop, check_prop, sizes_of
+from oodscen.data._prop import FLAT_M, Prop, check_prop, sizes_of
 from oodscen.data._scene import CLEAR_AIR_M, Actor, Precipitation, Scene, Weather
 from oodscen.errors import Issue
 
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 LandmarkKind = Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"]
 LANDMARKS: tuple[LandmarkKind, ...] = get_args(LandmarkKind)
 """Places along a road at which something can be staged."""
-FLAT_M = 0.08
-"""Maximum height of things that lie flat on the road, m: others can drive over and stand on them."""
 
 
 @with_fields

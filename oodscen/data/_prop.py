@@ -35,7 +35,7 @@ LEAST_M = 0.3
 SUNK_M = 0.5
 """Depth by which a part may reach below the road, m: what is there is cut off."""
 FLAT_M = 0.08
-"""Maximum height of what lies flat, m."""
+"""Maximum height of what lies flat on the road, m: others can drive over and stand on it."""
 OFF_ROAD_M = 0.1
 """Least height above the road of what hangs, is fixed to a wall or carried, m."""
 CLEAR_M = 2.3

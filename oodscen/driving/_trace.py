@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from oodscen._display import Brief
 from oodscen._files import writing
 from oodscen.data._base import Data
-from oodscen.data._catalogue import FLAT_M, Catalogue
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._prop import FLAT_M
 from oodscen.data._scene import Scene
 from oodscen.driving import _trace_table as table
 from oodscen.driving._roads.building import load_corridor

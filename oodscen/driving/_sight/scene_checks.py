@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.data._catalogue import FLAT_M, Catalogue
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._prop import FLAT_M
 from oodscen.data._scene import Scene
 from oodscen.driving._motion.behaviours import having
 from oodscen.driving._motion.boxes import Box, gap, radius
