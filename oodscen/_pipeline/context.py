@@ -69,7 +69,7 @@ class Context:
         self.models.check_names()
         rarity_llm = self.config.rarity_llm
         self.rarity_llm = None if rarity_llm is None else self.models.get(rarity_llm)
-        if not self.has("metrics.json"):
+        if not self.store.holds("metrics.json"):
             _ = self.baseline  # A wrong file is found before a model is asked.
 
     @cached_property
@@ -141,10 +141,6 @@ class Context:
             and (made_from is None or line.get("made_from") == made_from(line["id"]))
             and is_whole(line)
         }
-
-    def has(self, file: str) -> bool:
-        """Return whether a file of the study exists and is not empty."""
-        return self.store.has(file) and self.store.path(file).stat().st_size > 0
 
     def is_again(self, line: Mapping[str, Any]) -> bool:
         """Return whether the item of a line must be redone."""

@@ -84,6 +84,10 @@ class Store(Brief):
         """Return whether a file exists."""
         return os.path.isfile(self.path(name))
 
+    def holds(self, name: str) -> bool:
+        """Return whether a file exists and is not empty."""
+        return self.has(name) and self.path(name).stat().st_size > 0
+
     def digest(self, name: str) -> str:
         """Return the SHA-256 of a file that the study's data names.
 

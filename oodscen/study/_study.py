@@ -53,6 +53,7 @@ from oodscen.study._files import (
     is_own,
 )
 from oodscen.study._record import Info
+from oodscen.study._rounds import rounds_on
 from oodscen.study._store import Store
 from oodscen.tree._coverage import Coverage, study_coverage
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -150,12 +151,11 @@ class Study(Brief):
             kind = Scenario if TEXT_SETS.fullmatch(name) else LINES.get(name)
             if kind is not None:
                 self._rows(kind, name)
-            if name in VALUES and self.store.path(name).stat().st_size:
+            if name in VALUES and self.store.holds(name):
                 VALUES[name].parse(self.store.read(name), source=str(self.folder / name))
-        for name in TREES:
-            file = f"tree.{name}.json"
-            if file in names and self.store.path(file).stat().st_size:
-                self.tree(name)
+        trees = {name: self.tree(name) for name in TREES if self.store.holds(f"tree.{name}.json")}
+        if "initial" in trees:
+            rounds_on(self, trees["initial"])
         self._check_unique_scenes()
 
     def _check_unique_scenes(self) -> None:

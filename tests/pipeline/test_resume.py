@@ -276,3 +276,14 @@ def test_a_scene_that_cannot_be_taken_is_named(folder, change, error, words):
         run(folder)
     assert content(folder) == before
     assert Study(folder).info["status"] != "running"
+
+
+def test_a_round_that_does_not_fit_its_tree_is_named_before_anything_is_written(folder):
+    rows = lines(folder, "redteam.jsonl")
+    edits = next(row["edits"] for row in rows if any(edit["parent"] for edit in row["edits"]))
+    edits[0]["parent"] = "elsewhere"
+    rewrite(folder, "redteam.jsonl", rows)
+    before = content(folder)
+    with pytest.raises(DataError, match=r"(?s)redteam\.jsonl:.*'elsewhere' does not exist"):
+        run(folder)
+    assert content(folder) == before

@@ -35,6 +35,6 @@ def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
 
 def _is_compared(run: Context, tree: ScenarioTree) -> bool:
     """Return whether a comparison of this tree is stored."""
-    if not run.has(CATALOGUES):
+    if not run.store.holds(CATALOGUES):
         return False
     return {line.id: line.path for line in run.study.comparison.lines} == tree.paths

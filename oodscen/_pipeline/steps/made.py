@@ -13,11 +13,11 @@ Made = tuple[tuple[Prop, ...], tuple[Motion, ...]]
 
 def made_for(run: Context) -> dict[tuple[str, ...], Made]:
     """Return the things and motions that were made for leaves, by the path of the leaf."""
-    if not run.has(ASSETS):
+    if not run.store.holds(ASSETS):
         return {}
     lines = [MadeProp.parse(line, source=ASSETS) for line in run.store.lines(ASSETS)]
     props = {one.id: one.prop for one in lines if one.prop is not None}
-    motions = made_motions(run.store.lines(MOTIONS)) if run.has(MOTIONS) else {}
+    motions = made_motions(run.store.lines(MOTIONS)) if run.store.holds(MOTIONS) else {}
     tree = run.study.tree("simulatable")
     paths = tree.paths
     return {

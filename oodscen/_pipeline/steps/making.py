@@ -71,7 +71,7 @@ def _made_motions(
     """Make the movements that dropped leaves lack."""
     catalogue = run.simulator.catalogue()
     wanted = {one.name: one for one in wanted_motions(tree, judgements, catalogue)}
-    if not wanted and not run.has(MOTIONS):
+    if not wanted and not run.store.holds(MOTIONS):
         return {}
     maker = MotionMaker(run.llm, run.simulator)
     return made_motions(_made(run, MOTIONS, judgements, wanted, maker.make))

@@ -17,7 +17,7 @@ def measure(
     leaves = {leaf.id: leaf.label for leaf in run.study.tree("diverse").leaves}
     texts = {name: [[one.leaf, one.text] for one in chosen] for name, chosen in groups.items()}
     made_from = digest([texts, leaves, run.config.rarity_llm])
-    if not run.has("metrics.json") or run.study.metrics.get("made_from") != made_from:
+    if not run.store.holds("metrics.json") or run.study.metrics.get("made_from") != made_from:
         run.progress("metrics", 0, 1)
         found = _metrics(run, groups, leaves).model_copy(update={"made_from": made_from})
         run.store.write("metrics.json", found.to_json() + "\n")

@@ -364,6 +364,6 @@ def _has_files(run: Context, line: Mapping[str, Any]) -> bool:
     """Return whether the files of an episode are there, as they were written."""
     written = line.get("file_sha256", {})
     return all(
-        run.has(file) and (file not in written or run.store.digest(file) == written[file])
+        run.store.holds(file) and (file not in written or run.store.digest(file) == written[file])
         for file in (*line["frames"].values(), *line["files"])
     )

@@ -7,12 +7,13 @@ from oodscen.stages._prune.decisions import all_decisions, apply_decisions
 from oodscen.stages._prune.restoration import restoration
 from oodscen.stages._redteam.red_teamer import RedTeamer
 from oodscen.stages._redteam.thresholds import TOKENS
+from oodscen.study._rounds import rounds_on
 from oodscen.tree._scenario_tree import ScenarioTree
 
 
 def grow(run: Context) -> ScenarioTree:
     """Grow the initial tree."""
-    if not run.has("tree.initial.json"):
+    if not run.store.holds("tree.initial.json"):
         run.store.write(
             "tree.initial.json", _tree_text(TreeGrower(run.llm, nodes=run.config.nodes).run())
         )
@@ -23,12 +24,10 @@ def grow(run: Context) -> ScenarioTree:
 def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
     """Grow the diverse tree, round by round.
 
-    A round builds on those before it, so every round after a missing one is played again; so is every round
-    if the initial tree has changed.
+    Every round after a missing one is played again; so is every round if the initial tree has changed.
     """
     total = run.config.iterations
-    played = run.study.rounds if _is_grown_from(run, tree) else []
-    done = [item for number, item in enumerate(played, start=1) if item.round == number]
+    done = rounds_on(run.study, tree)
     # Later rounds build on a failed one, so only trailing failures can be played again.
     while done and run.is_again(done[-1].model_dump()):
         done.pop()
@@ -62,13 +61,6 @@ def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
     diverse = tree.apply(*(edit for item in done for edit in item.edits))
     run.store.write("tree.diverse.json", _tree_text(diverse))
     return diverse
-
-
-def _is_grown_from(run: Context, tree: ScenarioTree) -> bool:
-    """Return whether the rounds were played on this initial tree, as far as the files tell."""
-    if not run.has("tree.diverse.json"):
-        return True
-    return run.study.tree("diverse").edits[: len(tree.edits)] == tree.edits
 
 
 def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
