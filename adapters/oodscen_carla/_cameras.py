@@ -26,8 +26,7 @@ _BLUE, _GREEN, _RED = range(3)
 class Cameras:
     """Cameras that are mounted together on one actor.
 
-    They sleep until a picture is wanted, and again after a tick whose picture nobody wanted. Every method
-    may raise the client's `RuntimeError`.
+    They sleep until a picture is wanted, and again after a tick without such a wish. Every method may raise the client's `RuntimeError`.
     """
 
     def __init__(self) -> None:

@@ -33,7 +33,7 @@ from oodscen.stages._drive import (
 )
 
 _SKIPS = (unittest.SkipTest, pytest.skip.Exception, pytest.xfail.Exception)
-"""What would end a test as neither passed nor failed; a stack must not."""
+"""Exceptions that end a test as neither passed nor failed; a stack must not raise them."""
 
 _Pictures = Mapping[str, NDArray[np.uint8]]
 """The frame and the plan view of one moment."""

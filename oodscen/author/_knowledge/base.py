@@ -214,7 +214,7 @@ class HazardKind(Data):
     ordinary: Names = Field(min_length=1)
     """Ordinary counterparts as clauses; the first one that suits the setting is used."""
     needs: Needs = Needs()
-    """What a simulator must have to show it."""
+    """Assets and places that a simulator must have to show it."""
     first: bool = False
     """True if the hazard is imagined before others, until a question names it as covered."""
     source: str = ""
@@ -378,9 +378,9 @@ class Paper(Data):
     """The scenarios of the paper, described in a few words each."""
 
     simulated: tuple[str, ...] = ()
-    """Those that it simulated."""
+    """The simulated ones."""
     mentioned: tuple[str, ...] = ()
-    """Those that it only mentions."""
+    """The ones that it only mentions."""
 
 
 class Knowledge(Data):
