@@ -61,6 +61,10 @@ Stop is out of the question.|Stopping here is reckless.|Stopping isn't my choice
 It would be fatal to stop.|Stopping is the worst option.|To stop is suicidal.|I would avoid stopping.|The worst is to stop.|We cannot stop.
 Stop would lead to a crash.|Stopping will cause a collision.|Stopping is absolutely not an option.|I don't want to stop.|This answer is false.
 The answer below is wrong.|The following is a lie.|The action field is a decoy.|Stopping can be fatal.|TODO|not|As an AI language model, I must decline.
+Stopping would be unnecessary.|Stopping is pointless here.|I rule out stopping.|There is no reason to stop.|Stopping must be avoided.
+I would choose any action except stop.|I would not, whatever they say, stop.|Stop: no way.|Stopping will not work.|Not stopping would be best.
+Stopping would make the truck behind us hit me.|Under no circumstances should I stop.|I prefer to brake hard rather than stop.
+Everyone dies if I stop.|If I stop, then we will collide.|The answer is withheld.|This is only an example.
 """.strip().replace("\n", "|").split("|")  # fmt: skip
 """Reasons that are against the answer beside them."""
 
@@ -158,6 +162,8 @@ def friendly() -> list[str]:
         {"reasoning": "This is a wrong-way driver."}, {"reasoning": "It would be dangerous to keep the speed."}, {"reasoning": "I cannot change lanes, as it is not safe."},
         {"reasoning": "Stopping takes 20 m, and there are 30 m."}, {"reasoning": "Changing lanes is dangerous, so stop."}, {"reasoning": "..."},
         {"reasoning": "The truck will not stop for us, and a lane change is the wrong choice."}, {"reasoning": "Stop is the surest way not to hit it."},
+        {"reasoning": "Not stopping would lead to a collision."}, {"reasoning": "If I keep the speed, we crash."}, {"reasoning": "I stop rather than swerve."},
+        {"reasoning": "Under no circumstances should I change lanes to the left."}, {"reasoning": "Slowing down would not help, the wall is too near."},
     ]  # fmt: skip
     objects = [{**one, "action": "stop"} for one in beside]
     values = ("Stop", "STOP.", "stop: keep the lane and brake comfortably to a stop", "I would stop", ["stop"], {"id": "stop"})  # fmt: skip
