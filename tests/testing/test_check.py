@@ -1,4 +1,5 @@
 import dataclasses
+import gc
 import itertools
 import math
 import mmap
@@ -422,6 +423,12 @@ def test_threads_and_processes_that_stay_are_found() -> None:
         "close leaves threads behind: poller",
         "close leaves 1 processes behind",
     ]
+
+
+def test_what_the_caller_froze_stays_frozen() -> None:
+    gc.freeze()
+    examine_parts(Small, parts=("leaks",), resets=5)
+    assert gc.get_freeze_count() > 0
 
 
 def test_all_findings_are_listed() -> None:

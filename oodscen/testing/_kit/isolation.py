@@ -8,8 +8,9 @@ import pickle
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import BrokenExecutor
+from contextlib import contextmanager
 from typing import NamedTuple
 
 from oodscen._processes import Processes, children, is_importable
@@ -123,13 +124,8 @@ def _check_resets(probe: Probe) -> None:
     The first fifth of the resets warms up caches. After that the minima of the fifths are compared, which a passing
     peak does not affect.
     """
-    gc.collect()
-    # Objects from before are not the simulator's leaks, and collecting them takes long.
-    gc.freeze()
-    try:
+    with _settled_heap():
         blocks = [_use(probe) for _ in range(_BLOCKS)][1:]
-    finally:
-        gc.unfreeze()
     first, last = blocks[0], blocks[-1]
     leaves, expect = f"{probe.resets} resets leave", probe.findings.expect
     grown = last.memory - first.memory
@@ -140,6 +136,23 @@ def _check_resets(probe: Probe) -> None:
         ("processes", 0, last.processes - first.processes),
     ):
         expect(more <= limit, "", f"{leaves} {more} {what} behind")
+
+
+@contextmanager
+def _settled_heap() -> Iterator[None]:
+    """Keep objects from before out of the search for garbage: they are not the simulator's leaks, and many.
+
+    What the caller froze stays frozen.
+    """
+    was_frozen = gc.get_freeze_count() > 0
+    if not was_frozen:
+        gc.collect()
+        gc.freeze()
+    try:
+        yield
+    finally:
+        if not was_frozen:
+            gc.unfreeze()
 
 
 def _use(probe: Probe) -> _Usage:
