@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from oodscen._members import reason
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.aspects import OPINIONS, judged
@@ -92,9 +93,9 @@ class Pipeline:
             self._save_stopped(str(stop))
             self._report()
             raise
-        except OodscenError as error:
+        except Exception as error:
             with suppress(OodscenError):  # The first error is the cause.
-                self._save_stopped(str(error))
+                self._save_stopped(str(error) if isinstance(error, OodscenError) else reason(error))
             raise
         except KeyboardInterrupt:
             limits.close()

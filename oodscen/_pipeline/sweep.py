@@ -2,14 +2,16 @@
 
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import BrokenExecutor, Executor, as_completed
+from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
+from oodscen._arguments import instance_of
 from oodscen._files import temporary_folder
 from oodscen._jpeg import to_jpeg
 from oodscen._members import close, is_interruption, reason
@@ -19,10 +21,10 @@ from oodscen._registry import find, make_simulator
 from oodscen._seeding import stream
 from oodscen.data._claim import Claim
 from oodscen.data._episode import ACTIONS, MOMENTS, REACTIONS_S, Episode
-from oodscen.data._pairing import demand_id, twin_id
+from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving._trace_table import to_parquet
-from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
+from oodscen.errors import MissingExtra, OodscenError, RunStopped, SimulatorCrash, UsageError
 from oodscen.protocols import Camera, Frame, Simulator
 from oodscen.stages._annotations import FrameAnnotations, annotate
 from oodscen.stages._decision_retiming import retime
@@ -128,7 +130,7 @@ def sweep(
 
     Raises:
         UsageError: When local processes cannot import the simulator, or it is unknown.
-        RunStopped: When no process can be started.
+        RunStopped: When no process can be started, or the executor fails.
     """
     check_workers(job.simulator, workers, executor)
     chunks = _chunks(scenes)
@@ -386,11 +388,18 @@ def _collect(
     executor: Executor, job: Job, chunks: Sequence[Chunk], lost: list[Chunk]
 ) -> Iterator[SweepResult]:
     """Yield results as they finish, and collect the chunks whose process died."""
-    futures = {executor.submit(run_chunk, job, chunk): chunk for chunk in chunks}
+    faults = nullcontext if isinstance(executor, Processes) else _faults_of_executor
+    futures: dict[Future[list[SweepResult]], Chunk] = {}
     try:
+        with faults():
+            for chunk in chunks:
+                future = executor.submit(run_chunk, job, chunk)
+                instance_of("a submitted job", future, Future)
+                futures[future] = chunk
         for future in as_completed(futures):
             try:
-                results = future.result()
+                with faults():
+                    results = _results_of(future.result(), futures[future])
             except BrokenExecutor:
                 lost.append(futures[future])
                 continue
@@ -398,6 +407,34 @@ def _collect(
     finally:
         for future in futures:
             future.cancel()
+
+
+@contextmanager
+def _faults_of_executor() -> Iterator[None]:
+    """Raise what an executor raises by itself as `RunStopped`."""
+    try:
+        yield
+    except (BrokenExecutor, MissingExtra, RunStopped):
+        raise
+    except Exception as error:
+        raise RunStopped(
+            f"the executor failed ({reason(error)}); the same call continues with another one"
+        ) from error
+
+
+def _results_of(results: Any, chunk: Chunk) -> list[SweepResult]:
+    """Return what an executor gives for a chunk.
+
+    Raises:
+        UsageError: If these are not its results.
+    """
+    instance_of("the result", results, list)
+    for one in results:
+        instance_of("each result", one, SweepResult)
+    found = {scene_of(one.episode.id) for one in results}
+    if found != {scene_of(scene.id) for scene in chunk}:
+        raise UsageError(f"it returned the results of other scenes: {', '.join(sorted(found))}")
+    return list(results)
 
 
 def _recover(job: Job, scenes: Iterable[Scene]) -> Iterator[SweepResult]:

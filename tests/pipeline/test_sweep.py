@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
 
 import cv2
@@ -14,7 +14,7 @@ from oodscen import Study, StudyConfig
 from oodscen._pipeline import run_study
 from oodscen._pipeline.sweep import Job, Outputs, sweep
 from oodscen.data._episode import MOMENTS
-from oodscen.errors import MissingExtra, StudyError, UsageError
+from oodscen.errors import MissingExtra, RunStopped, StudyError, UsageError
 from oodscen.protocols import Camera
 from oodscen.stages._annotations import FrameAnnotations
 from oodscen.study._store import Store
@@ -52,6 +52,62 @@ def test_processes_and_executors_change_no_byte(here):
     assert by_id(sweep(JOB, scenes(5), workers=2)) == here
     with ThreadPoolExecutor(2) as pool:
         assert by_id(sweep(JOB, scenes(5), executor=pool)) == here
+
+
+class Failing(Executor):
+    """Answers every job with the same thing."""
+
+    def __init__(self, answer):
+        self.answer = answer
+
+    def submit(self, function, /, *arguments, **named):
+        return self.answer
+
+
+def future(result=None, error=None):
+    made = Future()
+    if error is None:
+        made.set_result(result)
+    else:
+        made.set_exception(error)
+    return made
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        *(None, "no future"),
+        *(future(), future("garbage"), future([]), future(["garbage"])),
+        *(future(error=ValueError("lost worker")), future(error=CancelledError())),
+    ],
+    ids=range(8),
+)
+def test_an_executor_that_fails_stops_the_sweep(answer):
+    with pytest.raises(RunStopped, match="the executor failed"):
+        list(sweep(JOB, scenes(2), executor=Failing(answer)))
+
+
+def test_results_of_other_scenes_are_not_taken(here):
+    with pytest.raises(RunStopped, match="of other scenes: s-000"):
+        list(sweep(JOB, scenes(2)[1:], executor=Failing(future([here["s-000"]]))))
+
+
+def test_an_executor_that_is_shut_down_leaves_the_study_stopped(tmp_path):
+    pool = ThreadPoolExecutor(1)
+    pool.shutdown()
+    with pytest.raises(RunStopped, match="after shutdown"):
+        run_study(tmp_path, SMALL, executor=pool)
+    assert Study.open(tmp_path).info["status"] == "stopped"
+
+
+def test_a_function_for_progress_that_raises_leaves_the_study_stopped(tmp_path):
+    def progress(*arguments):
+        raise ZeroDivisionError("1/0")
+
+    with pytest.raises(ZeroDivisionError):
+        run_study(tmp_path, SMALL, progress=progress)
+    info = Study.open(tmp_path).info
+    assert (info["status"], info["stopped"]) == ("stopped", "ZeroDivisionError: 1/0")
 
 
 def test_a_picture_to_the_rear_is_taken_at_the_decision_and_nothing_else(here):
