@@ -22,7 +22,7 @@ from tests.pipeline.quick import QUICK, SMALL
 
 PATIENCE_S = 60.0
 KEY = "sk-test-planted-0123456789abcdef"
-CONFIG = QUICK.model_copy(update={"llm": "served"})
+CONFIG = QUICK.model_copy(update={"llm": "served", "demands": False})
 FAULTS = (
     "http429 http500 http503 reset slow truncated wrong_schema malformed html empty huge packed cut"
 ).split()
