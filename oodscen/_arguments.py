@@ -45,6 +45,18 @@ def instance_of(name: str, value: Any, *kinds: type) -> None:
         raise UsageError(f"{name} must be a {wanted}, not {said(value, 80)}")
 
 
+def instances_of(name: str, values: Any, *kinds: type) -> None:
+    """Do nothing if an argument is a collection whose elements are of one of some types.
+
+    Raises:
+        UsageError: If it is not.
+    """
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Collection):
+        raise UsageError(f"{name} must be a list, not {said(values, 80)}")
+    for value in values:
+        instance_of(f"each element of {name}", value, *kinds)
+
+
 def state_of(scene: "Scene", state: "State") -> None:
     """Do nothing if a state has the bodies of a scene.
 
@@ -135,9 +147,15 @@ def _is_of(value: Any, kind: Any) -> bool:
         return isinstance(value, Mapping) and not _misfit(value, kind)
     if issubclass(plain, Iterable) and origin is not None and plain.__module__ != "numpy":
         wanted = Collection if issubclass(plain, Collection) else Iterable
-        is_text = isinstance(value, str | bytes | Mapping)
-        return isinstance(value, wanted) and not is_text and not _misfit(value, kind)
+        return _is_many(value, wanted) and not _misfit(value, kind)
     return isinstance(value, plain)
+
+
+def _is_many(value: Any, kind: type) -> bool:
+    """Return whether a value of a kind holds elements; an empty array, which is neither true nor false, does not."""
+    if isinstance(value, str | bytes | Mapping) or not isinstance(value, kind):
+        return False
+    return all(getattr(value, "shape", (1,))[:1] or (0,))
 
 
 def _component(kind: Any) -> str:

@@ -197,6 +197,8 @@ def writing(target: Path, kind: type[OodscenError] = OodscenError) -> Iterator[N
         yield
     except OSError as error:
         raise kind(f"cannot write {target}: {error.strerror or error}") from None
+    except ValueError as error:  # A name with a null byte, or one that cannot be encoded.
+        raise kind(f"cannot write {str(target)!r}: {error}") from None
 
 
 def _part_name(target: Path) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from oodscen._numbers import finite_number
 from oodscen.baselines._ordinary import bare
 from oodscen.baselines._texts import check_texts
 from oodscen.data._base import Data
@@ -70,7 +71,7 @@ def near_duplicates(
         DataError: If there is nothing to compare, a text is blank, or a value is not finite.
         UsageError: If the threshold is not in (0, 1].
     """
-    if not 0.0 < threshold <= 1.0:
+    if not 0.0 < finite_number("threshold", threshold) <= 1.0:
         raise UsageError(f"the threshold {threshold} is not in (0, 1]")
     if isinstance(items, np.ndarray):
         return _report(len(items), _cosines(items), threshold, "cosine")

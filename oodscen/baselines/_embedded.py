@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
-from oodscen._files import read_utf8, refuse_special, replace
+from oodscen._files import read_utf8, refuse_special, replace, writing
 from oodscen._json import parse_object
 from oodscen.encoders._check import encode
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
@@ -76,12 +76,15 @@ def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -
     """Encode texts a batch at a time into a `.npy` file, record the encoder beside it, and return their number.
 
     The file is replaced only after all texts are written; texts are read once and not kept.
+
+    Raises:
+        OodscenError: If the file cannot be written.
     """
     file = Path(path)
     if file.suffix != ".npy":
         raise UsageError(f"embeddings are written as .npy, not as {file.name}")
     source, count = iter(texts), 0
-    with TemporaryDirectory(dir=file.parent, prefix=".oodscen-") as folder:
+    with writing(file), TemporaryDirectory(dir=file.parent, prefix=".oodscen-") as folder:
         part, whole = Path(folder, "rows"), Path(folder, "whole")
         with part.open("wb") as stream:
             while batch := list(islice(source, _BATCH)):

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._arguments import checked
+from oodscen._arguments import checked, instances_of
 from oodscen._display import Brief
 from oodscen._members import conforming
 from oodscen._numbers import finite_number, seed_number, whole_number
@@ -141,9 +141,10 @@ class Metrics(Brief):
             `None` if no rarity can be estimated.
 
         Raises:
-            UsageError: If there is not one choice per text.
+            UsageError: If there is not one choice per text, or one is neither true nor false.
             DataError: As for `rarity`, which also lists the other errors.
         """
+        instances_of("chosen", chosen, bool, np.bool_)
         return exposure(self.rarity(texts, llm, anchors=anchors).per_text, chosen)
 
     def diversity(self, texts: Texts) -> Diversity:
@@ -185,6 +186,8 @@ class Metrics(Brief):
             EncoderError: If the encoder fails.
         """
         plain = check_texts(texts)
+        if groups is not None:
+            instances_of("groups", groups, str)
         clusters = tuple(groups) if groups is not None else _paths(texts)
         if clusters is not None and len(clusters) != len(plain):
             fault = f"has {len(clusters)} labels for {len(plain)} texts"
@@ -505,4 +508,9 @@ def _rates(
         return None
     if anchors == "published":
         return published_rates()
-    return load_rates(anchors) if isinstance(anchors, str | Path) else tuple(anchors)
+    if isinstance(anchors, str | Path):
+        return load_rates(anchors)
+    instances_of("anchors", anchors, PublishedRate)
+    if not anchors:
+        raise DataError("rates", [Issue("", "there is none")])
+    return tuple(anchors)

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from oodscen._arguments import checked, state_of
 from oodscen._display import png
+from oodscen._files import writing
+from oodscen._numbers import said
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
@@ -17,7 +19,7 @@ from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._roads.projection import places
 from oodscen.driving._sight.scene_checks import bodies
 from oodscen.driving._sight.visibility import Eye, area, clipped
-from oodscen.errors import MissingExtra
+from oodscen.errors import MissingExtra, UsageError
 from oodscen.protocols import Camera, Frame, State, camera_for
 
 CLASSES: dict[str, int] = {
@@ -153,12 +155,21 @@ class FrameAnnotations(Data):
 
         Raises:
             MissingExtra: When OpenCV is not installed.
+            UsageError: When the name is not one of a file, or the map is not one of the frame.
+            OodscenError: When a file cannot be written.
         """
+        if name in ("", ".", "..") or Path(name).name != name:
+            raise UsageError(f"name must be one of a file, not {said(name, 80)}")
+        if np.shape(classes) != frame.ids.shape:
+            raise UsageError(
+                f"classes must have the shape of the frame, {frame.ids.shape}, not {np.shape(classes)}"
+            )
         target = Path(folder)
-        target.mkdir(parents=True, exist_ok=True)
         files = self.encoded(name, frame, classes)
-        for file, data in files.items():
-            (target / file).write_bytes(data)
+        with writing(target):
+            target.mkdir(parents=True, exist_ok=True)
+            for file, data in files.items():
+                (target / file).write_bytes(data)
         return [target / file for file in files]
 
     def encoded(self, name: str, frame: Frame, classes: NDArray[np.uint8]) -> dict[str, bytes]:

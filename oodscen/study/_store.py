@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from oodscen._display import Brief
-from oodscen._files import inside, read_regular, remove_parts, replace
+from oodscen._files import inside, read_regular, remove_parts, replace, writing
 from oodscen._json import is_object, object_lines, parse_object
 from oodscen._lock import locked
 from oodscen.data._base import Data, canonical_json
@@ -42,7 +42,7 @@ class Store(Brief):
         Raises:
             StudyError: When it cannot be created.
         """
-        with self._guard(self.folder):
+        with writing(self.folder, StudyError):
             self.folder.mkdir(parents=True, exist_ok=True)
 
     @contextmanager
@@ -53,7 +53,8 @@ class Store(Brief):
             InUse: When another process writes it.
             StudyError: When it cannot be created or locked.
         """
-        missing = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
+        with writing(self.folder, StudyError):
+            missing = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
         self.prepare()
         try:
             with locked(self.folder, "study"):

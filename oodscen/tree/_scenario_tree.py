@@ -152,6 +152,8 @@ class ScenarioTree:
             DataError: If an edit does not fit (unknown node, taken id, empty label ...). This tree
                 never changes.
         """
+        for edit in edits:
+            instance_of("each edit", edit, TreeEdit)
         index, issues = self._index.extend(self._version, edits)
         if issues:
             raise DataError("tree edit", issues)

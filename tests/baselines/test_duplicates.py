@@ -85,7 +85,7 @@ def test_what_cannot_be_compared_is_refused(items):
         near_duplicates(items)
 
 
-@pytest.mark.parametrize("threshold", [0.0, -0.1, 1.1, float("nan")])
+@pytest.mark.parametrize("threshold", [0.0, -0.1, 1.1, float("nan"), "0.5", None])
 def test_a_threshold_must_make_sense(threshold):
     with pytest.raises(UsageError):
         near_duplicates(["a"], threshold)

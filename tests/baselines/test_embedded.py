@@ -5,7 +5,7 @@ import pytest
 
 from oodscen import Metrics
 from oodscen.baselines._embedded import open_embeddings, write_embeddings
-from oodscen.errors import DataError, UsageError
+from oodscen.errors import DataError, OodscenError, UsageError
 from oodscen.testing._encoder import HashEncoder
 
 TEXTS = [f"car {i} waits at light {i * 7}" for i in range(50)]
@@ -53,6 +53,13 @@ def test_rows_are_scaled_and_zeros_stay(tmp_path):
     (tmp_path / "b.npy.json").write_text(json.dumps({"encoder": "hash-4"}))
     found = open_embeddings(tmp_path / "b.npy", HashEncoder(4))[0:3]
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), [1, 0, 1], atol=1e-6)
+
+
+def test_a_file_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+    for path in (tmp_path / "file" / "x.npy", tmp_path / ("a" * 300 + ".npy"), "a\0b.npy"):
+        with pytest.raises(OodscenError, match="cannot write"):
+            Metrics(ENCODER, TEXTS).write_embeddings(path, ["a car"])
 
 
 def test_another_encoders_baseline_is_refused(file):

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.errors import OodscenError, UsageError
 from oodscen.protocols import Camera, Frame
 from oodscen.stages._annotations import (
     CLASSES,
@@ -114,6 +115,24 @@ def test_every_pixel_has_a_class(seen):
     assert {CLASSES["pavement"], CLASSES["scenery"]} <= set(np.unique(classes).tolist())
     road = frame.rgb[classes == CLASSES["road"]].astype(int)
     assert np.ptp(np.median(road, axis=0)) < 12, "asphalt is grey"
+
+
+@pytest.mark.parametrize("name", ["", "..", "../x", "/x", "a/b"])
+def test_a_name_stays_in_the_folder(seen, notes, tmp_path, name):
+    frame = seen[0]
+    with pytest.raises(UsageError, match="name must be"):
+        notes.save(tmp_path / "in", name, frame, np.zeros(frame.ids.shape, np.uint8))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_cannot_be_written_is_named(seen, notes, tmp_path):
+    frame = seen[0]
+    (tmp_path / "file").write_text("")
+    for folder in (tmp_path / "file", tmp_path / "file" / "x", tmp_path / ("a" * 300), "a\0b"):
+        with pytest.raises(OodscenError, match="cannot write"):
+            notes.save(folder, "last", frame, np.zeros(frame.ids.shape, np.uint8))
+    with pytest.raises(UsageError, match="shape"):
+        notes.save(tmp_path, "last", frame, np.zeros((3, 3), np.uint8))
 
 
 def test_files_hold_all_of_it(seen, notes, tmp_path):

@@ -153,13 +153,11 @@ def test_a_full_disk_leaves_the_old_file_and_says_so(tmp_path, monkeypatch):
 
 def test_a_folder_that_cannot_be_made_is_a_study_error(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(StudyError, match="cannot write"):
-        Store(tmp_path / "file" / "out").prepare()
-    with (
-        pytest.raises(StudyError, match="cannot write"),
-        Store(tmp_path / "file" / "out").writing(),
-    ):
-        pass
+    for folder in (tmp_path / "file" / "out", tmp_path / ("a" * 300), Path("a\0b"), Path("\ud800")):
+        with pytest.raises(StudyError, match="cannot write"):
+            Store(folder).prepare()
+        with pytest.raises(StudyError, match="cannot write"), Store(folder).writing():
+            pass
     with Store(tmp_path / "a" / "b").writing():
         assert (tmp_path / "a" / "b").is_dir()
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 from urllib.parse import urlsplit
 
+from oodscen._arguments import instance_of
 from oodscen._display import Brief
 from oodscen._files import MAX_BYTES
 from oodscen._numbers import finite_number, seed_number, whole_number
@@ -95,6 +96,8 @@ class LiteLLM(Brief):
     ) -> None:
         self.name = model
         self._api_base = api_base
+        if options is not None:
+            instance_of("options", options, Mapping)
         self.seed = seed_number(seed)
         self.retries = whole_number("retries", retries)
         self.max_wait_s = finite_number("max_wait_s", max_wait_s, 0.0, LONGEST_S)

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from pydantic import Field
 
+from oodscen._arguments import instances_of
 from oodscen._seeding import stream
 from oodscen.data._base import Data
 from oodscen.errors import UsageError
@@ -57,8 +58,9 @@ def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure
     """Return the share of meetings that the chosen kinds make up; `None` if no kind has a rarity.
 
     Raises:
-        UsageError: If there is not one choice per text.
+        UsageError: If there is not one choice per text, or one is neither true nor false.
     """
+    instances_of("chosen", chosen, bool, np.bool_)
     if len(per_text) != len(chosen):
         raise UsageError(f"{len(chosen)} choices do not fit {len(per_text)} texts")
     known = [

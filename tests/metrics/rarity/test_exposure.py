@@ -1,5 +1,8 @@
 """Exposure: shares of meetings add up, and common kinds rule."""
 
+import math
+
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -39,6 +42,16 @@ def test_what_cannot_be_told_counts_in_neither_sum():
     assert exposure([TextRarity(flags=("far",))], [True]) is None
     with pytest.raises(UsageError):
         exposure(per_text, [True])
+
+
+@pytest.mark.parametrize(
+    "chosen", [[5, -3], [0.5, 0.5], "00", ["False", "False"], [math.nan] * 2, iter([True, False])]
+)
+def test_a_choice_is_true_or_false(chosen):
+    metrics = Metrics(HashEncoder(64), ["A car waits at the light."])
+    with pytest.raises(UsageError):
+        metrics.exposure(TEXTS[:2], chosen)
+    assert metrics.exposure(TEXTS[:2], np.array([True, False])) is not None
 
 
 def test_a_tree_weights_its_leaves():
