@@ -407,7 +407,7 @@ class BudgetExceeded(RunStopped):
         self.limit = limit
         self.spent = spent
         super().__init__(
-            f"the cap of {limit:g} {cap.replace('_usd', ' in USD')} is reached ({spent:g} used by this run; "
+            f"the cap of {limit:g} {cap.replace('_usd', ' in USD')} is reached ({spent:g} used or under way; "
             "the next request could exceed it); the same command continues where it stopped"
         )
 

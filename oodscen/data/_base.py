@@ -156,7 +156,11 @@ class IssuesError(ValueError):
 def issues_of(error: ValidationError) -> list[Issue]:
     """Convert pydantic's errors into issues with paths such as `actors[2].placement.lane`."""
     issues = []
-    for item in error.errors(include_url=False, include_input=False):
+    found = error.errors(include_url=False, include_input=False)
+    for item in found:
+        inside = (one["loc"][: len(item["loc"])] == item["loc"] != one["loc"] for one in found)
+        if item["type"] == "too_short" and any(inside):
+            continue  # Faulty elements are named, and pydantic does not count them.
         path = dotted(item["loc"])
         cause = item.get("ctx", {}).get("error")
         if isinstance(cause, IssuesError):

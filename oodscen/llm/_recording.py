@@ -44,9 +44,9 @@ class Exchange(Data):
     """The conversation as it was sent, with pictures by name and SHA-256."""
     answer: str
     """The raw answer."""
-    sample: int = Field(default=0, ge=0)
+    sample: int = Field(default=0, ge=0, strict=True)
     """Index of the draw, for several independent draws of the same question."""
-    attempt: int = Field(default=1, ge=1)
+    attempt: int = Field(default=1, ge=1, strict=True)
     """Above 1 if the last turns ask for a repair."""
     model: str = ""
     """Name of the model that answered."""
@@ -55,7 +55,7 @@ class Exchange(Data):
     usage: Usage = Usage()
     seconds: float = Field(default=0.0, ge=0.0)
     """Time until the answer, including waiting and retries."""
-    requests: int = Field(default=1, ge=0)
+    requests: int = Field(default=1, ge=0, strict=True)
     """HTTP requests, retries included."""
     is_cut_off: bool = False
     """`Completion.is_cut_off`."""

@@ -6,6 +6,7 @@ import pickle
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import Field
 
 from oodscen.data._base import Data, IssuesError, canonical_json, dotted
 from oodscen.data._catalogue import Asset, BehaviourKind, BehaviourParameter, RoadMap, WeatherRange
@@ -104,6 +105,20 @@ def test_every_fault_has_its_path():
         "categories[1]",
         "parameters.speed.minimum",
     }
+
+
+class Several(Data):
+    values: tuple[int, ...] = Field(min_length=2)
+
+
+@pytest.mark.parametrize(
+    ("given", "places"),
+    [(["x", "y"], ["values[0]", "values[1]"]), ([1], ["values"]), ([], ["values"])],
+)
+def test_faulty_elements_are_not_called_missing(given, places):
+    with pytest.raises(DataError) as caught:
+        Several.parse({"values": given})
+    assert [issue.path for issue in caught.value.issues] == places
 
 
 def test_faults_of_a_whole_are_listed_below_its_place():

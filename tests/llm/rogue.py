@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 BEGINNING = b"HTTP/1.1 200 OK\r\nconnection: close\r\n"
 ANSWER = (
     b'{"id":"0","object":"chat.completion","created":0,"model":"m","choices":[{"index":0,'
-    b'"finish_reason":"stop","message":{"role":"assistant","content":"%s"}}],'
+    b'"finish_reason":"%e","message":{"role":"assistant","content":"%s"}}],'
     b'"usage":{"prompt_tokens":9,"completion_tokens":3,"total_tokens":12}}'
 )
 
@@ -91,9 +91,9 @@ def saying(data):
     return say
 
 
-def answering(text, status="200 OK", headers=""):
+def answering(text, status="200 OK", headers="", ending="stop"):
     """Give one answer in OpenAI's format; `text` as it stands between the quotes of its JSON."""
-    body = ANSWER.replace(b"%s", text.encode())
+    body = ANSWER.replace(b"%s", text.encode()).replace(b"%e", ending.encode())
     head = f"HTTP/1.1 {status}\r\n{headers}connection: close\r\n"
     return saying(f"{head}content-length: {len(body)}\r\n\r\n".encode() + body)
 

@@ -3,6 +3,7 @@
 import asyncio
 import base64
 import json
+import logging
 import re
 import socket
 import threading
@@ -341,3 +342,60 @@ def test_a_model_of_ones_own_leaves_no_key_either(monkeypatch):
     assert KEYS[0][:5] not in str(caught.value)
     llm = ScriptedLLM(lambda asked: {"text": f"{KEYS[0]} lies on the road there."})
     assert ask(llm, PROMPT).text == "[redacted] lies on the road there."
+
+
+@pytest.mark.parametrize("key", KEYS, ids=len)
+def test_no_logger_of_a_client_tells_a_key(monkeypatch, caplog, key):
+    monkeypatch.setenv("OPENAI_API_KEY", key)
+    with (
+        talking(
+            answering(f"Your key is {json.dumps(key)[1:-1]}.", headers=f"x-key: {key}\r\n")
+        ) as rogue,
+        caplog.at_level(logging.DEBUG),
+    ):
+        for name in ("openai", "httpx", "httpcore"):
+            caplog.set_level(logging.DEBUG, name)
+        client(rogue).complete(REQUEST)
+    assert {record.name.partition(".")[0] for record in caplog.records} >= {"openai", "httpcore"}
+    assert "[redacted]" in caplog.text
+    assert key not in caplog.text
+
+
+@pytest.mark.parametrize("key", KEYS[:2], ids=len)
+def test_a_key_in_place_of_a_host_is_told_in_no_spelling(monkeypatch, key):
+    key = key.replace("/", "-").replace("+", "-").rstrip("!")
+    monkeypatch.setenv("OPENAI_API_KEY", key)
+    with talking(redirecting(f"http://{key}.example.com/v1")) as rogue:
+        assert key.casefold() not in str(refusal(client(rogue))).casefold()
+
+
+@pytest.mark.parametrize("key", ["schl\u00fcssel-17", "line\nbreak-17"])
+def test_a_key_that_cannot_be_sent_is_tried_once(monkeypatch, key):
+    monkeypatch.setenv("OPENAI_API_KEY", key)
+    waits = []
+    with talking(answering("A sofa.")) as rogue:
+        error = refusal(client(rogue, retries=5, sleep=waits.append))
+    assert (waits, rogue.heard, error.retryable) == ([], b"", False)
+    assert "characters that a request cannot carry" in str(error)
+    assert "\\xfc" not in str(error)
+
+
+# ------------------------------------------------------------------ endings
+
+
+@pytest.mark.parametrize("ending", ["length", "max_tokens", "model_length", "error", "abort"])
+def test_an_answer_that_its_server_calls_unfinished_is_no_shorter_one(ending):
+    with talking(answering("I would stop", ending=ending)) as rogue:
+        assert client(rogue).complete(REQUEST).is_cut_off
+
+
+@pytest.mark.parametrize("ending", ["stop", "eos", "end_turn", "stop_sequence", "COMPLETE"])
+def test_an_answer_that_ended_is_whole(ending):
+    with talking(answering("I would stop", ending=ending)) as rogue:
+        assert not client(rogue).complete(REQUEST).is_cut_off
+
+
+def test_a_refusal_in_a_field_of_its_own_is_heard():
+    declined = "I'm sorry, I can't assist with that."
+    with talking(answering(f'", "refusal": "{declined}')) as rogue:
+        assert client(rogue).complete(REQUEST).text == declined

@@ -99,11 +99,12 @@ class Budget:
             BudgetExceeded: When the request could exceed a cap.
         """
         with self._lock:
-            wanted = self.spent.plus(self._reserved).plus(most)
+            under_way = self.spent.plus(self._reserved)
+            wanted = under_way.plus(most)
             limits = (self.caps.requests, self.caps.tokens, self.caps.cost_usd)
             for name, limit, value in zip(Spent._fields, limits, wanted, strict=True):
                 if limit is not None and value > limit * (1 + 1e-12):
-                    raise BudgetExceeded(name, limit, self.spent._asdict()[name])
+                    raise BudgetExceeded(name, limit, under_way._asdict()[name])
             elapsed = self._clock() - self._began
             if self.caps.seconds is not None and elapsed >= self.caps.seconds:
                 raise BudgetExceeded("seconds", self.caps.seconds, round(elapsed, 1))

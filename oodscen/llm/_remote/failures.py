@@ -106,9 +106,12 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
 
     status = bounds.status if bounds.is_sent else getattr(error, "status_code", None)
     text = _short(str(error).partition("Traceback (most recent call last)")[0])
-    if (cause := _cause(error)) not in text:
-        text = f"{text} ({cause})"
+    cause = _cause(error)
+    if (words := _short(str(cause))) not in text:
+        text = f"{text} ({words})"
     kind, reason = _meaning(status, text, error, bounds)
+    if _is_unsendable(cause):
+        kind, reason = "denied", _UNSENDABLE
     is_unreadable = kind == "erring" and (status is None or status < 400)
     raw = _start(bounds) if is_unreadable else ""
     if is_unreadable and bounds.broken is None and bounds.is_sent:
@@ -154,13 +157,20 @@ def _short(text: str) -> str:
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
 
 
-def _cause(error: BaseException) -> str:
-    """Return the first cause of an error in words; litellm's own words leave it out."""
+def _cause(error: BaseException) -> BaseException:
+    """Return the first cause of an error; litellm's own words leave it out."""
     while (before := error.__cause__ or error.__context__) is not None:
         error = before
-    if isinstance(error, UnicodeEncodeError) or type(error).__name__ == "LocalProtocolError":
-        return "a key or a name in the environment holds characters that a request cannot carry"
-    return _short(str(error))
+    return error
+
+
+_UNSENDABLE = "a key or a name in the environment holds characters that a request cannot carry"
+
+
+def _is_unsendable(cause: BaseException) -> bool:
+    """Return whether a header of the request cannot be sent; the body is UTF-8."""
+    is_ascii = isinstance(cause, UnicodeEncodeError) and cause.encoding == "ascii"
+    return is_ascii or type(cause).__name__ == "LocalProtocolError"
 
 
 def _start(bounds: CallBounds) -> str:

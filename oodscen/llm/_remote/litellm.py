@@ -269,7 +269,10 @@ class LiteLLM(Brief):
         ending = getattr(choice, "finish_reason", "")
         if ending == "content_filter":
             raise Filtered("the answer was withheld or cut")
-        text = choice.message.content or getattr(choice.message, "refusal", None) or ""
+        # litellm takes an ending that it does not know for "stop", and keeps what OpenAI's fields lack apart.
+        native = _own_fields(choice).get("native_finish_reason")
+        refusal = _own_fields(choice.message).get("refusal")
+        text = choice.message.content or (refusal if isinstance(refusal, str) else "")
         said = getattr(response, "usage", None)
         details = getattr(said, "prompt_tokens_details", None)
         usage = Usage(
@@ -281,7 +284,7 @@ class LiteLLM(Brief):
         return Completion(
             text=redact_keys(text.encode("utf-8", "replace").decode()),
             usage=plausible_usage(usage.model_copy(update={"cost_usd": cost}), request),
-            is_cut_off=ending == "length",
+            is_cut_off=ending == "length" or str(native).casefold() in _CUT_OFF,
         )
 
     def _cost(self, response: Any, asked: int, answered: int) -> float | None:
@@ -335,12 +338,25 @@ def _responds(url: str, timeout_s: float) -> bool:
     return responds(url, timeout_s)
 
 
+_CUT_OFF = frozenset(
+    "length max_tokens max_output_tokens model_length error abort aborted cancelled canceled timeout".split()
+)
+"""Servers' own words for an answer that did not come to its end."""
+
+
+def _own_fields(part: Any) -> Mapping[str, Any]:
+    """Return the fields of a response's part that litellm keeps as its server wrote them."""
+    found = getattr(part, "provider_specific_fields", None)
+    return found if isinstance(found, Mapping) else {}
+
+
 def _check_address(api_base: str) -> None:
     """Refuse an address that no request can be sent to."""
+    api_base, _, fragment = api_base.partition("#")
     try:
         parts = urlsplit(api_base)
         is_sound = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
-        is_sound &= not re.search(r"[\s\\]", api_base)
+        is_sound &= not fragment and not re.search(r"[\s\\]", api_base)
     except ValueError:
         is_sound = False
     if not is_sound:

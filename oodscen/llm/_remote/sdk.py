@@ -17,6 +17,8 @@ from oodscen.llm._remote.call_bounds import active
 from oodscen.llm._remote.offline import enforce
 
 _LOGGERS = ("LiteLLM", "LiteLLM Router", "LiteLLM Proxy")
+_CLIENTS = ("anthropic", "httpcore", "httpx", "openai")
+"""The packages below litellm, which log headers if OPENAI_LOG and the like say so."""
 _import_lock = threading.Lock()
 
 
@@ -65,6 +67,10 @@ def load_litellm() -> ModuleType:
         litellm.telemetry = False
         for name in _LOGGERS:
             logging.getLogger(name).addFilter(_quiet)
+        # A logger's filter does not see what the loggers below it write.
+        for name in list(logging.root.manager.loggerDict):
+            if name.partition(".")[0] in _CLIENTS:
+                logging.getLogger(name).addFilter(_redacted)
         install(http_handler, common_utils)
         # litellm keeps one client that it made on import.
         if (handler := getattr(litellm, "module_level_client", None)) is not None:
@@ -105,9 +111,14 @@ def _quiet(record: logging.LogRecord) -> bool:
 
     litellm quotes what a server sent, which may hold a key or steer a terminal.
     """
+    return _redacted(record) and (active() is None or "LITELLM_LOG" in os.environ)
+
+
+def _redacted(record: logging.LogRecord) -> bool:
+    """Redact a log line."""
     record.msg, record.args = plain(redact(record.getMessage())), ()
     record.exc_info = record.exc_text = None
-    return active() is None or "LITELLM_LOG" in os.environ
+    return True
 
 
 def known_price(sdk: ModuleType, model: str) -> Price | None:

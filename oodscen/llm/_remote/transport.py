@@ -138,7 +138,8 @@ def _watch(response: httpx.Response) -> None:
 def _target(response: httpx.Response) -> str:
     """Return the address of a redirect without what may hold a credential: its user, password and query."""
     try:
-        url = response.request.url.join(response.headers["location"])
+        # Redacted first: a key in the place of a host is in lower case in the joined address.
+        url = response.request.url.join(redact(response.headers["location"]))
         return redact(f"{url.scheme}://{url.netloc.decode('ascii')}{url.path}")[:_LONGEST_ADDRESS]
     except (httpx.InvalidURL, UnicodeError):
         return "a malformed address"
