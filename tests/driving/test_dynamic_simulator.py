@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import simulate
+from oodscen._abilities import ChecksScenes, Snapshots
 from oodscen.data._scene import Ego, Trigger
 from oodscen.driving import (
     DynamicSimulator,
@@ -17,7 +18,7 @@ from oodscen.driving import (
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import Issue, SceneError, SimulatorError, UsageError
-from oodscen.protocols import Camera, ChecksScenes, Control, Simulator, Snapshots
+from oodscen.protocols import Camera, Control, Simulator
 from oodscen.testing import FlatSimulator, example_scene, flat_frame
 from tests.driving.staging import CATALOGUE, actor, scene, world
 

@@ -7,9 +7,10 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from oodscen._abilities import Rehearses, Snapshots
 from oodscen.driving._states import check_observation, own_state, watched
 from oodscen.errors import SimulatorError
-from oodscen.protocols import Control, Rehearses, Snapshots
+from oodscen.protocols import Control
 from oodscen.stages import RuleBasedDriver
 from oodscen.stages._drive import drive
 from oodscen.stages._simulate import simulate

@@ -5,10 +5,11 @@ import math
 import pytest
 
 from oodscen import make_simulator
+from oodscen._abilities import MountsCamera
 from oodscen.data._drive_result import DriveResult
 from oodscen.driving._motion.actions import Cruise
 from oodscen.errors import SimulatorError, UsageError
-from oodscen.protocols import Camera, Control, MountsCamera
+from oodscen.protocols import Camera, Control
 from oodscen.stages._drive import RuleBasedDriver, drive
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
