@@ -36,6 +36,7 @@ from oodscen._arguments import checked
 from oodscen.baselines import load_controls
 from oodscen.data import Behaviour, Ego, Hazard, Placement, Trigger, WeatherRange
 from oodscen.driving import load_corridor, observation_of
+from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.judging import names_aspect, read_action
 from oodscen.llm import Limits
@@ -44,7 +45,7 @@ from oodscen.llm._replay import RecordingLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Camera, Control, Image
 from oodscen.publish import publish
-from oodscen.stages import RuleBasedDriver, annotate, birds_eye
+from oodscen.stages import annotate, birds_eye
 from oodscen.testing import FlatSimulator, ScriptedLLM, example_scene
 from oodscen.tree import TreeEdit
 from tests.judging.cases import episode

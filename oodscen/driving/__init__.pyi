@@ -1,9 +1,6 @@
-from ._drivers.r157 import R157Driver as R157Driver
-from ._drivers.rss import RSSDriver as RSSDriver
 from ._dynamic_simulator import DynamicSimulator as DynamicSimulator
 from ._dynamic_simulator import RestorableSimulator as RestorableSimulator
 from ._mirror_simulator import MirrorSimulator as MirrorSimulator
-from ._motion.actions import action_driver as action_driver
 from ._motion.bodies import within_grip as within_grip
 from ._motion.world import KinematicWorld as KinematicWorld
 from ._roads.building import load_corridor as load_corridor

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen._cli import main
-from oodscen.driving import action_driver
+from oodscen.driving._motion.actions import action_driver
 from oodscen.protocols import Camera
 from oodscen.testing import FlatSimulator, example_scene
 

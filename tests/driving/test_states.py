@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from oodscen._abilities import Rehearses, Snapshots
+from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.driving._states import check_observation, own_state, watched
 from oodscen.errors import SimulatorError
 from oodscen.protocols import Control
-from oodscen.stages import RuleBasedDriver
 from oodscen.stages._drive import drive
 from oodscen.stages._simulate import simulate
 from oodscen.testing import FlatSimulator, example_scene

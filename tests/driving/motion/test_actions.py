@@ -7,13 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
-from oodscen.driving import KinematicWorld, action_driver, load_corridor
+from oodscen.driving import KinematicWorld, load_corridor
 from oodscen.driving._motion.actions import (
     ASIDE,
     CODES,
     LEFT,
     Cruise,
     Look,
+    action_driver,
     is_available,
     lateral_course,
     plan_action,

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from oodscen import simulate
-from oodscen.driving import action_driver
+from oodscen.driving._motion.actions import action_driver
 from oodscen.testing import FlatSimulator, example_scene
 
 carla = pytest.importorskip("carla")
