@@ -29,10 +29,10 @@ from oodscen import Episode, Scene, Study, make_catalogue
 from oodscen.data import Catalogue
 from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._pairing import scene_of
-from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._motion.triggers import is_due
+from oodscen.driving._roads.building import load_corridor
 from oodscen.interchange import osi_trace, read_openscenario, to_openscenario, verdict
 from oodscen.interchange._recording import (
     Recording,

@@ -35,7 +35,7 @@ from oodscen import (
 from oodscen._arguments import checked
 from oodscen.baselines import load_controls
 from oodscen.data import Behaviour, Ego, Hazard, Placement, Trigger, WeatherRange
-from oodscen.driving import load_corridor, observation_of
+from oodscen.driving import Corridor, StagedScene
 from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.judging import names_aspect, read_action
@@ -46,8 +46,9 @@ from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Camera, Control, Image
 from oodscen.publish import publish
 from oodscen.stages import annotate, birds_eye
-from oodscen.testing import FlatSimulator, ScriptedLLM, example_scene
-from oodscen.tree import TreeEdit
+from oodscen.testing import ScriptedLLM, example_scene
+from oodscen.testing._flat import FlatSimulator
+from oodscen.tree._edit_log import TreeEdit
 from tests.judging.cases import episode
 
 PAGE = Path(__file__).parents[1].joinpath("docs", "api.md").read_text(encoding="utf-8")
@@ -88,7 +89,7 @@ GIVEN: dict[str, Any] = {
     "category": "vehicle",
     "claims": (),
     "control": Control(),
-    "corridor": load_corridor(FLAT.maps[0]),
+    "corridor": Corridor.load(FLAT.maps[0]),
     "decision": Trigger(),
     "description": "a thing",
     "driver": lambda: None,
@@ -151,7 +152,7 @@ OWN: dict[str, dict[str, Any]] = {
 SKIPPED = {"run_study", "check_simulator", "write_report", "load_controls", "publish"}
 """What runs for long, or reads large files, whatever it is given."""
 INNER = {"Control", "Corridor", "Frame", "Observation", "Request", "StagedBody", "State"}
-INNER |= {"within_grip", "Driven", "Drive"}
+INNER |= {"Drive"}
 """Values of the inner loop, made once a step and not checked, and those that only the library makes."""
 
 OBJECTS = (
@@ -276,7 +277,7 @@ def test_what_cannot_be_is_refused(what):
     "call",
     [
         lambda: Study.open(5),
-        lambda: load_corridor(5),
+        lambda: Corridor.load(5),
         lambda: Pruner(ScriptedLLM([]), None),
         lambda: RedTeamer(ScriptedLLM([])).run(None),
         lambda: Augmenter(ScriptedLLM([]), None),
@@ -313,7 +314,7 @@ OTHERS = {
     "no simulator": lambda: drive([SCENE], RuleBasedDriver, None),
     "the state of another scene": lambda: birds_eye(ALONE, SCENE, FLAT),
     "an annotated state of another scene": lambda: annotate(FRAME, ALONE, SCENE, FLAT),
-    "an observed state of another scene": lambda: observation_of(ALONE, SCENE, FLAT),
+    "an observed state of another scene": lambda: StagedScene(SCENE, FLAT).observation(ALONE),
 }
 FLAT_SIMULATOR = FlatSimulator()
 ALONE = FLAT_SIMULATOR.reset(SCENE.model_copy(update={"actors": (), "hazard": Hazard()}), 0)

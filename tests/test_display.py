@@ -19,9 +19,9 @@ from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.data import Episode, Scenario
 from oodscen.data._messages import Image, Message
 from oodscen.data._verdict import Verdict
-from oodscen.driving import load_corridor
 from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.driving._motion.actions import Cruise, action_driver
+from oodscen.driving._roads.building import load_corridor
 from oodscen.encoders._cached import CachedEncoder
 from oodscen.encoders._minilm import MiniLM
 from oodscen.errors import DataError, Issue
@@ -38,8 +38,9 @@ from oodscen.stages._options import RedTeamOptions
 from oodscen.study._config import StudyConfig
 from oodscen.study._store import Store
 from oodscen.study._study import Study
-from oodscen.testing import AnsweringServer, FlatSimulator, ScriptedLLM, example_scene
+from oodscen.testing import AnsweringServer, ScriptedLLM, example_scene
 from oodscen.testing._encoder import HashEncoder
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
 KEY = "sk-test-planted-0123456789abcdef"

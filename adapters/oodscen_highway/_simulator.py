@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data import Catalogue
-from oodscen.driving import RestorableSimulator, StagedBody, StagedScene, within_grip
+from oodscen.driving import RestorableSimulator, StagedBody, StagedScene
 from oodscen.errors import MissingExtra
 from oodscen.protocols import Camera, Control, Frame
 from oodscen.testing import flat_frame
@@ -53,7 +53,7 @@ class HighwaySimulator(RestorableSimulator):
     def move(self, control: Control) -> None:
         """Let all drivers decide, then move all bodies."""
         ego = self._rows[0]
-        control = within_grip(control, ego.speed, self.staged.scene.weather.friction)
+        control = self.staged.within_grip(control, ego.speed)
         # The axles of a body of highway-env are its length apart.
         turn = math.tan(control.steering) * ego.LENGTH / self.wheelbase
         braking = max(control.acceleration, -ego.speed / self.dt)

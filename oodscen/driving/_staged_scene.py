@@ -14,10 +14,11 @@ from oodscen._display import Brief
 from oodscen._field_docs import with_fields
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene
+from oodscen.driving._motion.bodies import within_grip
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.protocols import Observation, State
+from oodscen.protocols import Control, Observation, State
 
 Floats = NDArray[np.float64]
 
@@ -120,9 +121,28 @@ class StagedScene(Brief):
         return self._at(poses).is_off_road()
 
     def observation(self, state: State) -> Observation:
-        """Return the ego driver's observation of a state."""
+        """Return the ego driver's observation of a state of any simulator.
+
+        Raises:
+            UsageError: If the state is one of another scene.
+        """
+        state_of(self.scene, state)
         self._world.set_poses(state.poses, state.speeds)
         return replace(self._world.observe(), time=state.time)
+
+    def within_grip(self, control: Control, speed: float) -> Control:
+        """Return the part of the ego's control that motor, wheels and tyres can follow on this road.
+
+        The kinematic world drives its ego by this friction circle (Rajamani 2012, chapters 2 and 13).
+
+        Args:
+            control: The driver's control.
+            speed: The ego's speed, m/s.
+
+        Raises:
+            UsageError: If the speed is not a finite number.
+        """
+        return within_grip(control, speed, self.scene.weather.friction)
 
     def _at(self, poses: Floats) -> KinematicWorld:
         whole = with_heights(poses, len(self.ids))
@@ -152,24 +172,6 @@ class StagedScene(Brief):
             parameters=parameters,
             actor=actor,
         )
-
-
-@checked
-def observation_of(state: State, scene: Scene, catalogue: Catalogue) -> Observation:
-    """Return the ego driver's observation of a state of any simulator.
-
-    `StagedScene.observation` does the same faster for many states of one scene.
-
-    Args:
-        state: The state.
-        scene: Its scene.
-        catalogue: The simulator's catalogue.
-
-    Raises:
-        UsageError: If the state is one of another scene.
-    """
-    state_of(scene, state)
-    return StagedScene(scene, catalogue).observation(state)
 
 
 def lane_centrelines(corridor: Corridor, *, spacing_m: float = 2.0) -> tuple[LaneCentreline, ...]:

@@ -18,10 +18,10 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
-from oodscen.driving import load_corridor
 from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._states import watched
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import OodscenError, UsageError

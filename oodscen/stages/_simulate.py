@@ -25,11 +25,11 @@ from oodscen.data._episode import (
     share_of,
 )
 from oodscen.data._scene import LONGEST_HORIZON_S, Scene
-from oodscen.driving import load_corridor
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.visibility import is_noticeable, least_area
 from oodscen.driving._states import watched
 from oodscen.driving._trace import Course, Trace, concatenate

@@ -15,11 +15,11 @@ from oodscen._registry import make_driver
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import ACTIONS, NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
-from oodscen.driving import load_corridor
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._states import watched
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State, camera_for

@@ -9,8 +9,8 @@ import numpy as np
 from oodscen._arguments import checked
 from oodscen.data._episode import ACTIONS, MOMENTS
 from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
-from oodscen.driving import load_corridor
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies, floating_issues, overlap_issues
 from oodscen.driving._sight.visibility import Eye

@@ -61,6 +61,8 @@ class ScenarioTree:
     """
 
     noun: ClassVar[str] = TreeFile.noun
+    Edit: ClassVar[type[TreeEdit]] = TreeEdit
+    """One edit: `ScenarioTree.Edit(op="add", node="fog", parent="environmental", label="Fog")`."""
 
     _index: EditLog
     """The index that this tree shares with the trees before and after it."""

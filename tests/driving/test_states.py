@@ -14,7 +14,8 @@ from oodscen.errors import SimulatorError
 from oodscen.protocols import Control
 from oodscen.stages._drive import drive
 from oodscen.stages._simulate import simulate
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 SCENE = example_scene()
 IDS = ("ego", *(actor.id for actor in SCENE.actors))

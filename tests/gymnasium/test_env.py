@@ -18,7 +18,8 @@ from oodscen.errors import (
 )
 from oodscen.protocols import Camera
 from oodscen.stages._drive import drive
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 gymnasium = pytest.importorskip("gymnasium")
 

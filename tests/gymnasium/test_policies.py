@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from oodscen.errors import UsageError
 from oodscen.protocols import Camera, Control
 from oodscen.stages._drive import drive
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 gymnasium = pytest.importorskip("gymnasium")
 

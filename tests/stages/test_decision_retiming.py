@@ -11,7 +11,7 @@ from oodscen.protocols import Camera
 from oodscen.stages._decision_retiming import SLOWER, _slow_ego, retime
 from oodscen.stages._rerun import Rerunner
 from oodscen.stages._restage import changed_scene, contradiction, variants
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
 SMALL = Camera(width=160, height=120)

@@ -12,9 +12,8 @@ from oodscen._display import Brief
 from oodscen._files import file_sha256
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
-from oodscen.driving import load_corridor
 from oodscen.driving._motion.behaviours import USUAL
-from oodscen.driving._roads.building import find_map, read_map
+from oodscen.driving._roads.building import find_map, load_corridor, read_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._sight.placement import staging_issues

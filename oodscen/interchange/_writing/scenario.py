@@ -12,7 +12,7 @@ from oodscen._display import Brief
 from oodscen._files import check_name, replace
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange._recording import (
     Reactions,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from oodscen import Catalogue
 from oodscen.data import Asset, WeatherRange
-from oodscen.driving import RestorableSimulator, StagedBody, StagedScene, within_grip
+from oodscen.driving import RestorableSimulator, StagedBody, StagedScene
 from oodscen.protocols import Camera, Control, Frame
 from oodscen.testing import flat_frame
 
@@ -137,7 +137,7 @@ class MySimulator(RestorableSimulator):
 
     def _drive(self, ego: Mover, control: Control) -> None:
         """Move the ego as a bicycle about its centre."""
-        control = within_grip(control, ego.speed, self.friction)
+        control = self.staged.within_grip(control, ego.speed)
         slip = math.atan(0.5 * math.tan(control.steering))
         after = max(0.0, ego.speed + control.acceleration * self.dt)
         way = 0.5 * (ego.speed + after) * self.dt

@@ -16,8 +16,8 @@ from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.errors import SceneError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
-from oodscen.testing import FlatSimulator
 from oodscen.testing._check import PARTS, check_simulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._kit.samples import plain_scene
 
 MakeActor = Callable[..., Actor]

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
-from oodscen.driving import KinematicWorld, load_corridor
+from oodscen.driving import KinematicWorld
 from oodscen.driving._motion.actions import (
     ASIDE,
     CODES,
@@ -20,6 +20,7 @@ from oodscen.driving._motion.actions import (
     plan_action,
 )
 from oodscen.driving._motion.bodies import GRAVITY
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import UnknownComponent
 from oodscen.protocols import Driver, Observation

@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
-from oodscen.driving import load_corridor
-from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.errors import DataError
 from oodscen.interchange import osi_trace, to_openscenario, verdict
 from oodscen.interchange._recording import UnrenderedSimulator, replayed

@@ -9,7 +9,8 @@ import pytest
 
 from oodscen import simulate
 from oodscen.driving._motion.actions import action_driver
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 carla = pytest.importorskip("carla")
 
