@@ -227,11 +227,16 @@ def cases() -> Iterator[Any]:
 
 
 def methods() -> Iterator[tuple[str, Any]]:
-    """Yield the public methods of trees, stages and metrics."""
+    """Yield the public methods of trees, stages and metrics, and further ones of scenes and roads."""
     for made in OBJECTS:
         for name in dir(made):
             if not name.startswith("_") and inspect.isroutine(found := getattr(made, name)):
                 yield f"{type(made).__name__}.{name}", found
+    for method in (
+        *(SCENE.check, SCENE.vary, SCENE.to_openscenario, SCENE.to_openlabel, SCENE.to_osi),
+        *(Corridor.load, StagedScene(SCENE, FLAT).observation),
+    ):
+        yield method.__qualname__, method
 
 
 @pytest.mark.parametrize(("name", "found", "one", "values"), list(cases()))

@@ -60,7 +60,7 @@ def check_claims(
 
     Args:
         claims: The claims of one text.
-        scene: A scene that `oodscen.driving.check_scene` accepts, from any author.
+        scene: A scene without faults by `Scene.check`, from any author.
         catalogue: The catalogue of the scene's simulator.
         trace: The ground truth of the scene; `watch(scene, catalogue)` if left out. A trace of
             `oodscen.simulate` ends at the decision, so later events go unseen.

@@ -75,7 +75,7 @@ def compare_text(
     Args:
         llm: The model that reads the text; it does not see the scene.
         text: The text that the scene should show.
-        scene: A scene that `oodscen.driving.check_scene` accepts.
+        scene: A scene without faults by `Scene.check`.
         catalogue: The catalogue of the scene's simulator.
         trace: The ground truth of the scene; computed by `watch` if left out.
         encoder: Compares the things of the text with the actors that the scene says stand for them.

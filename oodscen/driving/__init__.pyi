@@ -3,6 +3,5 @@ from ._dynamic_simulator import RestorableSimulator as RestorableSimulator
 from ._mirror_simulator import MirrorSimulator as MirrorSimulator
 from ._motion.world import KinematicWorld as KinematicWorld
 from ._roads.corridor import Corridor as Corridor
-from ._sight.placement import check_scene as check_scene
 from ._staged_scene import StagedBody as StagedBody
 from ._staged_scene import StagedScene as StagedScene

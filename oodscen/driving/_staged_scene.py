@@ -86,7 +86,7 @@ class StagedScene(Brief):
         """Place all bodies at the start.
 
         Args:
-            scene: A scene that `check_scene` accepts.
+            scene: A scene without faults by `Scene.check`.
             catalogue: The simulator's catalogue.
             seed: The episode's seed.
             dt: Seconds per step.
@@ -120,6 +120,7 @@ class StagedScene(Brief):
         """Return whether any part of the ego's footprint is beside the drivable road."""
         return self._at(poses).is_off_road()
 
+    @checked
     def observation(self, state: State) -> Observation:
         """Return the ego driver's observation of a state of any simulator.
 

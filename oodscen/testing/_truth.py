@@ -54,7 +54,7 @@ def check_truth(
     has an outcome.
 
     Args:
-        scene: A scene that `check_scene` accepts.
+        scene: A scene without faults by `Scene.check`.
         simulator: The simulator to run it on.
         seed: Seed of the simulator's random streams.
         camera: The camera; the ego's dash camera by default.

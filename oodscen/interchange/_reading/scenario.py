@@ -66,7 +66,7 @@ def read_openscenario(
 ) -> ImportedScene:
     """Read an OpenSCENARIO XML 1.x file.
 
-    An unchanged file of `to_openscenario` gives back its scene, unless the road file beside it was changed. Of other
+    An unchanged file of `Scene.to_openscenario` gives back its scene, unless the road file beside it was changed. Of other
     files come the road, the
     entities, where and how fast they start, the weather, and one behaviour for each entity; what is left out is
     listed.
