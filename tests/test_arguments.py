@@ -233,7 +233,14 @@ def methods() -> Iterator[tuple[str, Any]]:
             if not name.startswith("_") and inspect.isroutine(found := getattr(made, name)):
                 yield f"{type(made).__name__}.{name}", found
     for method in (
-        *(SCENE.check, SCENE.vary, SCENE.to_openscenario, SCENE.to_openlabel, SCENE.to_osi),
+        *(
+            SCENE.check,
+            SCENE.check_claims,
+            SCENE.vary,
+            SCENE.to_openscenario,
+            SCENE.to_openlabel,
+            SCENE.to_osi,
+        ),
         *(Corridor.load, StagedScene(SCENE, FLAT).observation),
     ):
         yield method.__qualname__, method

@@ -5,8 +5,7 @@ left, headings counter-clockwise (ISO 8855). Speeds are in m/s. Validation sorts
 JSON: nothing may depend on the order of keys.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeGuard, get_args
+from typing import ClassVar, Literal, Self, TypeGuard, get_args
 
 from pydantic import Field, field_validator, model_validator
 
@@ -17,14 +16,8 @@ from oodscen.data._map_state import MapState
 from oodscen.data._motion import Motion
 from oodscen.data._pairing import is_ordinary, is_twin, twin_id
 from oodscen.data._prop import Prop
+from oodscen.data._scene_uses import SceneUses
 from oodscen.errors import Issue
-
-if TYPE_CHECKING:
-    from oodscen.data._catalogue import Catalogue
-    from oodscen.interchange._traces.osi_writing import Container
-    from oodscen.interchange._writing.files import ScenarioFile
-    from oodscen.interchange._writing.scenario import Mode, Target
-    from oodscen.protocols import Simulator
 
 Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
 
@@ -192,7 +185,7 @@ class Demand(Data):
     """Claims of the text, which hold in the scene."""
 
 
-class Scene(LeanData):
+class Scene(LeanData, SceneUses):
     """Everything a simulator needs to run one scenario."""
 
     _refuses_conversion: ClassVar = True
@@ -294,137 +287,6 @@ class Scene(LeanData):
                 "map_state": None,
             }
         )
-
-    # ------------------------------------------------------------------ what the floors above do with it
-
-    def check(self, catalogue: "Catalogue") -> list[Issue]:
-        """Return the reasons why the scene, or its ordinary twin, cannot be staged.
-
-        The vocabulary is checked first, then the room on the road. Then the world is simulated with a lane-keeping
-        driver that ignores the hazard: the decision must come within 15 s, and until then the ego must touch nothing
-        and stay on the road. In at least one of the three key moments the hazard must be visible or the weather must
-        differ from the ordinary weather. No body may float, sink or stand inside another. Messages name actor, asset,
-        pose and reason.
-
-        Args:
-            catalogue: The simulator's catalogue.
-
-        Returns:
-            One issue per fault, with its path in the scene; empty if the scene can be staged.
-        """
-        from oodscen.driving._sight.placement import check_scene
-
-        return check_scene(self, catalogue)
-
-    def vary(
-        self, catalogue: "Catalogue", count: int, *, claims: Sequence[Claim] = (), seed: int = 0
-    ) -> "list[Scene]":
-        """Draw variants of the scene, uniformly from the ranges of its parameters, each checked.
-
-        Args:
-            catalogue: The catalogue of its assets and maps.
-            count: Number of variants.
-            claims: The claims of its text, which no variant contradicts.
-            seed: Seed of the draws.
-
-        Returns:
-            The variants, `<scene>.v001` and so on; fewer than asked for if too many draws fail the checks.
-        """
-        from oodscen.interchange._ranges import vary
-
-        return vary(self, catalogue, count, claims=claims, seed=seed)
-
-    def to_openscenario(
-        self,
-        catalogue: "Catalogue",
-        *,
-        mode: "Mode" = "replay",
-        target: "Target" = "generic",
-        action: str = "keep_speed",
-        ego: bool = True,
-        seed: int = 0,
-        properties: Mapping[str, str] | None = None,
-        simulator: "Simulator | None" = None,
-        claims: Sequence[Claim] = (),
-    ) -> "ScenarioFile":
-        """Return the scene as OpenSCENARIO XML 1.2 with its OpenDRIVE map.
-
-        `replay` has every body's course as rolled out. `reactive` has triggers as conditions on the ego, and recorded
-        reactions that start with them; actors whose course cannot be exact for every ego are named in the notes.
-        `logical` is the reactive scenario without the ego's course, and with its triggers, friction, visual range and
-        the ego's first speed as parameters, whose ranges two further files give as a deterministic and a stochastic
-        distribution; without them if no parameter has a range. Parameters of recorded courses (places and speeds of
-        actors) have no place in these files: `vary` draws them.
-
-        Args:
-            catalogue: The catalogue of its assets and maps.
-            mode: `replay`, `reactive` or `logical`.
-            target: The player: `esmini` adds the property by which it follows polylines exactly;
-                `carla-scenario-runner` gives version 1.0 with named actions, in mode `reactive` only.
-            action: The ego's action after the decision; only a replay has one.
-            ego: Write the ego's course; without it, the ego only stands at its start. Files for
-                `carla-scenario-runner` and logical scenarios never have the course.
-            seed: Seed of the scene's random streams, and of the stochastic distribution.
-            properties: Further facts about the scene, by name, besides its ids and hazard; files for
-                `carla-scenario-runner` have no properties.
-            simulator: The simulator whose run is replayed, by default the kinematic world of the catalogue; the other
-                modes always use that world.
-            claims: The claims of its text, which every end of a range in a logical scenario keeps true.
-
-        Raises:
-            UnknownComponent: If there is no such mode, target or action.
-            SceneError: If the catalogue, the road or the player refuses the scene.
-            UsageError: If the player has no such mode.
-        """
-        from oodscen.interchange._writing.scenario import to_openscenario
-
-        return to_openscenario(
-            self,
-            catalogue,
-            mode=mode,
-            target=target,
-            action=action,
-            ego=ego,
-            seed=seed,
-            properties=properties,
-            simulator=simulator,
-            claims=claims,
-        )
-
-    def to_openlabel(self, catalogue: "Catalogue") -> dict[str, Any]:
-        """Return the scene's tags as an ASAM OpenLABEL 1.0 document."""
-        from oodscen.interchange._tags import openlabel
-
-        return openlabel(self, catalogue)
-
-    def to_osi(
-        self,
-        catalogue: "Catalogue",
-        *,
-        action: str = "keep_speed",
-        seed: int = 0,
-        container: "Container" = "osi",
-    ) -> bytes:
-        """Return the scene's run as a trace of OSI ground truth, one message for each step.
-
-        Every body is a moving object whose source reference names the entity (`entity_name:NAME`); the ego is the
-        host.
-
-        Args:
-            catalogue: The catalogue of its assets and maps.
-            action: The ego's action after the decision.
-            seed: Seed of the scene's random streams.
-            container: `osi` is the plain sequence of messages; `mcap` is a file of MCAP, with the OpenDRIVE file of
-                the road in it.
-
-        Raises:
-            SceneError: If the catalogue or the road refuses the scene.
-            UnknownComponent: If there is no such container.
-            MissingExtra: If the packages for MCAP are not installed.
-        """
-        from oodscen.interchange._traces.osi_writing import osi_trace
-
-        return osi_trace(self, catalogue, action=action, seed=seed, container=container)
 
 
 def _references(behaviour: Behaviour) -> list[tuple[str, str]]:

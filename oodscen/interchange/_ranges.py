@@ -8,8 +8,7 @@ from typing import Any
 from oodscen._arguments import checked
 from oodscen._numbers import seed_number, whole_number
 from oodscen._seeding import stream
-from oodscen.claims import check_claims
-from oodscen.claims._checking import mismatches
+from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim

@@ -61,7 +61,7 @@ class ScenarioTree:
     """
 
     noun: ClassVar[str] = TreeFile.noun
-    Edit: ClassVar[type[TreeEdit]] = TreeEdit
+    Edit = TreeEdit
     """One edit: `ScenarioTree.Edit(op="add", node="fog", parent="environmental", label="Fog")`."""
 
     _index: EditLog

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import make_catalogue
-from oodscen.claims import check_claims
+from oodscen.claims._checking import check_claims
 from oodscen.data import Scene
 from oodscen.data._claim import Claim
 from oodscen.data._map_state import MapState
