@@ -1,7 +1,9 @@
 """Runs a custom driver in closed loop beside the shipped one, in a scene and its ordinary twin."""
 
+from collections.abc import Callable
+
 from oodscen import drive, make_driver, make_simulator
-from oodscen.protocols import Control, Observation, State
+from oodscen.protocols import Control, Driver, Observation, State
 from oodscen.testing import example_scene
 
 
@@ -25,7 +27,7 @@ class Watchful:
 def main() -> None:
     """Drive the example scene with three stacks."""
     with make_simulator("flat") as simulator:
-        stacks = {
+        stacks: dict[str, Callable[[], Driver] | str] = {
             "Blind": "keep_speed",
             "Watchful": Watchful,
             "RuleBased": "rule-based",

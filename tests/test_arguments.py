@@ -107,6 +107,8 @@ GIVEN: dict[str, Any] = {
     "offered": ("stop",),
     "path": ("environmental",),
     "placement": Placement(ahead_m=1.0),
+    "camera": Camera(width=16, height=12),
+    "poses": np.zeros((2, 4)),
     "prompt": ImagineScenario(shown=("A deer crosses.",)),
     "episode": episode("x-1", ("stop",)),
     "frames": {name: Image(name=name, sha256="0" * 64) for name in ("first", "middle", "last")},
@@ -151,7 +153,7 @@ OWN: dict[str, dict[str, Any]] = {
 }
 SKIPPED = {"run_study", "check_simulator", "write_report", "load_controls", "publish"}
 """What runs for long, or reads large files, whatever it is given."""
-INNER = {"Control", "Corridor", "Frame", "Observation", "Request", "StagedBody", "State"}
+INNER = {"Control", "Corridor", "Frame", "Observation", "Request", "State"}
 INNER |= {"Drive"}
 """Values of the inner loop, made once a step and not checked, and those that only the library makes."""
 
@@ -241,7 +243,7 @@ def methods() -> Iterator[tuple[str, Any]]:
             SCENE.to_openlabel,
             SCENE.to_osi,
         ),
-        *(Corridor.load, StagedScene(SCENE, FLAT).observation),
+        *(Corridor.load, StagedScene(SCENE, FLAT).observation, StagedScene(SCENE, FLAT).draw),
     ):
         yield method.__qualname__, method
 

@@ -67,9 +67,12 @@ class SceneUses:
         Returns:
             One finding per claim: it `holds`, `fails`, or is `open` if neither scene nor catalogue decides it.
         """
+        from oodscen._members import conforming
         from oodscen.claims._checking import check_claims
         from oodscen.claims._matching import likeness_of
 
+        if encoder is not None:
+            conforming("encoder", encoder)
         likeness = likeness_of(encoder, catalogue)
         return check_claims(claims, _scene(self), catalogue, trace, likeness=likeness)
 

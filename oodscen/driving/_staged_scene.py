@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +13,14 @@ from oodscen._arguments import checked, state_of
 from oodscen._display import Brief
 from oodscen._field_docs import with_fields
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Actor, Scene
+from oodscen.data._scene import Actor, Scene, Weather
+from oodscen.driving._flat_frame import flat_frame
 from oodscen.driving._motion.bodies import within_grip
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.protocols import Control, Observation, State
+from oodscen.errors import UsageError
+from oodscen.protocols import Camera, Control, Frame, Observation, State
 
 Floats = NDArray[np.float64]
 
@@ -78,6 +80,7 @@ class StagedScene(Brief):
     """
 
     _repr_fields = ("ids",)
+    Body: TypeAlias = StagedBody
 
     @checked
     def __init__(
@@ -144,6 +147,25 @@ class StagedScene(Brief):
             UsageError: If the speed is not a finite number.
         """
         return within_grip(control, speed, self.scene.weather.friction)
+
+    @checked
+    def draw(self, camera: Camera, poses: Floats, weather: Weather | None = None) -> Frame:
+        """Draw the scene as shaded boxes on a plane, for a simulator without pictures of its own.
+
+        Args:
+            camera: The camera, relative to the ego, whose own box is not drawn.
+            poses: The poses of all bodies.
+            weather: The weather to show, by default the scene's: fog, night, rain and snow.
+
+        Raises:
+            UsageError: If the poses have another shape, or are not finite.
+        """
+        try:
+            whole = with_heights(poses, len(self.ids))
+        except (TypeError, ValueError) as error:
+            raise UsageError(f"draw() takes the poses of all bodies, not {error}") from None
+        assets = [body.asset for body in self.bodies]
+        return flat_frame(camera, self.corridor, weather or self.scene.weather, assets, whole)
 
     def _at(self, poses: Floats) -> KinematicWorld:
         whole = with_heights(poses, len(self.ids))

@@ -14,7 +14,7 @@ from oodscen.driving._sight.placement import staging_issues
 from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import Issue, SceneError, SimulatorError, UsageError
 from oodscen.protocols import Camera, Control, Simulator
-from oodscen.testing import example_scene, flat_frame
+from oodscen.testing import example_scene
 from oodscen.testing._flat import FlatSimulator
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
@@ -55,9 +55,7 @@ class Engine(DynamicSimulator):
         self.fired.append((body.id, self.engine.time))
 
     def draw(self, camera):
-        staged = self.staged
-        assets = [body.asset for body in staged.bodies]
-        return flat_frame(camera, staged.corridor, staged.scene.weather, assets, self.state().poses)
+        return self.staged.draw(camera, self.state().poses)
 
 
 class GoesBack(RestorableSimulator, Engine):
