@@ -2,7 +2,6 @@
 
 from typing import ClassVar
 
-from oodscen._arguments import checked
 from oodscen.claims._checking import ClaimFinding, check_claims
 from oodscen.claims._matching import likeness_of
 from oodscen.data._base import Data
@@ -45,7 +44,6 @@ class Unjudged(Data):
     """Reasons why the line could not be compared."""
 
 
-@checked
 def extract_claims(llm: LLM, text: str, *, attempts: int = ATTEMPTS) -> tuple[Claim, ...]:
     """Read the claims of a text from its words alone.
 

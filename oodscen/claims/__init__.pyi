@@ -1,1 +1,0 @@
-from ._faithfulness import extract_claims as extract_claims
