@@ -81,6 +81,7 @@ class StagedScene(Brief):
 
     _repr_fields = ("ids",)
     Body: TypeAlias = StagedBody
+    """One of `bodies`."""
 
     @checked
     def __init__(
@@ -134,7 +135,7 @@ class StagedScene(Brief):
         self._world.set_poses(state.poses, state.speeds)
         return replace(self._world.observe(), time=state.time)
 
-    def within_grip(self, control: Control, speed: float) -> Control:
+    def within_grip(self, control: Control, speed: float, friction: float | None = None) -> Control:
         """Return the part of the ego's control that motor, wheels and tyres can follow on this road.
 
         The kinematic world drives its ego by this friction circle (Rajamani 2012, chapters 2 and 13).
@@ -142,11 +143,13 @@ class StagedScene(Brief):
         Args:
             control: The driver's control.
             speed: The ego's speed, m/s.
+            friction: Friction scale, 1 on dry asphalt; by default the scene's.
 
         Raises:
-            UsageError: If the speed is not a finite number.
+            UsageError: If speed or friction is not a finite number.
         """
-        return within_grip(control, speed, self.scene.weather.friction)
+        here = self.scene.weather.friction if friction is None else friction
+        return within_grip(control, speed, here)
 
     @checked
     def draw(self, camera: Camera, poses: Floats, weather: Weather | None = None) -> Frame:

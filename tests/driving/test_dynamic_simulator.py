@@ -9,7 +9,6 @@ from oodscen import simulate
 from oodscen._abilities import ChecksScenes, Snapshots
 from oodscen.data._scene import Ego, Trigger
 from oodscen.driving import DynamicSimulator, KinematicWorld, RestorableSimulator, StagedScene
-from oodscen.driving._motion.bodies import within_grip
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import Issue, SceneError, SimulatorError, UsageError
@@ -184,7 +183,7 @@ def test_a_control_within_grip_moves_the_ego_as_the_whole_control_does(
     ends = []
     staged = scene(speed=speed, friction=friction)
     whole = Control(acceleration, steering)
-    for control in (whole, within_grip(whole, speed, friction)):
+    for control in (whole, StagedScene(staged, CATALOGUE).within_grip(whole, speed)):
         moved = world(staged)
         moved.step(control)
         ends.append(moved.ego)

@@ -19,7 +19,7 @@ class ScenarioFile(Brief):
     road: RoadFile = field(repr=False)
     notes: tuple[str, ...] = ()
     """The file's statements about its own exactness."""
-    beside: Mapping[str, bytes] = field(default_factory=dict, repr=False)
+    beside: Mapping[str, bytes] = field(default_factory=dict, repr=False, hash=False)
     """Further files by name: the distributions of a logical scenario's parameters."""
 
     def save(self, folder: str | Path) -> Path:
