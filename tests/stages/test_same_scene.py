@@ -114,7 +114,7 @@ def test_what_is_read_back_runs_the_same(simulator, scene, rng):
 
 CHILD = """
 import sys
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from tests.stages.test_same_scene import Scene, found
 
 with FlatSimulator() as simulator:

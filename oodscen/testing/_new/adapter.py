@@ -135,7 +135,7 @@ class MySimulator(RestorableSimulator):
 
     def _drive(self, ego: Mover, control: Control) -> None:
         """Move the ego as a bicycle about its centre."""
-        control = self.staged.within_grip(control, ego.speed)
+        control = self.staged.within_grip(control, ego.speed, self.friction)
         slip = math.atan(0.5 * math.tan(control.steering))
         after = max(0.0, ego.speed + control.acceleration * self.dt)
         way = 0.5 * (ego.speed + after) * self.dt
