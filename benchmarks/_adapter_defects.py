@@ -14,7 +14,7 @@ import numpy as np
 from oodscen.data import Catalogue
 from oodscen.data._scene import Scene, Trigger
 from oodscen.protocols import Camera, Control, Frame, Observation, Simulator, State
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._new.adapter import Mover, MySimulator
 
 

@@ -28,8 +28,7 @@ from oodscen import (
 )
 from oodscen._seeding import stream
 from oodscen.author._knowledge.loading import load_knowledge
-from oodscen.claims import check_claims
-from oodscen.claims._checking import mismatches
+from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.driving._trace import Trace

@@ -15,8 +15,8 @@ from collections.abc import Callable
 from _adapter_defects import DEFECTS
 
 from oodscen.protocols import Simulator
-from oodscen.testing import FlatSimulator
 from oodscen.testing._check import PARTS, examine_parts
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._new.adapter import MySimulator
 
 FIRST = ("measures", "controls", "motion", "pictures", "turning", "snapshot", "frames")

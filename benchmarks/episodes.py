@@ -27,7 +27,7 @@ from oodscen import Augmenter, Describer, Pruner, RedTeamer, TreeGrower, make_ll
 from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._episode import ACTIONS, MOMENTS
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
-from oodscen.driving import action_driver
+from oodscen.driving._motion.actions import action_driver
 from oodscen.driving._trace import Trace
 from oodscen.errors import LLMError
 from oodscen.protocols import Camera, Simulator

@@ -24,6 +24,7 @@ from oodscen._registry import make_simulator
 from oodscen.data._episode import ACTIONS, Episode
 from oodscen.data._pairing import scene_of
 from oodscen.data._verdict import Verdict
+from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.errors import BudgetExceeded
 from oodscen.judging._constant_answerers import ConstantAnswerer
@@ -35,7 +36,7 @@ from oodscen.judging._safety_figures import safety_figures
 from oodscen.judging._selection import choose_items
 from oodscen.judging._shortcuts.audit import audit
 from oodscen.llm._remote.limits import Limits
-from oodscen.stages._drive import RuleBasedDriver, drive
+from oodscen.stages._drive import drive
 from oodscen.stages._simulate import approach
 from oodscen.testing import AnsweringServer
 

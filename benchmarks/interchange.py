@@ -29,11 +29,11 @@ from oodscen import Episode, Scene, Study, make_catalogue
 from oodscen.data import Catalogue
 from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._pairing import scene_of
-from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._motion.triggers import is_due
-from oodscen.interchange import osi_trace, read_openscenario, to_openscenario, verdict
+from oodscen.driving._roads.building import load_corridor
+from oodscen.interchange import read_openscenario, verdict
 from oodscen.interchange._recording import (
     Recording,
     UnrenderedSimulator,
@@ -41,9 +41,11 @@ from oodscen.interchange._recording import (
     reactions,
     replayed,
 )
+from oodscen.interchange._traces.osi_writing import osi_trace
 from oodscen.interchange._verdicts.poses import PlayedPoses
 from oodscen.interchange._verdicts.verdict import PlayedVerdict
 from oodscen.interchange._writing.entities import entities
+from oodscen.interchange._writing.scenario import to_openscenario
 from oodscen.interchange._writing.storyboard import Storyboard, followers, write_course
 from oodscen.interchange._writing.trajectories import phases, reference_poses
 from oodscen.protocols import Driver, Observation, Simulator, State

@@ -25,7 +25,7 @@ os.environ.update(OPENAI_API_KEY=KEY, OODSCEN_OFFLINE="1")
 
 from oodscen import Scene, Study, make_simulator  # noqa: E402
 from oodscen._concurrency import as_finished  # noqa: E402
-from oodscen.driving import check_scene  # noqa: E402
+from oodscen.driving._sight.placement import check_scene  # noqa: E402
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError  # noqa: E402
 from oodscen.llm._ask import ask  # noqa: E402
 from oodscen.llm._remote.limits import Limits  # noqa: E402
@@ -213,7 +213,7 @@ def faults() -> list[Row]:
 def runs(line: dict[str, object]) -> bool:
     """Return whether a scene passes every check of the augmenter."""
     scene, catalogue = Scene.parse(line), make_simulator("flat").catalogue()
-    return not catalogue.check(scene) and not check_scene(scene, catalogue)
+    return not catalogue.lacks(scene) and not check_scene(scene, catalogue)
 
 
 def rows_of(out: Path, table: str) -> list[dict[str, object]]:

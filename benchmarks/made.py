@@ -39,7 +39,7 @@ from oodscen.data import _shapes as shapes
 from oodscen.data._prop import Prop, check_prop
 from oodscen.data._scene import Weather
 from oodscen.data._shapes import Part
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError
 from oodscen.protocols import Camera

@@ -31,7 +31,7 @@ from oodscen_pybullet._simulator import DARK
 from oodscen_pybullet._types import Pose
 
 from oodscen.data._scene import Weather
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.protocols import Camera

@@ -69,7 +69,7 @@ def main(folder: str = "made", simulator_name: str = "pybullet") -> None:
     lines: dict[str, list[str]] = {"scenarios": [], "scenes": [], "episodes": []}
     with make_simulator(simulator_name) as simulator:
         for scenario, scene in scenes():
-            faults = simulator.catalogue().check(scene)
+            faults = scene.check(simulator.catalogue())
             if faults:
                 print(f"{scene.id:42} cannot be shown: {faults[0]}")
                 continue

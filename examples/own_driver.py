@@ -1,9 +1,9 @@
 """Runs a custom driver in closed loop beside the shipped one, in a scene and its ordinary twin."""
 
-from oodscen import drive, make_simulator
-from oodscen.driving import action_driver
-from oodscen.protocols import Control, Observation, State
-from oodscen.stages import RuleBasedDriver
+from collections.abc import Callable
+
+from oodscen import drive, make_driver, make_simulator
+from oodscen.protocols import Control, Driver, Observation, State
 from oodscen.testing import example_scene
 
 
@@ -11,13 +11,13 @@ class Watchful:
     """A driving stack: `look` is its perception, `act` its control."""
 
     def __init__(self) -> None:
-        self.driver = action_driver("keep_speed")
+        self.driver = make_driver("keep_speed")
         self.brakes = False
 
     def look(self, state: State) -> None:
         """Brake for good when the gap ahead becomes small."""
         if not self.brakes and state.gaps[1:].min(initial=float("inf")) < 15.0:
-            self.driver, self.brakes = action_driver("emergency_brake"), True
+            self.driver, self.brakes = make_driver("emergency_brake"), True
 
     def act(self, observation: Observation) -> Control:
         """Return the control for the next step."""
@@ -27,10 +27,10 @@ class Watchful:
 def main() -> None:
     """Drive the example scene with three stacks."""
     with make_simulator("flat") as simulator:
-        stacks = {
-            "Blind": lambda: action_driver("keep_speed"),
+        stacks: dict[str, Callable[[], Driver] | str] = {
+            "Blind": "keep_speed",
             "Watchful": Watchful,
-            "RuleBased": RuleBasedDriver,
+            "RuleBased": "rule-based",
         }
         for name, stack in stacks.items():
             for result in drive([example_scene()], stack, simulator, name=name):

@@ -1,5 +1,6 @@
 from ._pipeline import run_study as run_study
 from ._registry import make_catalogue as make_catalogue
+from ._registry import make_driver as make_driver
 from ._registry import make_encoder as make_encoder
 from ._registry import make_llm as make_llm
 from ._registry import make_simulator as make_simulator

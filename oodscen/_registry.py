@@ -7,7 +7,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib import metadata
 from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
@@ -17,6 +17,7 @@ from oodscen._arguments import checked
 from oodscen._members import conforming, described, is_interruption, reason, using, working
 from oodscen._numbers import seed_number
 from oodscen.data._catalogue import Catalogue
+from oodscen.data._episode import ACTIONS
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError, close_matches
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.protocols import LLM, Driver, Encoder, Simulator
@@ -33,7 +34,7 @@ KINDS = {
 }
 """Entry-point group of each kind of component."""
 DRIVERS = {
-    "rule-based": "oodscen.stages._drive:RuleBasedDriver",
+    "rule-based": "oodscen.driving._drivers.rule_based:RuleBasedDriver",
     "r157": "oodscen.driving._drivers.r157:R157Driver",
     "rss": "oodscen.driving._drivers.rss:RSSDriver",
 }
@@ -189,18 +190,49 @@ def make_encoder(encoder: str | Encoder, *, cache: bool | str | Path = False) ->
     return CachedEncoder(made, None if cache is True else cache)
 
 
+@checked
+def make_driver(driver: str | Driver, **settings: Any) -> Driver:
+    """Return a new driver of this name, or the given one.
+
+    The reference drivers are `rule-based`, `r157` and `rss`. The id of a discrete action (`stop`) names a driver that
+    executes it in the lane in which the ego started, and ignores other road users. Drivers remember what they saw:
+    every drive needs a new one.
+
+    Args:
+        driver: A name, `module:attr` of what makes a driver, or an object.
+        **settings: Further settings of a named driver: `reaction_s`, s, for which an action keeps lane and speed
+            first; the assumptions of `rss`, e.g. `response_s=1.0`; the numbers of `rule-based`, e.g. `headway_s=2.0`.
+
+    Raises:
+        UsageError: If there is no such driver (with close matches), it does not have such a setting, or it cannot
+            be created.
+    """
+    if not isinstance(driver, str):
+        if settings:
+            raise UsageError(f"a driver that exists takes no settings: {', '.join(settings)}")
+        return cast(Driver, conforming("driver", driver))
+    if driver in ACTIONS:
+        from oodscen.driving._motion.actions import action_driver  # Late, because it loads slowly.
+
+        _refuse_settings(driver, partial(action_driver, driver), settings)
+        return action_driver(driver, **settings)
+    try:
+        _refuse_settings(driver, find("driver", driver), settings)
+    except UnknownComponent as error:
+        if error.kind != "driver":
+            raise
+        raise UnknownComponent("driver", driver, [*error.known, *ACTIONS]) from None
+    return cast(Driver, conforming("driver", _made("driver", driver, **settings), driver))
+
+
 def driver_maker(name: str) -> Callable[[], Driver]:
     """Return a factory of drivers. The first driver is created at once, so that errors appear early.
 
     Raises:
         UsageError: If there is no such driver (with close matches), or it cannot be created.
     """
-
-    def made() -> Driver:
-        return cast(Driver, conforming("driver", _made("driver", name), name))
-
-    first = [made()]
-    return lambda: first.pop() if first else made()
+    first = [make_driver(name)]
+    return lambda: first.pop() if first else make_driver(name)
 
 
 @checked

@@ -6,10 +6,9 @@ class is required. Simulators are shorter as subclasses of `oodscen.driving.Dyna
 `MirrorSimulator`, if they only draw. An adapter may import this module, `oodscen.driving`, `oodscen.data`,
 `oodscen.errors`, and the other public names that docs/api.md lists.
 
-What a simulator or driver may be able to do in addition has a protocol of its own: `Snapshots`, `Rehearses`,
-`ChecksScenes`, `Looks`, `WantsFrames`, `MountsCamera`. An object has the ability if it has the members. Units are SI:
-metres, seconds, radians, unless a name ends in `_deg`. Axes are those of ISO 8855: x forward, y to the left, z up;
-angles and curvatures are positive to the left (counter-clockwise).
+Simulators and drivers may have further members, which docs/adapters.md and docs/judging.md list: what has one has the
+ability. Units are SI: metres, seconds, radians, unless a name ends in `_deg`. Axes are those of ISO 8855: x forward,
+y to the left, z up; angles and curvatures are positive to the left (counter-clockwise).
 """
 
 import math
@@ -29,7 +28,6 @@ from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._messages import Image, Message
 from oodscen.data._scene import Scene
-from oodscen.errors import Issue
 
 if TYPE_CHECKING:
     from oodscen.prompts._base import Prompt
@@ -37,24 +35,17 @@ if TYPE_CHECKING:
 __all__ = [
     "LLM",
     "Camera",
-    "ChecksScenes",
     "Completion",
     "Control",
     "Driver",
     "Encoder",
     "Frame",
     "Image",
-    "Looks",
-    "Message",
-    "MountsCamera",
     "Observation",
-    "Rehearses",
     "Request",
     "Simulator",
-    "Snapshots",
     "State",
     "Usage",
-    "WantsFrames",
 ]
 
 # ------------------------------------------------------------------ language models
@@ -321,7 +312,7 @@ class Simulator(Protocol):
     The same scene, seed and controls give the same bytes, whatever ran before. Nothing expensive
     starts before the first `reset`. `step`, `render` and `observe` follow a `reset`.
 
-    Abilities that a simulator may have in addition: `Snapshots`, `Rehearses` and `ChecksScenes`.
+    Optional members: `snapshot` with `restore`, `rehearse`, and `check`; docs/adapters.md has their signatures.
     """
 
     name: str
@@ -370,69 +361,6 @@ class Simulator(Protocol):
     def __exit__(self, *error: object) -> None: ...
 
 
-@runtime_checkable
-class Snapshots(Protocol):
-    """A simulator that can return to an earlier step of the current scene.
-
-    Without it, every action is tried by resetting and repeating the approach.
-    """
-
-    def snapshot(self) -> Any:
-        """Return the current state of all motion as plain data."""
-        ...
-
-    def restore(self, snapshot: Any) -> State:
-        """Return to a snapshot of the current scene; the same controls then give the same bytes."""
-        ...
-
-
-@runtime_checkable
-class Rehearses(Protocol):
-    """A simulator that can try an action for other drivers and on other roads.
-
-    Without it, only the reaction time is varied when an action is judged.
-    """
-
-    def rehearse(
-        self,
-        action: str,
-        seconds: float,
-        *,
-        reaction_s: float,
-        friction: float = 1.0,
-        speed: float = 1.0,
-    ) -> bool:
-        """Return whether an action, begun now, passes.
-
-        The ego touches nothing, stays on the road, and does not pass the scene's `stop_line` while the light is
-        red. The simulator stays in its current state.
-
-        Args:
-            action: Id of a discrete action.
-            seconds: Time for which the action is watched, s.
-            reaction_s: Time for which the driver keeps lane and speed first, s.
-            friction: Share of the scene's friction.
-            speed: Share of the ego's current speed at which it drives on.
-        """
-        ...
-
-
-@runtime_checkable
-class ChecksScenes(Protocol):
-    """A simulator that can tell why it will not run a scene as it is meant.
-
-    Scenes are first checked on the kinematic world, in which behaviours of the simulator's own are
-    replaced by those that they are like. This check follows.
-    """
-
-    def check(self, scene: Scene) -> Sequence[Issue]:
-        """Return the reasons, each with its path in the scene; empty if the scene can be run.
-
-        May be called without a `reset` and from several threads, and must not disturb a run.
-        """
-        ...
-
-
 # ------------------------------------------------------------------ drivers
 
 
@@ -476,37 +404,10 @@ class Observation(Brief):
 class Driver(Protocol):
     """Controls the ego in one episode; every episode gets a new driver.
 
-    Abilities that a driver may have in addition: `Looks`, `WantsFrames` and `MountsCamera`.
+    Optional members: `look(state)`, which is given the true state before every `act`; `wants_frames`, true to get the
+    camera's picture with every observation; `camera`, a `Camera` to take in place of the dash camera.
     """
 
     def act(self, observation: Observation) -> Control:
         """Return the control for the next step."""
         ...
-
-
-@runtime_checkable
-class Looks(Protocol):
-    """A driver that is shown the true state, as if it had perfect perception."""
-
-    def look(self, state: State) -> None:
-        """Receive the state; called before every `act`."""
-        ...
-
-
-@runtime_checkable
-class WantsFrames(Protocol):
-    """A driver that may ask for pictures."""
-
-    wants_frames: bool
-    """True to get the camera's picture with every observation."""
-
-
-@runtime_checkable
-class MountsCamera(Protocol):
-    """A driver with a camera of its own, which takes its pictures if it `WantsFrames`.
-
-    Without it, the dash camera does.
-    """
-
-    camera: Camera | None
-    """The camera, moving with the ego; `None` for the dash camera."""

@@ -35,7 +35,8 @@ from oodscen import (
 from oodscen._arguments import checked
 from oodscen.baselines import load_controls
 from oodscen.data import Behaviour, Ego, Hazard, Placement, Trigger, WeatherRange
-from oodscen.driving import load_corridor, observation_of
+from oodscen.driving import Corridor, StagedScene
+from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.judging import names_aspect, read_action
 from oodscen.llm import Limits
@@ -44,9 +45,10 @@ from oodscen.llm._replay import RecordingLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Camera, Control, Image
 from oodscen.publish import publish
-from oodscen.stages import RuleBasedDriver, annotate, birds_eye
-from oodscen.testing import FlatSimulator, ScriptedLLM, example_scene
-from oodscen.tree import TreeEdit
+from oodscen.stages import annotate, birds_eye
+from oodscen.testing import ScriptedLLM, example_scene
+from oodscen.testing._flat import FlatSimulator
+from oodscen.tree._edit_log import TreeEdit
 from tests.judging.cases import episode
 
 PAGE = Path(__file__).parents[1].joinpath("docs", "api.md").read_text(encoding="utf-8")
@@ -87,7 +89,7 @@ GIVEN: dict[str, Any] = {
     "category": "vehicle",
     "claims": (),
     "control": Control(),
-    "corridor": load_corridor(FLAT.maps[0]),
+    "corridor": Corridor.load(FLAT.maps[0]),
     "decision": Trigger(),
     "description": "a thing",
     "driver": lambda: None,
@@ -105,6 +107,8 @@ GIVEN: dict[str, Any] = {
     "offered": ("stop",),
     "path": ("environmental",),
     "placement": Placement(ahead_m=1.0),
+    "camera": Camera(width=16, height=12),
+    "poses": np.zeros((2, 4)),
     "prompt": ImagineScenario(shown=("A deer crosses.",)),
     "episode": episode("x-1", ("stop",)),
     "frames": {name: Image(name=name, sha256="0" * 64) for name in ("first", "middle", "last")},
@@ -149,8 +153,8 @@ OWN: dict[str, dict[str, Any]] = {
 }
 SKIPPED = {"run_study", "check_simulator", "write_report", "load_controls", "publish"}
 """What runs for long, or reads large files, whatever it is given."""
-INNER = {"Control", "Corridor", "Frame", "Observation", "Request", "StagedBody", "State"}
-INNER |= {"within_grip", "Driven", "Drive"}
+INNER = {"Control", "Corridor", "Frame", "Observation", "Request", "State"}
+INNER |= {"Drive"}
 """Values of the inner loop, made once a step and not checked, and those that only the library makes."""
 
 OBJECTS = (
@@ -225,11 +229,23 @@ def cases() -> Iterator[Any]:
 
 
 def methods() -> Iterator[tuple[str, Any]]:
-    """Yield the public methods of trees, stages and metrics."""
+    """Yield the public methods of trees, stages and metrics, and further ones of scenes and roads."""
     for made in OBJECTS:
         for name in dir(made):
             if not name.startswith("_") and inspect.isroutine(found := getattr(made, name)):
                 yield f"{type(made).__name__}.{name}", found
+    for method in (
+        *(
+            SCENE.check,
+            SCENE.check_claims,
+            SCENE.vary,
+            SCENE.to_openscenario,
+            SCENE.to_openlabel,
+            SCENE.to_osi,
+        ),
+        *(Corridor.load, StagedScene(SCENE, FLAT).observation, StagedScene(SCENE, FLAT).draw),
+    ):
+        yield method.__qualname__, method
 
 
 @pytest.mark.parametrize(("name", "found", "one", "values"), list(cases()))
@@ -275,7 +291,7 @@ def test_what_cannot_be_is_refused(what):
     "call",
     [
         lambda: Study.open(5),
-        lambda: load_corridor(5),
+        lambda: Corridor.load(5),
         lambda: Pruner(ScriptedLLM([]), None),
         lambda: RedTeamer(ScriptedLLM([])).run(None),
         lambda: Augmenter(ScriptedLLM([]), None),
@@ -312,7 +328,7 @@ OTHERS = {
     "no simulator": lambda: drive([SCENE], RuleBasedDriver, None),
     "the state of another scene": lambda: birds_eye(ALONE, SCENE, FLAT),
     "an annotated state of another scene": lambda: annotate(FRAME, ALONE, SCENE, FLAT),
-    "an observed state of another scene": lambda: observation_of(ALONE, SCENE, FLAT),
+    "an observed state of another scene": lambda: StagedScene(SCENE, FLAT).observation(ALONE),
 }
 FLAT_SIMULATOR = FlatSimulator()
 ALONE = FLAT_SIMULATOR.reset(SCENE.model_copy(update={"actors": (), "hazard": Hazard()}), 0)

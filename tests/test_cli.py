@@ -209,7 +209,7 @@ def test_doctor_judges_an_adapter(tmp_path, monkeypatch):
     assert result.exit_code == 0
     assert "28 behaviours) shows" in result.stdout
     (tmp_path / "odd_simulator.py").write_text(
-        "from oodscen.testing import FlatSimulator\n\n\nclass Odd(FlatSimulator):\n    name = 'odd'\n\n"
+        "from oodscen.testing._flat import FlatSimulator\n\n\nclass Odd(FlatSimulator):\n    name = 'odd'\n\n"
         "    def step(self, control):\n        return super().step(type(control)())\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))

@@ -19,8 +19,9 @@ from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.data import Episode, Scenario
 from oodscen.data._messages import Image, Message
 from oodscen.data._verdict import Verdict
-from oodscen.driving import action_driver, load_corridor
-from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._drivers.rule_based import RuleBasedDriver
+from oodscen.driving._motion.actions import Cruise, action_driver
+from oodscen.driving._roads.building import load_corridor
 from oodscen.encoders._cached import CachedEncoder
 from oodscen.encoders._minilm import MiniLM
 from oodscen.errors import DataError, Issue
@@ -32,13 +33,14 @@ from oodscen.llm._replay import RecordingLLM
 from oodscen.metrics._metrics import Metrics
 from oodscen.prompts._tree.give_examples import GiveExamples
 from oodscen.protocols import Camera, Frame, Request
-from oodscen.stages import RuleBasedDriver, birds_eye
+from oodscen.stages import birds_eye
 from oodscen.stages._options import RedTeamOptions
 from oodscen.study._config import StudyConfig
 from oodscen.study._store import Store
 from oodscen.study._study import Study
-from oodscen.testing import AnsweringServer, FlatSimulator, ScriptedLLM, example_scene
+from oodscen.testing import AnsweringServer, ScriptedLLM, example_scene
 from oodscen.testing._encoder import HashEncoder
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
 KEY = "sk-test-planted-0123456789abcdef"

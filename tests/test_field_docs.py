@@ -7,7 +7,7 @@ import pytest
 
 from oodscen._field_docs import with_fields
 from oodscen.data import Asset, RoadMap, WeatherRange
-from oodscen.driving import StagedBody
+from oodscen.driving._staged_scene import StagedBody
 from oodscen.protocols import Camera, Control, Frame, Observation, State
 
 

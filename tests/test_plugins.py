@@ -16,7 +16,7 @@ from oodscen._cli import main
 from oodscen._members import working
 from oodscen._pipeline import Outputs, run_study
 from oodscen._pipeline.sweep import Job, run_chunk
-from oodscen._registry import driver_maker, make_catalogue, make_encoder, make_llm, make_simulator
+from oodscen._registry import make_catalogue, make_driver, make_encoder, make_llm, make_simulator
 from oodscen.encoders._check import encode
 from oodscen.errors import (
     DataError,
@@ -42,7 +42,7 @@ MAKERS = {
     "encoder": make_encoder,
     "simulator": make_simulator,
     "catalogue": make_catalogue,
-    "driver": driver_maker,
+    "driver": make_driver,
 }
 MEMBERS = {
     "llm": ("name", "complete"),
@@ -177,9 +177,7 @@ def test_a_faulty_plugin_is_a_usage_error_that_names_it(kind, case):
         check(caught.value, name)
 
 
-@pytest.mark.parametrize(
-    ("kind", "case"), [(k, c) for k, c in CASES if c in BY_KIND[k] and k != "driver"]
-)
+@pytest.mark.parametrize(("kind", "case"), [(k, c) for k, c in CASES if c in BY_KIND[k]])
 def test_a_faulty_object_is_a_usage_error(kind, case):
     if case == "catalogue_none":
         return
@@ -190,7 +188,7 @@ def test_a_faulty_object_is_a_usage_error(kind, case):
 
 @pytest.mark.parametrize("thing", [None, 3, b"bytes", object(), Bare, [], {}])
 def test_what_is_no_component_at_all_is_refused(thing):
-    for make in (make_llm, make_encoder, make_simulator):
+    for make in (make_llm, make_encoder, make_simulator, make_driver):
         with pytest.raises(UsageError):
             make(thing)
     with pytest.raises(UsageError):

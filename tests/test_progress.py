@@ -10,11 +10,12 @@ import oodscen
 from oodscen._progress import counted, reporting
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.data import Scenario
+from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.metrics._metrics import Metrics
-from oodscen.stages import RuleBasedDriver
 from oodscen.stages._drive import drive
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
 from oodscen.testing._encoder import HashEncoder
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
 

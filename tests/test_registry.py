@@ -14,12 +14,14 @@ from oodscen import _registry as registry
 from oodscen._registry import (
     find,
     make_catalogue,
+    make_driver,
     make_encoder,
     make_llm,
     make_simulator,
     names,
     survey,
 )
+from oodscen.data._episode import ACTIONS
 from oodscen.encoders._sentence_transformers import SentenceTransformerEncoder
 from oodscen.errors import MissingExtra, UnknownComponent, UsageError
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
@@ -244,3 +246,31 @@ def test_reference_drivers_have_names():
         assert made() is not made()
     with pytest.raises(UnknownComponent, match="rule-based"):
         registry.driver_maker("rule_based")
+
+
+def test_a_driver_is_made_by_name_with_its_settings():
+    for action in ACTIONS:
+        assert make_driver(action) is not make_driver(action)
+    assert make_driver("stop", reaction_s=0.5).reaction_s == 0.5
+    assert make_driver("rss", response_s=1.0).parameters.response_s == 1.0
+    assert make_driver("rule-based", headway_s=2.0).headway_s == 2.0
+    own = make_driver("oodscen.driving._drivers.r157:R157Driver")
+    assert make_driver(own) is own
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "match"),
+    [
+        ("emergency_break", {}, "emergency_brake"),
+        ("stop", {"reaction": 0.5}, "reaction_s"),
+        ("stop", {"reaction_s": -1.0}, "reaction_s"),
+        ("rss", {"response": 1.0}, "response_s"),
+        ("rss", {"response_s": -1.0}, "response_s"),
+        ("r157", {"response_s": 1.0}, "setting of r157"),
+        ("rule-based", {"headway_s": float("nan")}, "headway_s"),
+        (make_driver("stop"), {"reaction_s": 0.5}, "takes no settings"),
+    ],
+)
+def test_a_driver_that_cannot_be_is_refused(name, settings, match):
+    with pytest.raises(UsageError, match=match):
+        make_driver(name, **settings)

@@ -2,9 +2,9 @@
 
 from functools import lru_cache
 
+from oodscen import make_catalogue
 from oodscen.data import Catalogue
 from oodscen.driving import DynamicSimulator
-from oodscen.testing import FlatSimulator
 
 BEHAVIOURS = (
     "stand follow_lane wrong_way cut_in cut_out hard_brake stall halt stop_and_go "
@@ -24,4 +24,4 @@ def load_catalogue() -> Catalogue:
     others = {"hill", "junction", "tunnel", "bridge", "downhill", "narrow", "exit", "rail_crossing"}
     roads = tuple(road for road in DynamicSimulator.MAPS if not others & set(road.traits))
     mine = {"simulator": "highway", "behaviours": kinds, "maps": roads}
-    return FlatSimulator().catalogue().model_copy(update=mine)
+    return make_catalogue("flat").model_copy(update=mine)

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data import Catalogue
-from oodscen.driving import RestorableSimulator, StagedBody, StagedScene, within_grip
+from oodscen.driving import RestorableSimulator, StagedScene
 from oodscen.errors import MissingExtra
 from oodscen.protocols import Camera, Control, Frame
-from oodscen.testing import flat_frame
 from oodscen_highway._catalogue import load_catalogue
 
 
@@ -46,14 +45,14 @@ class HighwaySimulator(RestorableSimulator):
         self._road = _traffic.road_of(staged, seed)
         self._rows = [_traffic.placed(self._road, staged, body, self.dt) for body in staged.bodies]
 
-    def triggered(self, body: StagedBody) -> None:
+    def triggered(self, body: StagedScene.Body) -> None:
         """Let an actor begin what it waited for."""
         self._rows[self.staged.ids.index(body.id)].since = 0.0
 
     def move(self, control: Control) -> None:
         """Let all drivers decide, then move all bodies."""
         ego = self._rows[0]
-        control = within_grip(control, ego.speed, self.staged.scene.weather.friction)
+        control = self.staged.within_grip(control, ego.speed)
         # The axles of a body of highway-env are its length apart.
         turn = math.tan(control.steering) * ego.LENGTH / self.wheelbase
         braking = max(control.acceleration, -ego.speed / self.dt)
@@ -77,9 +76,7 @@ class HighwaySimulator(RestorableSimulator):
 
     def draw(self, camera: Camera) -> Frame:
         """Draw boxes on a plane."""
-        staged = self.staged
-        assets = [body.asset for body in staged.bodies]
-        return flat_frame(camera, staged.corridor, staged.scene.weather, assets, self.state().poses)
+        return self.staged.draw(camera, self.state().poses)
 
     def release(self) -> None:
         """Forget the road."""

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.driving import Corridor, StagedBody, StagedScene
+from oodscen.driving import Corridor, StagedScene
 from oodscen.driving._motion.behaviours import having
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")  # Its greeting goes to standard output.
@@ -81,7 +81,7 @@ class Actor(IDMVehicle):  # type: ignore[misc]
     """Time since the trigger, s; `None` before."""
     covered = 0.0
 
-    def __init__(self, road: Road, body: StagedBody, grip: float) -> None:
+    def __init__(self, road: Road, body: StagedScene.Body, grip: float) -> None:
         self.kind, self.given = body.behaviour, dict(body.parameters or {})
         self.is_driving = self.kind not in STRAIGHT_ON
         goal = self.given.get("speed", body.speed)
@@ -159,7 +159,7 @@ def road_of(staged: StagedScene, seed: int) -> Road:
     return Road(network, np_random=np.random.RandomState(seed))
 
 
-def placed(road: Road, staged: StagedScene, body: StagedBody, dt: float) -> Any:
+def placed(road: Road, staged: StagedScene, body: StagedScene.Body, dt: float) -> Any:
     """Return a body of the scene, which has been put on the road."""
     place = (road, body.pose[:2], body.pose[3])
     made: Any

@@ -2,9 +2,9 @@
 
 from functools import lru_cache
 
+from oodscen import make_catalogue
 from oodscen.data import Catalogue
 from oodscen.driving import DynamicSimulator
-from oodscen.testing import FlatSimulator
 
 DRIVEN = frozenset("follow_lane cut_in cut_out hard_brake stall halt stop_and_go".split())
 """Behaviours of SUMO's drivers."""
@@ -21,4 +21,4 @@ def load_catalogue() -> Catalogue:
     others = {"junction", "narrow", "exit", "rail_crossing"}
     roads = tuple(road for road in DynamicSimulator.MAPS if not others & set(road.traits))
     mine = {"simulator": "sumo", "behaviours": kinds, "maps": roads}
-    return FlatSimulator().catalogue().model_copy(update=mine)
+    return make_catalogue("flat").model_copy(update=mine)

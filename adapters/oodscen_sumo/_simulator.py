@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data import Catalogue, Scene
-from oodscen.driving import DynamicSimulator, KinematicWorld, StagedBody, StagedScene
+from oodscen.driving import DynamicSimulator, KinematicWorld, StagedScene
 from oodscen.driving._motion.behaviours import having
 from oodscen.errors import Issue, SimulatorError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
-from oodscen.testing import flat_frame
 from oodscen_sumo._catalogue import DRIVEN, load_catalogue
 from oodscen_sumo._network import Networks, load_sumo
 
@@ -92,7 +91,7 @@ class SumoSimulator(DynamicSimulator):
                 raise SpawnError(body.id, body.asset.id, body.pose, "SUMO found no road for it")
             self._sumo.vehicle.setPreviousSpeed(body.id, max(0.0, body.speed))
 
-    def triggered(self, body: StagedBody) -> None:
+    def triggered(self, body: StagedScene.Body) -> None:
         """Let a driver change lanes."""
         if body.behaviour in CHANGES_LANE and body.id in self._present:
             road, given = self.staged.corridor, body.parameters or {}
@@ -127,9 +126,7 @@ class SumoSimulator(DynamicSimulator):
 
     def draw(self, camera: Camera) -> Frame:
         """Draw boxes on a plane."""
-        staged = self.staged
-        assets = [body.asset for body in staged.bodies]
-        return flat_frame(camera, staged.corridor, staged.scene.weather, assets, self.state().poses)
+        return self.staged.draw(camera, self.state().poses)
 
     def release(self) -> None:
         """End SUMO and delete the networks."""
@@ -140,7 +137,7 @@ class SumoSimulator(DynamicSimulator):
             self._networks.close()
             self._networks = None
 
-    def _add(self, body: StagedBody) -> None:
+    def _add(self, body: StagedScene.Body) -> None:
         """Put one body on the network, with a type of its own."""
         types, vehicles, name = self._sumo.vehicletype, self._sumo.vehicle, body.id
         given, (x, y, _, yaw) = body.parameters or {}, body.pose
@@ -162,7 +159,7 @@ class SumoSimulator(DynamicSimulator):
         vehicles.setParameter(name, "laneChangeModel.lcAccelLat", "10")
         self._put(body, (x, y, yaw))
 
-    def _put(self, body: StagedBody, place: Sequence[float]) -> None:
+    def _put(self, body: StagedScene.Body, place: Sequence[float]) -> None:
         """Move a body to a place; SUMO's places are those of front bumpers."""
         (x, y, yaw), half = place, 0.5 * body.asset.length
         x, y = x + half * math.cos(yaw), y + half * math.sin(yaw)
@@ -179,7 +176,7 @@ class SumoSimulator(DynamicSimulator):
                 # Drivers take other guided bodies as standing: no speed along a lane says where they go.
                 self._sumo.vehicle.setSpeed(name, float(speed) if name == "ego" else 0.0)
 
-    def _drive(self, body: StagedBody, waited: float) -> None:
+    def _drive(self, body: StagedScene.Body, waited: float) -> None:
         """Let a driver brake, or go on, as its behaviour says some time after its trigger."""
         given = body.parameters or {}
         match body.behaviour:

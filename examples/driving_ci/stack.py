@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from oodscen.driving import action_driver
+from oodscen import make_driver
 from oodscen.protocols import Control, Driver, Observation, State
 
 BRAKES_AT_M = 15.0
@@ -15,7 +15,7 @@ class Stack:
     """The stack under test; every drive gets a new one."""
 
     def __init__(self) -> None:
-        self._driver: Driver = action_driver("keep_speed")
+        self._driver: Driver = make_driver("keep_speed")
         self._brakes = False
 
     def look(self, state: State) -> None:
@@ -25,7 +25,7 @@ class Stack:
         ahead, aside = (state.places[1:] - state.places[0]).T
         is_in_lane = (ahead > 0) & (np.abs(aside) < LANE_M)
         if state.gaps[1:][is_in_lane].min(initial=np.inf) < BRAKES_AT_M:
-            self._driver, self._brakes = action_driver("emergency_brake"), True
+            self._driver, self._brakes = make_driver("emergency_brake"), True
 
     def act(self, observation: Observation) -> Control:
         """Return the control for the next step."""

@@ -56,7 +56,6 @@ def check_claims(
     """
     from oodscen import Scenario, Scene, make_llm, make_simulator
     from oodscen.claims._faithfulness import Faithfulness, Unjudged, compare_text
-    from oodscen.driving import check_scene
     from oodscen.llm._accounting import Ledger
 
     texts, faulty = {}, []
@@ -75,7 +74,7 @@ def check_claims(
         if not isinstance(scene, Scene):
             rows.append(Unjudged(id=f"{scenes.name}:{number}", faults=scene))
             continue
-        faults = [str(issue) for issue in check_scene(scene, catalogue)]
+        faults = [str(issue) for issue in scene.check(catalogue)]
         text = scene.demand.text if scene.demand else texts.get(scene.scenario_id)
         if text is None:
             faults.insert(0, f"{scenarios} has no text {scene.scenario_id!r}")

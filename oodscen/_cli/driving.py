@@ -27,8 +27,8 @@ _SHOWN = 5
     "--driver",
     "drivers",
     multiple=True,
-    help="Driver: rule-based, r157 (the careful human driver of UN Regulation 157), rss, or a module:attr that "
-    "creates one; repeatable.  [default: rule-based]",
+    help="Driver: rule-based, r157 (the careful human driver of UN Regulation 157), rss, the id of an "
+    "action (stop), or a module:attr that creates one; repeatable.  [default: rule-based]",
 )
 @click.option("--limit", type=click.IntRange(min=1), help="Drive at most this many scenes.")
 @click.option(

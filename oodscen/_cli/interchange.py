@@ -181,14 +181,14 @@ def _write(
 ) -> None:
     """Write one scene in the chosen format."""
     from oodscen._files import replace
-    from oodscen.interchange import openlabel, osi_trace, to_openscenario, write_logical
+    from oodscen.interchange._writing.logical import logical_file
 
     seed = options["seed"]
     if options["form"] == "openlabel":
-        write(out / f"{scene.id}.json", json.dumps(openlabel(scene, catalogue), indent=2))
+        write(out / f"{scene.id}.json", json.dumps(scene.to_openlabel(catalogue), indent=2))
     elif options["form"] in ("osi", "mcap"):
         form = options["form"]
-        trace = osi_trace(scene, catalogue, action=options["action"], seed=seed, container=form)
+        trace = scene.to_osi(catalogue, action=options["action"], seed=seed, container=form)
         replace(out / f"{scene.id}.{form}", trace)
     elif options["form"] == "rerun":
         from oodscen import make_simulator
@@ -199,13 +199,17 @@ def _write(
             write_rerun(scene, drawing, path, action=options["action"], seed=seed)
     else:
         chosen = {name: options[name] for name in ("mode", "target", "action", "ego")}
-        file = to_openscenario(scene, catalogue, seed=seed, properties=known(scene), **chosen)
+        file = scene.to_openscenario(catalogue, seed=seed, properties=known(scene), **chosen)
         file.save(out)
         if options["logical"] and not scene.is_ordinary:
             is_12 = options["target"] != "carla-scenario-runner"
-            given = file if options["mode"] == "reactive" and is_12 else None
             claims = known.claims(scene)
-            write_logical(scene, catalogue, out, claims=claims, seed=seed, file=given)
+            if options["mode"] == "reactive" and is_12:
+                logical = logical_file(file, scene, catalogue, claims, seed)
+            else:
+                logical = scene.to_openscenario(catalogue, mode="logical", claims=claims, seed=seed)
+            if logical.beside:
+                logical.save(out)
 
 
 @click.command("import")
@@ -342,9 +346,6 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
     Each variant is checked like any other scene, and against the claims of its text where a study has them. The exit
     code is 1 if some scene has fewer variants than asked for.
     """
-    from oodscen.driving import check_scene
-    from oodscen.interchange import vary as draw
-
     scenes, catalogue, known = scenes_of(place, simulator)
     if wanted is not None:
         scenes = [one for one in (*scenes, *known.demands.values()) if one.id == wanted]
@@ -352,11 +353,11 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
             raise UsageError(f"there is no scene {wanted!r}")
     short = 0
     for scene in tracked(scenes, "vary", len(scenes)):
-        variants = draw(scene, catalogue, count, claims=known.claims(scene), seed=seed)
+        variants = scene.vary(catalogue, count, claims=known.claims(scene), seed=seed)
         for one in variants:
             click.echo(one.to_json())
         if len(variants) < count:
-            if faults := check_scene(scene, catalogue):
+            if faults := scene.check(catalogue):
                 say(f"{scene.id}: cannot be staged itself: {faults[0]}", err=True)
             say(f"{scene.id}: {len(variants)} of {count} variants can be staged", err=True)
             short += 1

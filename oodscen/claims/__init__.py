@@ -1,5 +1,4 @@
-"""Claims: the statements of a text, one by one, and checks of a scene against them."""
+"""Claims: the statements of a text, one by one, and checks of a scene against them.
 
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+`oodscen.Augmenter.read` reads them, and `oodscen.Scene.check_claims` compares a scene with them.
+"""

@@ -51,24 +51,7 @@ def check_claims(
     *,
     likeness: Likeness | None = None,
 ) -> list[ClaimFinding]:
-    """Compare every claim of a text with a scene, in their order.
-
-    Each subject is assigned the actor that fits most of its claims, among those that the scene says stand for
-    it or else those that its noun fits; subjects with the same name are different actors. Claims about several
-    things (`count`), or about someone or something that the text does not name, only need one actor for which
-    they are true.
-
-    Args:
-        claims: The claims of one text.
-        scene: A scene that `oodscen.driving.check_scene` accepts, from any author.
-        catalogue: The catalogue of the scene's simulator.
-        trace: The ground truth of the scene; `watch(scene, catalogue)` if left out. A trace of
-            `oodscen.simulate` ends at the decision, so later events go unseen.
-        likeness: Nearness in meaning between the text's nouns and the assets, for the scene's `stands_for`.
-
-    Returns:
-        One finding per claim; those that the scene contradicts have the status `fails`.
-    """
+    """Compare every claim of a text with a scene; `Scene.check_claims` tells arguments and result."""
     if not claims:
         return []
     catalogue = catalogue.for_scene(scene)

@@ -2,7 +2,6 @@
 
 from typing import ClassVar
 
-from oodscen._arguments import checked
 from oodscen.claims._checking import ClaimFinding, check_claims
 from oodscen.claims._matching import likeness_of
 from oodscen.data._base import Data
@@ -45,7 +44,6 @@ class Unjudged(Data):
     """Reasons why the line could not be compared."""
 
 
-@checked
 def extract_claims(llm: LLM, text: str, *, attempts: int = ATTEMPTS) -> tuple[Claim, ...]:
     """Read the claims of a text from its words alone.
 
@@ -75,7 +73,7 @@ def compare_text(
     Args:
         llm: The model that reads the text; it does not see the scene.
         text: The text that the scene should show.
-        scene: A scene that `oodscen.driving.check_scene` accepts.
+        scene: A scene without faults by `Scene.check`.
         catalogue: The catalogue of the scene's simulator.
         trace: The ground truth of the scene; computed by `watch` if left out.
         encoder: Compares the things of the text with the actors that the scene says stand for them.

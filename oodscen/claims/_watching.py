@@ -24,7 +24,7 @@ def watch(scene: Scene, catalogue: Catalogue, *, seed: int = 0, after_s: float =
     obstacles, so late events are also seen.
 
     Args:
-        scene: A scene that `oodscen.driving.check_scene` accepts.
+        scene: A scene without faults by `Scene.check`.
         catalogue: The catalogue of the scene's simulator.
         seed: Seed of the episode.
         after_s: Time to watch after the decision, s.

@@ -248,11 +248,10 @@ class Catalogue(LeanData):
             for name, asset, state in bodies
         ]
 
-    def check(self, scene: Scene) -> list[Issue]:
+    def lacks(self, scene: Scene) -> list[Issue]:
         """Return an issue, with close matches, for everything in a scene that the catalogue lacks.
 
-        Only the vocabulary is checked here; `oodscen.driving.check_scene` checks room on the road, overlap
-        and reachability.
+        Only the vocabulary is checked here; `Scene.check` checks room on the road, overlap and reachability too.
         """
         faults: list[Issue] = []
         for index, prop in enumerate(scene.made):

@@ -5,7 +5,7 @@ left, headings counter-clockwise (ISO 8855). Speeds are in m/s. Validation sorts
 JSON: nothing may depend on the order of keys.
 """
 
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeGuard, get_args
+from typing import ClassVar, Literal, Self, TypeGuard, get_args
 
 from pydantic import Field, field_validator, model_validator
 
@@ -16,11 +16,8 @@ from oodscen.data._map_state import MapState
 from oodscen.data._motion import Motion
 from oodscen.data._pairing import is_ordinary, is_twin, twin_id
 from oodscen.data._prop import Prop
+from oodscen.data._scene_uses import SceneUses
 from oodscen.errors import Issue
-
-if TYPE_CHECKING:
-    from oodscen.data._catalogue import Catalogue
-    from oodscen.interchange._writing.scenario import ScenarioFile
 
 Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
 
@@ -188,7 +185,7 @@ class Demand(Data):
     """Claims of the text, which hold in the scene."""
 
 
-class Scene(LeanData):
+class Scene(LeanData, SceneUses):
     """Everything a simulator needs to run one scenario."""
 
     _refuses_conversion: ClassVar = True
@@ -290,17 +287,6 @@ class Scene(LeanData):
                 "map_state": None,
             }
         )
-
-    def to_openscenario(self, catalogue: "Catalogue", **options: Any) -> "ScenarioFile":
-        """Return the scene as OpenSCENARIO XML with its OpenDRIVE map.
-
-        Args:
-            catalogue: The catalogue of its assets and maps.
-            **options: Those of `oodscen.interchange.to_openscenario`, e.g. `mode="reactive"`.
-        """
-        from oodscen.interchange import to_openscenario
-
-        return to_openscenario(self, catalogue, **options)
 
 
 def _references(behaviour: Behaviour) -> list[tuple[str, str]]:

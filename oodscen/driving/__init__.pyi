@@ -1,14 +1,6 @@
-from ._drivers.r157 import R157Driver as R157Driver
-from ._drivers.rss import RSSDriver as RSSDriver
 from ._dynamic_simulator import DynamicSimulator as DynamicSimulator
 from ._dynamic_simulator import RestorableSimulator as RestorableSimulator
 from ._mirror_simulator import MirrorSimulator as MirrorSimulator
-from ._motion.actions import action_driver as action_driver
-from ._motion.bodies import within_grip as within_grip
 from ._motion.world import KinematicWorld as KinematicWorld
-from ._roads.building import load_corridor as load_corridor
 from ._roads.corridor import Corridor as Corridor
-from ._sight.placement import check_scene as check_scene
-from ._staged_scene import StagedBody as StagedBody
 from ._staged_scene import StagedScene as StagedScene
-from ._staged_scene import observation_of as observation_of

@@ -4,6 +4,7 @@ import math
 from abc import ABC, abstractmethod
 from typing import ClassVar, Self
 
+from oodscen._abilities import ChecksScenes
 from oodscen._display import Brief
 from oodscen.data._catalogue import BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import Scene
@@ -15,15 +16,7 @@ from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import Issue, SceneError, SimulatorError, UsageError
-from oodscen.protocols import (
-    Camera,
-    ChecksScenes,
-    Control,
-    Frame,
-    Observation,
-    Simulator,
-    State,
-)
+from oodscen.protocols import Camera, Control, Frame, Observation, Simulator, State
 
 
 class BaseSimulator(Brief, ABC):

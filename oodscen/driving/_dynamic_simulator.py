@@ -71,7 +71,7 @@ class DynamicSimulator(BaseSimulator):
         Args:
             control: The ego's acceleration along its heading, m/s^2, and front wheel angle, rad, left
                 positive; finite. The ego must not reverse, and must not use more than the tyres transmit
-                (`oodscen.driving.within_grip` limits a control).
+                (`staged.within_grip` limits a control).
         """
 
     @abstractmethod

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,14 @@ from oodscen._arguments import checked, state_of
 from oodscen._display import Brief
 from oodscen._field_docs import with_fields
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Actor, Scene
+from oodscen.data._scene import Actor, Scene, Weather
+from oodscen.driving._flat_frame import flat_frame
+from oodscen.driving._motion.bodies import within_grip
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.protocols import Observation, State
+from oodscen.errors import UsageError
+from oodscen.protocols import Camera, Control, Frame, Observation, State
 
 Floats = NDArray[np.float64]
 
@@ -77,6 +80,8 @@ class StagedScene(Brief):
     """
 
     _repr_fields = ("ids",)
+    Body: TypeAlias = StagedBody
+    """One of `bodies`."""
 
     @checked
     def __init__(
@@ -85,7 +90,7 @@ class StagedScene(Brief):
         """Place all bodies at the start.
 
         Args:
-            scene: A scene that `check_scene` accepts.
+            scene: A scene without faults by `Scene.check`.
             catalogue: The simulator's catalogue.
             seed: The episode's seed.
             dt: Seconds per step.
@@ -119,10 +124,51 @@ class StagedScene(Brief):
         """Return whether any part of the ego's footprint is beside the drivable road."""
         return self._at(poses).is_off_road()
 
+    @checked
     def observation(self, state: State) -> Observation:
-        """Return the ego driver's observation of a state."""
+        """Return the ego driver's observation of a state of any simulator.
+
+        Raises:
+            UsageError: If the state is one of another scene.
+        """
+        state_of(self.scene, state)
         self._world.set_poses(state.poses, state.speeds)
         return replace(self._world.observe(), time=state.time)
+
+    def within_grip(self, control: Control, speed: float, friction: float | None = None) -> Control:
+        """Return the part of the ego's control that motor, wheels and tyres can follow on this road.
+
+        The kinematic world drives its ego by this friction circle (Rajamani 2012, chapters 2 and 13).
+
+        Args:
+            control: The driver's control.
+            speed: The ego's speed, m/s.
+            friction: Friction scale, 1 on dry asphalt; by default the scene's.
+
+        Raises:
+            UsageError: If speed or friction is not a finite number.
+        """
+        here = self.scene.weather.friction if friction is None else friction
+        return within_grip(control, speed, here)
+
+    @checked
+    def draw(self, camera: Camera, poses: Floats, weather: Weather | None = None) -> Frame:
+        """Draw the scene as shaded boxes on a plane, for a simulator without pictures of its own.
+
+        Args:
+            camera: The camera, relative to the ego, whose own box is not drawn.
+            poses: The poses of all bodies.
+            weather: The weather to show, by default the scene's: fog, night, rain and snow.
+
+        Raises:
+            UsageError: If the poses have another shape, or are not finite.
+        """
+        try:
+            whole = with_heights(poses, len(self.ids))
+        except (TypeError, ValueError) as error:
+            raise UsageError(f"draw() takes the poses of all bodies, not {error}") from None
+        assets = [body.asset for body in self.bodies]
+        return flat_frame(camera, self.corridor, weather or self.scene.weather, assets, whole)
 
     def _at(self, poses: Floats) -> KinematicWorld:
         whole = with_heights(poses, len(self.ids))
@@ -152,24 +198,6 @@ class StagedScene(Brief):
             parameters=parameters,
             actor=actor,
         )
-
-
-@checked
-def observation_of(state: State, scene: Scene, catalogue: Catalogue) -> Observation:
-    """Return the ego driver's observation of a state of any simulator.
-
-    `StagedScene.observation` does the same faster for many states of one scene.
-
-    Args:
-        state: The state.
-        scene: Its scene.
-        catalogue: The simulator's catalogue.
-
-    Raises:
-        UsageError: If the state is one of another scene.
-    """
-    state_of(scene, state)
-    return StagedScene(scene, catalogue).observation(state)
 
 
 def lane_centrelines(corridor: Corridor, *, spacing_m: float = 2.0) -> tuple[LaneCentreline, ...]:

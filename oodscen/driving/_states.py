@@ -7,22 +7,14 @@ from typing import Any, Self
 
 import numpy as np
 
+from oodscen._abilities import Rehearses, Snapshots
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import BaseSimulator
 from oodscen.driving._dynamic_simulator import DynamicSimulator, RestorableSimulator
 from oodscen.driving._mirror_simulator import MirrorSimulator
 from oodscen.errors import SimulatorError
-from oodscen.protocols import (
-    Camera,
-    Control,
-    Frame,
-    Observation,
-    Rehearses,
-    Simulator,
-    Snapshots,
-    State,
-)
+from oodscen.protocols import Camera, Control, Frame, Observation, Simulator, State
 
 _SHAPES: dict[str, tuple[int, ...]] = {
     "poses": (4,), "speeds": (), "gaps": (), "accelerations": (), "places": (2,),

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from weakref import WeakValueDictionary
@@ -21,13 +21,14 @@ from oodscen.driving._states import watched
 from oodscen.driving._trace import Course
 from oodscen.errors import SimulatorError, UnknownComponent, UsageError
 from oodscen.gymnasium._acting import ActionDecoder
+from oodscen.gymnasium._driver_policy import DriverPolicy
 from oodscen.gymnasium._episode import Episode, PreparedScene
 from oodscen.gymnasium._extra import gymnasium
 from oodscen.gymnasium._interface import ActionKind, Interface, ObservationKind, nearest_steps
 from oodscen.gymnasium._observing import picture
 from oodscen.gymnasium._reward import Reward
 from oodscen.gymnasium._scenes import chosen_scenes
-from oodscen.protocols import Camera, Frame, Observation, Simulator, State
+from oodscen.protocols import Camera, Driver, Frame, Observation, Simulator, State
 from oodscen.stages._drive import horizon
 from oodscen.study._study import Study
 
@@ -60,7 +61,8 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         camera: The camera of frames; by default the dash camera with 128 x 96 pixels.
         step_s: Time for which an action holds, s: a multiple of the simulator's step, by default the one
             that is nearest to 0.1 s.
-        reward: The weights of the reward.
+        reward: Weights of the reward by name, in place of the defaults: `progress` (1), `offset` (-0.05), `braking`
+            (-0.5), `critical` (-1), `collision` (-20) and `off_road` (-20).
         render_mode: `rgb_array`, or none.
 
     Raises:
@@ -86,12 +88,10 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         neighbours: int = 6,
         camera: Camera | None = None,
         step_s: float | None = None,
-        reward: Reward | None = None,
+        reward: Mapping[str, float] | None = None,
         render_mode: str | None = None,
     ) -> None:
         self.interface = Interface(observation, actions, neighbours, camera, step_s)
-        if reward is not None and not isinstance(reward, Reward):
-            raise UsageError(f"reward must be a Reward, not {reward!r:.80}")
         if not isinstance(twins, bool):
             raise UsageError(f"twins must be True or False, not {twins!r:.80}")
         if render_mode not in (None, *self.metadata["render_modes"]):
@@ -99,7 +99,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self.observation_space = self.interface.observation_space
         self.action_space = self.interface.action_space
         self.render_mode = render_mode
-        self.reward = reward or Reward()
+        self.reward = Reward.of(reward or {})
         found, self.simulator, known = chosen_scenes(study, scenes, simulator)
         self._watched = watched(self.simulator)
         self._seed = known if seed is None else seed_number(seed)
@@ -240,6 +240,20 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             raise UsageError("SceneEnv: call reset() first")
         with working("simulator", self.simulator.name):
             return render_checked(self.simulator, camera, len(self._episode.state.ids))
+
+    @checked
+    def policy(self, driver: Callable[[], Driver] | str) -> DriverPolicy:
+        """Return a policy by which a driver acts here: a function of the observation, with `predict` too.
+
+        The driver sees what drivers see, the true state and its own observation. Every episode gets a new one.
+
+        Args:
+            driver: A class or function that makes a driver, or a name that `make_driver` takes.
+
+        Raises:
+            UsageError: If the actions are discrete, or there is no such driver.
+        """
+        return DriverPolicy(driver, self)
 
     # ------------------------------------------------------------------ internals
 

@@ -1,23 +1,18 @@
-"""Policies as drivers, and drivers as policies."""
+"""Policies as drivers."""
 
 import inspect
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen._arguments import checked
 from oodscen._display import Brief
-from oodscen._members import conforming, described, working
+from oodscen._members import described, working
 from oodscen.errors import UsageError
-from oodscen.gymnasium._acting import ActionDecoder, as_action
-from oodscen.gymnasium._env import SceneEnv
-from oodscen.gymnasium._extra import gymnasium
+from oodscen.gymnasium._acting import ActionDecoder
 from oodscen.gymnasium._interface import ActionKind, Interface, ObservationKind, nearest_steps
-from oodscen.protocols import Camera, Control, Driver, Observation, State
-from oodscen.stages._steering import own_camera
+from oodscen.protocols import Camera, Control, Observation, State
 
 _ROUNDING_S = 1e-4
 """Difference of two times of a simulator that comes of rounding, s; less than the shortest step."""
@@ -106,64 +101,6 @@ class PolicyDriver(Brief):
                 f"step_s is {self.interface.step_s:g} s, not a multiple of the simulator's step"
             )
         return late >= -_ROUNDING_S
-
-
-class DriverPolicy(Brief):
-    """Lets a driver act in an environment with continuous actions, as a policy with `predict`.
-
-    The driver sees what drivers see, the true state and its own observation, and not the observation of the
-    environment. Every episode gets a new driver.
-
-    Args:
-        driver: Makes a driver, e.g. `RuleBasedDriver`.
-        env: The environment, wrapped or not.
-
-    Raises:
-        UsageError: If the environment is of another kind, or has discrete actions.
-    """
-
-    _repr_fields: ClassVar[tuple[str, ...]] = ("env",)
-
-    def __init__(self, driver: Callable[[], Driver], env: "gymnasium.Env[Any, Any]") -> None:
-        inner = getattr(env, "unwrapped", None)
-        if not isinstance(inner, SceneEnv) or inner.interface.actions != "continuous":
-            raise UsageError(
-                "a driver acts in an environment oodscen/Scene-v0 with continuous actions"
-            )
-        self.env: SceneEnv = inner
-        self._make = driver
-        self._driver: Driver | None = None
-        self._episode = -1
-
-    def predict(
-        self, observation: Any = None, *unused: Any, **ignored: Any
-    ) -> tuple[NDArray[np.float32], None]:
-        """Return the driver's action, and no state."""
-        return self(observation), None
-
-    def __call__(self, observation: Any = None) -> NDArray[np.float32]:
-        """Return the driver's action.
-
-        Raises:
-            UsageError: Before the first reset, or if the driver returns no control.
-        """
-        env = self.env
-        if env.state is None or env.seen is None:
-            raise UsageError("DriverPolicy: call the environment's reset() first")
-        if self._driver is None or self._episode != env.episode:
-            self._driver, self._episode = conforming("driver", self._make()), env.episode
-        assert self._driver is not None
-        seen = env.seen
-        if getattr(self._driver, "wants_frames", False):
-            seen = replace(seen, frame=env.look(own_camera(self._driver) or Camera()))
-        if (look := getattr(self._driver, "look", None)) is not None:
-            look(env.state)
-        source = f"{type(self._driver).__name__}.act()"
-        with working("driver", source):
-            control = self._driver.act(seen)
-        if not isinstance(control, Control) or not control.is_finite:
-            raise UsageError(f"{source} returned {control!r:.80}, not a Control of finite numbers")
-        return as_action(control)
 
 
 def _asked(policy: Any) -> tuple[Callable[[Any], Any], str]:

@@ -1,9 +1,11 @@
 """The reward of one step of an environment."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 from oodscen._numbers import finite_number
 from oodscen.driving._motion.bodies import GRAVITY
+from oodscen.errors import UnknownComponent
 
 CRITICAL_TTC_S = 1.5
 """Time to collision below which `Reward.critical` counts, s."""
@@ -30,6 +32,19 @@ class Reward:
     """For a collision, which ends the episode."""
     off_road: float = -20.0
     """For leaving the drivable road, which ends the episode."""
+
+    @classmethod
+    def of(cls, weights: Mapping[str, float]) -> "Reward":
+        """Return a reward with some weights in place of the defaults.
+
+        Raises:
+            UnknownComponent: If there is no such weight.
+            UsageError: If a weight is not a finite number.
+        """
+        known = [field.name for field in fields(cls)]
+        if unknown := [name for name in weights if name not in known]:
+            raise UnknownComponent("weight of the reward", str(unknown[0])[:80], known)
+        return cls(**weights)
 
     def __post_init__(self) -> None:
         for field in fields(self):

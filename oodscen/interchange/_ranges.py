@@ -8,13 +8,12 @@ from typing import Any
 from oodscen._arguments import checked
 from oodscen._numbers import seed_number, whole_number
 from oodscen._seeding import stream
-from oodscen.claims import check_claims
-from oodscen.claims._checking import mismatches
+from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._scene import CLEAR_AIR_M, Scene
-from oodscen.driving import check_scene
+from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import DataError
 
 Path = tuple[str | int, ...]
@@ -74,18 +73,7 @@ def vary(
     claims: Sequence[Claim] = (),
     seed: int = 0,
 ) -> list[Scene]:
-    """Draw variants of a scene, uniformly from the ranges of its parameters, each checked.
-
-    Args:
-        scene: The scene.
-        catalogue: The catalogue of its assets and maps.
-        count: Number of variants.
-        claims: The claims of its text, which no variant contradicts.
-        seed: Seed of the draws.
-
-    Returns:
-        The variants, `<scene>.v001` and so on; fewer than asked for if too many draws fail the checks.
-    """
+    """Draw checked variants of a scene; `Scene.vary` tells arguments and result."""
     whole_number("count", count, 1, _MOST)
     parameters = ranges(scene, catalogue, claims)
     draws = stream(seed_number(seed), "vary", scene.id)

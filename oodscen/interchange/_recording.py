@@ -9,10 +9,11 @@ from oodscen._display import Brief
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene, Trigger
-from oodscen.driving import MirrorSimulator, action_driver, load_corridor
-from oodscen.driving._motion.actions import Cruise
+from oodscen.driving import MirrorSimulator
+from oodscen.driving._motion.actions import Cruise, action_driver
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
 from oodscen.driving._motion.triggers import MAX_APPROACH_S
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import SimulatorError
 from oodscen.numerics._exact import Floats

@@ -11,9 +11,8 @@ from oodscen._arguments import checked
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, FOG_M, Actor, Precipitation, Scene, Weather
-from oodscen.driving import load_corridor
 from oodscen.driving._motion.behaviours import BUILT_IN
-from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.interchange._writing.entities import classified
 

@@ -1,2 +1,1 @@
-from ._base import Prompt as Prompt
 from ._versions import QUESTIONS as QUESTIONS

@@ -1,3 +1,2 @@
-from ._answers import answer_values as answer_values
-from ._answers import figures_of as figures_of
+from ._answers import score_answers as score_answers
 from ._publishing import publish as publish

@@ -1,13 +1,11 @@
 """Scoring answers to published questions, as the leaderboard of a study does."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from oodscen._arguments import checked
-from oodscen.data._base import canonical_json
-from oodscen.errors import DataError, Issue
-from oodscen.judging._items import VALUES, AnswerColumns
-from oodscen.judging._items import answer_values as values_of
+from oodscen.errors import DataError, Issue, UsageError
+from oodscen.judging._items import AnswerColumns, answer_values
 from oodscen.judging._leaderboard.figures import rates
 from oodscen.judging._scoring import AnswerKey, items_of
 from oodscen.publish._question_rows import TASKS
@@ -22,46 +20,33 @@ FIGURES_OF_TASK: Mapping[str, tuple[str, ...]] = {
 
 
 @checked
-def answer_values(row: Mapping[str, Any], answer: str) -> dict[str, Any]:
-    """Return the values of a model's answer to one row of a published data set.
+def score_answers(answers: Iterable[tuple[Mapping[str, Any], str]]) -> dict[str, float]:
+    """Return the figures over a model's answers to published questions, as shares of the answers that score.
+
+    Answers are read by the same rules as in a study. Figures of questions of other kinds are left out.
 
     Args:
-        row: The row, with its `purpose` and `key`.
-        answer: The model's text, read by the same rules as in a study.
+        answers: Pairs of a row of the data set, of which `purpose` and `key` are used, and the model's text.
 
     Raises:
-        DataError: If the key of the row is malformed.
+        DataError: If the key of a row is malformed.
+        UsageError: If there is something else than pairs.
     """
-    key, purpose = _read(row)
-    verdict = key.verdict(purpose, str(answer))
-    return {
-        "key": canonical_json(key.model_dump(mode="json")),
-        "purpose": purpose,
-        **values_of(verdict, key.episode),
-    }
-
-
-@checked
-def figures_of(answers: Iterable[Mapping[str, Any]]) -> dict[str, float]:
-    """Return the figures over the answers to one kind of question, as shares of the answers that score.
-
-    Args:
-        answers: What `answer_values` returned, for any of the rows.
-
-    Raises:
-        DataError: If one of them is malformed.
-    """
-    found = [(*_read(one), one) for one in answers]
-    items = items_of([key for key, _, _ in found])
-    values = {key.item: {name: one[name] for name in VALUES} for key, _, one in found}
-    known = rates(items, AnswerColumns.of_values(items, values))
-    return {
-        figure: value
-        for purpose in sorted({purpose for _, purpose, _ in found})
-        for task in TASKS[purpose]
-        for figure in FIGURES_OF_TASK[task]
-        if (value := known[figure].value) is not None
-    }
+    asked: dict[str, list[tuple[AnswerKey, dict[str, float]]]] = {}
+    for pair in answers:
+        if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
+            raise UsageError(f"answers must be pairs of a row and a text, not {pair!r:.80}")
+        key, purpose = _read(pair[0])
+        verdict = key.verdict(purpose, str(pair[1]))
+        asked.setdefault(purpose, []).append((key, answer_values(verdict, key.episode)))
+    figures: dict[str, float] = {}
+    for purpose, found in sorted(asked.items()):
+        items = items_of([key for key, _ in found])
+        known = rates(items, AnswerColumns.of_values(items, {key.item: one for key, one in found}))
+        for figure in (name for task in TASKS[purpose] for name in FIGURES_OF_TASK[task]):
+            if (value := known[figure].value) is not None:
+                figures[figure] = value
+    return figures
 
 
 def _read(row: Mapping[str, Any]) -> tuple[AnswerKey, str]:

@@ -1,4 +1,4 @@
-"""Types of the fixtures that `pytest --oodscen OUT` gives to tests; docs/ci.md shows their use."""
+"""Type of the fixture `drive` that `pytest --oodscen OUT` gives to tests; docs/ci.md shows their use."""
 
 import lazy_loader
 

@@ -1,2 +1,1 @@
-from ._driven import Driven as Driven
 from ._driving import Drive as Drive

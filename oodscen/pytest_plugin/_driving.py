@@ -13,6 +13,7 @@ from oodscen._arguments import instance_of
 from oodscen._display import png
 from oodscen._files import replace
 from oodscen._members import is_interruption
+from oodscen._registry import driver_maker
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import twin_id
 from oodscen.data._scene import Scene
@@ -24,7 +25,6 @@ from oodscen.pytest_plugin._scenes import Scenes
 from oodscen.stages._drive import (
     DrivePlan,
     MakeDriver,
-    RuleBasedDriver,
     brakes_hard,
     drive_result,
     drive_states,
@@ -82,7 +82,7 @@ class Drive:
         """Let a stack drive a scene from the start to the horizon.
 
         Args:
-            driver: A class or function that makes a driver, or its name: `rule-based`, `module:attr`.
+            driver: A class or function that makes a driver, or a name that `make_driver` takes.
             scene: The scene to drive, by default the test's; `twin` drives its ordinary twin.
             name: The stack's name in the report; by default the name of the class or function.
             camera: Camera for drivers that want frames; by default the ego's dash camera, or the view from above.
@@ -196,11 +196,7 @@ def _maker(driver: MakeDriver | str) -> tuple[MakeDriver, str]:
     Raises:
         UsageError: If it is not a factory.
     """
-    if driver == "rule-based":
-        return RuleBasedDriver, "rule-based"
     if isinstance(driver, str):
-        from oodscen._registry import driver_maker
-
         return driver_maker(driver), driver
     if isinstance(driver, Driver) and not isinstance(driver, type):
         raise UsageError(

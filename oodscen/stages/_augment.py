@@ -86,8 +86,8 @@ class Augmenter(Brief):
         return likeness_of(self.encoder, self.catalogue)
 
     @checked
-    def read(self, scenario: Scenario) -> tuple[Claim, ...]:
-        """Return the claims of a text, or none if claims are switched off.
+    def read(self, scenario: Scenario | str) -> tuple[Claim, ...]:
+        """Return the claims of a scenario or a text, from its words alone, or none if claims are switched off.
 
         Raises:
             AnswerError: When the model gives no valid claims; the error lists the faults.
@@ -95,7 +95,8 @@ class Augmenter(Brief):
         """
         if not self.claims:
             return ()
-        return extract_claims(self.reader, scenario.text, attempts=self.attempts)
+        text = scenario if isinstance(scenario, str) else scenario.text
+        return extract_claims(self.reader, text, attempts=self.attempts)
 
     @checked
     def run(

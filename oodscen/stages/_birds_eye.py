@@ -12,7 +12,7 @@ from oodscen._display import png
 from oodscen._numbers import finite_number, whole_number
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.errors import MissingExtra

@@ -7,10 +7,10 @@ from typing import NamedTuple
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene, Trigger
 from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
-from oodscen.driving import load_corridor
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import value_in
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.decision_view import drawn
 from oodscen.driving._sight.scene_checks import bodies

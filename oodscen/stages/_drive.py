@@ -3,34 +3,31 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from oodscen._arguments import checked
-from oodscen._display import Brief
 from oodscen._members import conforming, is_interruption, message, working
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
+from oodscen._registry import driver_maker
 from oodscen._text import whole
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
-from oodscen.driving import load_corridor
-from oodscen.driving._drivers.following import following_acceleration
 from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._states import watched
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import OodscenError, UsageError
 from oodscen.protocols import (
     Camera,
-    Control,
     Driver,
-    Observation,
     Simulator,
     State,
     camera_for,
@@ -47,7 +44,7 @@ NEEDLESS_BRAKING = 4.0
 @checked
 def drive(
     scenes: Sequence[Scene],
-    driver: MakeDriver,
+    driver: MakeDriver | str,
     simulator: Simulator,
     *,
     name: str = "",
@@ -66,9 +63,9 @@ def drive(
 
     Args:
         scenes: Scenes to drive; twins among them are driven as they are.
-        driver: Makes a fresh driver for every drive.
+        driver: A class or function that makes a fresh driver for every drive, or a name that `make_driver` takes.
         simulator: The simulator to drive in.
-        name: The driver's name in the results; by default the name of its class.
+        name: The driver's name in the results; by default the name that was given, or that of the class.
         seed: Seed of the simulator's random streams.
         twins: Drive the twins as well, right after their scenes.
         camera: Camera for drivers that want frames; by default the driver's own, or the ego's dash camera.
@@ -78,16 +75,20 @@ def drive(
         The results in the order of the scenes, each followed by its twin's.
 
     Raises:
-        UsageError: If there are two drives of one id, what is to be driven is not a scene, or where it is driven
-            is not a simulator, or another thread uses it.
+        UsageError: If there are two drives of one id, what is to be driven is not a scene, there is no such driver,
+            or where it is driven is not a simulator, or another thread uses it.
     """
     conforming("simulator", simulator)
     seed_number(seed)
-    label = name or getattr(driver, "__name__", type(driver).__name__)
+    own_name = (
+        driver if isinstance(driver, str) else getattr(driver, "__name__", type(driver).__name__)
+    )
+    label = name or own_name
     if not isinstance(label, str) or not label.strip() or whole(label) != label:
         raise UsageError(f"drive() needs a name for the driver, not {label!r:.80}")
     scenes = _distinct(scenes, twins)
-    drives = _Drives(driver, simulator, label, seed, twins, camera)
+    make = driver_maker(driver) if isinstance(driver, str) else driver
+    drives = _Drives(make, simulator, label, seed, twins, camera)
     with reporting(progress) as report_progress, exclusive(simulator):
         results = [
             result
@@ -112,61 +113,6 @@ def _distinct(scenes: Sequence[Scene], twins: bool) -> list[Scene]:
             f"two of the drives would be of {twice[0]!r}; every scene needs an id of its own"
         )
     return found
-
-
-class RuleBasedDriver(Brief):
-    """Keeps its lane, follows the actor ahead, and brakes hard when it gets close.
-
-    The intelligent driver model with emergency braking below a time to collision. It knows the true
-    positions of all actors: a stack with perfect perception and no plan but to follow.
-    """
-
-    headway_s = 1.5
-    standing_m = 2.5
-    comfortable = 2.0
-    """Comfortable acceleration and deceleration, in m/s^2."""
-    emergency_ttc_s = 1.6
-    corridor_m = 2.1
-    """Half the width of the region that counts as ahead, in metres."""
-
-    def __init__(self) -> None:
-        self._keep = Cruise()
-        self._desired: float | None = None
-        self._gap, self._closing = math.inf, 0.0
-
-    def look(self, state: State) -> None:
-        """Find the nearest body ahead, including one that will step into the path within a second."""
-        self._gap, self._closing = math.inf, 0.0
-        if state.places is None:
-            return
-        s, t = state.places[:, 0], state.places[:, 1]
-        speed = float(state.speeds[0])
-        for row in range(1, len(state.ids)):
-            turn = float(state.poses[row, 3] - state.poses[0, 3])
-            along, across = (float(state.speeds[row]) * f(turn) for f in (math.cos, math.sin))
-            aside = float(t[row] - t[0])
-            if s[row] <= s[0] or min(abs(aside), abs(aside + across)) > self.corridor_m:
-                continue
-            if state.gaps[row] < self._gap:
-                self._gap, self._closing = float(state.gaps[row]), speed - along
-
-    def act(self, observation: Observation) -> Control:
-        """Follow, brake, or keep the speed."""
-        control = self._keep.act(observation)
-        if self._desired is None:
-            self._desired = max(observation.speed, 0.1)
-        if self._closing > 0 and self._gap / self._closing < self.emergency_ttc_s:
-            return replace(control, acceleration=-8.0)
-        acceleration = following_acceleration(
-            observation.speed,
-            self._desired,
-            self._gap,
-            self._closing,
-            headway_s=self.headway_s,
-            standing_m=self.standing_m,
-            comfortable=self.comfortable,
-        )
-        return replace(control, acceleration=max(-8.0, min(control.acceleration, acceleration)))
 
 
 class DrivePlan:

@@ -27,7 +27,7 @@ from oodscen.judging._questions import (
 from oodscen.judging._references import AspectOption, Case, takes_cases
 from oodscen.judging._scoring import AnswerKey, GivenAnswers, Truth, kind_of_answerer, score_answers
 from oodscen.llm._ask import ask
-from oodscen.prompts import Prompt
+from oodscen.prompts._base import Prompt
 from oodscen.prompts._judging.describe_frame import DescribeFrame, FrameDescription
 from oodscen.prompts._judging.drive_facts import DriveFacts
 from oodscen.protocols import LLM

@@ -6,14 +6,14 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from oodscen._abilities import Rehearses, Snapshots
 from oodscen.data._episode import LONGEST_REACTION_S, ActionOutcome
 from oodscen.data._scene import Scene, StopLine
-from oodscen.driving import action_driver
-from oodscen.driving._motion.actions import is_available
+from oodscen.driving._motion.actions import action_driver, is_available
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import UsageError
-from oodscen.protocols import Control, Observation, Rehearses, Simulator, Snapshots, State
+from oodscen.protocols import Control, Observation, Simulator, State
 
 JERK_S = 0.2
 """Interval over which a change of acceleration is measured, in seconds."""

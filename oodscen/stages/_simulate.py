@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
+from oodscen._abilities import Snapshots
 from oodscen._arguments import checked
 from oodscen._display import Brief, picture, png
 from oodscen._members import conforming, working
@@ -24,24 +25,16 @@ from oodscen.data._episode import (
     share_of,
 )
 from oodscen.data._scene import LONGEST_HORIZON_S, Scene
-from oodscen.driving import load_corridor
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.visibility import is_noticeable, least_area
 from oodscen.driving._states import watched
 from oodscen.driving._trace import Course, Trace, concatenate
 from oodscen.errors import MissingExtra, UnknownComponent
-from oodscen.protocols import (
-    Camera,
-    Control,
-    Frame,
-    Simulator,
-    Snapshots,
-    State,
-    camera_for,
-)
+from oodscen.protocols import Camera, Control, Frame, Simulator, State, camera_for
 from oodscen.stages._birds_eye import birds_eye
 from oodscen.stages._safe_actions import Rollouts, Trials, fingerprint
 from oodscen.stages._visibility import sighting

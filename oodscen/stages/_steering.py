@@ -2,20 +2,12 @@
 
 from dataclasses import replace
 
+from oodscen._abilities import Looks, MountsCamera, WantsFrames
 from oodscen._arguments import instance_of
 from oodscen._numbers import said
 from oodscen.driving._base_simulator import render_checked
 from oodscen.errors import UsageError
-from oodscen.protocols import (
-    Camera,
-    Control,
-    Driver,
-    Looks,
-    MountsCamera,
-    Simulator,
-    State,
-    WantsFrames,
-)
+from oodscen.protocols import Camera, Control, Driver, Simulator, State
 
 
 class Steering:

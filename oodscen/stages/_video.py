@@ -11,14 +11,15 @@ from oodscen._files import read_bytes, temporary_folder, write_named, writing
 from oodscen._members import conforming
 from oodscen._numbers import finite_number, seed_number
 from oodscen._progress import Progress, reporting
+from oodscen._registry import make_driver
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._episode import NOMINAL_REACTION_S
+from oodscen.data._episode import ACTIONS, NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
-from oodscen.driving import action_driver, load_corridor
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._states import watched
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State, camera_for
@@ -125,9 +126,9 @@ def record(
         scene: The scene to run.
         simulator: The simulator to run it in.
         path: Path of the MP4 file.
-        driver: Drives from the start, and is shown what it asks for, as in `drive`; or the id of an action,
-            executed from the decision on after a driver that is blind to the hazard, which also drives if this
-            is left out.
+        driver: Drives from the start, and is shown what it asks for, as in `drive`: a driver, or a name that
+            `make_driver` takes. An action by its id is executed from the decision on, after a driver that is blind
+            to the hazard, which also drives if this is left out.
         view: The ego's camera, a bird's-eye view, or both side by side.
         seed: Seed of the simulator's random streams.
         camera: By default the ego's dash camera.
@@ -135,7 +136,7 @@ def record(
         progress: True for a progress bar, or a callable; it counts the steps of the simulator.
 
     Raises:
-        UnknownComponent: When the view or the action is unknown.
+        UnknownComponent: When the view or the driver is unknown.
         MissingExtra: When OpenCV is not installed.
         SceneError: When the simulator refuses the scene.
         UsageError: When another thread uses the simulator; `driver` is not a driver, or returns no control; `fps` or `path` is invalid.
@@ -143,9 +144,12 @@ def record(
     """
     if view not in VIEWS:
         raise UnknownComponent("view", view, VIEWS)
-    later = action_driver(driver, NOMINAL_REACTION_S) if isinstance(driver, str) else None
-    own = None if isinstance(driver, str) else driver
-    now: Driver = Cruise() if own is None else conforming("driver", own)
+    now: Driver = Cruise()
+    later: Driver | None = None
+    if isinstance(driver, str) and driver in ACTIONS:
+        later = make_driver(driver, reaction_s=NOMINAL_REACTION_S)
+    elif driver is not None:
+        now = make_driver(driver)
     used_alone = exclusive(conforming("simulator", simulator))
     simulator = watched(simulator)
     catalogue = simulator.catalogue()

@@ -1,7 +1,5 @@
 from ._check import check_simulator as check_simulator
 from ._check import simulator_checks as simulator_checks
-from ._flat import FlatSimulator as FlatSimulator
-from ._flat import flat_frame as flat_frame
 from ._llm import ScriptedLLM as ScriptedLLM
 from ._scenes import example_scene as example_scene
 from ._server import AnsweringServer as AnsweringServer

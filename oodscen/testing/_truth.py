@@ -9,15 +9,15 @@ import numpy as np
 from oodscen._arguments import checked
 from oodscen.data._episode import ACTIONS, MOMENTS
 from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
-from oodscen.driving import load_corridor
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._flat_frame import tangents
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies, floating_issues, overlap_issues
 from oodscen.driving._sight.visibility import Eye
 from oodscen.errors import Issue, SceneError
 from oodscen.protocols import Camera, Frame, Simulator, camera_for
 from oodscen.stages._simulate import Simulated, simulate
-from oodscen.testing._flat import tangents
 from oodscen.testing._kit.shapes import depths, share_inside
 
 FOGGY_M = 400.0
@@ -54,7 +54,7 @@ def check_truth(
     has an outcome.
 
     Args:
-        scene: A scene that `check_scene` accepts.
+        scene: A scene without faults by `Scene.check`.
         simulator: The simulator to run it on.
         seed: Seed of the simulator's random streams.
         camera: The camera; the ego's dash camera by default.

@@ -1,5 +1,1 @@
 """The scenario tree: its edit log, labels, comparison, merging, coverage, provenance and export."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Literal, NoReturn, Self
+from typing import Any, ClassVar, Literal, NoReturn, Self, TypeAlias
 
 from oodscen._arguments import checked, instance_of
 from oodscen._files import read_utf8
@@ -61,6 +61,8 @@ class ScenarioTree:
     """
 
     noun: ClassVar[str] = TreeFile.noun
+    Edit: TypeAlias = TreeEdit
+    """One edit: `ScenarioTree.Edit(op="add", node="fog", parent="environmental", label="Fog")`."""
 
     _index: EditLog
     """The index that this tree shares with the trees before and after it."""

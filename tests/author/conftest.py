@@ -7,7 +7,7 @@ from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.prompts import Prompt
+from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.protocols import Request
 from oodscen.testing._flat import FlatSimulator

@@ -3,8 +3,7 @@
 import pytest
 from oodscen_pybullet._catalogue import load_catalogue
 
-from oodscen.claims import check_claims
-from oodscen.claims._checking import mismatches
+from oodscen.claims._checking import check_claims, mismatches
 from oodscen.claims._watching import watch
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather

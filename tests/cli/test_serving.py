@@ -11,9 +11,10 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen._cli import main
-from oodscen.driving import action_driver
+from oodscen.driving._motion.actions import action_driver
 from oodscen.protocols import Camera
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 SCENE = example_scene()
 

@@ -91,10 +91,10 @@ def behaving(name="bolt", **parameters):
 
 
 def test_what_is_offered_passes():
-    assert CATALOGUE.check(scene()) == []
-    assert CATALOGUE.check(scene(map="own/road.xodr")) == []
+    assert CATALOGUE.lacks(scene()) == []
+    assert CATALOGUE.lacks(scene(map="own/road.xodr")) == []
     car = DEER.model_copy(update={"asset": "car", "state": "hazard", "behaviour": Behaviour()})
-    assert CATALOGUE.check(scene(actors=(car,))) == []
+    assert CATALOGUE.lacks(scene(actors=(car,))) == []
 
 
 @pytest.mark.parametrize(
@@ -125,7 +125,7 @@ def test_what_is_offered_passes():
     ],
 )
 def test_what_is_not_offered_is_named_with_a_way_out(wrong, path, hint):
-    (issue,) = CATALOGUE.check(wrong)
+    (issue,) = CATALOGUE.lacks(wrong)
     assert issue.path == path
     assert hint in issue.message
 
@@ -145,7 +145,7 @@ def test_all_faults_come_at_once():
         weather=Weather(friction=0.1),
         hazard=Hazard(actors={"deer": ordinary}, weather=Weather(fog_visual_range_m=1)),
     )
-    assert [issue.path for issue in CATALOGUE.check(wrong)] == [
+    assert [issue.path for issue in CATALOGUE.lacks(wrong)] == [
         "map",
         "weather.friction",
         "hazard.weather.fog_visual_range_m",
@@ -191,7 +191,7 @@ def belonging(*pairs):
         hazard=Hazard(weather=Weather()),
         decision=Trigger(),
     )
-    return [issue.path for issue in catalogue.check(staged)]
+    return [issue.path for issue in catalogue.lacks(staged)]
 
 
 def test_whoever_is_towed_needs_somebody_and_not_itself():
@@ -227,5 +227,5 @@ def test_no_scene_is_about_a_sun_that_is_not_drawn() -> None:
     path = "hazard.weather.sun_elevation_deg"
     for is_drawn in (True, False):
         sun = CATALOGUE.weather.model_copy(update={"sun_is_drawn": is_drawn})
-        issues = CATALOGUE.model_copy(update={"weather": sun}).check(scene)
+        issues = CATALOGUE.model_copy(update={"weather": sun}).lacks(scene)
         assert (path in [issue.path for issue in issues]) is not is_drawn

@@ -5,11 +5,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import make_catalogue
-from oodscen.claims import check_claims
+from oodscen.claims._checking import check_claims
 from oodscen.data import Scene
 from oodscen.data._claim import Claim
 from oodscen.data._map_state import MapState
-from oodscen.driving import check_scene
+from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import DataError
 from oodscen.stages._hazard_words import visible_of_map
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE

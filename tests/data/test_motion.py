@@ -169,11 +169,11 @@ def scene() -> Scene:
 
 
 def test_a_scene_brings_its_motions_along(scene: Scene) -> None:
-    assert not FLAT_CATALOGUE.check(scene)
+    assert not FLAT_CATALOGUE.lacks(scene)
     assert Scene.parse(scene.to_json()) == scene
     without = {**scene.model_dump(), "motions": ()}
     assert "motions" not in json.loads(Scene.parse(without).to_json())
-    assert FLAT_CATALOGUE.check(Scene.parse(without))[0].path == "actors[0].behaviour.name"
+    assert FLAT_CATALOGUE.lacks(Scene.parse(without))[0].path == "actors[0].behaviour.name"
     assert scene.twin(1.0).motions == scene.motions
     with pytest.raises(DataError):
         Scene.parse({**scene.model_dump(), "motions": [TOPPLE, TOPPLE]})
@@ -181,12 +181,12 @@ def test_a_scene_brings_its_motions_along(scene: Scene) -> None:
 
 def test_a_scene_is_refused_where_the_motion_does_not_fit(scene: Scene) -> None:
     taken = {**scene.model_dump(), "motions": [{**TOPPLE, "id": "stand"}, TOPPLE]}
-    (fault,) = FLAT_CATALOGUE.check(Scene.parse(taken))
+    (fault,) = FLAT_CATALOGUE.lacks(Scene.parse(taken))
     assert fault.path == "motions[0].id"
     person = {**scene.model_dump(), "motions": [{**STREAM, "id": "topple"}]}
-    (fault,) = FLAT_CATALOGUE.check(Scene.parse(person))
+    (fault,) = FLAT_CATALOGUE.lacks(Scene.parse(person))
     assert fault.path == "actors[0].behaviour.name"
     swift = {**TOPPLE, "by": "ego", "keys": [{"at": 0}, {"at": 9, "ahead": 2}]}
     quick = {**scene.model_dump(), "ego": {"speed": 40}, "motions": [swift]}
-    (fault,) = FLAT_CATALOGUE.check(Scene.parse(quick))
+    (fault,) = FLAT_CATALOGUE.lacks(Scene.parse(quick))
     assert fault.path == "motions[0].keys[1]"

@@ -121,12 +121,12 @@ def test_what_moves_by_itself_is_no_part() -> None:
 
 def test_a_scene_brings_its_things_along(scene_with_wall: Scene) -> None:
     catalogue: Catalogue = FLAT_CATALOGUE
-    assert not catalogue.check(scene_with_wall)
+    assert not catalogue.lacks(scene_with_wall)
     assert catalogue.bodies(scene_with_wall)[1][1].width == 3.0
     assert Scene.parse(scene_with_wall.to_json()) == scene_with_wall
     without = {**scene_with_wall.model_dump(), "made": ()}
     assert "made" not in json.loads(Scene.parse(without).to_json())
-    assert catalogue.check(Scene.parse(without))
+    assert catalogue.lacks(Scene.parse(without))
     assert scene_with_wall.twin(1.0).made == scene_with_wall.made
     twice = {**scene_with_wall.model_dump(), "made": [WALL, WALL]}
     with pytest.raises(DataError):

@@ -19,7 +19,16 @@ LISTED = {
 }
 UNLISTED = {
     f"oodscen.{name}"
-    for name in ("encoders", "inspect", "metrics", "numerics", "statistics", "study")
+    for name in (
+        "claims",
+        "encoders",
+        "inspect",
+        "metrics",
+        "numerics",
+        "statistics",
+        "study",
+        "tree",
+    )
 }
 """Packages that list no name."""
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)

@@ -1,7 +1,8 @@
 """Scenes and catalogues that the driving tests share."""
 
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
-from oodscen.driving import KinematicWorld, load_corridor
+from oodscen.driving import KinematicWorld
+from oodscen.driving._roads.building import load_corridor
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
 CATALOGUE = FLAT_CATALOGUE

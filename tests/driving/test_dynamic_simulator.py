@@ -6,19 +6,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import simulate
+from oodscen._abilities import ChecksScenes, Snapshots
 from oodscen.data._scene import Ego, Trigger
-from oodscen.driving import (
-    DynamicSimulator,
-    KinematicWorld,
-    RestorableSimulator,
-    observation_of,
-    within_grip,
-)
+from oodscen.driving import DynamicSimulator, KinematicWorld, RestorableSimulator, StagedScene
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import Issue, SceneError, SimulatorError, UsageError
-from oodscen.protocols import Camera, ChecksScenes, Control, Simulator, Snapshots
-from oodscen.testing import FlatSimulator, example_scene, flat_frame
+from oodscen.protocols import Camera, Control, Simulator
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
 CAR = scene(
@@ -58,9 +54,7 @@ class Engine(DynamicSimulator):
         self.fired.append((body.id, self.engine.time))
 
     def draw(self, camera):
-        staged = self.staged
-        assets = [body.asset for body in staged.bodies]
-        return flat_frame(camera, staged.corridor, staged.scene.weather, assets, self.state().poses)
+        return self.staged.draw(camera, self.state().poses)
 
 
 class GoesBack(RestorableSimulator, Engine):
@@ -97,7 +91,7 @@ def test_everything_that_is_derived_equals_the_kinematic_worlds() -> None:
         assert states[0].off_road == states[1].off_road
         assert vars(one.observe()) == pytest.approx(vars(other.observe()), abs=1e-4)
         if step % 40 == 0:
-            derived = observation_of(states[0], CAR, CATALOGUE)
+            derived = StagedScene(CAR, CATALOGUE).observation(states[0])
             assert vars(derived) == pytest.approx(vars(one.observe()), abs=1e-9)
         states = tuple(simulator.step(Control(-0.5, 0.02)) for simulator in (one, other))
     assert one.fired == [("box", 0.0), ("car", other.world.motion("car").triggered)]
@@ -189,7 +183,7 @@ def test_a_control_within_grip_moves_the_ego_as_the_whole_control_does(
     ends = []
     staged = scene(speed=speed, friction=friction)
     whole = Control(acceleration, steering)
-    for control in (whole, within_grip(whole, speed, friction)):
+    for control in (whole, StagedScene(staged, CATALOGUE).within_grip(whole, speed)):
         moved = world(staged)
         moved.step(control)
         ends.append(moved.ego)

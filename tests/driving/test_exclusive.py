@@ -10,7 +10,8 @@ from oodscen.driving._exclusive import exclusive
 from oodscen.errors import UsageError
 from oodscen.protocols import Control
 from oodscen.stages import record
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 
 class Waits:

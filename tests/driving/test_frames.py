@@ -12,7 +12,8 @@ from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._frames import own_frame
 from oodscen.errors import SimulatorError
 from oodscen.protocols import Camera, Frame
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 CAMERA = Camera(width=4, height=3)
 GOOD = Frame(

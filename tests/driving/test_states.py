@@ -7,13 +7,15 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from oodscen._abilities import Rehearses, Snapshots
+from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.driving._states import check_observation, own_state, watched
 from oodscen.errors import SimulatorError
-from oodscen.protocols import Control, Rehearses, Snapshots
-from oodscen.stages import RuleBasedDriver
+from oodscen.protocols import Control
 from oodscen.stages._drive import drive
 from oodscen.stages._simulate import simulate
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 SCENE = example_scene()
 IDS = ("ego", *(actor.id for actor in SCENE.actors))

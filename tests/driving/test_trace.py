@@ -5,7 +5,7 @@ import pytest
 
 from oodscen import simulate
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.projection import places
 from oodscen.driving._trace import Course, Trace, least_time_to_collision
 from oodscen.driving._trace_table import COLUMNS

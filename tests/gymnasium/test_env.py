@@ -17,13 +17,14 @@ from oodscen.errors import (
     UsageError,
 )
 from oodscen.protocols import Camera
-from oodscen.stages import RuleBasedDriver
 from oodscen.stages._drive import drive
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 gymnasium = pytest.importorskip("gymnasium")
 
-from oodscen.gymnasium import DriverPolicy, Reward, SceneEnv  # noqa: E402
+from oodscen.gymnasium import SceneEnv  # noqa: E402
+from oodscen.gymnasium._reward import Reward  # noqa: E402
 
 TINY = Camera(width=16, height=12)
 FINE = {"step_s": FlatSimulator.dt}
@@ -88,10 +89,10 @@ def test_a_drive_by_a_driver_is_that_of_drive(made):
     """The same driver comes to the same end at the same place, in scene and twin."""
     env = made(twins=True, **FINE)
     with FlatSimulator() as simulator:
-        for driver in (RuleBasedDriver, Cruise):
+        for driver in ("rule-based", Cruise):
             results = drive([example_scene()], driver, simulator)
             for result in results:
-                policy = DriverPolicy(driver, env)
+                policy = env.policy(driver)
                 *_, (_, _, info) = rolled(env, policy, options={"scene": result.scene_id})
                 assert info["collisions"] == result.collisions
                 assert info["off_road"] == result.off_road
@@ -209,7 +210,7 @@ def test_calls_out_of_order_and_unknown_scenes_are_refused(made, tmp_path):
     with pytest.raises(UsageError, match="both"):
         SceneEnv(tmp_path, scenes=[example_scene()])
     with pytest.raises(UsageError, match="progress"):
-        Reward(progress=math.nan)
+        SceneEnv(reward={"progress": math.nan})
 
 
 def test_an_open_environment_shares_its_simulator_with_no_other(made):

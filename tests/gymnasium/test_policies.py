@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 from oodscen.errors import UsageError
 from oodscen.protocols import Camera, Control
 from oodscen.stages._drive import drive
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 gymnasium = pytest.importorskip("gymnasium")
 
-from oodscen.gymnasium import DriverPolicy, PolicyDriver, SceneEnv  # noqa: E402
+from oodscen.gymnasium import PolicyDriver, SceneEnv  # noqa: E402
 from tests.gymnasium.test_env import TINY, rolled  # noqa: E402
 
 
@@ -167,9 +168,9 @@ def test_what_is_no_policy_is_refused(policy):
 
 def test_a_driver_needs_an_environment_of_its_kind():
     with pytest.raises(UsageError, match="continuous"):
-        DriverPolicy(Careful, SceneEnv(actions="discrete"))
-    with pytest.raises(UsageError, match="Scene-v0"):
-        DriverPolicy(Careful, gymnasium.make("CartPole-v1"))
+        SceneEnv(actions="discrete").policy(Careful)
+    with pytest.raises(UsageError, match="rule-based"):
+        SceneEnv().policy("rule_based")
 
 
 def test_a_driver_in_an_environment_is_checked_and_may_see_pictures():
@@ -184,7 +185,7 @@ def test_a_driver_in_an_environment_is_checked_and_may_see_pictures():
             return Control(math.nan if len(shapes) > 1 else 0.0)
 
     env = SceneEnv(scenes=[example_scene()])
-    policy = DriverPolicy(Sees, env)
+    policy = env.policy(Sees)
     with pytest.raises(UsageError, match="reset"):
         policy(None)
     seen, _ = env.reset(seed=0)

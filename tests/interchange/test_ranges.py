@@ -1,8 +1,8 @@
 from lxml import etree
 
-from oodscen.driving import check_scene
-from oodscen.interchange import read_openscenario, vary, write_logical
-from oodscen.interchange._ranges import changed, ranges
+from oodscen.driving._sight.placement import check_scene
+from oodscen.interchange import read_openscenario
+from oodscen.interchange._ranges import changed, ranges, vary
 from tests.interchange.staging import SCENES, catalogue
 
 SCENE = min(
@@ -46,7 +46,8 @@ def test_a_scene_that_fails_itself_has_no_ranges_and_tells_a_hundred_overlaps_at
 
 
 def test_parameters_of_a_file_have_values_in_both_distributions(tmp_path):
-    paths = write_logical(SCENE, catalogue(), tmp_path)
+    file = SCENE.to_openscenario(catalogue(), mode="logical")
+    paths = [file.save(tmp_path), *(tmp_path / name for name in file.beside)]
     scenario, deterministic, stochastic = map(etree.parse, paths)
     declared = {one.get("name"): one.get("value") for one in scenario.iter("ParameterDeclaration")}
     assert declared
@@ -66,7 +67,16 @@ def test_parameters_of_a_file_have_values_in_both_distributions(tmp_path):
 
 
 def test_a_logical_file_is_read_with_its_values(tmp_path):
-    path, *_ = write_logical(SCENE, catalogue(), tmp_path)
+    path = SCENE.to_openscenario(catalogue(), mode="logical").save(tmp_path)
     found = read_openscenario(path, catalogue())
     assert found.scene.ego.speed == SCENE.ego.speed
     assert found.scene.weather.friction == SCENE.weather.friction
+
+
+def test_a_scene_without_ranges_has_no_distributions(monkeypatch, tmp_path):
+    monkeypatch.setattr("oodscen.interchange._writing.logical.ranges", lambda *given: ())
+    file = SCENE.to_openscenario(catalogue(), mode="logical")
+    assert file.notes[-1] == "No parameter of the scene has a range."
+    assert [path.name for path in (file.save(tmp_path), *tmp_path.glob("*.xosc"))] == [
+        f"{SCENE.id}.logical.xosc"
+    ] * 2

@@ -1,6 +1,5 @@
 from oodscen.driving._motion.behaviours import BUILT_IN
-from oodscen.interchange import openlabel
-from oodscen.interchange._tags import KNOWN_TAGS, count_tags, scene_tags
+from oodscen.interchange._tags import KNOWN_TAGS, count_tags, openlabel, scene_tags
 from tests.interchange.staging import SCENES, catalogue
 
 

@@ -155,7 +155,7 @@ def test_a_refused_scene_is_a_failed_episode_and_the_rest_goes_on(here):
 def test_a_dead_process_costs_only_the_scene_that_killed_it(tmp_path, monkeypatch, here):
     (tmp_path / "deadly_simulator.py").write_text(
         "import os\n"
-        "from oodscen.testing import FlatSimulator\n\n\n"
+        "from oodscen.testing._flat import FlatSimulator\n\n\n"
         "class Deadly(FlatSimulator):\n"
         "    def reset(self, scene, seed):\n"
         "        if scene.id == 's-001':\n"
@@ -177,7 +177,7 @@ def test_a_dead_process_costs_only_the_scene_that_killed_it(tmp_path, monkeypatc
 def test_one_worker_survives_a_scene_that_kills_it(tmp_path, monkeypatch, here):
     (tmp_path / "killed_simulator.py").write_text(
         "import os, signal\n"
-        "from oodscen.testing import FlatSimulator\n\n\n"
+        "from oodscen.testing._flat import FlatSimulator\n\n\n"
         "class Killed(FlatSimulator):\n"
         "    def draw(self, camera):\n"
         "        if self.world.scene.id == 's-000':\n"
@@ -193,7 +193,7 @@ def test_one_worker_survives_a_scene_that_kills_it(tmp_path, monkeypatch, here):
 
 def test_a_broken_simulator_is_replaced_and_the_rest_goes_on(tmp_path, monkeypatch, here):
     (tmp_path / "breaking_simulator.py").write_text(
-        "from oodscen.testing import FlatSimulator\n\n\n"
+        "from oodscen.testing._flat import FlatSimulator\n\n\n"
         "class Breaking(FlatSimulator):\n"
         "    is_broken = False\n\n"
         "    def step(self, control):\n"
@@ -218,7 +218,7 @@ def test_a_broken_simulator_is_replaced_and_the_rest_goes_on(tmp_path, monkeypat
 def test_what_is_not_installed_ends_the_sweep(tmp_path, monkeypatch):
     (tmp_path / "lacking_simulator.py").write_text(
         "from oodscen.errors import MissingExtra\n"
-        "from oodscen.testing import FlatSimulator\n\n\n"
+        "from oodscen.testing._flat import FlatSimulator\n\n\n"
         "class Lacking(FlatSimulator):\n"
         "    def load(self, corridor, scene, seed):\n"
         "        raise MissingExtra('a simulator', 'lacking', 'nothing')\n"
@@ -257,7 +257,7 @@ def test_scripts_need_no_main_guard(tmp_path):
 OWN = """
 from oodscen import StudyConfig
 from oodscen._pipeline import run_study
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 
 class Mine(FlatSimulator):
     pass
@@ -288,7 +288,7 @@ def test_scenes_whose_process_died_are_run_again_by_the_same_command(tmp_path, m
     (tmp_path / "fragile_simulator.py").write_text(
         "import os\n"
         "from pathlib import Path\n"
-        "from oodscen.testing import FlatSimulator\n\n\n"
+        "from oodscen.testing._flat import FlatSimulator\n\n\n"
         "class Fragile(FlatSimulator):\n"
         "    def step(self, control):\n"
         f"        if Path({str(tmp_path / 'bad')!r}).exists():\n"

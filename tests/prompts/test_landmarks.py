@@ -1,6 +1,6 @@
 import pytest
 
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.prompts._landmarks import Landmark, landmarks
 

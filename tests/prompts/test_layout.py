@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.prompts._layout import layout
 

@@ -26,7 +26,7 @@ from oodscen import Study, evaluate
 from oodscen._lock import locked
 from oodscen.errors import FolderTaken, InUse, StudyError, UsageError
 from oodscen.judging import leaderboard
-from oodscen.publish import answer_values, figures_of, publish
+from oodscen.publish import publish, score_answers
 from oodscen.publish._card import _cell
 from oodscen.publish._parquet import DRIVES, QUESTIONS
 from oodscen.publish._question_rows import published_drives, question_rows
@@ -243,11 +243,7 @@ def test_a_licence_is_one_identifier(study, tmp_path, licence):
 
 
 def test_right_answers_are_right_and_are_scored_like_a_study(study, data):
-    answers = [answer_values(row, row["answer"]) for row in rows(data, "questions")]
-    by_purpose = defaultdict(list)
-    for one in answers:
-        by_purpose[one["purpose"]].append(one)
-    shares = {name: share for one in by_purpose.values() for name, share in figures_of(one).items()}
+    shares = score_answers([(row, row["answer"]) for row in rows(data, "questions")])
     oracle = next(row for row in study_board(study).standings if row.model == "right")
     assert shares["safe"] == oracle.control.safe.value
     assert shares["act-both"] == oracle.paired.act.value

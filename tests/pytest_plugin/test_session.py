@@ -9,9 +9,8 @@ from xml.etree import ElementTree
 import pytest
 
 import oodscen.pytest_plugin._fixtures  # noqa: F401  # Sessions in this process share the module.
-from oodscen import Scenario, Study, make_simulator, simulate
+from oodscen import Scenario, Study, make_driver, make_simulator, simulate
 from oodscen._display import png
-from oodscen.driving import action_driver
 from oodscen.protocols import Camera
 from oodscen.stages import birds_eye
 from oodscen.stages._drive import NEEDLESS_BRAKING, DrivePlan
@@ -26,13 +25,12 @@ import unittest
 
 import pytest
 
-from oodscen.driving import action_driver
-from oodscen.stages import RuleBasedDriver
+from oodscen import make_driver
 
 
 class Blind:
     def __init__(self):
-        self.driver = action_driver("keep_speed")
+        self.driver = make_driver("keep_speed")
 
     def act(self, observation):
         return self.driver.act(observation)
@@ -50,12 +48,12 @@ class Skips:
 
 class Cautious(Blind):
     def __init__(self):
-        self.driver = action_driver("emergency_brake")
+        self.driver = make_driver("emergency_brake")
 
 
 class Startled:
     def __init__(self):
-        self.keep, self.brake = map(action_driver, ("keep_speed", "emergency_brake"))
+        self.keep, self.brake = map(make_driver, ("keep_speed", "emergency_brake"))
 
     def act(self, observation):
         return (self.brake if observation.time > 2.0 else self.keep).act(observation)
@@ -194,8 +192,8 @@ def test_needless_braking_in_a_twin_fails_with_pictures_of_where_it_begins(sessi
     with make_simulator("flat") as simulator:
         plan = DrivePlan(example_scene(), simulator, 0)
         keep, brake, camera = (
-            action_driver("keep_speed"),
-            action_driver("emergency_brake"),
+            make_driver("keep_speed"),
+            make_driver("emergency_brake"),
             Camera(),
         )
         state = simulator.reset(plan.twin, 0)
@@ -223,7 +221,7 @@ def test_needless_braking_in_a_twin_fails_with_pictures_of_where_it_begins(sessi
 def test_a_baseline_that_cannot_be_written_fails_the_session(session, pytester):
     (pytester.path / "file").write_text("")
     write = ("--oodscen-baseline=file/known.json", "--oodscen-baseline-mode=write")
-    result = session("RuleBasedDriver", *write, "--junitxml=junit.xml", "-k", "kerb")
+    result = session("'rule-based'", *write, "--junitxml=junit.xml", "-k", "kerb")
     assert result.ret == pytest.ExitCode.TESTS_FAILED
     result.stdout.fnmatch_lines(["oodscen: cannot write *known.json*"])
     assert (pytester.path / "junit.xml").exists()
@@ -245,10 +243,10 @@ def test_only_regressions_fail_against_a_baseline(session, pytester):
     assert worse.ret == pytest.ExitCode.TESTS_FAILED
     worse.stdout.fnmatch_lines(["* regressions, 0 new failures, *", "  regression: *test_twin*"])
 
-    better = session("RuleBasedDriver", baseline)
+    better = session("'rule-based'", baseline)
     assert better.ret == 0
     better.stdout.fnmatch_lines(["*0 regressions*improved", "*baseline-mode update"])
-    session("RuleBasedDriver", baseline, "--oodscen-baseline-mode=update", "-k", "test_safe")
+    session("'rule-based'", baseline, "--oodscen-baseline-mode=update", "-k", "test_safe")
     updated = json.loads((pytester.path / "known.json").read_text())["tests"]
     assert updated.keys() == rows.keys()
     assert sum(row["outcome"] == "failed" for row in updated.values()) < len(failed)
@@ -283,7 +281,7 @@ def test_something_else(drive):
 
 def test_a_failure_that_the_requirement_does_not_count_fails(session, pytester):
     pytester.makepyfile(test_stack=UNCOUNTED)
-    result = session("RuleBasedDriver", "--oodscen-require=safe>=0", "-k", "kerb")
+    result = session("'rule-based'", "--oodscen-require=safe>=0", "-k", "kerb")
     assert result.parseoutcomes() == {"failed": 2, "deselected": 4}
 
 
@@ -300,7 +298,7 @@ def test_an_interrupted_session_says_that_nothing_is_written(session, pytester):
         test_stack=TESTS + "\n\ndef test_zz(scene):\n    __import__('pytest').exit('stop')\n"
     )
     write = ["--oodscen-baseline=known.json", "--oodscen-baseline-mode=write"]
-    result = session("RuleBasedDriver", *write, "--oodscen-require=safe>=0", "-k", "kerb")
+    result = session("'rule-based'", *write, "--oodscen-require=safe>=0", "-k", "kerb")
     assert result.ret == pytest.ExitCode.INTERRUPTED
     result.stdout.fnmatch_lines(["*known.json: not all tests ran*", "not all tests ran, *graded*"])
     assert not (pytester.path / "known.json").exists()

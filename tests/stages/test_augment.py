@@ -106,8 +106,11 @@ def test_claims_may_be_read_before_or_by_another_model():
 
 def test_claims_that_quote_what_is_not_there_are_put_again():
     false = {"claims": [{**CLAIMS["claims"][0], "quote": "a purple box"}]}
-    llm = ScriptedLLM([false, CLAIMS])
-    assert len(Augmenter(llm, CATALOGUE).read(SCENARIO)) == 2
+    llm = ScriptedLLM([false, CLAIMS, CLAIMS])
+    augmenter = Augmenter(llm, CATALOGUE)
+    claims = augmenter.read(SCENARIO)
+    assert len(claims) == 2
+    assert augmenter.read(SCENARIO.text) == claims
     assert "claims[0].quote" in llm.requests[1].messages[-1].text
 
 

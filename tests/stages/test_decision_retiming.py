@@ -3,15 +3,14 @@
 import pytest
 
 from oodscen import simulate
-from oodscen.claims import check_claims
-from oodscen.claims._checking import mismatches
+from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.protocols import Camera
 from oodscen.stages._decision_retiming import SLOWER, _slow_ego, retime
 from oodscen.stages._rerun import Rerunner
 from oodscen.stages._restage import changed_scene, contradiction, variants
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
 SMALL = Camera(width=160, height=120)

@@ -16,7 +16,7 @@ TRACED = """
 import json, sys
 from oodscen.data._scene import Scene
 from oodscen.stages._simulate import simulate
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 
 found = {}
 with FlatSimulator() as simulator:

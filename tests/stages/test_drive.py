@@ -5,11 +5,13 @@ import math
 import pytest
 
 from oodscen import make_simulator
+from oodscen._abilities import MountsCamera
 from oodscen.data._drive_result import DriveResult
+from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.driving._motion.actions import Cruise
 from oodscen.errors import SimulatorError, UsageError
-from oodscen.protocols import Camera, Control, MountsCamera
-from oodscen.stages._drive import RuleBasedDriver, drive
+from oodscen.protocols import Camera, Control
+from oodscen.stages._drive import drive
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
@@ -47,6 +49,9 @@ def test_a_blind_driver_hits_and_the_rule_based_one_does_not(simulator):
 
 def test_drives_repeat_byte_for_byte_in_any_order(simulator):
     first = drive([example_scene()], RuleBasedDriver, simulator)
+    named = drive([example_scene()], "rule-based", simulator)
+    assert [one.driver for one in named] == ["rule-based"] * 2
+    assert [one.passed for one in named] == [one.passed for one in first]
     drive([example_scene()], Cruise, simulator)
     assert drive([example_scene()], RuleBasedDriver, simulator) == first
 

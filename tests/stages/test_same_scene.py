@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from oodscen import Augmenter, Scenario, make_llm
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
-from oodscen.driving import check_scene
+from oodscen.driving._sight.placement import check_scene
 from oodscen.stages._simulate import simulate
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
@@ -114,7 +114,7 @@ def test_what_is_read_back_runs_the_same(simulator, scene, rng):
 
 CHILD = """
 import sys
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from tests.stages.test_same_scene import Scene, found
 
 with FlatSimulator() as simulator:

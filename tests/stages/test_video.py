@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Trigger
+from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.driving._motion.actions import Cruise
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Control
-from oodscen.stages._drive import RuleBasedDriver, drive
+from oodscen.stages._drive import drive
 from oodscen.stages._video import Video, record
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene

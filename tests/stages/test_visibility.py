@@ -12,7 +12,7 @@ from oodscen.data._sighting import apparent_size
 from oodscen.protocols import Camera, Frame
 from oodscen.stages._simulate import approach
 from oodscen.stages._visibility import sighting
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
 SMALL = Camera(width=160, height=120)

@@ -214,7 +214,7 @@ def test_unknown_parts_are_refused() -> None:
 def test_a_result_that_depends_on_the_process_is_found(tmp_path, monkeypatch) -> None:
     (tmp_path / "process_bound.py").write_text(
         "import os\n"
-        "from oodscen.testing import FlatSimulator\n\n\n"
+        "from oodscen.testing._flat import FlatSimulator\n\n\n"
         "class Bound(FlatSimulator):\n"
         "    def reset(self, scene, seed):\n"
         "        weather = scene.weather.model_copy(\n"
@@ -240,7 +240,8 @@ def test_what_a_fresh_process_cannot_import_does_not_apply() -> None:
 
 def test_a_script_without_a_main_guard_is_named(tmp_path, monkeypatch) -> None:
     (tmp_path / "unguarded.py").write_text(
-        "from oodscen.testing import FlatSimulator, check_simulator\n\n\n"
+        "from oodscen.testing import check_simulator\n"
+        "from oodscen.testing._flat import FlatSimulator\n\n\n"
         "class Mine(FlatSimulator):\n    pass\n\n\n"
         "check_simulator('unguarded:Mine', parts=('process',))\n"
     )

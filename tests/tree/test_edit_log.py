@@ -5,8 +5,7 @@ from hypothesis import given
 
 from oodscen import ScenarioTree
 from oodscen.errors import DataError
-from oodscen.tree import TreeEdit
-from oodscen.tree._edit_log import slug
+from oodscen.tree._edit_log import TreeEdit, slug
 from tests.tree.woods import chain, changes, few, grown
 
 FOG = ScenarioTree.initial().apply(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data import Asset, Catalogue, Scene
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.protocols import Camera, Frame
 

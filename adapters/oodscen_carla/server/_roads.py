@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data import Catalogue, RoadMap
-from oodscen.driving import load_corridor
-from oodscen.driving._roads.building import find_map, read_map
+from oodscen.driving._roads.building import find_map, load_corridor, read_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.geometry import piecewise
 from oodscen.driving._roads.network import Network, Road

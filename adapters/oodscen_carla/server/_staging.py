@@ -3,7 +3,9 @@
 import math
 
 from oodscen.data import Catalogue, Scene
-from oodscen.driving import KinematicWorld, action_driver, load_corridor
+from oodscen.driving import KinematicWorld
+from oodscen.driving._motion.actions import action_driver
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import SceneError
 from oodscen.protocols import Control

@@ -7,11 +7,10 @@ cars", arXiv:1708.06374, 2017. The paper fixes no parameters.
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
-from oodscen._arguments import checked
 from oodscen._numbers import finite_number
 from oodscen.driving._drivers.perception import Neighbour
 from oodscen.driving._drivers.watching import WatchingDriver
-from oodscen.errors import UsageError
+from oodscen.errors import UnknownComponent
 from oodscen.protocols import Observation
 
 _ONCOMING = -0.5
@@ -120,18 +119,18 @@ class RSSDriver(WatchingDriver):
     positions within the visual range.
 
     Args:
-        parameters: The assumptions; of the ego it is known that it keeps its lane.
+        **assumptions: Fields of `RSSParameters`; of the ego it is known that it keeps its lane.
+
+    Raises:
+        UnknownComponent: If there is no such assumption.
+        UsageError: If a number is out of its range.
     """
 
-    Parameters = RSSParameters
-
-    @checked
-    def __init__(self, parameters: RSSParameters | None = None) -> None:
-        if parameters is not None and not isinstance(parameters, RSSParameters):
-            raise UsageError(
-                f"RSS: parameters must be RSSDriver.Parameters, not {parameters!r:.80}"
-            )
-        self.parameters = parameters or RSSParameters()
+    def __init__(self, **assumptions: float) -> None:
+        known = [field.name for field in fields(RSSParameters)]
+        if unknown := [name for name in assumptions if name not in known]:
+            raise UnknownComponent("setting of rss", unknown[0], known)
+        self.parameters = RSSParameters(**assumptions)
         self._own = replace(self.parameters, lateral_acceleration=0.0)
         super().__init__(self.parameters.response_s)
 

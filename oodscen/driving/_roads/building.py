@@ -56,24 +56,7 @@ _TIGHTEST = 0.1
 
 @checked
 def load_corridor(road_map: RoadMap | str, catalogue: Catalogue | None = None) -> Corridor:
-    """Return the road that the ego drives on a map; each file is read only once per process.
-
-    Consecutive roads form one corridor, also through junctions: first those of `RoadMap.route`, then the
-    roads straight on.
-
-    Args:
-        road_map: Gives the OpenDRIVE file, the ego's start and its route; or `Scene.map`: a map's id, or the
-            path of an `.xodr` file. In a user's own file, the ego starts on the first road outside junctions
-            with a long enough way straight on, 160 m after the beginning of that way or after a quarter of it.
-        catalogue: Describes the maps that are named by an id.
-
-    Returns:
-        The corridor; its `road_map` describes the map.
-
-    Raises:
-        UnknownComponent: If there is no such map.
-        DataError: With every fault of the file, or if start or route are not on the road.
-    """
+    """Return the road that the ego drives on a map; `Corridor.load` tells arguments and errors."""
     instance_of("road_map", road_map, str, RoadMap)
     found = find_map(road_map, catalogue) if isinstance(road_map, str) else road_map
     return _corridor(read_map(found.file), found)

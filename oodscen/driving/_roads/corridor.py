@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
-from oodscen.data._catalogue import RoadMap
+from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.driving._roads import track as look
 from oodscen.driving._roads.coverage import (
     REACH_M,
@@ -156,6 +156,30 @@ class Corridor(Brief):
     """s of the last sample, m."""
     track: Track = field(init=False, repr=False)
     """The corridor as arrays, for kernels."""
+
+    @classmethod
+    def load(cls, road_map: RoadMap | str, catalogue: Catalogue | None = None) -> "Corridor":
+        """Return the road that the ego drives on a map; each file is read only once per process.
+
+        Consecutive roads form one corridor, also through junctions: first those of `RoadMap.route`, then the
+        roads straight on.
+
+        Args:
+            road_map: Gives the OpenDRIVE file, the ego's start and its route; or `Scene.map`: a map's id, or the
+                path of an `.xodr` file. In a user's own file, the ego starts on the first road outside junctions
+                with a long enough way straight on, 160 m after the beginning of that way or after a quarter of it.
+            catalogue: Describes the maps that are named by an id.
+
+        Returns:
+            The corridor; its `road_map` describes the map.
+
+        Raises:
+            UnknownComponent: If there is no such map.
+            DataError: With every fault of the file, or if start or route are not on the road.
+        """
+        from oodscen.driving._roads.building import load_corridor  # Late, because it builds these.
+
+        return load_corridor(road_map, catalogue)
 
     def __post_init__(self) -> None:
         put = object.__setattr__

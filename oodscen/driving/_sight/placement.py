@@ -33,21 +33,7 @@ _ROADSIDE = frozenset({"vehicle", "cyclist"})
 
 @checked
 def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
-    """Return the reasons why a scene, or its ordinary twin, cannot be staged.
-
-    The vocabulary is checked first, then the room on the road. Then the world is simulated with a
-    lane-keeping driver that ignores the hazard: the decision must come within `APPROACH_S`, and until then
-    the ego must touch nothing and stay on the road. In at least one of the three key moments the hazard must be
-    visible or the weather must differ from the ordinary weather. No body may float, sink or stand inside
-    another. Messages name actor, asset, pose and reason.
-
-    Args:
-        scene: The scene to check; it is not changed.
-        catalogue: The simulator's catalogue.
-
-    Returns:
-        One issue per fault, with its path in the scene; empty if the scene can be staged.
-    """
+    """Return the reasons why a scene, or its ordinary twin, cannot be staged; `Scene.check` describes the checks."""
     issues = staging_issues(scene, catalogue)
     if issues:
         return issues
@@ -68,7 +54,7 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
 
 def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     """Return issues of a scene's vocabulary and placement, without simulating it."""
-    issues = catalogue.check(scene)
+    issues = catalogue.lacks(scene)
     catalogue = catalogue.for_scene(scene)
     kinds = {kind.id: kind for kind in catalogue.behaviours}
     known = BUILT_IN.keys() | {motion.id for motion in scene.motions}

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from oodscen._abilities import ChecksScenes
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.data._sighting import LEAST_SIZE_PX, Sighting
@@ -14,7 +15,7 @@ from oodscen.driving._sight.placement import APPROACH_S, check_scene
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye
 from oodscen.errors import Issue
-from oodscen.protocols import Camera, ChecksScenes, Simulator, camera_for
+from oodscen.protocols import Camera, Simulator, camera_for
 
 LATEST_S = 6.0
 """Greatest delay of a decision, s."""

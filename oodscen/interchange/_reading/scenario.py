@@ -12,9 +12,8 @@ from oodscen._display import Brief
 from oodscen._files import file_sha256
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
-from oodscen.driving import load_corridor
 from oodscen.driving._motion.behaviours import USUAL
-from oodscen.driving._roads.building import find_map, read_map
+from oodscen.driving._roads.building import find_map, load_corridor, read_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._sight.placement import staging_issues
@@ -67,7 +66,7 @@ def read_openscenario(
 ) -> ImportedScene:
     """Read an OpenSCENARIO XML 1.x file.
 
-    An unchanged file of `to_openscenario` gives back its scene, unless the road file beside it was changed. Of other
+    An unchanged file of `Scene.to_openscenario` gives back its scene, unless the road file beside it was changed. Of other
     files come the road, the
     entities, where and how fast they start, the weather, and one behaviour for each entity; what is left out is
     listed.

@@ -45,23 +45,7 @@ def osi_trace(
     seed: int = 0,
     container: Container = "osi",
 ) -> bytes:
-    """Return a scene's run as a trace of OSI ground truth, one message for each step.
-
-    Every body is a moving object whose source reference names the entity (`entity_name:NAME`); the ego is the host.
-
-    Args:
-        scene: The scene or twin.
-        catalogue: The catalogue of its assets and maps.
-        action: The ego's action after the decision.
-        seed: Seed of the scene's random streams.
-        container: `osi` is the plain sequence of messages; `mcap` is a file of MCAP, with the OpenDRIVE file of the
-            road in it.
-
-    Raises:
-        SceneError: If the catalogue or the road refuses the scene.
-        UnknownComponent: If there is no such container.
-        MissingExtra: If the packages for MCAP are not installed.
-    """
+    """Return a scene's run as a trace of OSI ground truth; `Scene.to_osi` tells arguments and errors."""
     if container not in CONTAINERS:
         raise UnknownComponent("container", container, CONTAINERS)
     recording = replayed(scene, UnrenderedSimulator(catalogue), action, seed)

@@ -11,8 +11,8 @@ import numpy as np
 from oodscen._files import replace
 from oodscen.data._episode import ACTIONS
 from oodscen.data._scene import Scene
-from oodscen.driving import load_corridor
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import MissingExtra
 from oodscen.interchange._recording import Recording, UnrenderedSimulator, action_states, replayed

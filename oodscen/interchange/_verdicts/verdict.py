@@ -12,8 +12,9 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import ActionOutcome
 from oodscen.data._scene import Scene
-from oodscen.driving import KinematicWorld, load_corridor
+from oodscen.driving import KinematicWorld
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import DataError, Issue

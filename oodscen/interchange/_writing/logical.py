@@ -1,18 +1,15 @@
 """Logical scenarios as files: parameters in the scenario, and their distributions beside it."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from lxml import etree
 
-from oodscen._arguments import checked
-from oodscen._files import replace
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene
 from oodscen.interchange._ranges import ParameterRange, ranges
 from oodscen.interchange._writing.elements import Element, child, file_header, to_bytes
-from oodscen.interchange._writing.scenario import ScenarioFile, to_openscenario
+from oodscen.interchange._writing.files import ScenarioFile
 from oodscen.interchange._writing.storyboard import strip_ego
 
 _STEPS = 4
@@ -21,6 +18,7 @@ _RUNS = 100
 """Number of runs that a stochastic distribution asks for."""
 _TIED = 2e-4
 """Conditions are written up to this far from the trigger's value, to avoid ties (see docs/interchange.md); m or s."""
+_UNVARIED = "No parameter of the scene has a range."
 _ATTRIBUTES = {
     "friction": ("RoadCondition", "frictionScaleFactor"),
     "fog_visual_range": ("Fog", "visualRange"),
@@ -28,42 +26,35 @@ _ATTRIBUTES = {
 """Element and attribute that hold a parameter, wherever the element is."""
 
 
-@checked
-def write_logical(
+def logical_file(
+    file: ScenarioFile,
     scene: Scene,
     catalogue: Catalogue,
-    folder: str | Path,
-    *,
     claims: Sequence[Claim] = (),
     seed: int = 0,
-    file: ScenarioFile | None = None,
-) -> tuple[Path, ...]:
-    """Write a scene with parameters, and its distributions, into a folder.
-
-    `<scene>.logical.xosc` is the reactive scenario whose triggers, friction, visual range and initial speed of the
-    ego are parameters. `<scene>.deterministic.xosc` and `<scene>.stochastic.xosc` give their values. Parameters of
-    recorded courses (places and speeds of actors) have no place in these files: `vary` draws them.
+) -> ScenarioFile:
+    """Return the logical scenario of a scene's reactive file: parameters in it, their distributions beside it.
 
     Args:
+        file: The scene's reactive file.
         scene: The scene.
         catalogue: The catalogue of its assets and maps.
-        folder: Where to write.
         claims: The claims of its text, which every end of a range keeps true.
-        seed: Seed of the scene's random streams, and of the stochastic distribution.
-        file: The scene's reactive file, if there is one already; by default it is made here.
+        seed: Seed of the stochastic distribution.
 
     Returns:
-        The paths of the files; none if no parameter of the scene has a range.
+        `<scene>.logical.xosc`, with `<scene>.deterministic.xosc` and `<scene>.stochastic.xosc` beside it; no files
+        are beside it if no parameter has a range.
     """
-    file = file or to_openscenario(scene, catalogue, mode="reactive", ego=False, seed=seed)
     root = etree.fromstring(file.xosc, etree.XMLParser(remove_blank_text=True))
     strip_ego(root)
     found = [
         (parameter, _places(root, parameter)) for parameter in ranges(scene, catalogue, claims)
     ]
     used = [parameter for parameter, places in found if places]
+    name = f"{scene.id}.logical"
     if not used:
-        return ()
+        return ScenarioFile(name, to_bytes(root), file.road, (*file.notes, _UNVARIED))
     for parameter, places in found:
         for element, attribute in places:
             element.set(attribute, f"${parameter.name}")
@@ -77,12 +68,11 @@ def write_logical(
             value=parameter.value,
         )
     root.insert(1, declared)  # after FileHeader
-    place = ScenarioFile(f"{scene.id}.logical", to_bytes(root), file.road).save(folder)
-    deterministic = place.with_name(f"{scene.id}.deterministic.xosc")
-    replace(deterministic, _deterministic(place.name, used))
-    stochastic = place.with_name(f"{scene.id}.stochastic.xosc")
-    replace(stochastic, _stochastic(place.name, used, seed))
-    return place, deterministic, stochastic
+    beside = {
+        f"{scene.id}.deterministic.xosc": _deterministic(f"{name}.xosc", used),
+        f"{scene.id}.stochastic.xosc": _stochastic(f"{name}.xosc", used, seed),
+    }
+    return ScenarioFile(name, to_bytes(root), file.road, file.notes, beside)
 
 
 def _places(root: Element, parameter: ParameterRange) -> list[tuple[Element, str]]:

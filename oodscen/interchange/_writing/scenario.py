@@ -1,18 +1,15 @@
 """Scenes as OpenSCENARIO XML files."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal
 
 from lxml import etree
 
 from oodscen._arguments import checked
-from oodscen._display import Brief
-from oodscen._files import check_name, replace
 from oodscen.data._catalogue import Catalogue
+from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange._recording import (
     Reactions,
@@ -22,6 +19,8 @@ from oodscen.interchange._recording import (
 )
 from oodscen.interchange._writing.elements import Element, child, document, file_header, to_bytes
 from oodscen.interchange._writing.entities import entities, write_entity
+from oodscen.interchange._writing.files import ScenarioFile
+from oodscen.interchange._writing.logical import logical_file
 from oodscen.interchange._writing.properties import (
     DIGEST,
     SCENE,
@@ -31,7 +30,7 @@ from oodscen.interchange._writing.properties import (
     facts,
     write_properties,
 )
-from oodscen.interchange._writing.roads import RoadFile, road_file
+from oodscen.interchange._writing.roads import road_file
 from oodscen.interchange._writing.scenario_runner import write_for_scenario_runner
 from oodscen.interchange._writing.storyboard import (
     approximate,
@@ -41,42 +40,14 @@ from oodscen.interchange._writing.storyboard import (
 )
 from oodscen.protocols import Simulator
 
-Mode = Literal["replay", "reactive"]
+Mode = Literal["replay", "reactive", "logical"]
 Target = Literal["generic", "esmini", "carla-scenario-runner"]
-MODES: tuple[Mode, ...] = ("replay", "reactive")
+MODES: tuple[Mode, ...] = ("replay", "reactive", "logical")
 TARGETS: tuple[Target, ...] = ("generic", "esmini", "carla-scenario-runner")
 
 _RUNNER_NOTES = (
     "Version 1.0 with named actions for CARLA's ScenarioRunner: speeds change at once, and lanes by a straight line.",
 )
-
-
-@dataclass(frozen=True, repr=False)
-class ScenarioFile(Brief):
-    """One OpenSCENARIO file with the OpenDRIVE file that it refers to."""
-
-    name: str
-    """File name without its suffix: the scene's id."""
-    xosc: bytes = field(repr=False)
-    road: RoadFile = field(repr=False)
-    notes: tuple[str, ...] = ()
-    """The file's statements about its own exactness."""
-
-    def save(self, folder: str | Path) -> Path:
-        """Write both files into a folder and return the path of the scenario.
-
-        Raises:
-            UsageError: If `folder` is not a usable path.
-        """
-        check_name(folder)
-        place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
-        road = place / self.road.name
-        if not road.exists() or road.read_bytes() != self.road.content:
-            replace(road, self.road.content)
-        path = place / f"{self.name}.xosc"
-        replace(path, self.xosc)
-        return path
 
 
 @checked
@@ -91,32 +62,9 @@ def to_openscenario(
     seed: int = 0,
     properties: Mapping[str, str] | None = None,
     simulator: Simulator | None = None,
+    claims: Sequence[Claim] = (),
 ) -> ScenarioFile:
-    """Return a scene as OpenSCENARIO XML 1.2 with its OpenDRIVE map.
-
-    `replay` has every body's course as rolled out. `reactive` has triggers as conditions on the ego, and recorded
-    reactions that start with them; actors whose course cannot be exact for every ego are named in the notes.
-
-    Args:
-        scene: The scene or twin to write.
-        catalogue: The catalogue of its assets and maps.
-        mode: `replay` or `reactive`.
-        target: The player: `esmini` adds the property by which it follows polylines exactly;
-            `carla-scenario-runner` gives version 1.0 with named actions, in mode `reactive` only.
-        action: The ego's action after the decision; only a replay has one.
-        ego: Write the ego's course; without it, the ego only stands at its start. Files for
-            `carla-scenario-runner` never have the course.
-        seed: Seed of the scene's random streams.
-        properties: Further facts about the scene, by name, besides its ids and hazard; files for
-            `carla-scenario-runner` have no properties.
-        simulator: The simulator whose run is replayed, by default the kinematic world of the catalogue; mode
-            `reactive` always uses that world.
-
-    Raises:
-        UnknownComponent: If there is no such mode, target or action.
-        SceneError: If the catalogue, the road or the player refuses the scene.
-        UsageError: If the player has no such mode.
-    """
+    """Return a scene as OpenSCENARIO XML; `Scene.to_openscenario` tells arguments and errors."""
     _check_request(scene, catalogue, mode, target)
     road = road_file(scene, catalogue)
     root = document(road.name)
@@ -142,20 +90,21 @@ def to_openscenario(
         run = reactions(scene, catalogue, seed)
         write_reactive(root, scene, bodies, run, corridor)
         notes += _reactive_notes(scene, run)
-    if not ego:
+    if not ego or mode == "logical":
         strip_ego(root)
     notes += _player_notes(scene, target)
     known = {**facts(scene), **(properties or {}), "seed": str(seed), "mode": mode}
     _add_header(root, scene, known, described(scene, mode, notes))
-    return ScenarioFile(scene.id, to_bytes(root), road, tuple(notes))
+    file = ScenarioFile(scene.id, to_bytes(root), road, tuple(notes))
+    return logical_file(file, scene, catalogue, claims, seed) if mode == "logical" else file
 
 
 def _check_request(scene: Scene, catalogue: Catalogue, mode: Mode, target: Target) -> None:
-    """Refuse what cannot be written; `to_openscenario` lists the errors."""
+    """Refuse what cannot be written; `Scene.to_openscenario` lists the errors."""
     for kind, name, offered in (("mode", mode, MODES), ("target", target, TARGETS)):
         if name not in offered:
             raise UnknownComponent(kind, str(name), offered)
-    if issues := catalogue.check(scene):
+    if issues := catalogue.lacks(scene):
         raise SceneError(scene.id, issues)
     if target == "carla-scenario-runner" and mode != "reactive":
         raise UsageError("ScenarioRunner follows no recorded courses; write mode reactive for it")

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from oodscen.publish import answer_values, figures_of
+from oodscen.publish import score_answers
 
 
 def _only(purpose: str) -> Callable[[Any], Any]:
@@ -29,15 +29,15 @@ def doc_to_text(doc: Mapping[str, Any], lmms_eval_specific_kwargs: object = None
 
 
 def process_results(doc: Mapping[str, Any], results: Iterable[str]) -> dict[str, Any]:
-    """Return the values of the answer, for every figure."""
+    """Return the answer and what scores it, for every figure."""
     (answer,) = results
-    values = answer_values(doc, answer)
-    return dict.fromkeys(_FIGURES[str(doc["purpose"])], values)
+    pair = ({name: doc[name] for name in ("purpose", "key")}, answer)
+    return dict.fromkeys(_FIGURES[str(doc["purpose"])], pair)
 
 
-def _figure(name: str) -> Callable[[list[Mapping[str, Any]]], float]:
-    def over(results: list[Mapping[str, Any]]) -> float:
-        return figures_of(results).get(name, float("nan"))
+def _figure(name: str) -> Callable[[list[tuple[Mapping[str, Any], str]]], float]:
+    def over(results: list[tuple[Mapping[str, Any], str]]) -> float:
+        return score_answers(results).get(name, float("nan"))
 
     return over
 

@@ -22,8 +22,8 @@ from oodscen.data._scene import (
     Trigger,
     Weather,
 )
-from oodscen.driving import check_scene
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import Issue, SceneError
 from oodscen.protocols import camera_for
 from oodscen.stages._demands.kinds import Candidate, ranked_candidates

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset
 from oodscen.data._scene import Scene
+from oodscen.driving._flat_frame import tangents
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye, area, clipped
 from oodscen.protocols import Camera, Control, Frame
-from oodscen.testing._flat import tangents
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.shapes import depths, frame_faults, share_inside

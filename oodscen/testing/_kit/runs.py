@@ -1,8 +1,9 @@
 """Parts about whole runs: they repeat, obey the controls, go back, and refuse what cannot be staged."""
 
+from oodscen._abilities import ChecksScenes, Snapshots
 from oodscen.data._scene import Behaviour, Scene
 from oodscen.errors import SceneError, SpawnError, UnknownComponent
-from oodscen.protocols import ChecksScenes, Control, Snapshots
+from oodscen.protocols import Control
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.samples import constantly, run_bytes

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from oodscen import Catalogue
 from oodscen.data import Asset, WeatherRange
-from oodscen.driving import RestorableSimulator, StagedBody, StagedScene, within_grip
+from oodscen.driving import RestorableSimulator, StagedScene
 from oodscen.protocols import Camera, Control, Frame
-from oodscen.testing import flat_frame
 
 EGO = Asset(
     id="ego_car", category="vehicle", description="a red car", length=4.5, width=1.85, height=1.5
@@ -51,7 +50,7 @@ MAPS = ("residential_two_lane", "urban_avenue", "rural_curve")
 class Mover:
     """One body and its motion."""
 
-    body: StagedBody
+    body: StagedScene.Body
     x: float
     y: float
     yaw: float
@@ -94,7 +93,7 @@ class MySimulator(RestorableSimulator):
             for body in staged.bodies
         ]
 
-    def triggered(self, body: StagedBody) -> None:
+    def triggered(self, body: StagedScene.Body) -> None:
         """Let an actor begin what it waited for."""
         self.movers[self.staged.ids.index(body.id)].is_triggered = True
 
@@ -131,13 +130,12 @@ class MySimulator(RestorableSimulator):
 
     def draw(self, camera: Camera) -> Frame:
         """Draw boxes on a plane; a simulator with pictures of its own returns those."""
-        assets = [mover.body.asset for mover in self.movers]
         weather = self.staged.scene.weather.model_copy(update={"sun_elevation_deg": 45.0})
-        return flat_frame(camera, self.road, weather, assets, self.state().poses)
+        return self.staged.draw(camera, self.state().poses, weather)
 
     def _drive(self, ego: Mover, control: Control) -> None:
         """Move the ego as a bicycle about its centre."""
-        control = within_grip(control, ego.speed, self.friction)
+        control = self.staged.within_grip(control, ego.speed, self.friction)
         slip = math.atan(0.5 * math.tan(control.steering))
         after = max(0.0, ego.speed + control.acceleration * self.dt)
         way = 0.5 * (ego.speed + after) * self.dt

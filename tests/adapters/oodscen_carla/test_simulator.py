@@ -17,7 +17,8 @@ from oodscen import simulate
 from oodscen.data import Actor, Behaviour, Placement, Weather
 from oodscen.errors import SceneError, SimulatorError, SpawnError, UsageError
 from oodscen.protocols import Camera, Control
-from oodscen.testing import FlatSimulator, check_simulator, example_scene
+from oodscen.testing import check_simulator, example_scene
+from oodscen.testing._flat import FlatSimulator
 
 carla = pytest.importorskip("carla")
 

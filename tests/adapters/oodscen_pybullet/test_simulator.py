@@ -16,8 +16,8 @@ from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.errors import SceneError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
-from oodscen.testing import FlatSimulator
 from oodscen.testing._check import PARTS, check_simulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._kit.samples import plain_scene
 
 MakeActor = Callable[..., Actor]
@@ -247,5 +247,5 @@ def test_gestures_go_on_and_lying_people_are_low_and_elsewhere_both_are_refused(
     assert np.array_equal(later.rgb, later_again.rgb)
     assert not np.array_equal(plain.ids, one.ids)
     assert np.nonzero(lying.ids == 2)[0].min() > np.nonzero(plain.ids == 2)[0].min() + 3
-    flat = FlatSimulator().catalogue().check(scene)
+    flat = FlatSimulator().catalogue().lacks(scene)
     assert "actors[0].details.pose" in [issue.path for issue in flat]

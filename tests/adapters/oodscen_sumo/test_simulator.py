@@ -6,7 +6,7 @@ from oodscen_sumo._network import Networks, load_sumo
 
 from oodscen import make_catalogue
 from oodscen.data import Actor, Behaviour, Placement, Trigger
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import SceneError, SimulatorError
 from oodscen.protocols import Control
 from oodscen.testing import simulator_checks

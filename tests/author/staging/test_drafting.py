@@ -9,7 +9,7 @@ from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._writing.compose import Composer
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import check_scene
+from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene

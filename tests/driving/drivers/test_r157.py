@@ -2,9 +2,8 @@
 
 import pytest
 
-from oodscen.driving import R157Driver
 from oodscen.driving._drivers.braking import DECELERATION, RAMP_S, DelayedBrake
-from oodscen.driving._drivers.r157 import CRITICAL_TTC_S, EVALUATION_S, WANDER_M
+from oodscen.driving._drivers.r157 import CRITICAL_TTC_S, EVALUATION_S, WANDER_M, R157Driver
 from tests.driving.drivers.courses import DT, LENGTH, WIDTH, collides, cut_in, observation
 
 PREVENTABLE = [(60, 20, 25), (60, 40, 10), (90, 40, 35), (110, 70, 25), (50, 20, 17)]

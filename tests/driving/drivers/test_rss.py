@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.driving import RSSDriver
 from oodscen.driving._drivers.rss import (
+    RSSDriver,
     RSSParameters,
     lateral_distance,
     longitudinal_distance,
@@ -94,7 +94,7 @@ def test_the_safe_distance_is_enough_for_a_leader_that_brakes_as_assumed(speed):
     def brake():
         leader[2] = max(0.0, leader[2] - given_.most_braking * DT)
 
-    assert not collides(RSSDriver(given_), speed * 3.6, leader, brake, seconds=12.0)
+    assert not collides(RSSDriver(), speed * 3.6, leader, brake, seconds=12.0)
 
 
 def test_nonsense_is_refused():
@@ -103,5 +103,5 @@ def test_nonsense_is_refused():
             RSSParameters(**{field.name: float("nan")})
     with pytest.raises(UsageError, match="least_braking"):
         RSSParameters(least_braking=0.0)
-    with pytest.raises(UsageError, match="parameters"):
-        RSSDriver({"response_s": 1.0})
+    with pytest.raises(UsageError, match="response_s"):
+        RSSDriver(response=1.0)

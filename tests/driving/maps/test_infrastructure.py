@@ -5,7 +5,8 @@ import pytest
 
 from oodscen import make_catalogue
 from oodscen.data import Scene
-from oodscen.driving import check_scene, load_corridor
+from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._sight.placement import check_scene
 from oodscen.prompts._layout import layout
 
 

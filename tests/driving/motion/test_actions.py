@@ -7,18 +7,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
-from oodscen.driving import KinematicWorld, action_driver, load_corridor
+from oodscen.driving import KinematicWorld
 from oodscen.driving._motion.actions import (
     ASIDE,
     CODES,
     LEFT,
     Cruise,
     Look,
+    action_driver,
     is_available,
     lateral_course,
     plan_action,
 )
 from oodscen.driving._motion.bodies import GRAVITY
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import UnknownComponent
 from oodscen.protocols import Driver, Observation

@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.driving import load_corridor
 from oodscen.driving._motion.bodies import GRAVITY, MAX_DRIVE, WHEELBASE, Situation, drive_ego
 from oodscen.driving._motion.columns import SPEED, STATE_WIDTH, YAW, X, Y
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.track import for_kernels
 from oodscen.protocols import Control
 from tests.driving.staging import CATALOGUE

@@ -6,8 +6,7 @@ from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
 from oodscen.data._scene import Demand, Scene, Trigger
-from oodscen.driving import action_driver
-from oodscen.driving._motion.actions import Cruise, is_available
+from oodscen.driving._motion.actions import Cruise, action_driver, is_available
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._trace import Course

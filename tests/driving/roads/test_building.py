@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from oodscen.data._catalogue import RoadMap
-from oodscen.driving import load_corridor
-from oodscen.driving._roads.building import build_corridor, find_map
+from oodscen.driving._roads.building import build_corridor, find_map, load_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError, UnknownComponent
 from tests.driving.networks import read_road

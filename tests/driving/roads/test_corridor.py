@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._roads.coverage import union_of
 from oodscen.driving.maps._shipped import SHIPPED_MAPS

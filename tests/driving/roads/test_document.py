@@ -7,8 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
-from oodscen.driving import load_corridor
-from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError

@@ -1,8 +1,7 @@
 import pytest
 
 from oodscen.data._scene import Hazard, Trigger, Weather
-from oodscen.driving import check_scene
-from oodscen.driving._sight.placement import staging_issues
+from oodscen.driving._sight.placement import check_scene, staging_issues
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from tests.driving.staging import CATALOGUE, actor, scene
 

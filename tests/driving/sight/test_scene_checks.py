@@ -5,7 +5,8 @@ import dataclasses
 import pytest
 
 from oodscen.data._scene import Behaviour, Hazard, Trigger, Weather
-from oodscen.driving import check_scene, load_corridor
+from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._sight.placement import check_scene
 from oodscen.driving._sight.scene_checks import (
     bodies,
     first_seen,

@@ -3,8 +3,9 @@
 import pytest
 
 from oodscen.data._scene import Hazard, Trigger
-from oodscen.driving import check_scene, load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.decision_view import drawn
+from oodscen.driving._sight.placement import check_scene
 from oodscen.driving._sight.scene_checks import bodies
 from oodscen.driving._sight.staging_advice import AdvisingCheck, visibility_issues
 from oodscen.driving._sight.visibility import Eye

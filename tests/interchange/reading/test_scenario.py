@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from oodscen import make_llm
 from oodscen._text import whole
 from oodscen.errors import AnswerError, DataError, OodscenError
-from oodscen.interchange import read_openscenario, to_openscenario
+from oodscen.interchange import read_openscenario
 from oodscen.interchange._recording import ordinary_twin
+from oodscen.interchange._writing.scenario import to_openscenario
 from oodscen.testing import ScriptedLLM
 from tests.interchange.staging import SCENES, catalogue
 

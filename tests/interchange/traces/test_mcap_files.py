@@ -3,9 +3,9 @@ import struct
 import pytest
 
 from oodscen.errors import DataError, UnknownComponent
-from oodscen.interchange import osi_trace
 from oodscen.interchange._traces.mcap_files import mcap_trace
 from oodscen.interchange._traces.osi_reading import read_osi_trace
+from oodscen.interchange._traces.osi_writing import osi_trace
 from oodscen.interchange._writing.roads import road_file
 from tests.interchange.staging import SCENES, catalogue
 

@@ -6,13 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
-from oodscen.driving import load_corridor
-from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.errors import DataError
-from oodscen.interchange import osi_trace, to_openscenario, verdict
+from oodscen.interchange import verdict
 from oodscen.interchange._recording import UnrenderedSimulator, replayed
+from oodscen.interchange._traces.osi_writing import osi_trace
 from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
 from oodscen.interchange._verdicts.verdict import _speeds
+from oodscen.interchange._writing.scenario import to_openscenario
 from oodscen.stages._simulate import simulate
 from tests.interchange.playing import centres
 from tests.interchange.staging import SCENES, catalogue

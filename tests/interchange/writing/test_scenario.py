@@ -5,8 +5,8 @@ from lxml import etree
 from oodscen.data._motion import Motion
 from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN
 from oodscen.errors import SceneError, UnknownComponent, UsageError
-from oodscen.interchange import to_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
+from oodscen.interchange._writing.scenario import to_openscenario
 from oodscen.interchange._writing.scenario_runner import unplayable
 from tests.interchange.page import table
 from tests.interchange.playing import centres, turned

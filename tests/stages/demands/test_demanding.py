@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._scene import Scene
-from oodscen.driving import check_scene
+from oodscen.driving._sight.placement import check_scene
 from oodscen.stages._demands.demanding import (
     _COMPARED,
     _admitted,

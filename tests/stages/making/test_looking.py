@@ -17,7 +17,7 @@ from oodscen.stages._making.looking import (
     order,
     sheet,
 )
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from tests.made import WALL
 
 CAMERA = Camera(width=160, height=120)

@@ -18,7 +18,8 @@ from oodscen.stages._making.making import (
 from oodscen.stages._making.recognition import NONE, PropRecogniser
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
-from oodscen.testing import FlatSimulator, ScriptedLLM
+from oodscen.testing import ScriptedLLM
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.made import WALL

@@ -18,7 +18,8 @@ from oodscen.stages._making.motions import (
     wanted_motions,
 )
 from oodscen.stages._prune.decisions import PruneDecision
-from oodscen.testing import FlatSimulator, ScriptedLLM
+from oodscen.testing import ScriptedLLM
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.motions import TOPPLE

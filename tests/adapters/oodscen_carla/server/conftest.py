@@ -8,7 +8,8 @@ from oodscen_carla.server import CarlaTestServer
 from oodscen_carla.server._calls import Calls
 from oodscen_carla.server._world import World
 
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 
 class Silence:

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from oodscen import simulate
-from oodscen.driving import action_driver
-from oodscen.testing import FlatSimulator, example_scene
+from oodscen.driving._motion.actions import action_driver
+from oodscen.testing import example_scene
+from oodscen.testing._flat import FlatSimulator
 
 carla = pytest.importorskip("carla")
 

@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from oodscen_pybullet._land.adaptive_grid import Squares, crossing
 from oodscen_pybullet._land.ground import Ground
 
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 

@@ -9,7 +9,7 @@ from oodscen_pybullet._land.terrain import Terrain
 from oodscen_pybullet._meshes import Mesh
 
 from oodscen.data._catalogue import RoadMap
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor, LaneStrip, OtherRoad
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 

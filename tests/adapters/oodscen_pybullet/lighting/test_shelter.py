@@ -11,7 +11,7 @@ from oodscen_pybullet._lighting.shelter import Portal, Shelter
 from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Actor, Scene
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.protocols import Camera
 

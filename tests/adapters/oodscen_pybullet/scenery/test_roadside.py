@@ -13,7 +13,7 @@ from oodscen_pybullet._scenery.signals import limit_of, replaced
 from oodscen_pybullet._scenery.structures import CEILING_M
 
 from oodscen.data._catalogue import RoadMap
-from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor, RoadSignal
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 

@@ -1,0 +1,80 @@
+"""The driver that all others are compared with: it follows, and brakes in an emergency."""
+
+import math
+from dataclasses import replace
+
+from oodscen._display import Brief
+from oodscen._numbers import finite_number
+from oodscen.driving._drivers.following import following_acceleration
+from oodscen.driving._motion.actions import Cruise
+from oodscen.protocols import Control, Observation, State
+
+
+class RuleBasedDriver(Brief):
+    """Keeps its lane, follows the actor ahead, and brakes hard when it gets close.
+
+    The intelligent driver model with emergency braking below a time to collision. It knows the true
+    positions of all actors: a stack with perfect perception and no plan but to follow.
+
+    Args:
+        headway_s: Time headway, s.
+        standing_m: Gap at a standstill, m.
+        comfortable: Comfortable acceleration and deceleration, m/s^2.
+        emergency_ttc_s: Time to collision below which it brakes hard, s.
+        corridor_m: Half the width of the region that counts as ahead, m.
+
+    Raises:
+        UsageError: If a number is out of its range.
+    """
+
+    def __init__(
+        self,
+        *,
+        headway_s: float = 1.5,
+        standing_m: float = 2.5,
+        comfortable: float = 2.0,
+        emergency_ttc_s: float = 1.6,
+        corridor_m: float = 2.1,
+    ) -> None:
+        self.headway_s = finite_number("headway_s", headway_s, 0.0, 60.0)
+        self.standing_m = finite_number("standing_m", standing_m, 0.0, 100.0)
+        self.comfortable = finite_number("comfortable", comfortable, 0.1, 10.0)
+        self.emergency_ttc_s = finite_number("emergency_ttc_s", emergency_ttc_s, 0.0, 60.0)
+        self.corridor_m = finite_number("corridor_m", corridor_m, 0.0, 100.0)
+        self._keep = Cruise()
+        self._desired: float | None = None
+        self._gap, self._closing = math.inf, 0.0
+
+    def look(self, state: State) -> None:
+        """Find the nearest body ahead, including one that will step into the path within a second."""
+        self._gap, self._closing = math.inf, 0.0
+        if state.places is None:
+            return
+        s, t = state.places[:, 0], state.places[:, 1]
+        speed = float(state.speeds[0])
+        for row in range(1, len(state.ids)):
+            turn = float(state.poses[row, 3] - state.poses[0, 3])
+            along, across = (float(state.speeds[row]) * f(turn) for f in (math.cos, math.sin))
+            aside = float(t[row] - t[0])
+            if s[row] <= s[0] or min(abs(aside), abs(aside + across)) > self.corridor_m:
+                continue
+            if state.gaps[row] < self._gap:
+                self._gap, self._closing = float(state.gaps[row]), speed - along
+
+    def act(self, observation: Observation) -> Control:
+        """Follow, brake, or keep the speed."""
+        control = self._keep.act(observation)
+        if self._desired is None:
+            self._desired = max(observation.speed, 0.1)
+        if self._closing > 0 and self._gap / self._closing < self.emergency_ttc_s:
+            return replace(control, acceleration=-8.0)
+        acceleration = following_acceleration(
+            observation.speed,
+            self._desired,
+            self._gap,
+            self._closing,
+            headway_s=self.headway_s,
+            standing_m=self.standing_m,
+            comfortable=self.comfortable,
+        )
+        return replace(control, acceleration=max(-8.0, min(control.acceleration, acceleration)))

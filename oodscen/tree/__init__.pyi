@@ -1,1 +1,0 @@
-from ._edit_log import TreeEdit as TreeEdit
