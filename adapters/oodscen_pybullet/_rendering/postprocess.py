@@ -29,6 +29,8 @@ TINT_G, TINT_B = np.float32(0.97), np.float32(0.88)
 """Green and blue of the ego's beams, relative to red."""
 FARTHEST = np.float32(400.0)
 """Distance beyond which lamps are alike, m."""
+SHADOWS_END = np.float32(78.0)
+"""Distance beyond which only the coarse shadow map is used, m."""
 TINY = np.float32(1.0 / 255.0)
 """One step of a byte as a fraction."""
 
@@ -200,6 +202,24 @@ def postprocess_pixels(plate: Plate, image: U8, first: int, end: int) -> None:
 
 
 @part
+def _near_light(tiles: Any, heights: Any, u: Any, v: Any, z: Any) -> Any:
+    """Return the fraction of sunlight that reaches a point of the shadow map near the camera."""
+    i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
+    if tiles[j >> np.uint64(4), i >> np.uint64(4)] > z:
+        return lit_share(heights, u, v, z)
+    return _ONE
+
+
+@part
+def _far_light(heights: Any, u: Any, v: Any, z: Any) -> Any:
+    """Return the fraction of sunlight that reaches a point by the coarse shadow map."""
+    cells = np.float32(heights.shape[0] - 1)
+    if _ZERO <= u < cells and _ZERO <= v < cells:
+        return lit_share(heights, u, v, z + np.float32(0.3))
+    return _ONE
+
+
+@part
 def _find_shadows(plate: Plate, line: RowBuffers, y: int) -> None:
     """Look up which pixels of a row are in the sun, and how bright those in shadow are."""
     settings, axes, across, dark = plate.settings, plate.axes, plate.across, plate.dark
@@ -208,7 +228,6 @@ def _find_shadows(plate: Plate, line: RowBuffers, y: int) -> None:
     clear, sunny = line.clear, line.sunny
     is_inside = settings[IS_INSIDE] > _ZERO
     cells = np.float32(heights.shape[0] - 1)
-    far_cells = np.float32(far_heights.shape[0] - 1)
     scale = settings[SHADOW_SCALE]
     far_share = settings[FAR_SCALE] / scale
     right_x = (axes[0, 0] - settings[LEAN_X] * axes[0, 2]) * scale
@@ -218,42 +237,33 @@ def _find_shadows(plate: Plate, line: RowBuffers, y: int) -> None:
     step_x = (axes[2, 0] + up * axes[1, 0] - settings[LEAN_X] * rise) * scale
     step_y = (axes[2, 1] + up * axes[1, 1] - settings[LEAN_Y] * rise) * scale
     for x in range(across.shape[0]):
-        sunny[x] = _ZERO
         kind = kinds[y, x]
-        if lit[y, x] == 0 or kind & SHINING:
+        is_sheltered = kind & SHELTERED != 0
+        sunny[x] = _ZERO
+        if lit[y, x] == 0 or kind & SHINING or (is_sheltered and not is_inside):
             continue
-        if kind & SHELTERED and not is_inside:
-            continue
-        sunny[x] = _ONE
         far = depth[y, x]
         z = settings[SHADOW_Z] + far * rise + np.float32(0.03) + far * np.float32(0.001)
         if not kind & GROUND:
             # Objects have faces at all angles and therefore need a larger tolerance.
             slant = _ONE - np.float32(lit[y, x]) * TINY
             z += np.float32(0.05) + np.float32(0.25) * slant
-        aside = step_x + across[x] * right_x
-        along = step_y + across[x] * right_y
+        aside, along = step_x + across[x] * right_x, step_y + across[x] * right_y
         u, v = settings[SHADOW_X] + far * aside, settings[SHADOW_Y] + far * along
         edge = np.minimum(np.minimum(u, cells - u), np.minimum(v, cells - v))
-        share = np.minimum(np.float32(78.0) - far, edge * np.float32(0.25))
+        share = np.minimum(SHADOWS_END - far, edge * np.float32(0.25))
         share = np.minimum(share * np.float32(0.07), _ONE)
         sun = _ONE
         if share > _ZERO:
-            i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
-            if tiles[j >> np.uint64(4), i >> np.uint64(4)] > z:
-                sun = lit_share(heights, u, v, z)
+            sun = _near_light(tiles, heights, u, v, z)
         else:
             share = _ZERO
         if share < _ONE:
             u = settings[FAR_X] + far * aside * far_share
             v = settings[FAR_Y] + far * along * far_share
-            wide = _ONE
-            if _ZERO <= u < far_cells and _ZERO <= v < far_cells:
-                wide = lit_share(far_heights, u, v, z + np.float32(0.3))
+            wide = _far_light(far_heights, u, v, z)
             sun = wide + (sun - wide) * share
-        loss = dark[lit[y, x]]
-        if kind & SHELTERED:
-            loss = _HALF
+        loss = _HALF if is_sheltered else dark[lit[y, x]]
         clear[x] = _ONE - loss * (_ONE - sun)
         sunny[x] = np.minimum(sun * loss * settings[SUN_GAIN], _ONE)
 
