@@ -111,9 +111,7 @@ LONGEST_WALK = 2_000
 
 
 def measured(
-    parts: Sequence[Part],
-    state: str | None = None,
-    sizes: Mapping[str, Size] | None = None,
+    parts: Sequence[Part], state: str | None = None, sizes: Mapping[str, Size] | None = None
 ) -> Measured:
     """Walk through a design.
 

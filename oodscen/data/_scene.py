@@ -273,16 +273,12 @@ class Scene(LeanData):
             decision_s: Time of the decision in the scene itself. The twin is judged at the same time, even if
                 the actor that triggered the decision is gone.
         """
-        actors = []
-        for actor in self.actors:
-            ordinary = self.hazard.actors.get(actor.id, actor)
-            if ordinary is not None:
-                actors.append(ordinary)
+        actors = (self.hazard.actors.get(actor.id, actor) for actor in self.actors)
         return Scene.model_validate(
             {
                 **self.model_dump(),
                 "id": twin_id(self.id),
-                "actors": [actor.model_dump() for actor in actors],
+                "actors": [actor.model_dump() for actor in actors if actor is not None],
                 "weather": (self.hazard.weather or self.weather).model_dump(),
                 "hazard": {},
                 "decision": {"kind": "time", "value": decision_s},

@@ -164,15 +164,11 @@ class RowBuffers(NamedTuple):
 def postprocess_pixels(plate: Plate, image: U8, first: int, end: int) -> None:
     """Develop rows of a picture, from `first` to before `end`, into `image`, [height, width, 3]."""
     settings, width = plate.settings, plate.depth.shape[1]
-    line = RowBuffers(
-        np.empty(width, np.float32),
-        np.ones(width, np.float32),
-        np.zeros(width, np.float32),
-        np.empty(width, np.float32),
-        np.empty((3, width), np.float32),
-        np.empty(width, np.float32),
-        np.empty(plate.sheet.shape[1], np.float32),
-    )
+    rows, clouds = np.empty((5, width), np.float32), np.empty(plate.sheet.shape[1], np.float32)
+    light = np.empty((3, width), np.float32)
+    line = RowBuffers(rows[0], rows[1], rows[2], rows[3], light, rows[4], clouds)
+    line.sunny[:] = _ONE
+    line.indoors[:] = _ZERO
     has_portal = settings[HAS_PORTAL] > _ZERO
     for y in range(first, end):
         for x in range(width):

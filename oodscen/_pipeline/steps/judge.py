@@ -150,9 +150,7 @@ def _count_kept(
 
 
 def _items(
-    run: Context,
-    answerers: Mapping[str, Answerer],
-    shown: Mapping[Protocol, Sequence[Episode]],
+    run: Context, answerers: Mapping[str, Answerer], shown: Mapping[Protocol, Sequence[Episode]]
 ) -> dict[str, Item]:
     """Return what every answerer is asked about, by the id of the verdict."""
     items: dict[str, Item] = {}

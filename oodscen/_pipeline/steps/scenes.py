@@ -1,11 +1,12 @@
 """The stages that make scenes and episodes: augment, simulate."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
-from oodscen._pipeline.steps.made import Made, made_for
+from oodscen._pipeline.steps.made import made_for
 from oodscen._pipeline.steps.staged import SCENES, STAGED, Line, StagedScenes
 from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._base import digest
@@ -38,9 +39,12 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     Raises:
         DataError: When a line of `scenes.jsonl` is malformed or belongs to no text, or two belong to one text.
     """
-    plain = _augmenter(run, AdvisingCheck(run.simulator))
+    catalogue, context = run.simulator.catalogue(), run.config.context
+    augmenter = partial(Augmenter, run.llm, catalogue, context=context, encoder=run.encoder)
+    plain = augmenter(check=AdvisingCheck(run.simulator))
     with_made = {
-        path: _augmenter(run, AdvisingCheck(), made) for path, made in made_for(run).items()
+        path: augmenter(check=AdvisingCheck(), made=props, motions=motions)
+        for path, (props, motions) in made_for(run).items()
     }
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = StagedScenes(run.store)
@@ -75,19 +79,6 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     staged = StagedScenes(run.store)
     staged.write_scenes(staged.ran | kept)
     return [one.scene for one in staged.by_id.values()]
-
-
-def _augmenter(run: Context, check: AdvisingCheck, made: Made = ((), ())) -> Augmenter:
-    props, motions = made
-    return Augmenter(
-        run.llm,
-        run.simulator.catalogue(),
-        check=check,
-        context=run.config.context,
-        encoder=run.encoder,
-        made=props,
-        motions=motions,
-    )
 
 
 def _plain(claims: Iterable[Claim]) -> list[Line]:
@@ -207,14 +198,11 @@ def _simulate(run: Context, staged: StagedScenes) -> list[Episode]:
             result.save(run.store)
             yield result.episode
 
-    def items(name: str) -> tuple[str, ...]:
-        demands = (demand_id(name),) if run.config.demands else ()
-        return (name, twin_id(name), *demands)
-
+    ids_of = (str, twin_id, demand_id) if run.config.demands else (str, twin_id)
     rows = run.each(
         "simulate",
         "episodes.jsonl",
-        {item: name for name in staged.by_id for item in items(name)},
+        {id_of(name): name for name in staged.by_id for id_of in ids_of},
         work,
         made_from=lambda item: made_from[scene_of(item)],
         is_whole=lambda line: (

@@ -223,10 +223,9 @@ def _check_needs(
 
 def _uncategorised(hazards: Iterable[HazardKind], knowledge: Knowledge) -> list[str]:
     """Return the things that hazards need but that have no category."""
+    recipes = [hazard.stage for hazard in hazards if hazard.stage]
     named = {name for hazard in hazards for name in hazard.needs.assets}
-    for hazard in hazards:
-        for actor in hazard.stage.actors if hazard.stage else ():
-            named.update(actor.asset)
+    named |= {name for recipe in recipes for actor in recipe.actors for name in actor.asset}
     return sorted(name for name in named if knowledge.category(name) is None)
 
 
@@ -237,15 +236,7 @@ def _check_staging(
     catalogues: Mapping[str, Catalogue],
     author: _StagingLLM,
 ) -> None:
-    """Compare the recipes with the first catalogue that has map files, and try each once.
-
-    Args:
-        found: Where the faults go.
-        recipes: The hazards with a recipe.
-        able: Those that a catalogue can show, by its name.
-        catalogues: The catalogues by name.
-        author: Stages the recipes.
-    """
+    """Compare the recipes with the first catalogue that has map files, and try each once where it is `able` to show it."""
     trying = [name for name, one in catalogues.items() if any(road.file for road in one.maps)]
     tried: set[str] = set()
     for number, name in enumerate(trying):

@@ -4,12 +4,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from oodscen.author._knowledge.base import (
-    Drawn,
-    RecipeActor,
-    RecipeTrigger,
-    TrafficActor,
-)
+from oodscen.author._knowledge.base import Drawn, RecipeActor, RecipeTrigger, TrafficActor
 from oodscen.author._staging.anchors import marks
 from oodscen.author._staging.decision_timing import decisive
 from oodscen.author._staging.layout import Cast, Layout
@@ -230,8 +225,7 @@ def named_traffic(part: TrafficActor, layout: Layout, named: tuple[Thing, ...]) 
             asset=layout.choose(part.asset, named),
             placement=Placement(ahead_m=layout.draw(part.ahead), lane=left if is_oncoming else 1),
             behaviour=Behaviour(
-                name=part.behaviour,
-                parameters=_parameters(part.behaviour, part.parameters, layout),
+                name=part.behaviour, parameters=_parameters(part.behaviour, part.parameters, layout)
             ),
         )
     ]

@@ -53,23 +53,20 @@ def decided(layout: Layout, distance_m: float | None) -> Layout:
     actor = timing.decisive(layout.recipe)
     if actor is not None:
         is_on_map = ahead_of_start(layout.recipe, actor) is None
+        middle = 0.5 * sum(actor.ahead)
         if timing.scales(layout.recipe):
             layout, room = _room(layout, actor)
             value = room(layout.speed)
             if not is_on_map:
                 layout, value, start = _approached(layout, room, distance_m)
-                shift = start - _middle(actor)
+                shift = start - middle
         elif distance_m is not None and not is_on_map:
             low, high = actor.ahead
-            shift = min(max(distance_m, low), high) - _middle(actor)
+            shift = min(max(distance_m, low), high) - middle
         if wanted.kind == "ttc":
             layout, value = _hurried(layout, actor, value)
     decision = Trigger(kind=wanted.kind, value=round(value, 2), actor=wanted.actor)
     return replace(layout, decision=decision, shift_m=round(shift, 2))
-
-
-def _middle(actor: RecipeActor) -> float:
-    return 0.5 * sum(actor.ahead)
 
 
 def _slower(layout: Layout) -> Layout:

@@ -1,7 +1,7 @@
 """Sample sizes for telling two success rates apart, and the power of a given number of scenes."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from statistics import NormalDist
 
 from oodscen._arguments import checked
@@ -47,17 +47,8 @@ class SampleSize(Data):
 
     def power_of(self, scenes: int) -> float:
         """Return the probability that this many scenes per model show the difference."""
-        return power_of(
-            self.first,
-            self.second,
-            scenes,
-            paired=self.is_paired,
-            agreement=self.agreement,
-            alpha=self.alpha,
-            comparisons=self.comparisons,
-            per_path=self.per_path,
-            icc=self.icc,
-        )
+        known = {field.name: getattr(self, field.name) for field in fields(_Design)}
+        return _Design(**known).power(scenes)
 
     def __str__(self) -> str:
         how = (
@@ -159,11 +150,7 @@ def power_of(
         UsageError: If an argument is out of range.
     """
     design = _Design(first, second, paired, agreement, alpha, comparisons, per_path, icc)
-    whole_number("scenes", scenes, 1)
-    under_null, under_truth = design.deviations
-    effective = scenes / design.effect
-    reach = abs(first - second) * math.sqrt(effective) - design.z_alpha * under_null
-    return _NORMAL.cdf(reach / under_truth) if under_truth else float(reach > 0)
+    return design.power(scenes)
 
 
 @dataclass(frozen=True)
@@ -233,3 +220,11 @@ class _Design:
             math.sqrt(2 * pooled * (1 - pooled)),
             math.sqrt(first * (1 - first) + second * (1 - second)),
         )
+
+    def power(self, scenes: int) -> float:
+        """Return the probability that a number of scenes shows the difference."""
+        whole_number("scenes", scenes, 1)
+        under_null, under_truth = self.deviations
+        root = math.sqrt(scenes / self.effect)
+        reach = abs(self.first - self.second) * root - self.z_alpha * under_null
+        return _NORMAL.cdf(reach / under_truth) if under_truth else float(reach > 0)

@@ -43,19 +43,7 @@ _CALM = 2.0
 """Acceleration towards the inside of a bend that no driver minds, m/s^2."""
 _FASTEST = 14.0
 """Greatest speed in a bend, m/s."""
-_WAITING = (
-    "cross_road",
-    "pull_out",
-    "dart",
-    "bolt",
-    "walk_along",
-    "roll_away",
-    "reverse",
-    "hard_brake",
-    "stall",
-    "halt",
-    "cut_in",
-)
+_WAITING = "cross_road pull_out dart bolt walk_along roll_away reverse hard_brake stall halt cut_in".split()
 """Behaviours that show when their trigger fires, best first."""
 
 

@@ -119,13 +119,7 @@ class Probe:
         return self.acting(asset, does, id=id, ahead=ahead, lane=lane)
 
     def acting(
-        self,
-        asset: Asset,
-        does: Behaviour,
-        *,
-        id: str = "a",
-        ahead: float = 35.0,
-        lane: int = 0,
+        self, asset: Asset, does: Behaviour, *, id: str = "a", ahead: float = 35.0, lane: int = 0
     ) -> Actor:
         """Return an asset with a behaviour in the middle of a lane."""
         place = Placement(ahead_m=ahead, lane=lane)
