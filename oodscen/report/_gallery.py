@@ -14,6 +14,7 @@ from oodscen.data._pairing import demand_id, is_ordinary, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import DUSK_DEG, FOG_M, Scene, Weather
 from oodscen.data._verdict import Verdict
+from oodscen.judging._leaderboard.standings import outcome_of
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.canvas import signed
 from oodscen.report._charts.frames import picture
@@ -246,7 +247,7 @@ def _answer(verdict: Verdict, model: int) -> Row:
     """Return the answers of one answerer about one item; those of references are abridged."""
     row: Row = {
         "model": model,
-        "outcome": _outcome(verdict),
+        "outcome": outcome_of(verdict),
         "ood": verdict.is_ood,
         "action": verdict.action or "",
         "safe": verdict.action_is_safe,
@@ -269,12 +270,6 @@ def _answer(verdict: Verdict, model: int) -> Row:
         "judge": verdict.judge,
         "outdated": verdict.is_outdated,
     }
-
-
-def _outcome(verdict: Verdict) -> str:
-    if verdict.status == "failed" and verdict.outcome == "answered":
-        return "error"
-    return verdict.outcome
 
 
 def _cut(text: str) -> str:

@@ -52,7 +52,7 @@ def standing(
         kind="reference" if any(v.kind == "reference" for v in verdicts) else "model",
         protocol=protocol,
         asked=len(verdicts),
-        outcomes=dict(sorted(Counter(_outcome(v) for v in verdicts).items())),
+        outcomes=dict(sorted(Counter(outcome_of(v) for v in verdicts).items())),
         contradictions=sum(bool(v.contradiction) for v in verdicts),
         outdated=sum(v.is_outdated for v in verdicts),
         paired=scores.paired(),
@@ -71,7 +71,7 @@ def standing(
     )
 
 
-def _outcome(verdict: Verdict) -> str:
+def outcome_of(verdict: Verdict) -> str:
     """Return how judging ended; verdicts of the first schema version tell only whether it failed."""
     if verdict.status == "failed" and verdict.outcome == "answered":
         return "error"

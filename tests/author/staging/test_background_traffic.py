@@ -42,16 +42,8 @@ def actor(lane: int = 0, offset: float = 0.0, name: str = "stand", **parameters:
 
 
 def drawn(line: MapLine, lane: int, *actors: Actor, free: int = 0) -> dict[str, Actor]:
-    layout = Layout(
-        digest=DIGEST,
-        road=line,
-        recipe=RECIPE,
-        rng=np.random.default_rng(0),
-        speed=10.0,
-        slowed=1.0,
-        ego_lane=lane,
-        escape=free,
-    )
+    rng = np.random.default_rng(0)
+    layout = Layout(DIGEST, line, RECIPE, rng, 10.0, 1.0, ego_lane=lane, escape=free)
     decision_s = expected_decision_s(DECISION, actors, layout.speed)
     found = company((LEFT, RIGHT, ONCOMING), layout, actors, decision_s)
     return {one.id: one for one in found}
