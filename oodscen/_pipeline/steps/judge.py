@@ -231,11 +231,10 @@ def _answerers(
         found[reference.name] = Answerer(reference)
     for name in run.config.vlms:
         model = run.models.get(name)
-        found[name] = (
-            Answerer(model)
-            if is_reference(model)
-            else Answerer(CircuitBreakerLLM(model), run.models.limits.concurrency)
-        )
+        if is_reference(model):
+            found[name] = Answerer(model)
+        else:
+            found[name] = Answerer(CircuitBreakerLLM(model), run.models.limits.concurrency)
     for name in run.config.withheld:
         if name in found and not takes_cases(found[name].model):
             found[without_pictures(name)] = found[name]

@@ -81,9 +81,8 @@ class Layout:
 
     def pixels(self, actor: RecipeActor, away: float) -> float:
         """Return the smallest area that an actor some metres away may cover in the dash camera's image, square pixels."""
-        scale = _FOCAL_PX / away
         areas = (
-            across * (height + _EYE_M * along / away) * scale**2
+            across * (height + _EYE_M * along / away) * (_FOCAL_PX / away) ** 2
             for along, across, height in self._extents(actor)
         )
         return min(areas, default=math.inf)

@@ -215,11 +215,8 @@ class _Design:
         if self.is_paired:
             discordant = self.discordant
             return math.sqrt(discordant), math.sqrt(max(discordant - (first - second) ** 2, 0.0))
-        pooled = (first + second) / 2
-        return (
-            math.sqrt(2 * pooled * (1 - pooled)),
-            math.sqrt(first * (1 - first) + second * (1 - second)),
-        )
+        pooled, variance = (first + second) / 2, first * (1 - first) + second * (1 - second)
+        return math.sqrt(2 * pooled * (1 - pooled)), math.sqrt(variance)
 
     def power(self, scenes: int) -> float:
         """Return the probability that a number of scenes shows the difference."""

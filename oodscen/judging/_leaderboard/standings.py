@@ -218,9 +218,8 @@ class _Scores:
             return Estimate()
         items, sheet = self.study.items, self.sheet
         right = np.nan_to_num(sheet.right("detection", items), nan=0.0)
-        columns = [
-            Ratio(right, sheet.was_asked & side) for side in (items.is_scene, ~items.is_scene)
-        ]
+        sides = (items.is_scene, ~items.is_scene)
+        columns = [Ratio(right, sheet.was_asked & side) for side in sides]
         replicates = resample_ratios(self.study.resampler, columns).mean(axis=1)
         n = int(sheet.was_asked.sum())
         return self._estimate((found + quiet) / 2, n, replicates, sheet.was_asked)
