@@ -53,6 +53,7 @@ MODULES = {
         "tests/judging/parsing/test_choices.py",
     ),
     "oodscen/judging/_leaderboard/leaderboard.py": ("tests/judging/leaderboard",),
+    "oodscen/judging/_leaderboard/standings.py": ("tests/judging/leaderboard",),
     "oodscen/judging/_leaderboard/scores.py": ("tests/judging/leaderboard",),
     "oodscen/llm/_json_objects.py": (
         "tests/llm/test_json_objects.py",

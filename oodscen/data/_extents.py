@@ -4,13 +4,14 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import singledispatch
 from typing import NamedTuple
 
 from oodscen.data import _shapes as shapes
 from oodscen.data._lettering import strokes
 from oodscen.data._shapes import Part, Point
 
+_SQUARE = math.sqrt(2.0)
+"""Ratio of a square's side to the radius of the circle around it."""
 STEP = 0.5
 """Longest stretch of a slanted bar that is boxed as one, m."""
 ASSET_TRIANGLES = 1_500
@@ -110,9 +111,7 @@ LONGEST_WALK = 2_000
 
 
 def measured(
-    parts: Sequence[Part],
-    state: str | None = None,
-    sizes: Mapping[str, Size] | None = None,
+    parts: Sequence[Part], state: str | None = None, sizes: Mapping[str, Size] | None = None
 ) -> Measured:
     """Walk through a design.
 
@@ -208,10 +207,51 @@ def colours(part: Part) -> Iterator[str]:
 # ---------------------------------------------------------------------- boxes
 
 
-@singledispatch
 def spaces(part: Part, place: Place) -> list[Space]:
-    """Return the boxes around one part."""
-    raise TypeError(f"{type(part).__name__} has no box")
+    """Return the boxes around one part that is no group, lamp or thing of the catalogue."""
+    match part:
+        case shapes.Box():
+            return [_upright(place, part.box, part.size)]
+        case shapes.Hull():
+            ends = (part.hull, part.top)
+            return [place.box((x, y, end[4]) for end in ends for x in end[:2] for y in end[2:4])]
+        case shapes.Beam():
+            last = part.width if part.end_width is None else part.end_width
+            start, end = place.point(part.beam), place.point(part.to)
+            return list(_bar(start, end, part.width / _SQUARE, last / _SQUARE))
+        case shapes.Tube():
+            points, radius = [place.point(one) for one in hung(part)], part.width / _SQUARE
+            pieces = itertools.pairwise(points)
+            return [box for start, end in pieces for box in _bar(start, end, radius, radius)]
+        case shapes.Cylinder():
+            last = part.radius if part.end_radius is None else part.end_radius
+            return list(_bar(place.point(part.cylinder), place.point(part.to), part.radius, last))
+        case shapes.Lathe():
+            rings = [(place.point(ring[:3]), ring[3]) for ring in part.lathe]
+            pairs = itertools.pairwise(rings)
+            return [box for (a, r), (b, q) in pairs for box in _bar(a, b, r, q)]
+        case shapes.Ball():
+            return [_round_box(part, place)]
+        case shapes.Column():
+            return list(_sections(part, place))
+        case shapes.Wheel():
+            (x, y), r = part.wheel, part.radius
+            return [_upright(place, (x, y, r), (2 * r, part.width, 2 * r))]
+        case shapes.Sheet(sheet=points) | shapes.Panel(panel=points) | shapes.Text(on=points):
+            return [place.box(points)]
+        case shapes.Heap():
+            return [_upright(place, (*part.heap, part.size[2] / 2), part.size)]
+        case shapes.Veil():
+            x, y, z = part.veil
+            return [_upright(place, (x, y, z + part.size[2] / 2), part.size, is_airy=True)]
+        case shapes.Swarm():
+            return [_upright(place, part.swarm, part.size, is_airy=True)]
+        case shapes.Blot():
+            return [_upright(place, (*part.blot, part.height / 2), (*part.size, part.height))]
+        case shapes.Strip():
+            return [place.box(corners) for corners in _stripes(part)]
+        case _:
+            raise TypeError(f"{type(part).__name__} has no box")
 
 
 def around(points: Sequence[Sequence[float]], is_airy: bool = False) -> Space:
@@ -252,67 +292,27 @@ def _bar(start: Point, end: Point, radius: float, last: float) -> Iterator[Space
         yield around(ends)
 
 
-_SQUARE = math.sqrt(2.0)
-
-
-@spaces.register
-def _(part: shapes.Box, place: Place) -> list[Space]:
-    return [_upright(place, part.box, part.size)]
-
-
-@spaces.register
-def _(part: shapes.Hull, place: Place) -> list[Space]:
-    corners = [
-        (x, y, flat[4]) for flat in (part.hull, part.top) for x in flat[:2] for y in flat[2:4]
-    ]
-    return [place.box(corners)]
-
-
-@spaces.register
-def _(part: shapes.Beam, place: Place) -> list[Space]:
-    last = part.width if part.end_width is None else part.end_width
-    start, end = place.point(part.beam), place.point(part.to)
-    return list(_bar(start, end, part.width / _SQUARE, last / _SQUARE))
-
-
-@spaces.register
-def _(part: shapes.Tube, place: Place) -> list[Space]:
-    points = [place.point(point) for point in hung(part)]
-    radius = part.width / _SQUARE
-    return [box for a, b in itertools.pairwise(points) for box in _bar(a, b, radius, radius)]
-
-
-@spaces.register
-def _(part: shapes.Cylinder, place: Place) -> list[Space]:
-    last = part.radius if part.end_radius is None else part.end_radius
-    return list(_bar(place.point(part.cylinder), place.point(part.to), part.radius, last))
-
-
-@spaces.register
-def _(part: shapes.Lathe, place: Place) -> list[Space]:
-    rings = [(place.point(ring[:3]), ring[3]) for ring in part.lathe]
-    return [box for (a, r), (b, q) in itertools.pairwise(rings) for box in _bar(a, b, r, q)]
-
-
-@spaces.register
-def _(part: shapes.Ball, place: Place) -> list[Space]:
+def _round_box(part: shapes.Ball, place: Place) -> Space:
+    """Return the box around an ellipsoid."""
     x, y, z = place.point(part.ball)
     grown = [radius * (1.0 + part.jitter) for radius in part.radii]
     a, b, c = (
         math.sqrt(sum((m * r) ** 2 for m, r in zip(row, grown, strict=True))) for row in place.rows
     )
-    return [Space((x - a, y - b, z - c), (x + a, y + b, z + c))]
+    return Space((x - a, y - b, z - c), (x + a, y + b, z + c))
 
 
-@spaces.register
-def _(part: shapes.Column, place: Place) -> list[Space]:
-    corners = []
+def _sections(part: shapes.Column, place: Place) -> Iterator[Space]:
+    """Yield the boxes between the rings of a column."""
+    rings = []
     for x, y, z, one, two in _rings(part):
-        for i in (-1, 1):
-            for j in (-1, 1):
-                off = (0.0, i * one, j * two) if part.axis == "x" else (i * one, j * two, 0.0)
-                corners.append(place.point((x + off[0], y + off[1], z + off[2])))
-    return [around(corners[4 * k : 4 * k + 8]) for k in range(len(corners) // 4 - 1)]
+        offsets = [(i * one, j * two) for i in (-1, 1) for j in (-1, 1)]
+        if part.axis == "x":
+            rings.append([place.point((x, y + a, z + b)) for a, b in offsets])
+        else:
+            rings.append([place.point((x + a, y + b, z)) for a, b in offsets])
+    for ring, after in itertools.pairwise(rings):
+        yield around([*ring, *after])
 
 
 def _rings(part: shapes.Column) -> Iterator[tuple[float, ...]]:
@@ -324,63 +324,17 @@ def _rings(part: shapes.Column) -> Iterator[tuple[float, ...]]:
     yield part.column[-1]
 
 
-@spaces.register
-def _(part: shapes.Sheet, place: Place) -> list[Space]:
-    return [place.box(part.sheet)]
-
-
-@spaces.register
-def _(part: shapes.Wheel, place: Place) -> list[Space]:
-    (x, y), r = part.wheel, part.radius
-    return [_upright(place, (x, y, r), (2 * r, part.width, 2 * r))]
-
-
-@spaces.register
-def _(part: shapes.Panel, place: Place) -> list[Space]:
-    return [place.box(part.panel)]
-
-
-@spaces.register
-def _(part: shapes.Text, place: Place) -> list[Space]:
-    return [place.box(part.on)]
-
-
-@spaces.register
-def _(part: shapes.Heap, place: Place) -> list[Space]:
-    (x, y), (_, _, height) = part.heap, part.size
-    return [_upright(place, (x, y, height / 2), part.size)]
-
-
-@spaces.register
-def _(part: shapes.Veil, place: Place) -> list[Space]:
-    x, y, z = part.veil
-    return [_upright(place, (x, y, z + part.size[2] / 2), part.size, is_airy=True)]
-
-
-@spaces.register
-def _(part: shapes.Swarm, place: Place) -> list[Space]:
-    return [_upright(place, part.swarm, part.size, is_airy=True)]
-
-
-@spaces.register
-def _(part: shapes.Blot, place: Place) -> list[Space]:
-    return [_upright(place, (*part.blot, part.height / 2), (*part.size, part.height))]
-
-
-@spaces.register
-def _(part: shapes.Strip, place: Place) -> list[Space]:
-    boxes = []
+def _stripes(part: shapes.Strip) -> Iterator[list[Point]]:
+    """Yield the corners of the boxes along a strip."""
     for (x0, y0), (x1, y1) in itertools.pairwise(part.strip):
         length = math.hypot(x1 - x0, y1 - y0)
         a, b = part.width / 2 * (y1 - y0) / length, part.width / 2 * (x1 - x0) / length
-        corners = [
+        yield [
             (x + sign * a, y - sign * b, z)
             for x, y in ((x0, y0), (x1, y1))
             for sign in (-1, 1)
             for z in (0.0, part.height)
         ]
-        boxes.append(place.box(corners))
-    return boxes
 
 
 _LEAST = 1e-4
@@ -458,6 +412,9 @@ _COSTS: dict[type[Part], Callable[..., int]] = {
 }
 
 
+_PATTERN_COSTS = {"bricks": 6, "windows": 6, "net": 0, "speckle": 4, "planks": 4}
+
+
 def triangles(part: Part) -> int:
     """Return the largest number of triangles of one part, before it is drawn."""
     if isinstance(part, shapes.Tube):
@@ -465,7 +422,7 @@ def triangles(part: Part) -> int:
         return 12 * sum(bands(part, a, b) for a, b in itertools.pairwise(points))
     if isinstance(part, shapes.Panel):
         across, up = cells(part)
-        each = {"bricks": 6, "windows": 6, "net": 0, "speckle": 4, "planks": 4}.get(part.pattern, 2)
+        each = _PATTERN_COSTS.get(part.pattern, 2)
         count = each * across * up + (4 * (across + up + 2) if part.pattern == "net" else 0)
         return 2 + count * (2 if part.back else 1)
     return _COSTS[type(part)](part)

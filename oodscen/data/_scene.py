@@ -5,6 +5,7 @@ left, headings counter-clockwise (ISO 8855). Speeds are in m/s. Validation sorts
 JSON: nothing may depend on the order of keys.
 """
 
+from collections.abc import Iterator
 from typing import ClassVar, Literal, Self, TypeGuard, get_args
 
 from pydantic import Field, field_validator, model_validator
@@ -269,16 +270,12 @@ class Scene(LeanData, SceneUses):
             decision_s: Time of the decision in the scene itself. The twin is judged at the same time, even if
                 the actor that triggered the decision is gone.
         """
-        actors = []
-        for actor in self.actors:
-            ordinary = self.hazard.actors.get(actor.id, actor)
-            if ordinary is not None:
-                actors.append(ordinary)
+        actors = (self.hazard.actors.get(actor.id, actor) for actor in self.actors)
         return Scene.model_validate(
             {
                 **self.model_dump(),
                 "id": twin_id(self.id),
-                "actors": [actor.model_dump() for actor in actors],
+                "actors": [actor.model_dump() for actor in actors if actor is not None],
                 "weather": (self.hazard.weather or self.weather).model_dump(),
                 "hazard": {},
                 "decision": {"kind": "time", "value": decision_s},
@@ -289,67 +286,93 @@ class Scene(LeanData, SceneUses):
         )
 
 
+def _misfits(scene: Scene) -> list[Issue]:
+    """Return inconsistencies within the scene that do not depend on a catalogue."""
+    issues = []
+    if len(scene.id) > _LONGEST_ID and not scene.is_ordinary:
+        issues.append(Issue("id", f"must have at most {_LONGEST_ID} characters"))
+    for unfit in (_unfit_actors, _unfit_hazard, _unfit_map_state, _unfit_names, _unfit_decision):
+        issues += unfit(scene)
+    return issues
+
+
 def _references(behaviour: Behaviour) -> list[tuple[str, str]]:
     """Return the actors that a behaviour refers to, each with the referring field."""
     named = (("trigger.actor", behaviour.trigger.actor), ("other", behaviour.other))
     return [(field, name) for field, name in named if name is not None]
 
 
-def _misfits(scene: Scene) -> list[Issue]:
-    """Return inconsistencies within the scene that do not depend on a catalogue."""
-    issues = []
-    if len(scene.id) > _LONGEST_ID and not scene.is_ordinary:
-        issues.append(Issue("id", f"must have at most {_LONGEST_ID} characters"))
-    ids = [actor.id for actor in scene.actors]
-    lasting = {name for name in ids if scene.hazard.actors.get(name, ...) is not None}
+def _lasting(scene: Scene) -> set[str]:
+    """Return the ids of the actors that the ordinary twin has too."""
+    hazards = scene.hazard.actors
+    return {actor.id for actor in scene.actors if hazards.get(actor.id, ...) is not None}
+
+
+def _unfit_actors(scene: Scene) -> Iterator[Issue]:
+    ids, lasting = [actor.id for actor in scene.actors], _lasting(scene)
     for index, actor in enumerate(scene.actors):
+        path = f"actors[{index}]"
         if actor.id in ids[:index]:
-            issues.append(Issue(f"actors[{index}].id", f"{actor.id!r} occurs more than once"))
+            yield Issue(f"{path}.id", f"{actor.id!r} occurs more than once")
         if actor.id == "ego":
-            issues.append(Issue(f"actors[{index}].id", "'ego' is the ego's own id"))
+            yield Issue(f"{path}.id", "'ego' is the ego's own id")
         for field, target in _references(actor.behaviour):
-            path = f"actors[{index}].behaviour.{field}"
             if target not in ids:
-                issues.append(Issue(path, f"there is no actor {target!r}"))
+                yield Issue(f"{path}.behaviour.{field}", f"there is no actor {target!r}")
             elif target not in lasting and actor.id not in scene.hazard.actors:
-                issues.append(Issue(path, f"{target!r} is missing in the ordinary twin"))
+                fault = f"{target!r} is missing in the ordinary twin"
+                yield Issue(f"{path}.behaviour.{field}", fault)
         if actor.behaviour.other == actor.id:
-            issues.append(Issue(f"actors[{index}].behaviour.other", "an actor cannot be its own"))
+            yield Issue(f"{path}.behaviour.other", "an actor cannot be its own")
+
+
+def _unfit_hazard(scene: Scene) -> Iterator[Issue]:
+    ids, lasting = {actor.id for actor in scene.actors}, _lasting(scene)
     for key, ordinary in scene.hazard.actors.items():
+        path = f"hazard.actors.{key}"
         if key not in ids:
-            issues.append(Issue(f"hazard.actors.{key}", f"there is no actor {key!r}"))
+            yield Issue(path, f"there is no actor {key!r}")
         if ordinary is None:
             continue
         if ordinary.id != key:
-            issues.append(Issue(f"hazard.actors.{key}.id", f"must stay {key!r}"))
+            yield Issue(f"{path}.id", f"must stay {key!r}")
         for field, target in _references(ordinary.behaviour):
             if target not in lasting:
-                path = f"hazard.actors.{key}.behaviour.{field}"
-                issues.append(Issue(path, f"there is no actor {target!r} in the ordinary twin"))
+                fault = f"there is no actor {target!r} in the ordinary twin"
+                yield Issue(f"{path}.behaviour.{field}", fault)
     is_named = scene.hazard.actors or scene.hazard.weather is not None or scene.map_state
     if not is_named and not scene.is_ordinary:
-        issues.append(Issue("hazard", "name at least one actor, or the ordinary weather"))
-    if scene.map_state and scene.map_state.street_lamps and scene.weather.sun_elevation_deg > 0.0:
-        issues.append(Issue("map_state.street_lamps", "street lamps are off by day anyway"))
-    if scene.map_state and scene.is_ordinary:
-        issues.append(Issue("map_state", "in an ordinary scene the map is in order"))
+        yield Issue("hazard", "name at least one actor, or the ordinary weather")
+
+
+def _unfit_map_state(scene: Scene) -> Iterator[Issue]:
+    if not scene.map_state:
+        return
+    if scene.map_state.street_lamps and scene.weather.sun_elevation_deg > 0.0:
+        yield Issue("map_state.street_lamps", "street lamps are off by day anyway")
+    if scene.is_ordinary:
+        yield Issue("map_state", "in an ordinary scene the map is in order")
+
+
+def _unfit_names(scene: Scene) -> Iterator[Issue]:
+    """Yield things of the text that stand for no actor, and designs with one id."""
+    known = {"map", *(actor.id for actor in scene.actors)}
     for thing, names in scene.stands_for.items():
-        issues += [
-            Issue(f"stands_for.{thing}", f"there is no actor {name!r}")
-            for name in names
-            if name not in (*ids, "map")
-        ]
+        for name in names:
+            if name not in known:
+                yield Issue(f"stands_for.{thing}", f"there is no actor {name!r}")
     for member, designs in (("made", scene.made), ("motions", scene.motions)):
         given = [one.id for one in designs]
-        issues += [
-            Issue(f"{member}[{index}].id", f"{name!r} occurs more than once")
-            for index, name in enumerate(given)
-            if name in given[:index]
-        ]
-    decision = scene.decision
-    if decision.kind != "time" and decision.actor not in ids:
-        fault = f"there is no actor {decision.actor!r}"
-        if decision.actor is None:
-            fault = f"name the actor to which the {decision.kind} is measured"
-        issues.append(Issue("decision.actor", fault))
-    return issues
+        for index, name in enumerate(given):
+            if name in given[:index]:
+                yield Issue(f"{member}[{index}].id", f"{name!r} occurs more than once")
+
+
+def _unfit_decision(scene: Scene) -> Iterator[Issue]:
+    kind, actor = scene.decision.kind, scene.decision.actor
+    if kind == "time" or actor in {one.id for one in scene.actors}:
+        return
+    if actor is None:
+        yield Issue("decision.actor", f"name the actor to which the {kind} is measured")
+    else:
+        yield Issue("decision.actor", f"there is no actor {actor!r}")

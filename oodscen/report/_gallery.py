@@ -14,6 +14,7 @@ from oodscen.data._pairing import demand_id, is_ordinary, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import DUSK_DEG, FOG_M, Scene, Weather
 from oodscen.data._verdict import Verdict
+from oodscen.judging._leaderboard.standings import outcome_of
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.canvas import signed
 from oodscen.report._charts.frames import picture
@@ -22,6 +23,10 @@ from oodscen.report._load import Material, by_key, number
 _STAGES = {"scenarios": "text", "scenes": "staging", "episodes": "simulation"}
 _LONGEST = 4_000
 """Longest answer on the page, in characters; the study's files hold it in full."""
+_LOW_SUN_DEG = 3.0
+"""Elevation of the sun below which it is twilight, degrees."""
+_SLIPPERY = 0.5
+"""Friction up to which a road is slippery."""
 
 Row = dict[str, Any]
 
@@ -33,58 +38,119 @@ def payload(found: Material, folder: Path) -> Row:
         found: The study.
         folder: Folder of the study, which holds its frames.
     """
-    scenarios = by_key(found.scenarios, lambda row: row.id)
-    scenes = by_key(found.scenes, lambda row: row.id)
-    demands = by_key(found.demands, lambda row: row.id)
-    episodes = by_key(found.episodes, lambda row: row.scene_id)
-    failed = {
-        failure.id: f"{_STAGES[failure.stage]} failed: {failure.error}"
-        for failure in found.failures
-        if failure.stage in _STAGES
-    }
-    models = _models(found.verdicts)
-    answers: dict[str, list[Row]] = {}
-    for verdict in found.verdicts:
-        row = _answer(verdict, models[_name(verdict)])
-        answers.setdefault(verdict.scene_id, []).append(row)
-    scores, band = _scores(found), _band(found.config)
-    leaves, attested = _leaves(found)
-    rows = []
-    for name in dict.fromkeys((*scenarios, *scenes, *episodes, *failed)):
-        if is_ordinary(name):
-            continue
-        scene = scenes.get(name)
-        scenario = scenarios.get(scene.scenario_id if scene else name)
-        score = scores.get(scenario.id if scenario else name, (None, ""))
-        leaf = _leaf(name, scenario, leaves)
-        leaves.setdefault(leaf, scenario.path if scenario else ())
-        rows.append(
-            {
-                "id": name,
-                "leaf": leaf,
-                "text": scenario.text if scenario else "",
-                "score": "" if score[0] is None else signed(score[0]),
-                "nearest": score[1],
-                "error": failed.get(name, ""),
-                "state": ""
-                if name in failed
-                else _state(scene, episodes.get(name), score[0], band),
-                **_shown(name, scene, episodes.get(name), folder),
-                "answers": answers.get(name, []),
-                "twin": _twin(name, scenario, scene, episodes, failed, folder, answers),
-                "demand": _demand(demand_id(name), demands, episodes, failed, folder, answers),
-            }
-        )
-    order = {leaf: index for index, leaf in enumerate(leaves)}
+    gallery = _Gallery(found, folder)
+    rows = [gallery.scene(name) for name in gallery.names]
+    order = {leaf: index for index, leaf in enumerate(gallery.leaves)}
     rows.sort(key=lambda row: order[row["leaf"]])
-    used = dict.fromkeys(row["leaf"] for row in rows)
+    tree = found.trees.get("simulatable")
+    attested = {leaf.id for leaf in tree.leaves if leaf.attested} if tree else set()
     return {
         "leaves": {
-            leaf: {"path": list(leaves[leaf][1:]), "attested": leaf in attested} for leaf in used
+            leaf: {"path": list(gallery.leaves[leaf][1:]), "attested": leaf in attested}
+            for leaf in dict.fromkeys(row["leaf"] for row in rows)
         },
         "models": [{"name": name, "kind": kind} for name, kind in _kinds(found.verdicts).items()],
         "scenes": rows,
     }
+
+
+class _Gallery:
+    """A study's scenes and ordinary drives, with all that is known of each, by id."""
+
+    def __init__(self, found: Material, folder: Path) -> None:
+        self._folder = folder
+        self._scenarios = by_key(found.scenarios, lambda row: row.id)
+        self._scenes = by_key(found.scenes, lambda row: row.id)
+        self._demands = by_key(found.demands, lambda row: row.id)
+        self._episodes = by_key(found.episodes, lambda row: row.scene_id)
+        self._failed = {
+            failure.id: f"{_STAGES[failure.stage]} failed: {failure.error}"
+            for failure in found.failures
+            if failure.stage in _STAGES
+        }
+        self._scores, self._band = _scores(found), _band(found.config)
+        places = {name: index for index, name in enumerate(_kinds(found.verdicts))}
+        self._answers: dict[str, list[Row]] = {}
+        for verdict in found.verdicts:
+            row = _answer(verdict, places[_name(verdict)])
+            self._answers.setdefault(verdict.scene_id, []).append(row)
+        tree = found.trees.get("simulatable")
+        self.leaves: dict[str, tuple[str, ...]] = dict(tree.paths) if tree else {}
+        """The paths of the simulatable tree in order, followed by those of scenes without a leaf in it."""
+
+    @property
+    def names(self) -> list[str]:
+        """Ids of everything that was to become a scene, in order."""
+        known = (*self._scenarios, *self._scenes, *self._episodes, *self._failed)
+        return [name for name in dict.fromkeys(known) if not is_ordinary(name)]
+
+    def scene(self, name: str) -> Row:
+        """Return a scene with its ordinary drives."""
+        scene = self._scenes.get(name)
+        scenario = self._scenarios.get(scene.scenario_id if scene else name)
+        score, nearest = self._scores.get(scenario.id if scenario else name, (None, ""))
+        leaf = _leaf(name, scenario, self.leaves)
+        self.leaves.setdefault(leaf, scenario.path if scenario else ())
+        return {
+            "id": name,
+            "leaf": leaf,
+            "text": scenario.text if scenario else "",
+            "score": "" if score is None else signed(score),
+            "nearest": nearest,
+            "error": self._failed.get(name, ""),
+            "state": "" if name in self._failed else self._state(name, score),
+            **self._shown(name, scene),
+            "twin": self._twin(twin_id(name), scenario, scene),
+            "demand": self._demand(demand_id(name)),
+        }
+
+    def _state(self, name: str, score: float | None) -> str:
+        """Return how far a scene has come, if it has not been simulated."""
+        if name in self._scenes:
+            return "" if name in self._episodes else "Not simulated yet."
+        if self._band and score is not None and not self._band[0] <= score <= self._band[1]:
+            low, high = map(signed, self._band)
+            return f"Not staged: its OOD-ness lies outside the band from {low} to {high}."
+        return "Not staged yet."
+
+    def _twin(self, name: str, scenario: Scenario | None, scene: Scene | None) -> Row | None:
+        """Return the ordinary twin of a scene, if it was simulated."""
+        episode, staged = self._episodes.get(name), None
+        if scene is not None and episode is not None and episode.decision_s is not None:
+            with suppress(ValueError):
+                staged = scene.twin(episode.decision_s)
+        return self._ordinary(name, (scenario.ordinary or "") if scenario else "", staged)
+
+    def _demand(self, name: str) -> Row | None:
+        """Return the ordinary demand of a scene, if one was run or none fits."""
+        scene = self._demands.get(name)
+        return self._ordinary(name, scene.demand.text if scene and scene.demand else "", scene)
+
+    def _ordinary(self, name: str, text: str, scene: Scene | None) -> Row | None:
+        if name not in self._episodes and name not in self._failed:
+            return None
+        return {"text": text, "error": self._failed.get(name, ""), **self._shown(name, scene)}
+
+    def _shown(self, name: str, scene: Scene | None) -> Row:
+        """Return the appearance of a drive, the outcome of every action, and the answers about it."""
+        episode = self._episodes.get(name)
+        names = {actor.id: words.plain(actor.asset) for actor in scene.actors} if scene else {}
+        return {
+            "map": words.plain(scene.map) if scene else "",
+            "weather": conditions(scene.weather) if scene else [],
+            "setting": _setting(scene) if scene else "",
+            "badWeather": scene is not None and scene.hazard.weather is not None,
+            "players": _players(scene) if scene else [],
+            "hazards": sorted(scene.hazard.actors) if scene else [],
+            "decision": _decision(scene, episode, names) if scene else "",
+            "choice": choice(episode) if episode else "",
+            "frames": _frames(episode, self._folder) if episode else [],
+            "actions": _outcomes(episode, names) if episode else [],
+            "sketch": _sketch(episode.sketch, names) if episode and episode.sketch else None,
+            "followed": bool(episode and episode.followers),
+            "facts": _facts(episode, names) if episode else [],
+            "answers": self._answers.get(name, []),
+        }
 
 
 def choice(episode: Episode) -> str:
@@ -102,12 +168,13 @@ def choice(episode: Episode) -> str:
 
 def conditions(weather: Weather) -> list[str]:
     """Return the filter terms that match a weather."""
-    found = ["night" if weather.sun_elevation_deg <= DUSK_DEG else "twilight" if weather.sun_elevation_deg < 3 else "day"]  # fmt: skip
+    sun = weather.sun_elevation_deg
+    found = ["night" if sun <= DUSK_DEG else "twilight" if sun < _LOW_SUN_DEG else "day"]
     if weather.fog_visual_range_m < FOG_M:
         found.append("fog")
     if weather.precipitation != "none":
         found.append(weather.precipitation)
-    if weather.friction <= 0.5:
+    if weather.friction <= _SLIPPERY:
         found.append("slippery road")
     return found if len(found) > 1 else [*found, "clear"]
 
@@ -122,18 +189,6 @@ def _kinds(verdicts: Sequence[Verdict]) -> dict[str, str]:
     return dict(sorted(kinds.items(), key=lambda item: (item[1] == "reference", item[0])))
 
 
-def _models(verdicts: Sequence[Verdict]) -> dict[str, int]:
-    return {name: index for index, name in enumerate(_kinds(verdicts))}
-
-
-def _leaves(found: Material) -> tuple[dict[str, tuple[str, ...]], set[str]]:
-    """Return the paths of the simulatable tree in order, and the leaves that the paper attests."""
-    tree = found.trees.get("simulatable")
-    if tree is None:
-        return {}, set()
-    return dict(tree.paths), {leaf.id for leaf in tree.leaves if leaf.attested}
-
-
 def _leaf(name: str, scenario: Scenario | None, leaves: Collection[str]) -> str:
     """Return the leaf that an item belongs to; ids are `<leaf>` or `<leaf>-003`."""
     if scenario is not None and scenario.leaf:
@@ -141,74 +196,8 @@ def _leaf(name: str, scenario: Scenario | None, leaves: Collection[str]) -> str:
     return next((leaf for leaf in (name, name.rpartition("-")[0]) if leaf in leaves), "other")
 
 
-def _twin(
-    name: str,
-    scenario: Scenario | None,
-    scene: Scene | None,
-    episodes: Mapping[str, Episode],
-    failed: Mapping[str, str],
-    folder: Path,
-    answers: Mapping[str, list[Row]],
-) -> Row | None:
-    """Return the ordinary twin of a scene, if it was simulated."""
-    twin = twin_id(name)
-    episode = episodes.get(twin)
-    if episode is None and twin not in failed:
-        return None
-    staged = None
-    if scene is not None and episode is not None and episode.decision_s is not None:
-        with suppress(ValueError):
-            staged = scene.twin(episode.decision_s)
-    return {
-        "text": (scenario.ordinary or "") if scenario else "",
-        "error": failed.get(twin, ""),
-        **_shown(twin, staged, episode, folder),
-        "answers": answers.get(twin, []),
-    }
-
-
-def _demand(
-    name: str,
-    demands: Mapping[str, Scene],
-    episodes: Mapping[str, Episode],
-    failed: Mapping[str, str],
-    folder: Path,
-    answers: Mapping[str, list[Row]],
-) -> Row | None:
-    """Return the ordinary demand of a scene, if one was run or none fits."""
-    episode, scene = episodes.get(name), demands.get(name)
-    if episode is None and name not in failed:
-        return None
-    return {
-        "text": scene.demand.text if scene and scene.demand else "",
-        "error": failed.get(name, ""),
-        **_shown(name, scene, episode, folder),
-        "answers": answers.get(name, []),
-    }
-
-
-def _shown(name: str, scene: Scene | None, episode: Episode | None, folder: Path) -> Row:
-    """Return the appearance of a scene and the outcome of every action."""
-    names = {actor.id: words.plain(actor.asset) for actor in scene.actors} if scene else {}
-    return {
-        "map": words.plain(scene.map) if scene else "",
-        "weather": conditions(scene.weather) if scene else [],
-        "setting": _setting(scene),
-        "badWeather": scene is not None and scene.hazard.weather is not None,
-        "players": _players(scene),
-        "hazards": sorted(scene.hazard.actors) if scene else [],
-        "decision": _decision(scene, episode, names),
-        "choice": choice(episode) if episode else "",
-        "frames": _frames(episode, folder),
-        "actions": _outcomes(episode, names),
-        "sketch": _sketch(episode.sketch, names) if episode and episode.sketch else None,
-        "followed": bool(episode and episode.followers),
-        "facts": _facts(episode, names),
-    }
-
-
-def _frames(episode: Episode | None, folder: Path) -> list[Row]:
-    if episode is None or episode.status == "failed":
+def _frames(episode: Episode, folder: Path) -> list[Row]:
+    if episode.status == "failed":
         return []
     times = episode.frame_times_s
     rows = []
@@ -221,9 +210,7 @@ def _frames(episode: Episode | None, folder: Path) -> list[Row]:
     return rows
 
 
-def _outcomes(episode: Episode | None, names: Mapping[str, str]) -> list[Row]:
-    if episode is None:
-        return []
+def _outcomes(episode: Episode, names: Mapping[str, str]) -> list[Row]:
     outcomes = dict(sorted(episode.actions.items(), key=lambda item: _rank(item[0])))
     return [
         {
@@ -260,7 +247,7 @@ def _answer(verdict: Verdict, model: int) -> Row:
     """Return the answers of one answerer about one item; those of references are abridged."""
     row: Row = {
         "model": model,
-        "outcome": _outcome(verdict),
+        "outcome": outcome_of(verdict),
         "ood": verdict.is_ood,
         "action": verdict.action or "",
         "safe": verdict.action_is_safe,
@@ -285,12 +272,6 @@ def _answer(verdict: Verdict, model: int) -> Row:
     }
 
 
-def _outcome(verdict: Verdict) -> str:
-    if verdict.status == "failed" and verdict.outcome == "answered":
-        return "error"
-    return verdict.outcome
-
-
 def _cut(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} … ({len(text):,} characters)"
 
@@ -304,20 +285,6 @@ def _scores(found: Material) -> dict[str, tuple[float, str]]:
     return {scenario.id: (value, near.text) for scenario, value, near in own}
 
 
-def _state(
-    scene: Scene | None,
-    episode: Episode | None,
-    score: float | None,
-    band: tuple[float, float] | None,
-) -> str:
-    if scene is None:
-        if band and score is not None and not band[0] <= score <= band[1]:
-            low, high = map(signed, band)
-            return f"Not staged: its OOD-ness lies outside the band from {low} to {high}."
-        return "Not staged yet."
-    return "Not simulated yet." if episode is None else ""
-
-
 def _band(config: Mapping[str, Any]) -> tuple[float, float] | None:
     bounds = config.get("band")
     if not isinstance(bounds, list) or len(bounds) != 2:
@@ -326,18 +293,14 @@ def _band(config: Mapping[str, Any]) -> tuple[float, float] | None:
     return None if low is None or high is None else (low, high)
 
 
-def _setting(scene: Scene | None) -> str:
-    if scene is None:
-        return ""
+def _setting(scene: Scene) -> str:
     parts = [words.plain(scene.map)]
     parts += words.map_faults(scene.map_state) if scene.map_state else []
     parts += [words.weather(scene.weather), f"ego at {words.speed(scene.ego.speed)}"]
     return " · ".join(parts)
 
 
-def _players(scene: Scene | None) -> list[Row]:
-    if scene is None:
-        return []
+def _players(scene: Scene) -> list[Row]:
     made = {prop.id: f"made to order: {prop.description}; " for prop in scene.made}
     motions = {motion.id: motion for motion in scene.motions}
     players = [
@@ -351,9 +314,7 @@ def _players(scene: Scene | None) -> list[Row]:
     return sorted(players, key=lambda player: not player["hazard"])
 
 
-def _decision(scene: Scene | None, episode: Episode | None, names: Mapping[str, str]) -> str:
-    if scene is None:
-        return ""
+def _decision(scene: Scene, episode: Episode | None, names: Mapping[str, str]) -> str:
     if scene.is_ordinary:
         return f"The ego must choose at {scene.decision.value:.1f} s, as in the scene."
     target = scene.decision.actor
@@ -368,10 +329,8 @@ def _decision(scene: Scene | None, episode: Episode | None, names: Mapping[str, 
     return f"The ego must choose {when}: at {episode.decision_s:.1f} s."
 
 
-def _facts(episode: Episode | None, names: Mapping[str, str]) -> list[list[str]]:
+def _facts(episode: Episode, names: Mapping[str, str]) -> list[list[str]]:
     """Return the facts about a run that were noted, each with its name."""
-    if episode is None:
-        return []
     facts = {
         "Determinism": ""
         if episode.is_deterministic

@@ -27,8 +27,12 @@ SETTINGS = 56
 _ONE, _HALF, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.0)
 TINT_G, TINT_B = np.float32(0.97), np.float32(0.88)
 """Green and blue of the ego's beams, relative to red."""
+CLOUD_TINT = (np.float32(0.971), np.float32(0.984), _ONE)
+"""Colour of clouds."""
 FARTHEST = np.float32(400.0)
 """Distance beyond which lamps are alike, m."""
+SHADOWS_END = np.float32(78.0)
+"""Distance beyond which only the coarse shadow map is used, m."""
 TINY = np.float32(1.0 / 255.0)
 """One step of a byte as a fraction."""
 
@@ -148,9 +152,8 @@ class RowBuffers(NamedTuple):
     """[width] brightness of a tunnel's interior."""
     gate: F32
     """[width] distance of the portal."""
-    red: F32
-    green: F32
-    blue: F32
+    light: F32
+    """[3, width] red, green and blue."""
     veil: F32
     """[width] fraction of the light that the air lets through."""
     clouds: F32
@@ -161,17 +164,11 @@ class RowBuffers(NamedTuple):
 def postprocess_pixels(plate: Plate, image: U8, first: int, end: int) -> None:
     """Develop rows of a picture, from `first` to before `end`, into `image`, [height, width, 3]."""
     settings, width = plate.settings, plate.depth.shape[1]
-    line = RowBuffers(
-        np.empty(width, np.float32),
-        np.ones(width, np.float32),
-        np.zeros(width, np.float32),
-        np.empty(width, np.float32),
-        np.empty(width, np.float32),
-        np.empty(width, np.float32),
-        np.empty(width, np.float32),
-        np.empty(width, np.float32),
-        np.empty(plate.sheet.shape[1], np.float32),
-    )
+    rows, clouds = np.empty((5, width), np.float32), np.empty(plate.sheet.shape[1], np.float32)
+    light = np.empty((3, width), np.float32)
+    line = RowBuffers(rows[0], rows[1], rows[2], rows[3], light, rows[4], clouds)
+    line.sunny[:] = _ONE
+    line.indoors[:] = _ZERO
     has_portal = settings[HAS_PORTAL] > _ZERO
     for y in range(first, end):
         for x in range(width):
@@ -200,6 +197,24 @@ def postprocess_pixels(plate: Plate, image: U8, first: int, end: int) -> None:
 
 
 @part
+def _near_light(tiles: Any, heights: Any, u: Any, v: Any, z: Any) -> Any:
+    """Return the fraction of sunlight that reaches a point of the shadow map near the camera."""
+    i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
+    if tiles[j >> np.uint64(4), i >> np.uint64(4)] > z:
+        return lit_share(heights, u, v, z)
+    return _ONE
+
+
+@part
+def _far_light(heights: Any, u: Any, v: Any, z: Any) -> Any:
+    """Return the fraction of sunlight that reaches a point by the coarse shadow map."""
+    cells = np.float32(heights.shape[0] - 1)
+    if _ZERO <= u < cells and _ZERO <= v < cells:
+        return lit_share(heights, u, v, z + np.float32(0.3))
+    return _ONE
+
+
+@part
 def _find_shadows(plate: Plate, line: RowBuffers, y: int) -> None:
     """Look up which pixels of a row are in the sun, and how bright those in shadow are."""
     settings, axes, across, dark = plate.settings, plate.axes, plate.across, plate.dark
@@ -208,7 +223,6 @@ def _find_shadows(plate: Plate, line: RowBuffers, y: int) -> None:
     clear, sunny = line.clear, line.sunny
     is_inside = settings[IS_INSIDE] > _ZERO
     cells = np.float32(heights.shape[0] - 1)
-    far_cells = np.float32(far_heights.shape[0] - 1)
     scale = settings[SHADOW_SCALE]
     far_share = settings[FAR_SCALE] / scale
     right_x = (axes[0, 0] - settings[LEAN_X] * axes[0, 2]) * scale
@@ -218,42 +232,33 @@ def _find_shadows(plate: Plate, line: RowBuffers, y: int) -> None:
     step_x = (axes[2, 0] + up * axes[1, 0] - settings[LEAN_X] * rise) * scale
     step_y = (axes[2, 1] + up * axes[1, 1] - settings[LEAN_Y] * rise) * scale
     for x in range(across.shape[0]):
-        sunny[x] = _ZERO
         kind = kinds[y, x]
-        if lit[y, x] == 0 or kind & SHINING:
+        is_sheltered = kind & SHELTERED != 0
+        sunny[x] = _ZERO
+        if lit[y, x] == 0 or kind & SHINING or (is_sheltered and not is_inside):
             continue
-        if kind & SHELTERED and not is_inside:
-            continue
-        sunny[x] = _ONE
         far = depth[y, x]
         z = settings[SHADOW_Z] + far * rise + np.float32(0.03) + far * np.float32(0.001)
         if not kind & GROUND:
             # Objects have faces at all angles and therefore need a larger tolerance.
             slant = _ONE - np.float32(lit[y, x]) * TINY
             z += np.float32(0.05) + np.float32(0.25) * slant
-        aside = step_x + across[x] * right_x
-        along = step_y + across[x] * right_y
+        aside, along = step_x + across[x] * right_x, step_y + across[x] * right_y
         u, v = settings[SHADOW_X] + far * aside, settings[SHADOW_Y] + far * along
         edge = np.minimum(np.minimum(u, cells - u), np.minimum(v, cells - v))
-        share = np.minimum(np.float32(78.0) - far, edge * np.float32(0.25))
+        share = np.minimum(SHADOWS_END - far, edge * np.float32(0.25))
         share = np.minimum(share * np.float32(0.07), _ONE)
         sun = _ONE
         if share > _ZERO:
-            i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
-            if tiles[j >> np.uint64(4), i >> np.uint64(4)] > z:
-                sun = lit_share(heights, u, v, z)
+            sun = _near_light(tiles, heights, u, v, z)
         else:
             share = _ZERO
         if share < _ONE:
             u = settings[FAR_X] + far * aside * far_share
             v = settings[FAR_Y] + far * along * far_share
-            wide = _ONE
-            if _ZERO <= u < far_cells and _ZERO <= v < far_cells:
-                wide = lit_share(far_heights, u, v, z + np.float32(0.3))
+            wide = _far_light(far_heights, u, v, z)
             sun = wide + (sun - wide) * share
-        loss = dark[lit[y, x]]
-        if kind & SHELTERED:
-            loss = _HALF
+        loss = _HALF if is_sheltered else dark[lit[y, x]]
         clear[x] = _ONE - loss * (_ONE - sun)
         sunny[x] = np.minimum(sun * loss * settings[SUN_GAIN], _ONE)
 
@@ -284,14 +289,12 @@ def _find_tunnel(plate: Plate, line: RowBuffers, y: int) -> None:
 @part
 def _add_daylight(plate: Plate, line: RowBuffers) -> None:
     """Start a row with the light of the sun and the sky."""
-    settings, clear, sunny = plate.settings, line.clear, line.sunny
-    red, green, blue = line.red, line.green, line.blue
-    for x in range(clear.shape[0]):
-        part = sunny[x]
-        bright = clear[x]
-        red[x] = (settings[SHADE_R] + (settings[DAY_R] - settings[SHADE_R]) * part) * bright
-        green[x] = (settings[SHADE_G] + (settings[DAY_G] - settings[SHADE_G]) * part) * bright
-        blue[x] = (settings[SHADE_B] + (settings[DAY_B] - settings[SHADE_B]) * part) * bright
+    settings, clear, sunny, light = plate.settings, line.clear, line.sunny, line.light
+    for c in range(3):
+        shade = settings[SHADE_R + c]
+        gain = settings[DAY_R + c] - shade
+        for x in range(clear.shape[0]):
+            light[c, x] = (shade + gain * sunny[x]) * clear[x]
 
 
 @part
@@ -299,16 +302,16 @@ def _add_beams(plate: Plate, line: RowBuffers, y: int) -> None:
     """Add the ego's low beams."""
     settings, axes, spread = plate.settings, plate.axes, plate.spread
     kinds, reach = plate.kinds, plate.reach
-    red, green, blue = line.red, line.green, line.blue
+    light = line.light
     rise = plate.upwards[y] * axes[1, 2] + axes[2, 2]
-    for x in range(red.shape[0]):
+    for x in range(light.shape[1]):
         near = np.minimum(reach[y, x], FARTHEST)
         is_ground = kinds[y, x] & (GROUND | SOFT) == GROUND
         aloft = _ZERO if is_ground else settings[EYE_HEIGHT] + near * rise
         bright = beam(near, aloft, spread[0, x], settings[BEAM])
-        red[x] += bright
-        green[x] += bright * TINT_G
-        blue[x] += bright * TINT_B
+        light[0, x] += bright
+        light[1, x] += bright * TINT_G
+        light[2, x] += bright * TINT_B
 
 
 @part
@@ -316,10 +319,10 @@ def _add_lamps(plate: Plate, line: RowBuffers, y: int) -> None:
     """Add the light of other lamps."""
     settings, axes, across, grid = plate.settings, plate.axes, plate.across, plate.grid
     kinds, reach = plate.kinds, plate.reach
-    red, green, blue = line.red, line.green, line.blue
+    light = line.light
     rise = plate.upwards[y] * axes[1, 2] + axes[2, 2]
     one = np.uint64(1)
-    for x in range(red.shape[0]):
+    for x in range(light.shape[1]):
         near = np.minimum(reach[y, x], FARTHEST)
         u = near * np.float32(1.0 / GRID_CELL)
         v = near * across[x] * np.float32(1.0 / GRID_CELL) + np.float32(GRID_ASIDE / 2)
@@ -342,48 +345,39 @@ def _add_lamps(plate: Plate, line: RowBuffers, y: int) -> None:
                 + grid[i + one, j, k] * w10
                 + grid[i + one, j + one, k] * w11
             )
-            if e == 0:
-                red[x] += bright
-            elif e == 1:
-                green[x] += bright
-            else:
-                blue[x] += bright
+            light[e, x] += bright
 
 
 @part
 def _add_tunnel_lamps(plate: Plate, line: RowBuffers) -> None:
     """Light a tunnel's interior."""
-    settings, indoors = plate.settings, line.indoors
-    red, green, blue = line.red, line.green, line.blue
-    for x in range(red.shape[0]):
-        red[x] = np.maximum(red[x], settings[TUNNEL_R] * indoors[x])
-        green[x] = np.maximum(green[x], settings[TUNNEL_G] * indoors[x])
-        blue[x] = np.maximum(blue[x], settings[TUNNEL_B] * indoors[x])
+    light, indoors = line.light, line.indoors
+    for c in range(3):
+        bright = plate.settings[TUNNEL_R + c]
+        for x in range(indoors.shape[0]):
+            light[c, x] = np.maximum(light[c, x], bright * indoors[x])
 
 
 @part
 def _colour(plate: Plate, line: RowBuffers, y: int) -> None:
     """Multiply the light by the surfaces' colours."""
-    rgb, kinds = plate.rgb, plate.kinds
-    red, green, blue = line.red, line.green, line.blue
-    for x in range(red.shape[0]):
-        # Self-luminous surfaces are as bright by night as by day.
-        shines = kinds[y, x] & SHINING != 0
-        red[x] = np.float32(rgb[0, y, x]) * (np.maximum(red[x], _ONE) if shines else red[x])
-        green[x] = np.float32(rgb[1, y, x]) * (np.maximum(green[x], _ONE) if shines else green[x])
-        blue[x] = np.float32(rgb[2, y, x]) * (np.maximum(blue[x], _ONE) if shines else blue[x])
+    rgb, kinds, light = plate.rgb, plate.kinds, line.light
+    for c in range(3):
+        for x in range(light.shape[1]):
+            # Self-luminous surfaces are as bright by night as by day.
+            shines = kinds[y, x] & SHINING != 0
+            bright = np.maximum(light[c, x], _ONE) if shines else light[c, x]
+            light[c, x] = np.float32(rgb[c, y, x]) * bright
 
 
 @part
 def _wet(plate: Plate, line: RowBuffers, y: int) -> None:
     """Darken wet ground."""
-    settings, kinds = plate.settings, plate.kinds
-    red, green, blue = line.red, line.green, line.blue
-    for x in range(red.shape[0]):
-        if kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND:
-            red[x] *= settings[WET]
-            green[x] *= settings[WET]
-            blue[x] *= settings[WET]
+    kinds, light, left = plate.kinds, line.light, plate.settings[WET]
+    for c in range(3):
+        for x in range(light.shape[1]):
+            if kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND:
+                light[c, x] *= left
 
 
 @part
@@ -416,19 +410,15 @@ def _find_veil(plate: Plate, line: RowBuffers, y: int) -> None:
 def _add_air(plate: Plate, line: RowBuffers, y: int) -> None:
     """Fade everything into the air, which the ego's beams light."""
     settings, kinds, spread = plate.settings, plate.kinds, plate.spread
-    red, green, blue, veil = line.red, line.green, line.blue, line.veil
+    light, veil = line.light, line.veil
     back = settings[HALO] * plate.halo[y]
     is_inside = settings[HAS_PORTAL] > _ZERO and settings[IS_INSIDE] > _ZERO
-    for x in range(red.shape[0]):
-        glow = back * spread[1, x]
-        r, g, b = settings[AIR_R] + glow, settings[AIR_G] + glow, settings[AIR_B] + glow
-        if is_inside and kinds[y, x] & SHELTERED:
-            r = settings[AIR_R] * settings[AIR_INSIDE] + glow
-            g = settings[AIR_G] * settings[AIR_INSIDE] + glow
-            b = settings[AIR_B] * settings[AIR_INSIDE] + glow
-        red[x] = r + (red[x] - r) * veil[x]
-        green[x] = g + (green[x] - g) * veil[x]
-        blue[x] = b + (blue[x] - b) * veil[x]
+    for c in range(3):
+        outside = settings[AIR_R + c]
+        inside = outside * settings[AIR_INSIDE] if is_inside else outside
+        for x in range(veil.shape[0]):
+            air = (inside if kinds[y, x] & SHELTERED else outside) + back * spread[1, x]
+            light[c, x] = air + (light[c, x] - air) * veil[x]
 
 
 @part
@@ -436,9 +426,9 @@ def _add_sky(plate: Plate, line: RowBuffers, y: int) -> None:
     """Paint the sky and its clouds, in part behind silhouettes."""
     settings, spread, sky = plate.settings, plate.spread, plate.sky
     heaven, sheet, clouds = plate.heaven, plate.sheet, line.clouds
-    red, green, blue = line.red, line.green, line.blue
+    light = line.light
     is_sky = False
-    for x in range(red.shape[0]):
+    for x in range(light.shape[1]):
         is_sky |= sky[y, x] > 0
     if not is_sky:
         return
@@ -446,7 +436,7 @@ def _add_sky(plate: Plate, line: RowBuffers, y: int) -> None:
     low, between = np.int64(heaven[y, 3]), heaven[y, 4]
     for x in range(sheet.shape[1]):
         clouds[x] = sheet[low, x] + (sheet[low + 1, x] - sheet[low, x]) * between
-    for x in range(red.shape[0]):
+    for x in range(light.shape[1]):
         if sky[y, x] == 0:
             continue
         turn = spread[2, x]
@@ -457,42 +447,35 @@ def _add_sky(plate: Plate, line: RowBuffers, y: int) -> None:
         share = cloud_share(cloud, settings[CLOUD_EDGE], settings[CLOUD_FLOOR])
         grey = (cloud * np.float32(0.22) + settings[CLOUD_SHADE]) * settings[CLOUD_BRIGHT]
         glow = settings[HALO] * plate.halo[y] * spread[1, x]
-        r = heaven[y, 0] + (grey * np.float32(0.971) - heaven[y, 0]) * share
-        g = heaven[y, 1] + (grey * np.float32(0.984) - heaven[y, 1]) * share
-        b = heaven[y, 2] + (grey - heaven[y, 2]) * share
-        if through < _ONE:
-            air_r, air_g = settings[AIR_R] + glow, settings[AIR_G] + glow
-            air_b = settings[AIR_B] + glow
-            r = air_r + (r - air_r) * through
-            g = air_g + (g - air_g) * through
-            b = air_b + (b - air_b) * through
-        if sky[y, x] == np.uint8(255):
-            red[x], green[x], blue[x] = r, g, b
-        else:
-            part = np.float32(sky[y, x]) * TINY
-            red[x] += (r - red[x]) * part
-            green[x] += (g - green[x]) * part
-            blue[x] += (b - blue[x]) * part
+        behind = np.float32(sky[y, x]) * TINY
+        for c in range(3):
+            tinted = grey * CLOUD_TINT[c]
+            colour = heaven[y, c] + (tinted - heaven[y, c]) * share
+            if through < _ONE:
+                air = settings[AIR_R + c] + glow
+                colour = air + (colour - air) * through
+            if sky[y, x] == np.uint8(255):
+                light[c, x] = colour
+            else:
+                light[c, x] += (colour - light[c, x]) * behind
 
 
 @part
 def _add_grain(plate: Plate, line: RowBuffers, y: int) -> None:
     """Add the noise of a camera in the dark."""
-    red, green, blue = line.red, line.green, line.blue
-    width = red.shape[0]
+    light = line.light
+    width = light.shape[1]
     first = np.uint32(y * width) + np.uint32(plate.settings[NOISE])
     for x in range(width):
         speck = grain(first + np.uint32(x))
-        red[x] += speck
-        green[x] += speck
-        blue[x] += speck
+        for c in range(3):
+            light[c, x] += speck
 
 
 @part
 def _store(line: RowBuffers, image: U8, y: int) -> None:
     """Round a row into the picture."""
-    red, green, blue, top = line.red, line.green, line.blue, np.float32(255.0)
-    for x in range(red.shape[0]):
-        image[y, x, 0] = np.uint8(np.minimum(np.maximum(red[x] + _HALF, _ZERO), top))
-        image[y, x, 1] = np.uint8(np.minimum(np.maximum(green[x] + _HALF, _ZERO), top))
-        image[y, x, 2] = np.uint8(np.minimum(np.maximum(blue[x] + _HALF, _ZERO), top))
+    light, top = line.light, np.float32(255.0)
+    for x in range(light.shape[1]):
+        for c in range(3):
+            image[y, x, c] = np.uint8(np.minimum(np.maximum(light[c, x] + _HALF, _ZERO), top))

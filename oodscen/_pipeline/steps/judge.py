@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, NamedTuple
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context
@@ -45,6 +45,16 @@ from oodscen.prompts._versions import prompt_versions
 from oodscen.protocols import LLM
 from oodscen.study._config import StudyConfig
 
+_VERDICTS = "verdicts.jsonl"
+
+
+class Answerer(NamedTuple):
+    """A model, a person or a reference that is judged."""
+
+    model: LLM
+    threads: int = 1
+    """Number of questions that it may be asked at once."""
+
 
 def evaluate(
     run: Context,
@@ -68,46 +78,33 @@ def evaluate(
     episodes = [episode for episode in episodes if scene_of(episode.scene_id) not in unseen]
     judged_ones = choose_items(episodes, count=run.config.ordinary, seed=run.config.seed)
     scenes = [scene for scene in scenes if scene.id not in unseen]
-    models = _models(run, episodes, scenarios, scenes)
+    answerers = _answerers(run, episodes, scenarios, scenes)
     shown: dict[Protocol, Sequence[Episode]] = {"ours": judged_ones}
     if "paper" in run.config.protocols:
         shown["paper"] = simulate_whole(run, scenes)
-    items = _items(run, models, shown)
+    items = _items(run, answerers, shown)
     is_rear = run.config.rear_view and bool(run.config.vlms)
     rears = simulate_behind(run, judged_ones) if is_rear else {}
     questioner = Questioner(run, scenarios, scenes, episodes, rears)
     truths = _truths(shown, scenarios, scenes, run.config)
 
-    def made_from(name: str) -> str:
-        episode, model, protocol, _ = items[name]
-        answerer = models[model][0]
-        truth = truths[protocol, "" if is_reference(answerer) else episode.scene_id]
-        return digest([truth, answerer.sha256]) if isinstance(answerer, PersonAnswers) else truth
+    def made_from(key: str) -> str:
+        episode, _, model, protocol, _ = items[key]
+        truth = truths[protocol, "" if is_reference(model) else episode.scene_id]
+        return digest([truth, model.sha256]) if isinstance(model, PersonAnswers) else truth
 
-    earlier = run.fitting("verdicts.jsonl", items, made_from)
-    _count_kept(run, models, items, earlier)
-    limits = run.models.limits
+    earlier = run.fitting(_VERDICTS, items, made_from)
+    _count_kept(run, answerers, items, earlier)
 
     def work(todo: Mapping[str, Item]) -> Iterator[Verdict]:
-        def judge(item: Item) -> Verdict:
-            return questioner.verdict(item, models[item.model][0])
+        return _asked(run, questioner, answerers, todo, earlier)
 
-        for turn in ("new", "unasked", "failed"):
-            items = [item for key, item in todo.items() if _turn(earlier.get(key)) == turn]
-            with limits.lenient(math.inf if turn == "failed" else JUDGING):
-                for name, (_, threads) in models.items():
-                    batch = [item for item in items if item.model == name]
-                    found = as_finished(judge, batch, threads=threads, cancel=run.cancel)
-                    for _, verdict in found:
-                        is_kept = verdict.outcome == "unasked" and turn == "failed"
-                        yield Verdict.parse(earlier[verdict.id]) if is_kept else verdict
-
-    rows = run.each("evaluate", "verdicts.jsonl", items, work, made_from=made_from)
+    rows = run.each("evaluate", _VERDICTS, items, work, made_from=made_from)
     kept = [Verdict.parse(row) for row in rows]
-    anew = [questioner.rescored(one, items[one.id], models[items[one.id].model][0]) for one in kept]
+    anew = [questioner.rescored(verdict, items[verdict.id]) for verdict in kept]
     verdicts = [_mark_outdated(verdict) for verdict in judge_aspects(run, anew, scenarios, scenes)]
     if verdicts != kept:
-        run.store.write_lines("verdicts.jsonl", verdicts)
+        run.store.write_lines(_VERDICTS, verdicts)
     board = leaderboard(
         verdicts,
         episodes,
@@ -120,27 +117,45 @@ def evaluate(
     return verdicts
 
 
+def _asked(
+    run: Context,
+    questioner: Questioner,
+    answerers: Mapping[str, Answerer],
+    todo: Mapping[str, Item],
+    earlier: Mapping[str, Mapping[str, Any]],
+) -> Iterator[Verdict]:
+    """Yield the verdicts on items; one that failed in the `earlier` lines keeps its verdict if it is not asked again."""
+    for turn in ("new", "unasked", "failed"):
+        items = [item for key, item in todo.items() if _turn(earlier.get(key)) == turn]
+        with run.models.limits.lenient(math.inf if turn == "failed" else JUDGING):
+            for name, answerer in answerers.items():
+                batch = [item for item in items if item.answerer == name]
+                for _, verdict in as_finished(
+                    questioner.verdict, batch, threads=answerer.threads, cancel=run.cancel
+                ):
+                    is_kept = verdict.outcome == "unasked" and turn == "failed"
+                    yield Verdict.parse(earlier[verdict.id]) if is_kept else verdict
+
+
 def _count_kept(
     run: Context,
-    models: Mapping[str, tuple[LLM, int]],
+    answerers: Mapping[str, Answerer],
     items: Mapping[str, Item],
     earlier: Mapping[str, Mapping[str, Any]],
 ) -> None:
     """Note in the run's ledger how many verdicts of every model that is asked are kept."""
-    counts = Counter(items[key].model for key, line in earlier.items() if not run.is_again(line))
+    counts = Counter(items[key].answerer for key, line in earlier.items() if not run.is_again(line))
     for name in filter(is_asked, run.config.vlms):
-        run.options.ledger.kept[name] = models[name][0].name, counts[name]
+        run.options.ledger.kept[name] = answerers[name].model.name, counts[name]
 
 
 def _items(
-    run: Context,
-    models: Mapping[str, tuple[LLM, int]],
-    shown: Mapping[Protocol, Sequence[Episode]],
+    run: Context, answerers: Mapping[str, Answerer], shown: Mapping[Protocol, Sequence[Episode]]
 ) -> dict[str, Item]:
     """Return what every answerer is asked about, by the id of the verdict."""
     items: dict[str, Item] = {}
     for protocol, episodes in shown.items():
-        for name, (model, _) in models.items():
+        for name, (model, _) in answerers.items():
             if protocol not in _protocols(run, name, model):
                 continue
             is_withheld = name not in run.config.vlms and is_without_pictures(name)
@@ -150,7 +165,7 @@ def _items(
                     continue
                 if not is_reference(model) or (episode.status == "ok" and episode.frames):
                     key = verdict_id(episode.scene_id, called, protocol)
-                    items[key] = Item(episode, name, protocol, is_withheld)
+                    items[key] = Item(episode, name, model, protocol, is_withheld)
     return items
 
 
@@ -196,13 +211,13 @@ def _turn(line: Mapping[str, Any] | None) -> str:
     return "unasked" if line.get("outcome") == "unasked" else "failed"
 
 
-def _models(
+def _answerers(
     run: Context,
     episodes: Sequence[Episode],
     scenarios: Sequence[Scenario],
     scenes: Sequence[Scene],
-) -> dict[str, tuple[LLM, int]]:
-    """Return the models to judge, each with the number of questions it may be asked at once."""
+) -> dict[str, Answerer]:
+    """Return everything that is judged, by the name by which the study asks it."""
     leaves = {one.id: (one.leaf, one.path[-1] if one.path else "") for one in scenarios}
     pictures = {}
     for episode in episodes:
@@ -211,23 +226,21 @@ def _models(
                 pictures[episode.scene_id] = run.store.inside(episode.frames["last"])
     maps = {scene.id: scene.map for scene in scenes}
     maps |= {id_of(name): place for name, place in maps.items() for id_of in (twin_id, demand_id)}
-    models: dict[str, tuple[LLM, int]] = {}
-    for name in NAMED:
-        models[name] = (run.models.get(name), 1)
+    found = {name: Answerer(run.models.get(name)) for name in NAMED}
     for reference in (Blind(episodes, leaves), NoveltyReference(pictures, maps), Oracle()):
-        models[reference.name] = (reference, 1)
+        found[reference.name] = Answerer(reference)
     for name in run.config.vlms:
         model = run.models.get(name)
         if is_reference(model):
-            models[name] = (model, 1)
+            found[name] = Answerer(model)
         else:
-            models[name] = (CircuitBreakerLLM(model), run.models.limits.concurrency)
+            found[name] = Answerer(CircuitBreakerLLM(model), run.models.limits.concurrency)
     for name in run.config.withheld:
-        if name in models and not takes_cases(models[name][0]):
-            models[without_pictures(name)] = models[name]
+        if name in found and not takes_cases(found[name].model):
+            found[without_pictures(name)] = found[name]
     for name in run.config.people:
-        models[person(name)] = (PersonAnswers.load(run.store, name, episodes), 1)
-    return models
+        found[person(name)] = Answerer(PersonAnswers.load(run.store, name, episodes))
+    return found
 
 
 def _protocols(run: Context, name: str, model: LLM) -> tuple[Protocol, ...]:

@@ -33,11 +33,6 @@ def made_for(run: Context) -> dict[tuple[str, ...], Made]:
     }
 
 
-def ids_of(made: Made) -> tuple[str, ...]:
-    """Return the ids of things and motions."""
-    return tuple(one.id for group in made for one in group)
-
-
 def described(made: Made) -> tuple[str, ...]:
     """Return things and motions in words, as a writer sees them."""
     return tuple(

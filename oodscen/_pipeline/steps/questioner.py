@@ -22,10 +22,12 @@ from oodscen.study._frames import frames_of
 
 
 class Item(NamedTuple):
-    """One episode to show to one model."""
+    """One episode to show to one answerer."""
 
     episode: Episode
-    model: str
+    answerer: str
+    """The name by which the study asks it."""
+    model: LLM
     protocol: Protocol
     is_withheld: bool = False
     """True if the model is asked without the pictures."""
@@ -60,9 +62,9 @@ class Questioner:
         maps = {scene.id: scene.map for scene in scenes}
         self._kinds = Kinds.of(scenarios, maps, seed=run.config.seed)
 
-    def verdict(self, item: Item, model: LLM) -> Verdict:
-        """Return an answerer's verdict on an item; a failed one if there is nothing to show."""
-        episode, protocol = item.episode, item.protocol
+    def verdict(self, item: Item) -> Verdict:
+        """Return the answerer's verdict on an item; a failed one if there is nothing to show."""
+        episode, model, protocol = item.episode, item.model, item.protocol
         if episode.status == "failed" or not episode.frames:
             why, kind = f"it did not run: {episode.error}", episode.error_type or ""
             return unjudged_verdict(episode, model, why, kind, protocol, withheld=item.is_withheld)
@@ -97,12 +99,12 @@ class Questioner:
             withheld=item.is_withheld,
         )
 
-    def rescored(self, verdict: Verdict, item: Item, model: LLM) -> Verdict:
+    def rescored(self, verdict: Verdict, item: Item) -> Verdict:
         """Return a stored verdict with its scores computed again, without a question.
 
         References, and people, whose answers the study holds, answer again; a model's answers are those of the verdict.
         """
-        episode, protocol = item.episode, item.protocol
+        episode, model, protocol = item.episode, item.model, item.protocol
         if episode.status == "failed" or not episode.frames:
             return verdict
         key = self._key(episode, protocol)

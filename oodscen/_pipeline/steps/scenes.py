@@ -1,11 +1,13 @@
 """The stages that make scenes and episodes: augment, simulate."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
-from oodscen._pipeline.steps.made import ids_of, made_for
+from oodscen._pipeline.steps.made import made_for
+from oodscen._pipeline.steps.staged import SCENES, STAGED, Line, StagedScenes
 from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
@@ -14,25 +16,18 @@ from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.driving._sight.staging_advice import AdvisingCheck
-from oodscen.errors import DataError, Issue, LLMError
+from oodscen.errors import LLMError
 from oodscen.stages._augment import Augmenter
 from oodscen.study._staging import Staging
 
-SCENES = "scenes.jsonl"
-"""File with one line per scenario, the scene that was run, followed by its ordinary demand."""
 CLAIMS = "claims.jsonl"
 """File of the claims of every text."""
-STAGED = "staged.jsonl"
-"""File with one `Staging` per scenario."""
 RESTAGED = "restaged.jsonl"
 """File of the scenes in which all or none of the actions are safe: how each was re-staged, the scene that was
 run, and failed attempts.
 """
-
 REAR = "episodes.rear.jsonl"
 """File of the runs in which the views to the rear were taken."""
-
-Line = dict[str, Any]
 
 
 def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
@@ -44,125 +39,50 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     Raises:
         DataError: When a line of `scenes.jsonl` is malformed or belongs to no text, or two belong to one text.
     """
-    augmenter = Augmenter(
-        run.llm,
-        run.simulator.catalogue(),
-        check=AdvisingCheck(run.simulator),
-        context=run.config.context,
-        encoder=run.encoder,
-    )
-    staging = made_for(run)
+    catalogue, context = run.simulator.catalogue(), run.config.context
+    augmenter = partial(Augmenter, run.llm, catalogue, context=context, encoder=run.encoder)
+    plain = augmenter(check=AdvisingCheck(run.simulator))
     with_made = {
-        names: Augmenter(
-            run.llm,
-            run.simulator.catalogue(),
-            check=AdvisingCheck(),
-            context=run.config.context,
-            encoder=run.encoder,
-            made=props,
-            motions=motions,
-        )
-        for names, (props, motions) in {ids_of(one): one for one in staging.values()}.items()
+        path: augmenter(check=AdvisingCheck(), made=props, motions=motions)
+        for path, (props, motions) in made_for(run).items()
     }
     by_id = {scenario.id: scenario for scenario in scenarios}
-    before = _staged_scenes(_lines(run))
-    written = _written_scenes(run, by_id, before)
-    claims_by_text = _claims(run, augmenter, scenarios)
+    before = StagedScenes(run.store)
+    written = before.written(by_id)
+    claims_by_text = _claims(run, plain, scenarios)
 
     def made_from(name: str) -> str:
         scenario, claims = by_id[name], claims_by_text[name]
-        if isinstance(claims, LLMError):
-            return digest([scenario.text, scenario.path, None])
-        said = [claim.model_dump(mode="json") for claim in claims]
+        said = None if isinstance(claims, LLMError) else _plain(claims)
         return digest([scenario.text, scenario.path, said])
 
     def work(scenario: Scenario) -> Staging | Line:
         claims = claims_by_text[scenario.id]
-        if isinstance(claims, LLMError):
-            return failed(scenario.id, claims, scenario_id=scenario.id)
         try:
-            needed = ids_of(staging[scenario.path]) if scenario.path in staging else ()
-            scene = with_made.get(needed, augmenter).run(scenario, claims)
-            if run.config.horizon is not None:
-                scene = scene.model_copy(update={"horizon_s": run.config.horizon})
-            return Staging(id=scenario.id, scene=scene)
+            if isinstance(claims, LLMError):
+                raise claims
+            scene = with_made.get(scenario.path, plain).run(scenario, claims)
         except LLMError as error:
             return failed(scenario.id, error, scenario_id=scenario.id)
+        if run.config.horizon is not None:
+            scene = scene.model_copy(update={"horizon_s": run.config.horizon})
+        return Staging(id=scenario.id, scene=scene)
 
     # Remove the scenes of changed texts first; later they would look as if changed by hand.
     fits = run.fitting(STAGED, by_id, made_from)
     kept = {
-        name: scene
-        for name, scene in written.items()
-        if name in fits or _is_by_hand(scene, before.get(name))
+        name: scene for name, scene in written.items() if name in fits or before.is_by_hand(scene)
     }
     if len(kept) < len(written):
         run.store.write_lines(SCENES, kept.values())
     _ask_each(run, "augment", STAGED, scenarios, work, made_from)
-    lines = _lines(run)
-    staged = _staged_scenes(lines)
-    _write_scenes(run, lines, {name: one.ran for name, one in staged.items()} | kept, staged)
-    return [one.scene for one in staged.values()]
+    staged = StagedScenes(run.store)
+    staged.write_scenes(staged.ran | kept)
+    return [one.scene for one in staged.by_id.values()]
 
 
-def _lines(run: Context) -> dict[str, Line]:
-    """Return the lines of `staged.jsonl` by id; the last line of an id wins."""
-    return {line["id"]: line for line in run.store.lines(STAGED)}
-
-
-def _staged_scenes(lines: Mapping[str, Line]) -> dict[str, Staging]:
-    """Return the scenes that could be staged, by id."""
-    return {
-        name: Staging.parse(line, source=f"{STAGED}, {name}")
-        for name, line in lines.items()
-        if line.get("status") != "failed"
-    }
-
-
-def _written_scenes(
-    run: Context, texts: Collection[str], staged: Mapping[str, Staging]
-) -> dict[str, Scene]:
-    """Return the scenes of `scenes.jsonl`, which may have been edited by hand, by id."""
-    found: dict[str, Scene] = {}
-    for number, line in enumerate(run.store.lines(SCENES), start=1):
-        if line.get("status") == "failed":
-            continue
-        source = f"{run.store.path(SCENES)}, line {number}"
-        scene = Scene.parse(line, source=source)
-        if scene.is_ordinary:
-            continue
-        if scene.id not in texts and _is_by_hand(scene, staged.get(scene.id)):
-            fault = (
-                f"there is no text {scene.id!r} in this study; remove the line, and run the scene by itself with "
-                "`oodscen simulate`"
-            )
-            raise DataError(Scene.noun, [Issue("", fault)], source=source)
-        found[scene.id] = scene
-    return found
-
-
-def _is_by_hand(scene: Scene, staging: Staging | None) -> bool:
-    """Return whether a scene of `scenes.jsonl` differs from the staged scene and from the one that was run."""
-    return staging is None or scene not in (staging.scene, staging.run)
-
-
-def _write_scenes(
-    run: Context,
-    lines: Mapping[str, Line],
-    scenes: Mapping[str, Scene],
-    staged: Mapping[str, Staging],
-) -> None:
-    """Write `scenes.jsonl`: every scene with its demand, and a failure line for each that was not staged."""
-    failures = {
-        name: {key: value for key, value in line.items() if key != "made_from"}
-        for name, line in lines.items()
-    }
-    rows: list[Scene | Line] = []
-    for name, failure in failures.items():
-        rows.append(scenes.get(name, failure))
-        demand = staged[name].demand if name in scenes and name in staged else None
-        rows += [demand] if demand is not None else []
-    run.store.write_lines(SCENES, rows)
+def _plain(claims: Iterable[Claim]) -> list[Line]:
+    return [claim.model_dump(mode="json") for claim in claims]
 
 
 def _claims(
@@ -179,7 +99,7 @@ def _claims(
             claims = augmenter.read(scenario)
         except LLMError as error:
             return failed(scenario.id, error)
-        return {"id": scenario.id, "claims": [claim.model_dump(mode="json") for claim in claims]}
+        return {"id": scenario.id, "claims": _plain(claims)}
 
     rows = _ask_each(run, "claims", CLAIMS, scenarios, work, lambda name: digest(texts[name]))
     errors = {
@@ -234,28 +154,19 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
     Returns:
         The scenes as they were run, and the episodes of scenes, twins and demands.
     """
-    lines = _lines(run)
-    staged = _staged_scenes(lines)
+    staged = StagedScenes(run.store)
     episodes = _simulate(run, staged)
-    by_hand = {
-        name: Staging(id=name, made_from=lines[name]["made_from"], scene=scene)
-        for name, scene in _written_scenes(run, lines, staged).items()
-        if _is_by_hand(scene, staged.get(name))
-    }
-    if by_hand:
-        staged |= by_hand
-        staged = {name: staged[name] for name in lines if name in staged}
-        run.store.write_lines(STAGED, [staged.get(name, line) for name, line in lines.items()])
+    if staged.take_edited():
+        staged.save()
         episodes = _simulate(run, staged)
-    run.store.write_lines(STAGED, [staged.get(name, line) for name, line in lines.items()])
-    restagings = [staged[name].restaging() for name in sorted(staged)]
+    staged.save()
+    restagings = [staged.by_id[name].restaging() for name in sorted(staged.by_id)]
     run.store.write_lines(RESTAGED, filter(None, restagings))
-    ran = {name: one.ran for name, one in staged.items()}
-    _write_scenes(run, lines, ran, staged)
-    return list(ran.values()), episodes
+    staged.write_scenes(staged.ran)
+    return list(staged.ran.values()), episodes
 
 
-def _simulate(run: Context, staged: dict[str, Staging]) -> list[Episode]:
+def _simulate(run: Context, staged: StagedScenes) -> list[Episode]:
     """Run the scenes that lack an episode, each with its ordinary drives; update `staged` with the outcomes."""
     job = Job(
         run.config.simulator,
@@ -269,42 +180,36 @@ def _simulate(run: Context, staged: dict[str, Staging]) -> list[Episode]:
         claims=_claims_of(run.store.lines(CLAIMS)),
         reaction=run.config.reaction,
     )
-    made_from = {name: one.ran.digest() for name, one in staged.items()}
+    made_from = {name: scene.digest() for name, scene in staged.ran.items()}
 
     def work(todo: Mapping[str, str]) -> Iterator[Episode]:
-        wanted = [staged[name].scene for name in dict.fromkeys(todo.values())]
+        wanted = [staged.by_id[name].scene for name in dict.fromkeys(todo.values())]
         for result in sweep(
             job, wanted, workers=run.options.workers, executor=run.options.executor
         ):
             name = result.episode.id
-            if name in staged:
+            if name in staged.by_id:
                 tried = tuple(attempt._asdict() for attempt in result.tried)
-                staged[name] = staged[name].after(result.episode.restaged, result.restaged, tried)
-                made_from[name] = staged[name].ran.digest()
-                run.store.append(STAGED, staged[name])
+                one = staged.by_id[name].after(result.episode.restaged, result.restaged, tried)
+                made_from[name] = one.ran.digest()
+                staged.put(one)
             elif result.demand is not None:
-                owner = scene_of(name)
-                staged[owner] = staged[owner].demanding(result.demand)
-                run.store.append(STAGED, staged[owner])
+                staged.put(staged.by_id[scene_of(name)].demanding(result.demand))
             result.save(run.store)
             yield result.episode
 
-    def items(name: str) -> tuple[str, ...]:
-        demands = (demand_id(name),) if run.config.demands else ()
-        return (name, twin_id(name), *demands)
-
-    def is_whole(line: Mapping[str, Any]) -> bool:
-        return staged[scene_of(line["id"])].how is not None and _has_files(run, line)
-
-    found = run.each(
+    ids_of = (str, twin_id, demand_id) if run.config.demands else (str, twin_id)
+    rows = run.each(
         "simulate",
         "episodes.jsonl",
-        {item: name for name in staged for item in items(name)},
+        {id_of(name): name for name in staged.by_id for id_of in ids_of},
         work,
         made_from=lambda item: made_from[scene_of(item)],
-        is_whole=is_whole,
+        is_whole=lambda line: (
+            staged.by_id[scene_of(line["id"])].how is not None and _has_files(run, line)
+        ),
     )
-    return [Episode.parse(row) for row in found]
+    return [Episode.parse(row) for row in rows]
 
 
 def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:

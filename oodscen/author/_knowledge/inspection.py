@@ -4,7 +4,7 @@
 that must tell them apart, and with the catalogues that must show them.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import combinations
@@ -13,7 +13,7 @@ from pathlib import Path
 from oodscen._arguments import checked
 from oodscen.author._feasibility import NO_RECIPE, realise
 from oodscen.author._knowledge.base import HazardKind, Knowledge
-from oodscen.author._knowledge.loading import gather, load_knowledge, own_files
+from oodscen.author._knowledge.loading import KnowledgeFiles, gather, load_knowledge, own_files
 from oodscen.author._knowledge.validation import validate_knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._reading.stemming import stems
@@ -62,70 +62,41 @@ def inspect_knowledge(
             that has everything the hazard needs and the files of its maps.
     """
     faults = validate_knowledge(path)
+    nothing = Inspection(tuple(faults), (), 0, 0, 0, {})
     if any(not issue.path for issue in faults):  # a file could not be read at all
-        return Inspection(tuple(faults), (), 0, 0, 0, {})
+        return nothing
     shelf, knowledge = gather(path, salvaged=True)
     if knowledge is None:
-        return Inspection(tuple(faults), (), 0, 0, 0, {})
-    names = None if path is None else own_files(Path(path))
-    chosen = {
-        hazard.id: where
-        for where, hazard in shelf.hazards
-        if names is None or where.split(":", 1)[0] in names
-    }
-    hazards = [hazard for hazard in knowledge.hazards if hazard.id in chosen]
-    if path is not None:
-        faults = [issue for issue in faults if issue.path.split(":", 1)[0] in (names or ())]
+        return nothing
+    own = None if path is None else own_files(Path(path))
 
-    def at(hazard: HazardKind, issues: Iterable[Issue]) -> list[Issue]:
-        where = chosen[hazard.id]
-        found = (Issue(f"{where}: {issue.path}", issue.message) for issue in issues)
-        return [issue for issue in found if not shelf.is_broken(issue)]
+    def is_own(where: str) -> bool:
+        return own is None or where.split(":", 1)[0] in own
 
-    recogniser = Recogniser(knowledge)
-    shared = _shared_words(knowledge)
-    notes: list[Issue] = []
+    places = {hazard.id: where for where, hazard in shelf.hazards if is_own(where)}
+    hazards = [hazard for hazard in knowledge.hazards if hazard.id in places]
+    whole = [hazard for hazard in hazards if places[hazard.id] not in shelf.salvaged]
+    found = _Findings(shelf, places, [issue for issue in faults if is_own(issue.path)])
+    recogniser, owners = Recogniser(knowledge), _owners(knowledge)
     for hazard in hazards:
-        faults += at(hazard, _wording(hazard, recogniser))
-        notes += at(hazard, _blurred(hazard, shared))
-    offered = {name: CatalogueDigest.of(one) for name, one in (catalogues or {}).items()}
-    unmet: dict[str, list[str]] = {}
-    for hazard in hazards:
-        faults += at(hazard, _misspelt(hazard, offered, knowledge, unmet))
-    notes += [
-        Issue(need, f"no catalogue has it; wanted by {', '.join(sorted(wanting))}")
-        for need, wanting in sorted(unmet.items())
-    ]
-    notes += [
-        Issue(name, "has no category: add it to [[things]]")
-        for name in _uncategorised(hazards, knowledge)
-    ]
-    author = _StagingLLM(Stager(knowledge, recogniser))
+        found.add(hazard, _wording(hazard, recogniser))
+        found.notes += found.at(hazard, _blurred(hazard, owners))
+    catalogues = catalogues or {}
+    offered = {name: CatalogueDigest.of(one) for name, one in catalogues.items()}
+    _check_needs(found, hazards, list(offered.values()), knowledge)
     recipes = [hazard for hazard in hazards if hazard.stage is not None]
-    shown = {}
-    untried = {hazard.id for hazard in recipes}
-    is_first = True
-    for name, digest in offered.items():
-        able = [hazard for hazard in recipes if not realise(hazard, digest, knowledge).missing]
-        shown[name] = len(able)
-        stage = Augmenter(author, (catalogues or {})[name], claims=False)
-        if not any(road.file for road in stage.catalogue.maps):
-            continue
-        for hazard in recipes if is_first else ():
-            faults += at(hazard, _unfit(hazard, stage.catalogue))
-        is_first = False
-        for hazard in able:
-            if hazard.id in untried:
-                untried.remove(hazard.id)
-                faults += at(hazard, _unstaged(hazard, stage, name))
-    whole = [hazard for hazard in hazards if chosen[hazard.id] not in shelf.salvaged]
+    able = {
+        name: [one for one in recipes if not realise(one, digest, knowledge).missing]
+        for name, digest in offered.items()
+    }
+    _check_staging(found, recipes, able, catalogues, _StagingLLM(Stager(knowledge, recogniser)))
     return Inspection(
-        faults=tuple(faults),
-        notes=tuple(notes),
+        faults=tuple(found.faults),
+        notes=tuple(found.notes),
         hazards=len(whole),
         families=len({hazard.family for hazard in whole}),
         recipes=sum(hazard.stage is not None for hazard in whole),
-        shown=shown,
+        shown={name: len(hazards) for name, hazards in able.items()},
     )
 
 
@@ -135,6 +106,27 @@ def showable_kinds(catalogue: Catalogue) -> tuple[int, int]:
     known = [hazard for hazard in knowledge.hazards if hazard.stage is not None]
     found = [realise(hazard, digest, knowledge) for hazard in known]
     return sum(not one.missing and not one.substitutes for one in found), len(known)
+
+
+class _Findings:
+    """Faults and notes, each with file, line and hazard; none about parts of an entry that could not be read."""
+
+    def __init__(
+        self, shelf: KnowledgeFiles, places: Mapping[str, str], faults: list[Issue]
+    ) -> None:
+        self.faults = faults
+        self.notes: list[Issue] = []
+        self._shelf, self._places = shelf, places
+
+    def at(self, hazard: HazardKind, issues: Iterable[Issue]) -> list[Issue]:
+        """Return issues with the place of their hazard."""
+        where = self._places[hazard.id]
+        found = (Issue(f"{where}: {issue.path}", issue.message) for issue in issues)
+        return [issue for issue in found if not self._shelf.is_broken(issue)]
+
+    def add(self, hazard: HazardKind, issues: Iterable[Issue]) -> None:
+        """Record the faults of a hazard."""
+        self.faults += self.at(hazard, issues)
 
 
 class _StagingLLM:
@@ -176,7 +168,7 @@ def _wording(hazard: HazardKind, recogniser: Recogniser) -> Iterator[Issue]:
         yield Issue("ordinary", "say in a clause what the ordinary counterpart is")
 
 
-def _shared_words(knowledge: Knowledge) -> dict[str, set[str]]:
+def _owners(knowledge: Knowledge) -> dict[str, set[str]]:
     """Return the ids of the hazards with each distinctive word, by its stem."""
     owners: dict[str, set[str]] = {}
     for hazard in knowledge.hazards:
@@ -193,47 +185,72 @@ def _blurred(hazard: HazardKind, owners: Mapping[str, set[str]]) -> Iterator[Iss
         yield Issue("words", f"none is its own; shared with {others}")
 
 
-def _misspelt(
-    hazard: HazardKind,
-    offered: Mapping[str, CatalogueDigest],
+def _check_needs(
+    found: _Findings,
+    hazards: Sequence[HazardKind],
+    offered: Sequence[CatalogueDigest],
     knowledge: Knowledge,
-    unmet: dict[str, list[str]],
-) -> Iterator[Issue]:
-    """Yield needs that no catalogue meets; they are faults if a similar name exists."""
-    lacks = [set(realise(hazard, digest, knowledge).missing) for digest in offered.values()]
-    if not lacks:
-        return
+) -> None:
+    """Find needs that no catalogue meets, which are faults if a similar name exists, and things without a category."""
     known = {
-        "asset": {name for d in offered.values() for a in d.assets for name in (a.id, *a.names)},
-        "behaviour": {b.id for d in offered.values() for b in d.behaviours},
-        "map": {trait for d in offered.values() for road in d.maps for trait in road.features},
+        "asset": {name for d in offered for a in d.assets for name in (a.id, *a.names)},
+        "behaviour": {kind.id for d in offered for kind in d.behaviours},
+        "map": {trait for d in offered for road in d.maps for trait in road.features},
     }
-    used = hazard.stage.behaviours if hazard.stage else ()
-    for addition in sorted(set.intersection(*lacks) - {NO_RECIPE}, key=lambda one: one.words):
-        matches = get_close_matches(addition.name, sorted(known.get(addition.kind, ())), 2, _TYPO)
-        own = knowledge.category(addition.name) is not None
-        if matches and not own and addition.kind in ("asset", "behaviour"):
-            yield Issue("needs", f"{addition.words}: did you mean {' or '.join(matches)}?")
-        elif addition.kind == "behaviour" and addition.name in used:
-            yield Issue("stage.actors", f"{addition.words}: no catalogue has it to stage this with")
-        else:
-            unmet.setdefault(addition.words, []).append(hazard.id)
+    unmet: dict[str, list[str]] = {}
+    for hazard in hazards:
+        lacks = [set(realise(hazard, digest, knowledge).missing) for digest in offered]
+        lacked = set.intersection(*lacks) - {NO_RECIPE} if lacks else set()
+        used = hazard.stage.behaviours if hazard.stage else ()
+        for need in sorted(lacked, key=lambda one: one.words):
+            names = sorted(known.get(need.kind, ()))
+            matches = get_close_matches(need.name, names, 2, _TYPO)
+            is_own = knowledge.category(need.name) is not None
+            if matches and not is_own and need.kind in ("asset", "behaviour"):
+                fault = f"{need.words}: did you mean {' or '.join(matches)}?"
+                found.add(hazard, [Issue("needs", fault)])
+            elif need.kind == "behaviour" and need.name in used:
+                fault = f"{need.words}: no catalogue has it to stage this with"
+                found.add(hazard, [Issue("stage.actors", fault)])
+            else:
+                unmet.setdefault(need.words, []).append(hazard.id)
+    for words, wanting in sorted(unmet.items()):
+        message = f"no catalogue has it; wanted by {', '.join(sorted(wanting))}"
+        found.notes.append(Issue(words, message))
+    for name in _uncategorised(hazards, knowledge):
+        found.notes.append(Issue(name, "has no category: add it to [[things]]"))
 
 
 def _uncategorised(hazards: Iterable[HazardKind], knowledge: Knowledge) -> list[str]:
     """Return the things that hazards need but that have no category."""
+    recipes = [hazard.stage for hazard in hazards if hazard.stage]
     named = {name for hazard in hazards for name in hazard.needs.assets}
-    for hazard in hazards:
-        for actor in hazard.stage.actors if hazard.stage else ():
-            named.update(actor.asset)
+    named |= {name for recipe in recipes for actor in recipe.actors for name in actor.asset}
     return sorted(name for name in named if knowledge.category(name) is None)
 
 
-def _unfit(hazard: HazardKind, catalogue: Catalogue) -> Iterator[Issue]:
-    """Yield states, parameters and behaviours of a recipe that its assets do not have.
+def _check_staging(
+    found: _Findings,
+    recipes: Sequence[HazardKind],
+    able: Mapping[str, Sequence[HazardKind]],
+    catalogues: Mapping[str, Catalogue],
+    author: _StagingLLM,
+) -> None:
+    """Compare the recipes with the first catalogue that has map files, and try each once where it is `able` to show it."""
+    trying = [name for name, one in catalogues.items() if any(road.file for road in one.maps)]
+    tried: set[str] = set()
+    for number, name in enumerate(trying):
+        stage = Augmenter(author, catalogues[name], claims=False)
+        for hazard in recipes if number == 0 else ():
+            found.add(hazard, _unfit(hazard, stage.catalogue))
+        for hazard in able[name]:
+            if hazard.id not in tried:
+                tried.add(hazard.id)
+                found.add(hazard, _unstaged(hazard, stage, name))
 
-    Staging ignores such entries silently, so this check is the only one to report them.
-    """
+
+def _unfit(hazard: HazardKind, catalogue: Catalogue) -> Iterator[Issue]:
+    """Yield states, parameters and behaviours of a recipe that its assets do not have, which staging ignores."""
     digest = CatalogueDigest.of(catalogue)
     kinds = {kind.id: kind for kind in catalogue.behaviours}
     for index, actor in enumerate(hazard.stage.actors if hazard.stage else ()):

@@ -1,123 +1,25 @@
 """Placement of a recipe's actors on the road, each with its ordinary counterpart."""
 
-import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numpy as np
-
-from oodscen.author._knowledge.base import (
-    Counterpart,
-    Drawn,
-    Range,
-    Recipe,
-    RecipeActor,
-    RecipeTrigger,
-    TrafficActor,
-)
+from oodscen.author._knowledge.base import Drawn, RecipeActor, RecipeTrigger, TrafficActor
 from oodscen.author._staging.anchors import marks
 from oodscen.author._staging.decision_timing import decisive
+from oodscen.author._staging.layout import Cast, Layout
 from oodscen.claims._things import Thing
 from oodscen.data._catalogue import LANDMARKS
 from oodscen.data._details import Details
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
-from oodscen.driving._motion.behaviour_row import Course
-from oodscen.driving._motion.behaviours import BUILT_IN
-from oodscen.prompts._digest import AssetLine, CatalogueDigest, MapLine
+from oodscen.prompts._digest import CatalogueDigest
 
 _SLOWED = frozenset({"vehicle", "cyclist"})
 """Categories whose speeds decrease with the road's speed limit."""
-_DIRECTIONS: Mapping[Course, float] = {"lane": 1.0, "against": -1.0}
-"""Directions of courses along the road; oncoming lanes are ignored."""
-_EYE, _FOCAL = 1.4, 554.0
-"""Height of the dash camera, m, and its focal length, pixels."""
-_FARTHEST = 150.0
+_LIMITS = re.compile(r"(\w+) (-?[\d.e+]+?)\.\.(-?[\d.e+]+) ")
+"""Name, minimum and maximum of a parameter in a line of the digest."""
+_FARTHEST_M = 150.0
 """Largest lateral starting distance of crossing traffic, m."""
-
-
-@dataclass
-class SceneDraftState:
-    """The state of a scene while its actors are placed."""
-
-    digest: CatalogueDigest
-    road: MapLine
-    recipe: Recipe
-    rng: np.random.Generator
-    speed: float
-    """Speed of the ego, m/s."""
-    slowed: float
-    """Factor on the speed of other vehicles if the road's limit slows the ego down."""
-    ego_lane: int
-    is_followed: bool = False
-    """True if a vehicle drives close behind the ego."""
-    escape: int = 0
-    """Direction of the lane change if nothing else helps: 1 left, -1 right; 0 otherwise."""
-    named: tuple[Thing, ...] = ()
-    """Things that the text names; an actor with several possible assets becomes one of these."""
-    placed: dict[str, Actor] = field(default_factory=dict)
-    """The actors placed so far, by id in the recipe; for a row, its first actor."""
-
-    def draw(self, limits: Range) -> float:
-        """Draw a value from a range."""
-        return round(float(self.rng.uniform(*limits)), 2)
-
-    def choose(self, options: tuple[str, ...], named: tuple[Thing, ...] | None = None) -> str:
-        """Choose an asset that the simulator offers and the text may mean, by default by the things of the scene."""
-        offered = {asset.id: asset for asset in self.digest.assets}
-        fitting = [option for option in options if option in offered] or list(options)
-        fitting = _meant(fitting, offered, self.named if named is None else named)
-        return fitting[int(self.rng.integers(len(fitting)))]
-
-    def reach(self, actor: RecipeActor) -> float:
-        """Return the largest half extent along the road of the assets that an actor may be, m."""
-        heading = math.radians(0.5 * sum(actor.heading_deg))
-        extents = [
-            0.5 * (abs(math.cos(heading)) * one.length_m + abs(math.sin(heading)) * one.width_m)
-            for one in self.digest.assets
-            if one.id in actor.asset
-        ]
-        return max(extents, default=0.0)
-
-    def along(self, actor: RecipeActor) -> float:
-        """Return an actor's mean speed along the ego's road, m/s; negative towards the ego."""
-        limits = actor.parameters.get("speed", (0.0, 0.0))
-        speed = self.speed if limits == "ego" else 0.5 * sum(limits)
-        course = BUILT_IN[actor.behaviour].course if actor.behaviour in BUILT_IN else ""
-        if course == "heading":
-            return speed * math.cos(math.radians(0.5 * sum(actor.heading_deg)))
-        return speed * _DIRECTIONS.get(course, 0.0)
-
-    def pixels(self, actor: RecipeActor, away: float) -> float:
-        """Return the smallest area that an actor some metres away may cover in the dash camera's image, square pixels."""
-        heading = math.radians(0.5 * sum(actor.heading_deg))
-        cosine, sine = abs(math.cos(heading)), abs(math.sin(heading))
-        areas = []
-        for one in self.digest.assets:
-            if one.id in actor.asset:
-                across = cosine * one.width_m + sine * one.length_m
-                along = cosine * one.length_m + sine * one.width_m
-                standing = one.height_m + _EYE * along / away
-                areas.append(across * standing * (_FOCAL / away) ** 2)
-        return min(areas, default=math.inf)
-
-
-def _meant(
-    options: list[str], assets: Mapping[str, AssetLine], named: tuple[Thing, ...]
-) -> list[str]:
-    """Return the assets that a text names; all of them if it names none or all."""
-    if len(options) < 2:
-        return options
-    chosen = [
-        [option for option in options if option in assets and thing.fits(assets[option])]
-        for thing in named
-    ]
-    exact = [found for found in chosen if 0 < len(set(found)) < len(set(options))]
-    if not exact:
-        return options
-    common = [option for option in options if all(option in found for found in exact)]
-    return common or [option for option in options if any(option in found for found in exact)]
 
 
 class _AnchorSpot(NamedTuple):
@@ -129,34 +31,48 @@ class _AnchorSpot(NamedTuple):
     offset: float
 
 
-def cast(
-    part: RecipeActor, scene: SceneDraftState, shift: float
-) -> list[tuple[Actor, Actor | None]]:
-    """Draw an actor, or a row of them, each with its ordinary counterpart; the first is recorded in `placed`.
+def cast_all(layout: Layout) -> Cast:
+    """Place the actors of the recipe."""
+    actors: list[Actor] = []
+    unusual: dict[str, Actor | None] = {}
+    first: dict[str, Actor] = {}
+    for part in layout.recipe.actors:
+        row = _row(part, layout, first)
+        first.setdefault(part.id, row[0][0])
+        actors += [actor for actor, _ in row]
+        if part.hazard:
+            unusual.update((actor.id, counterpart) for actor, counterpart in row)
+    return Cast(actors, unusual)
 
-    Actors that are measured from the ego's start are shifted along the road, m.
+
+def _row(
+    part: RecipeActor, layout: Layout, placed: Mapping[str, Actor]
+) -> list[tuple[Actor, Actor | None]]:
+    """Draw an actor, or a row of them, each with its ordinary counterpart.
+
+    `placed` holds the actors from which it may be measured, by id in the recipe; of a row, the first.
     """
-    first = _ahead(part, scene, shift)
-    aside, asset = scene.draw(part.offset), scene.choose(part.asset)
-    lane = 0 if part.at in scene.placed else _lane(part.lane, scene)
+    first = _ahead(part, layout)
+    aside, asset = layout.draw(part.offset), layout.choose(part.asset)
+    lane = 0 if part.at in placed else _lane(part.lane, layout)
     drawn = []
-    spots = [spot for spot in _spots(part, scene) for _ in part.names]
+    spots = [spot for spot in _spots(part, layout, placed) for _ in part.names]
     for number, (name, spot) in enumerate(zip(_names(part, len(spots)), spots, strict=True)):
         behaviour = Behaviour(
             name=part.behaviour,
-            trigger=_trigger(part.trigger, scene),
-            parameters=_parameters(part.behaviour, part.parameters, scene, asset),
+            trigger=_trigger(part.trigger, layout),
+            parameters=_parameters(part.behaviour, part.parameters, layout, asset),
             other=part.other,
         )
-        heading = scene.draw(part.heading_deg)
+        heading = layout.draw(part.heading_deg)
         row = number if part.count > 1 else 0
         ahead = spot.ahead + first + row * part.spread_ahead
         offset = spot.offset + aside + row * part.spread_offset
         if part.meets is not None:
-            offset = _away(scene, ahead, heading, behaviour, scene.draw(part.meets))
+            offset = _away(layout, ahead, heading, behaviour, layout.draw(part.meets))
         actor = Actor(
             id=name,
-            asset=asset if part.count == 1 else scene.choose(part.asset),
+            asset=asset if part.count == 1 else layout.choose(part.asset),
             placement=Placement(
                 ahead_m=round(ahead, 2),
                 lane=spot.lane + lane,
@@ -164,13 +80,10 @@ def cast(
                 heading_deg=heading,
             ),
             behaviour=behaviour,
-            state=_state(asset, part.state, scene.digest),
-            details=_details(part.details, scene.digest),
+            state=_state(asset, part.state, layout),
+            details=_details(part.details, layout.digest),
         )
-        scene.placed.setdefault(part.id, actor)
-        ordinary = part.ordinary
-        counterpart = None if ordinary == "remove" else _ordinary(actor, ordinary, scene, part)
-        drawn.append((actor, counterpart))
+        drawn.append((actor, _ordinary(actor, part, layout)))
     return drawn
 
 
@@ -180,78 +93,76 @@ def _names(part: RecipeActor, count: int) -> tuple[str, ...]:
     return tuple(f"{part.id}-{number}" for number in range(1, count + 1))
 
 
-def _ahead(part: RecipeActor, scene: SceneDraftState, shift: float) -> float:
-    """Draw the distance of an actor ahead of its anchor; a shift narrows the range."""
+def _ahead(part: RecipeActor, layout: Layout) -> float:
+    """Draw the distance of an actor ahead of its anchor; a displacement narrows the range."""
+    if part.at != "start" or not layout.shift_m:
+        return layout.draw(part.ahead)
     low, high = part.ahead
-    if part.at != "start" or not shift:
-        return scene.draw((low, high))
     middle = 0.5 * (low + high)
-    share = 0.0 if decisive(scene.recipe) is part else 0.25
-    reach = share * (high - low)
-    return scene.draw((middle - reach, middle + reach)) + shift
+    reach = 0.0 if decisive(layout.recipe) is part else 0.25 * (high - low)
+    return layout.draw((middle - reach, middle + reach)) + layout.shift_m
 
 
-def _spots(part: RecipeActor, scene: SceneDraftState) -> Iterator[_AnchorSpot]:
+def _spots(part: RecipeActor, layout: Layout, placed: Mapping[str, Actor]) -> Iterator[_AnchorSpot]:
     if part.at in LANDMARKS:
-        for mark in marks(scene.road, part):
+        for mark in marks(layout.road, part):
             is_light = part.at == "traffic_light"
-            yield _AnchorSpot(mark.ahead_m, -scene.ego_lane if is_light else 0, mark.left_m)
-    elif part.at in scene.placed:
-        place = scene.placed[part.at].placement
+            yield _AnchorSpot(mark.ahead_m, -layout.ego_lane if is_light else 0, mark.left_m)
+    elif part.at in placed:
+        place = placed[part.at].placement
         yield _AnchorSpot(place.ahead_m, place.lane, place.offset_m)
     else:
         yield _AnchorSpot(0.0, 0, 0.0)
 
 
 def _away(
-    scene: SceneDraftState, ahead: float, heading_deg: float, behaviour: Behaviour, late: float
+    layout: Layout, ahead: float, heading_deg: float, behaviour: Behaviour, late: float
 ) -> float:
     """Return the lateral start of traffic that crosses some way ahead, late after the ego, s; m to the left.
 
     A positive heading comes from the right.
     """
-    seconds = max(ahead / scene.speed + late, 0.5)
-    away = min(behaviour.parameters.get("speed", 0.0) * seconds, _FARTHEST)
+    seconds = max(ahead / layout.speed + late, 0.5)
+    away = min(behaviour.parameters.get("speed", 0.0) * seconds, _FARTHEST_M)
     return -away if heading_deg > 0.0 else away
 
 
-def _lane(options: tuple[int, ...], scene: SceneDraftState) -> int:
+def _lane(options: tuple[int, ...], layout: Layout) -> int:
     """Choose one of the lanes that the road has."""
-    lanes = scene.road.lanes + scene.road.oncoming_lanes
-    fitting = [lane for lane in options if 0 <= scene.ego_lane + lane < lanes] or list(options)
-    return fitting[int(scene.rng.integers(len(fitting)))]
+    fitting = [lane for lane in options if layout.has_lane(lane)] or list(options)
+    return fitting[int(layout.rng.integers(len(fitting)))]
 
 
-def _trigger(trigger: RecipeTrigger, scene: SceneDraftState) -> Trigger:
-    return Trigger(kind=trigger.kind, value=scene.draw(trigger.value), actor=trigger.actor)
+def _trigger(trigger: RecipeTrigger, layout: Layout) -> Trigger:
+    return Trigger(kind=trigger.kind, value=layout.draw(trigger.value), actor=trigger.actor)
 
 
-def _ordinary(
-    actor: Actor, change: Counterpart, scene: SceneDraftState, part: RecipeActor
-) -> Actor:
-    """Return the counterpart of an actor in the ordinary twin."""
-    old, behaviour = actor.placement, actor.behaviour
+def _ordinary(actor: Actor, part: RecipeActor, layout: Layout) -> Actor | None:
+    """Return the counterpart of an actor in the ordinary twin; `None` for plain removal."""
+    if part.ordinary == "remove":
+        return None
+    change, old, behaviour = part.ordinary, actor.placement, actor.behaviour
     name = change.behaviour or behaviour.name
     trigger = behaviour.trigger if name == behaviour.name else Trigger()
     if change.trigger is not None:
-        trigger = _trigger(change.trigger, scene)
-    asset = scene.choose(change.asset) if change.asset else actor.asset
+        trigger = _trigger(change.trigger, layout)
+    asset = layout.choose(change.asset) if change.asset else actor.asset
     drawn: dict[str, Drawn] = {key: (one, one) for key, one in behaviour.parameters.items()}
-    parameters = _parameters(name, drawn, scene)
-    parameters.update(_parameters(name, change.parameters or {}, scene, asset))
+    parameters = _parameters(name, drawn, layout)
+    parameters.update(_parameters(name, change.parameters or {}, layout, asset))
     state = actor.state if change.state is None else change.state
-    offset = old.offset_m if change.offset is None else scene.draw(change.offset)
+    offset = old.offset_m if change.offset is None else layout.draw(change.offset)
     if part.meets is not None:
         offset = abs(offset) if old.offset_m > 0.0 else -abs(offset)
     return Actor(
         id=actor.id,
         asset=asset,
         placement=Placement(
-            ahead_m=old.ahead_m if change.ahead is None else scene.draw(change.ahead),
-            lane=old.lane if change.lane is None else _there(change.lane, scene),
+            ahead_m=old.ahead_m if change.ahead is None else layout.draw(change.ahead),
+            lane=old.lane if change.lane is None else _there(change.lane, layout),
             offset_m=offset,
             heading_deg=(
-                old.heading_deg if change.heading_deg is None else scene.draw(change.heading_deg)
+                old.heading_deg if change.heading_deg is None else layout.draw(change.heading_deg)
             ),
         ),
         behaviour=Behaviour(
@@ -260,47 +171,39 @@ def _ordinary(
             parameters=parameters,
             other=behaviour.other if name == behaviour.name else None,
         ),
-        state=_state(asset, state, scene.digest),
+        state=_state(asset, state, layout),
     )
 
 
-def _there(lane: int, scene: SceneDraftState) -> int:
+def _there(lane: int, layout: Layout) -> int:
     """Return a lane that the road has; if there is none on this side of the ego, one on the other."""
-    lanes = scene.road.lanes + scene.road.oncoming_lanes
-    return lane if 0 <= scene.ego_lane + lane < lanes else -lane
+    return lane if layout.has_lane(lane) else -lane
 
 
 def _parameters(
-    name: str,
-    limits: Mapping[str, Drawn],
-    scene: SceneDraftState,
-    asset: str | None = None,
+    name: str, limits: Mapping[str, Drawn], layout: Layout, asset: str = ""
 ) -> dict[str, float]:
     """Draw the parameters that a behaviour has, within the limits of the catalogue; others are ignored.
 
     The speed of an asset is scaled down if the road's limit slows the ego down.
     """
-    category = next((line.category for line in scene.digest.assets if line.id == asset), "")
-    line = next((b.parameters for b in scene.digest.behaviours if b.id == name), "")
-    allowed = {
-        key: (float(low), float(high))
-        for key, low, high in re.findall(r"(\w+) (-?[\d.e+]+?)\.\.(-?[\d.e+]+) ", line)
-    }
+    is_slowed = asset in layout.assets and layout.assets[asset].category in _SLOWED
+    line = next((b.parameters for b in layout.digest.behaviours if b.id == name), "")
+    allowed = {key: (float(low), float(high)) for key, low, high in _LIMITS.findall(line)}
     drawn = {}
     for key, limit in limits.items():
-        value = scene.draw((scene.speed, scene.speed) if limit == "ego" else limit)
+        value = layout.draw((layout.speed, layout.speed) if limit == "ego" else limit)
         if key not in allowed:
             continue
-        if key == "speed" and limit != "ego" and category in _SLOWED:
-            value = round(value * scene.slowed, 2)
+        if key == "speed" and limit != "ego" and is_slowed:
+            value = round(value * layout.slowed, 2)
         low, high = allowed[key]
         drawn[key] = min(max(value, low), high)
     return drawn
 
 
-def _state(asset: str, state: str, digest: CatalogueDigest) -> str:
-    known = next((line.states for line in digest.assets if line.id == asset), ())
-    return state if state in known else ""
+def _state(asset: str, state: str, layout: Layout) -> str:
+    return state if asset in layout.assets and state in layout.assets[asset].states else ""
 
 
 def _details(wanted: Details | None, digest: CatalogueDigest) -> Details | None:
@@ -311,23 +214,18 @@ def _details(wanted: Details | None, digest: CatalogueDigest) -> Details | None:
     return wanted if is_posed and set(wanted.parts) <= set(digest.parts) else None
 
 
-def named_traffic(
-    part: TrafficActor, scene: SceneDraftState, named: tuple[Thing, ...]
-) -> list[Actor]:
+def named_traffic(part: TrafficActor, layout: Layout, named: tuple[Thing, ...]) -> list[Actor]:
     """Return the ordinary road user that the text mentions, if the road has a lane for it."""
-    left = scene.road.lanes - scene.ego_lane
-    lane = left if part.side == "oncoming" else 1
-    there = scene.road.oncoming_lanes > 0 if part.side == "oncoming" else left > 1
-    if not there:
+    is_oncoming, left = part.side == "oncoming", layout.road.lanes - layout.ego_lane
+    if (layout.road.oncoming_lanes < 1) if is_oncoming else (left < 2):
         return []
     return [
         Actor(
             id=part.id,
-            asset=scene.choose(part.asset, named),
-            placement=Placement(ahead_m=scene.draw(part.ahead), lane=lane),
+            asset=layout.choose(part.asset, named),
+            placement=Placement(ahead_m=layout.draw(part.ahead), lane=left if is_oncoming else 1),
             behaviour=Behaviour(
-                name=part.behaviour,
-                parameters=_parameters(part.behaviour, part.parameters, scene),
+                name=part.behaviour, parameters=_parameters(part.behaviour, part.parameters, layout)
             ),
         )
     ]

@@ -25,16 +25,7 @@ _HALF_LANE_M = 1.9
 _ROOM_M = (0.35, 0.75)
 """Room between the edge of the lane and a thing beside it, m."""
 _WIDE = frozenset(
-    {
-        "fallen_tree",
-        "fallen_pole",
-        "spilled_logs",
-        "spilled_gravel",
-        "flood_water",
-        "overturned_truck",
-        "trailer",
-        "tram",
-    }
+    "fallen_tree fallen_pole spilled_logs spilled_gravel flood_water overturned_truck trailer tram".split()
 )
 """Assets for which there is no room beside the lane."""
 _SPREAD_M = 1.5

@@ -3,13 +3,12 @@
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
-from oodscen.author._knowledge.base import AmbientTraffic, BackgroundTraffic, Recipe
-from oodscen.author._staging.actors import SceneDraftState
+from oodscen.author._knowledge.base import AmbientTraffic
+from oodscen.author._staging.layout import Layout
+from oodscen.author._staging.told import Told
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.driving._motion.behaviours import DRIVES_IN_LANE
-from oodscen.prompts._digest import CatalogueDigest, MapLine
+from oodscen.prompts._digest import CatalogueDigest
 
 _MOST_AHEAD = 280.0
 """Largest distance of background traffic ahead, m."""
@@ -23,6 +22,8 @@ _PACE = (0.86, 0.94)
 """Speed of a vehicle beside the ego relative to the ego's: it passes through the picture while the ego overtakes it."""
 _BUMPERS = 9.0
 """Distance between the centres of a car and a lorry close behind it, m."""
+_LEAST_CLOSING = 0.1
+"""Least speed towards an actor for which the time of the decision is estimated, m/s."""
 
 
 def on_offer(kinds: Sequence[AmbientTraffic], digest: CatalogueDigest) -> list[AmbientTraffic]:
@@ -36,84 +37,75 @@ def on_offer(kinds: Sequence[AmbientTraffic], digest: CatalogueDigest) -> list[A
 
 def company(
     kinds: Sequence[AmbientTraffic],
-    road: MapLine,
-    ego: tuple[int, float],
+    layout: Layout,
     actors: Sequence[Actor],
-    decision: tuple[Trigger, str | None],
-    rng: np.random.Generator,
+    decision_s: float,
     *,
-    free: int = 0,
     is_dense: bool = False,
 ) -> list[Actor]:
-    """Draw the ordinary traffic beside the ego and in the oncoming lane.
+    """Draw the ordinary traffic beside the ego and in the oncoming lane, about where it is at the decision.
 
-    The ego is given by lane, counted from the right, and speed, m/s; the decision by trigger and actor. Lanes that
-    actors use stay free, and so does one side: 1 left, -1 right, 0 neither. In dense traffic every kind that has
-    room appears.
+    Lanes that actors use stay free, and so does the one to which the ego may have to escape. In dense traffic every
+    kind that has room appears.
     """
-    lane, speed = ego
+    lane, road, speed = layout.ego_lane, layout.road, layout.speed
+    is_innermost = lane + 1 == road.lanes
+    has_room = {
+        "left": lane + 1 < road.lanes,
+        "right": lane > 0,
+        "oncoming": is_innermost and road.oncoming_lanes > 0 and "divided" not in road.traits,
+    }
     found: list[Actor] = []
     for kind in kinds:
         if kind.side == "behind":
             continue
-        draws = rng.random(3)
-        pick = kind.asset[int(rng.integers(len(kind.asset)))]
+        chance, pace, place = map(float, layout.rng.random(3))
+        asset = kind.asset[int(layout.rng.integers(len(kind.asset)))]
         side = -1 if kind.side == "right" else 1
-        has_room = {
-            "left": lane + 1 < road.lanes,
-            "right": lane > 0,
-            "oncoming": (
-                lane + 1 == road.lanes and road.oncoming_lanes > 0 and "divided" not in road.traits
-            ),
-        }[kind.side]
-        if (draws[0] >= kind.share and not is_dense) or not has_room or side == free:
+        if (chance >= kind.share and not is_dense) or not has_room[kind.side]:
             continue
-        if any(_takes(actor, side) for actor in actors):
+        if side == layout.escape or any(_takes(actor, side) for actor in actors):
             continue
-        limits = kind.speed
-        if limits == "ego":
-            limits = (_PACE[0] * speed, _PACE[1] * speed)
-        own = min(_between(limits, draws[1]), road.speed_limit)
-        ahead, until = _between(kind.gap, draws[2]), expected_decision_s(decision, actors, speed)
+        limits = (_PACE[0] * speed, _PACE[1] * speed) if kind.speed == "ego" else kind.speed
+        own = min(_between(limits, pace), road.speed_limit)
+        ahead = _between(kind.gap, place)
         if kind.side == "oncoming":
-            ahead += (speed + own) * until
-        elif kind.speed == "ego" and math.isfinite(until):
-            ahead += (speed - own) * until
-        if not 0.0 <= ahead <= _MOST_AHEAD:
-            continue
-        found.append(
-            Actor(
-                id=f"{kind.side}-traffic",
-                asset=pick,
-                placement=Placement(ahead_m=round(ahead, 2), lane=side),
-                behaviour=Behaviour(name="follow_lane", parameters={"speed": round(own, 2)}),
+            ahead += (speed + own) * decision_s
+        elif kind.speed == "ego" and math.isfinite(decision_s):
+            ahead += (speed - own) * decision_s
+        if 0.0 <= ahead <= _MOST_AHEAD:
+            found.append(
+                _driver(f"{kind.side}-traffic", asset, ahead, {"speed": round(own, 2)}, side)
             )
-        )
     return found
 
 
-def is_followed(
-    kinds: Sequence[AmbientTraffic],
-    recipe: Recipe,
-    named: BackgroundTraffic | None,
-    rng: np.random.Generator,
-    *,
-    is_dense: bool = False,
-) -> AmbientTraffic | None:
+def _driver(
+    name: str, asset: str, ahead: float, parameters: dict[str, float], lane: int = 0
+) -> Actor:
+    return Actor(
+        id=name,
+        asset=asset,
+        placement=Placement(ahead_m=round(ahead, 2), lane=lane),
+        behaviour=Behaviour(name="follow_lane", parameters=parameters),
+    )
+
+
+def tailgater(kinds: Sequence[AmbientTraffic], layout: Layout, told: Told) -> AmbientTraffic | None:
     """Return the kind of vehicle close behind the ego, if there is one; exactly one number is drawn in every case.
 
     If the text mentions traffic, no other is added.
     """
-    draw = float(rng.random())
+    draw, company = float(layout.rng.random()), layout.recipe.company
     behind = next((kind for kind in kinds if kind.side == "behind"), None)
-    if behind is None or not recipe.company:
+    if behind is None or not company:
         return None
-    if recipe.company == "follower" or (named is not None and named.key == "follower"):
-        return behind
-    return behind if named is None and (is_dense or draw < behind.share) else None
+    is_needed = company == "follower" or told.is_followed
+    is_added = told.traffic is None and (told.is_dense or draw < behind.share)
+    return behind if is_needed or is_added else None
 
 
-def follower(kind: AmbientTraffic, scene: SceneDraftState, actors: Sequence[Actor]) -> list[Actor]:
+def follower(kind: AmbientTraffic, layout: Layout, actors: Sequence[Actor]) -> list[Actor]:
     """Draw the vehicle close behind the ego, unless another actor is there.
 
     It wants to drive faster than the ego, keeps less than the usual distance and brakes less hard
@@ -122,18 +114,11 @@ def follower(kind: AmbientTraffic, scene: SceneDraftState, actors: Sequence[Acto
     """
     if any(_is_behind(actor) for actor in actors):
         return []
-    asset = scene.choose(kind.asset)
-    parameters = {name: scene.draw(limits) for name, limits in kind.parameters.items()}
-    parameters["speed"] = round(_EAGER * scene.speed, 2)
-    gap = scene.draw(kind.gap) * scene.speed + _BUMPERS
-    return [
-        Actor(
-            id="behind-traffic",
-            asset=asset,
-            placement=Placement(ahead_m=round(-gap, 2)),
-            behaviour=Behaviour(name="follow_lane", parameters=parameters),
-        )
-    ]
+    asset = layout.choose(kind.asset)
+    parameters = {name: layout.draw(limits) for name, limits in kind.parameters.items()}
+    parameters["speed"] = round(_EAGER * layout.speed, 2)
+    gap = layout.draw(kind.gap) * layout.speed + _BUMPERS
+    return [_driver("behind-traffic", asset, -gap, parameters)]
 
 
 def _is_behind(actor: Actor) -> bool:
@@ -142,7 +127,7 @@ def _is_behind(actor: Actor) -> bool:
 
 
 def _between(limits: tuple[float, float], share: float) -> float:
-    return limits[0] + (limits[1] - limits[0]) * float(share)
+    return limits[0] + (limits[1] - limits[0]) * share
 
 
 def _takes(actor: Actor, side: int) -> bool:
@@ -162,18 +147,15 @@ def _takes(actor: Actor, side: int) -> bool:
     )
 
 
-def expected_decision_s(
-    decision: tuple[Trigger, str | None], actors: Sequence[Actor], speed: float
-) -> float:
+def expected_decision_s(decision: Trigger, actors: Sequence[Actor], speed: float) -> float:
     """Estimate the time of the decision, s; infinite if the actor that it waits for is missing."""
-    trigger, name = decision
-    if trigger.kind == "time":
-        return trigger.value
-    actor = next((a for a in actors if a.id == name), None)
+    if decision.kind == "time":
+        return decision.value
+    actor = next((one for one in actors if one.id == decision.actor), None)
     if actor is None:
         return math.inf
-    closing = max(speed - along(actor), 0.1)
-    left = trigger.value * closing if trigger.kind == "ttc" else trigger.value
+    closing = max(speed - along(actor), _LEAST_CLOSING)
+    left = decision.value * closing if decision.kind == "ttc" else decision.value
     return max(0.0, (abs(actor.placement.ahead_m) - left) / closing)
 
 

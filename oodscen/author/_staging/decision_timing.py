@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from oodscen.author._knowledge.base import HazardKind, Recipe, RecipeActor, RoadKind
 from oodscen.author._staging.anchors import ahead_of_start
 
+APPROACH_S = (1.6, 3.0)
+"""Range of times from the start to the decision, s."""
 _COMFORTABLE = 3.5
 """Comfortable braking of most cars, m/s^2."""
 _LANE_CHANGE_S = 2.4
@@ -114,6 +116,7 @@ def approach(hazard: HazardKind, place: RoadKind) -> Approach:
         if actor is not None:
             speed = 0.5 * sum(place.speed)
             decision = room(speed) + spare(recipe)
-            return Approach(place.speed, (decision + 1.6 * speed, decision + 3.0 * speed))
+            soon, late = (decision + seconds * speed for seconds in APPROACH_S)
+            return Approach(place.speed, (soon, late))
     speed = 0.5 * sum(place.speed)
     return Approach(place.speed, (3.5 * speed, 6.0 * speed))

@@ -96,10 +96,7 @@ def _at_the_kerb(actor: RecipeActor, lanes: int) -> RecipeActor:
         if actor.behaviour in _REACHES_FARTHER:
             further = _LANE_WIDTH * lanes
             low, high = _numbers(actor, "distance", 12.0)
-            update["parameters"] = {
-                **actor.parameters,
-                "distance": (low + further, high + further),
-            }
+            update["parameters"] = {**actor.parameters, "distance": (low + further, high + further)}
             seconds = further / (0.5 * sum(_numbers(actor, "speed", 1.4)))
             sooner = {"ttc": seconds, "distance": 10.0 * seconds}.get(actor.trigger.kind, 0.0)
             low, high = actor.trigger.value

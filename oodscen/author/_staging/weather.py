@@ -1,12 +1,12 @@
 """Weather of a scene, drawn from the text, the recipe and the limits of the simulator."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from oodscen.author._knowledge.base import Condition, Knowledge, Range, Recipe
-from oodscen.data._claim import Claim
+from oodscen.author._staging.told import Told
 from oodscen.data._scene import Weather
 from oodscen.prompts._weather_line import WeatherLimits
 
@@ -15,11 +15,10 @@ _DRY = {"precipitation": "none", "precipitation_mm_h": 0.0}
 
 def draw_weather(
     recipe: Recipe,
-    conditions: tuple[Condition, ...],
+    told: Told,
     knowledge: Knowledge,
     limits: WeatherLimits,
     rng: np.random.Generator,
-    said: Sequence[Claim] = (),
 ) -> tuple[Weather, Weather | None]:
     """Return the weather of a scene, and the ordinary weather if the weather is the hazard.
 
@@ -28,17 +27,14 @@ def draw_weather(
     """
     fields: dict[str, Any] = {}
     clear = knowledge.condition_keys.get("clear")
-    layers = [clear.weather] if clear is not None else []
-    layers += [
-        c.weather
-        for c in sorted(conditions, key=lambda c: c.weather.get("sun_elevation_deg", 0) != 0)
-    ]
+    ordered = sorted(told.conditions, key=lambda c: c.weather.get("sun_elevation_deg", 0) != 0)
+    layers = [one.weather for one in (clear, *ordered) if one is not None]
     for layer in (*layers, recipe.weather):
         fields.update(_drawn(layer, rng))
-    dark = [c for c in conditions if _is_dark(c)]
+    dark = [c for c in told.conditions if _is_dark(c)]
     if dark and "sun_elevation_deg" not in recipe.weather:
         fields.update(_drawn({"sun_elevation_deg": dark[0].weather["sun_elevation_deg"]}, rng))
-    _agree(fields, {c.value for c in said if c.kind in ("weather", "time")}, recipe, rng)
+    _agree(fields, {c.value for c in told.claims if c.kind in ("weather", "time")}, recipe, rng)
     weather = _shown(fields, limits)
     if not recipe.ordinary_weather:
         return weather, None

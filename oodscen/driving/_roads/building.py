@@ -6,7 +6,7 @@ from copy import copy
 from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -43,11 +43,13 @@ NEAR_M = 400.0
 _MAX_OTHERS_M = 60_000.0
 """Maximum total length of other roads, m; the nearest are kept."""
 _MAX_FURNITURE = 5_000
+"""Number of signals and painted areas at which no further road's are added."""
 _MAX_STARTS = 200
 """Maximum number of roads on which a start is looked for."""
 _BEFORE_END_M = 20.0
 """Minimum distance between the ego's start and the end of its road in a user's own file, m."""
 _DEFAULT_SPEED_LIMIT = 13.9
+"""Speed limit of a road without one, m/s."""
 _SNAP = 1e-3
 """Distance below which two reference lines count as one, m."""
 _TIGHTEST = 0.1
@@ -180,12 +182,7 @@ def _corridor(data: bytes, road_map: RoadMap) -> Corridor:
 
 @lru_cache(maxsize=32)
 def _sampled_route(
-    data: bytes,
-    road_id: str,
-    start: float,
-    forward: bool,
-    route: tuple[str, ...],
-    source: str,
+    data: bytes, road_id: str, start: float, forward: bool, route: tuple[str, ...], source: str
 ) -> Corridor:
     network = _network(data, source)
 
@@ -255,9 +252,7 @@ def build_route(
 def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) -> Corridor:
     """Sample a chain of legs as one evenly spaced line."""
     tracks = _tracks(legs)
-    begins = [0.0]
-    for track in tracks:
-        begins.append(begins[-1] + track.length)
+    begins = [0.0, *accumulate(track.length for track in tracks)]
     length = begins[-1]
     count = max(2, math.ceil(length / SAMPLE_STEP - 1e-9) + 1)
     along = length * np.arange(count) / (count - 1)

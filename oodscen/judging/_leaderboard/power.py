@@ -1,6 +1,7 @@
 """Sample sizes for telling two success rates apart, and the power of a given number of scenes."""
 
 import math
+from dataclasses import dataclass, fields
 from statistics import NormalDist
 
 from oodscen._arguments import checked
@@ -11,6 +12,8 @@ from oodscen.errors import UsageError
 _NORMAL = NormalDist()
 _LEAST = 1e-9
 """The smallest usable distance of a rate or level from 0 or 1, and of two rates from each other."""
+_ROUNDING = 1e-9
+"""Excess over a whole number of scenes that counts as an error of rounding."""
 
 
 class SampleSize(Data):
@@ -44,17 +47,8 @@ class SampleSize(Data):
 
     def power_of(self, scenes: int) -> float:
         """Return the probability that this many scenes per model show the difference."""
-        return power_of(
-            self.first,
-            self.second,
-            scenes,
-            paired=self.is_paired,
-            agreement=self.agreement,
-            alpha=self.alpha,
-            comparisons=self.comparisons,
-            per_path=self.per_path,
-            icc=self.icc,
-        )
+        known = {field.name: getattr(self, field.name) for field in fields(_Design)}
+        return _Design(**known).power(scenes)
 
     def __str__(self) -> str:
         how = (
@@ -112,30 +106,25 @@ def scenes_needed(
     Raises:
         UsageError: If no number of scenes suffices, or an argument is out of range.
     """
-    _check(first, second, agreement, alpha, comparisons, per_path, icc)
+    design = _Design(first, second, paired, agreement, alpha, comparisons, per_path, icc)
     finite_number("power", power, _LEAST, 1 - _LEAST)
-    discordant = _discordant(first, second, agreement)
-    z_alpha = -_NORMAL.inv_cdf(alpha / comparisons / 2)
+    under_null, under_truth = design.deviations
     z_power = _NORMAL.inv_cdf(power)
-    gap = abs(first - second)
-    under_null, under_truth = _spreads(first, second, paired, discordant)
-    exact = ((z_alpha * under_null + z_power * under_truth) / gap) ** 2
-    independent = math.ceil(exact - 1e-9)
-    effect = 1 + (per_path - 1) * icc
-    paths = math.ceil(exact * effect / per_path - 1e-9)
+    exact = ((design.z_alpha * under_null + z_power * under_truth) / abs(first - second)) ** 2
+    paths = math.ceil(exact * design.effect / per_path - _ROUNDING)
     return SampleSize(
         first=first,
         second=second,
         is_paired=paired,
-        agreement=round(_possible(first, second, agreement), 6) if paired else 0.0,
-        discordant=round(discordant, 6) if paired else 0.0,
+        agreement=round(design.possible_agreement, 6) if paired else 0.0,
+        discordant=round(design.discordant, 6) if paired else 0.0,
         alpha=alpha,
         power=power,
         comparisons=comparisons,
-        independent=independent,
+        independent=math.ceil(exact - _ROUNDING),
         per_path=per_path,
         icc=icc,
-        design_effect=effect,
+        design_effect=design.effect,
         scenes=paths * per_path,
         paths=paths,
     )
@@ -160,58 +149,79 @@ def power_of(
     Raises:
         UsageError: If an argument is out of range.
     """
-    _check(first, second, agreement, alpha, comparisons, per_path, icc)
-    whole_number("scenes", scenes, 1)
-    under_null, under_truth = _spreads(first, second, paired, _discordant(first, second, agreement))
-    effective = scenes / (1 + (per_path - 1) * icc)
-    z_alpha = -_NORMAL.inv_cdf(alpha / comparisons / 2)
-    reach = abs(first - second) * math.sqrt(effective) - z_alpha * under_null
-    return _NORMAL.cdf(reach / under_truth) if under_truth else float(reach > 0)
+    design = _Design(first, second, paired, agreement, alpha, comparisons, per_path, icc)
+    return design.power(scenes)
 
 
-def _spreads(first: float, second: float, paired: bool, discordant: float) -> tuple[float, float]:
-    """Return the standard deviation of one scene's difference under no difference, and as it is."""
-    if paired:
-        return math.sqrt(discordant), math.sqrt(max(discordant - (first - second) ** 2, 0.0))
-    pooled = (first + second) / 2
-    return (
-        math.sqrt(2 * pooled * (1 - pooled)),
-        math.sqrt(first * (1 - first) + second * (1 - second)),
-    )
+@dataclass(frozen=True)
+class _Design:
+    """A comparison of two success rates."""
 
+    first: float
+    second: float
+    is_paired: bool
+    agreement: float
+    alpha: float
+    comparisons: int
+    per_path: int
+    icc: float
 
-def _discordant(first: float, second: float, agreement: float) -> float:
-    """Return the probability that exactly one of two models is right, at a given agreement."""
-    both = first * second + agreement * _spread(first, second)
-    both = min(max(both, first + second - 1, 0.0), first, second)
-    return first + second - 2 * both
+    def __post_init__(self) -> None:
+        rates = (("the first rate", self.first), ("the second rate", self.second))
+        for name, rate in (*rates, ("alpha", self.alpha)):
+            finite_number(name, rate, _LEAST, 1 - _LEAST)
+        if abs(self.first - self.second) < _LEAST:
+            raise UsageError("no number of scenes can tell equal rates apart")
+        finite_number("agreement, a correlation,", self.agreement, -1, 1)
+        finite_number("icc", self.icc, 0, 1)
+        whole_number("comparisons", self.comparisons, 1)
+        whole_number("scenes per path", self.per_path, 1)
 
+    @property
+    def z_alpha(self) -> float:
+        """The normal quantile of the two-sided level, after Holm's first step."""
+        return -_NORMAL.inv_cdf(self.alpha / self.comparisons / 2)
 
-def _possible(first: float, second: float, agreement: float) -> float:
-    """Return the correlation closest to the requested one that two rates allow."""
-    ends = (max(first + second - 1, 0.0), min(first, second))
-    low, high = ((both - first * second) / _spread(first, second) for both in ends)
-    return min(max(agreement, low), high)
+    @property
+    def effect(self) -> float:
+        """Kish's design effect."""
+        return 1 + (self.per_path - 1) * self.icc
 
+    @property
+    def _spread(self) -> float:
+        first, second = self.first, self.second
+        return math.sqrt(first * (1 - first) * second * (1 - second))
 
-def _spread(first: float, second: float) -> float:
-    return math.sqrt(first * (1 - first) * second * (1 - second))
+    @property
+    def discordant(self) -> float:
+        """The probability that exactly one of the models is right."""
+        first, second = self.first, self.second
+        both = first * second + self.agreement * self._spread
+        both = min(max(both, first + second - 1, 0.0), first, second)
+        return first + second - 2 * both
 
+    @property
+    def possible_agreement(self) -> float:
+        """The correlation closest to the requested one that the rates allow."""
+        first, second = self.first, self.second
+        ends = (max(first + second - 1, 0.0), min(first, second))
+        low, high = ((both - first * second) / self._spread for both in ends)
+        return min(max(self.agreement, low), high)
 
-def _check(
-    first: float,
-    second: float,
-    agreement: float,
-    alpha: float,
-    comparisons: int,
-    per_path: int,
-    icc: float,
-) -> None:
-    for name, rate in (("the first rate", first), ("the second rate", second), ("alpha", alpha)):
-        finite_number(name, rate, _LEAST, 1 - _LEAST)
-    if abs(first - second) < _LEAST:
-        raise UsageError("no number of scenes can tell equal rates apart")
-    finite_number("agreement, a correlation,", agreement, -1, 1)
-    finite_number("icc", icc, 0, 1)
-    whole_number("comparisons", comparisons, 1)
-    whole_number("scenes per path", per_path, 1)
+    @property
+    def deviations(self) -> tuple[float, float]:
+        """The standard deviation of one scene's difference under no difference, and as it is."""
+        first, second = self.first, self.second
+        if self.is_paired:
+            discordant = self.discordant
+            return math.sqrt(discordant), math.sqrt(max(discordant - (first - second) ** 2, 0.0))
+        pooled, variance = (first + second) / 2, first * (1 - first) + second * (1 - second)
+        return math.sqrt(2 * pooled * (1 - pooled)), math.sqrt(variance)
+
+    def power(self, scenes: int) -> float:
+        """Return the probability that a number of scenes shows the difference."""
+        whole_number("scenes", scenes, 1)
+        under_null, under_truth = self.deviations
+        root = math.sqrt(scenes / self.effect)
+        reach = abs(self.first - self.second) * root - self.z_alpha * under_null
+        return _NORMAL.cdf(reach / under_truth) if under_truth else float(reach > 0)

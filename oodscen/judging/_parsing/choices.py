@@ -1,7 +1,8 @@
 """Parses the option chosen in an answer: an action, or an answer to the closed question."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from oodscen._arguments import checked
@@ -36,7 +37,7 @@ def read_action(text: str, offered: Sequence[str] = ACTIONS) -> ParsedAnswer[str
     if "" in offered:
         raise UsageError("the id of an action is empty")
     words = {name: _ACTION_WORDS.get(name, re.escape(fold(name))) for name in offered}
-    return _read(text, list(offered), _marking(words), _ACTION, is_numbered=False)
+    return _Reader(list(offered), _marking(words), _ACTION).read(text)
 
 
 def read_choice(text: str, labels: Mapping[str, str]) -> ParsedAnswer[str]:
@@ -45,7 +46,8 @@ def read_choice(text: str, labels: Mapping[str, str]) -> ParsedAnswer[str]:
     `labels` holds the text of every option by id, in the order in which they were offered.
     """
     words = {name: re.escape(fold(tidy(label))) for name, label in labels.items()}
-    return _read(text, list(labels), _marking(words, is_numbered=True), _CHOICE, is_numbered=True)
+    mark = _marking(words, is_numbered=True)
+    return _Reader(list(labels), mark, _CHOICE, is_numbered=True).read(text)
 
 
 def contradiction(reasoning: str, action: str, offered: Sequence[str]) -> str:
@@ -61,47 +63,61 @@ _ASKED = r"(?:answer|choice|decision|option|selection|response|result|output)"
 _ACTION = re.compile(rf"{_FINAL}(?:action|{_ASKED})(?:id|name|taken)?")
 _CHOICE = re.compile(rf"{_FINAL}(?:number|label|{_ASKED})(?:id|number)?")
 _INSIDE = re.compile(r"(?:id|name|value|number|label|option|action|choice|answer)")
+_DEEPEST = 4
+"""Levels of lists and objects in which a choice may be wrapped."""
 
 
-def _read(
-    text: str, names: list[str], mark: Marking, keys: re.Pattern[str], *, is_numbered: bool
-) -> ParsedAnswer[str]:
-    def resolved(value: Any, depth: int = 4) -> int | None:
-        if isinstance(value, list) and len(value) == 1 and depth:
-            return resolved(value[0], depth - 1)
-        if isinstance(value, dict) and depth:
-            held, reasons = unwrap(value, _INSIDE)
-            found = agreed(list(held.values()), depth - 1)
-            return None if found is None or denies(tidy(reasons), found) else found
-        if is_numbered and isinstance(value, (int, float)) and not isinstance(value, bool):
-            return int(value) - 1 if value in range(1, len(names) + 1) else None
-        is_text = isinstance(value, str) and re.match(r"[\s*`\"'(#]*\w", value)
-        return in_prose(tidy(value)) if is_text else None
+@dataclass(frozen=True)
+class _Reader:
+    """Finds the chosen option, as its place among those that were offered."""
 
-    def agreed(values: Sequence[Any], depth: int = 4) -> int | None:
-        found = {resolved(value, depth) for value in values}
-        if len(found) > 1:
-            raise UnusableError(TWO_ANSWERS)
-        return found.pop() if found else None
+    names: Sequence[str]
+    mark: Marking
+    keys: re.Pattern[str]
+    """Matches the members that hold the choice."""
+    is_numbered: bool = False
+    """True if a number, from 1, stands for an option."""
 
-    def in_prose(prose: str) -> int | None:
-        found = None if is_refusal(prose) else stated_option(mark(fold(prose)))
-        return found if found is not None and found < len(names) else None
+    def read(self, text: str) -> ParsedAnswer[str]:
+        """Return the name of the option that an answer chooses."""
+        reading = read(text, Question(self._picked, self._stated, self.keys, self._denies))
+        if reading.value is None:
+            return ParsedAnswer(None, reading.outcome, reading.note)
+        return ParsedAnswer(self.names[reading.value], "answered", reading.note)
 
-    def picked(value: Mapping[str, Any]) -> int | None:
-        held = members(value, keys)
-        found = agreed(held)
+    def _picked(self, value: Mapping[str, Any]) -> int | None:
+        held = members(value, self.keys)
+        found = self._agreed(held, _DEEPEST)
         if held and found is None:
             raise UnusableError(f"{str(held[0])[:80]!r} is no option")
         return found
 
-    def denies(reasons: str, option: int) -> bool:
-        return is_against(mark(fold(reasons)), option)
+    def _agreed(self, values: Iterable[Any], depth: int) -> int | None:
+        """Return the option of all of some values; `None` if they have none."""
+        found = {self._option(value, depth) for value in values}
+        if len(found) > 1:
+            raise UnusableError(TWO_ANSWERS)
+        return found.pop() if found else None
 
-    reading = read(text, Question(picked, in_prose, keys, denies))
-    if reading.value is None:
-        return ParsedAnswer(None, reading.outcome, reading.note)
-    return ParsedAnswer(names[reading.value], "answered", reading.note)
+    def _option(self, value: Any, depth: int) -> int | None:
+        """Return the option of a value: its number, its words, or that of the only value inside."""
+        if isinstance(value, list) and len(value) == 1 and depth:
+            return self._option(value[0], depth - 1)
+        if isinstance(value, dict) and depth:
+            held, reasons = unwrap(value, _INSIDE)
+            found = self._agreed(held.values(), depth - 1)
+            return None if found is None or self._denies(tidy(reasons), found) else found
+        if self.is_numbered and isinstance(value, (int, float)) and not isinstance(value, bool):
+            return int(value) - 1 if value in range(1, len(self.names) + 1) else None
+        is_text = isinstance(value, str) and re.match(r"[\s*`\"'(#]*\w", value)
+        return self._stated(tidy(value)) if is_text else None
+
+    def _stated(self, prose: str) -> int | None:
+        found = None if is_refusal(prose) else stated_option(self.mark(fold(prose)))
+        return found if found is not None and found < len(self.names) else None
+
+    def _denies(self, reasons: str, option: int) -> bool:
+        return is_against(self.mark(fold(reasons)), option)
 
 
 # ------------------------------------------------------------------ options in prose

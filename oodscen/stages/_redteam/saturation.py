@@ -7,6 +7,7 @@ tree are known; all others are new. `f1` and `f2` count the new kinds that were 
 import math
 from collections import Counter
 from collections.abc import Iterable
+from itertools import accumulate
 
 from oodscen._arguments import checked
 from oodscen._numbers import whole_number
@@ -92,37 +93,30 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
     patience = whole_number("patience", patience, 1)
     played = tuple(rounds)
     tally = KindTally()
-    curve, calls, dry_from, last_new = [], 0, None, 0
-    for item in played:
+    curve = []
+    for item, calls in zip(played, accumulate(item.calls for item in played), strict=True):
         tally.add(item)
-        calls += item.calls
-        if item.decision in NEW:
-            last_new = item.round
-        elif dry_from is None and item.round - last_new >= patience:
-            dry_from = last_new + 1
-        unseen = chao1(tally.observations, tally.kinds, tally.once, tally.twice)[0]
         curve.append(
             SaturationPoint(
                 round=item.round,
                 calls=calls,
                 kinds=tally.kinds,
-                coverage=round(tally.coverage, 6),
-                unseen=round(unseen, 6),
+                coverage=round(tally.coverage()[0], 6),
+                unseen=round(tally.unseen()[0], 6),
             )
         )
-    n, once, twice = tally.observations, tally.once, tally.twice
-    coverage, coverage_low, coverage_high = good_turing(n, once, twice)
-    unseen, low, high = chao1(n, tally.kinds, once, twice)
+    coverage, coverage_low, coverage_high = tally.coverage()
+    unseen, low, high = tally.unseen()
     recent = played[-patience:]
     news = sum(item.decision in NEW for item in recent)
     least, most = wilson(news, len(recent))
     return Saturation(
         rounds=len(played),
-        calls=calls,
-        observations=n,
+        calls=sum(item.calls for item in played),
+        observations=tally.observations,
         kinds=tally.kinds,
-        once=once,
-        twice=twice,
+        once=tally.once,
+        twice=tally.twice,
         coverage=round(coverage, 6),
         coverage_low=round(coverage_low, 6),
         coverage_high=round(coverage_high, 6),
@@ -134,10 +128,21 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
         recent_high=round(most, 6),
         recent_rounds=len(recent),
         patience=patience,
-        dry_from=dry_from,
-        last_new=last_new,
+        dry_from=_dry_from(played, patience),
+        last_new=max((item.round for item in played if item.decision in NEW), default=0),
         curve=tuple(curve),
     )
+
+
+def _dry_from(played: Iterable[Round], patience: int) -> int | None:
+    """Return the first of so many consecutive rounds without a new kind."""
+    last_new = 0
+    for item in played:
+        if item.decision in NEW:
+            last_new = item.round
+        elif item.round - last_new >= patience:
+            return last_new + 1
+    return None
 
 
 class KindTally:
@@ -160,10 +165,13 @@ class KindTally:
     def twice(self) -> int:
         return self._kinds_met[2]
 
-    @property
-    def coverage(self) -> float:
-        """1 - f1 / n, or 0 before the first observation."""
-        return 1.0 - self.once / self.observations if self.observations else 0.0
+    def coverage(self) -> tuple[float, float, float]:
+        """Return `good_turing` of the encounters."""
+        return good_turing(self.observations, self.once, self.twice)
+
+    def unseen(self) -> tuple[float, float, float]:
+        """Return `chao1` of the encounters."""
+        return chao1(self.observations, self.kinds, self.once, self.twice)
 
     def add(self, item: Round) -> None:
         """Count a round that named a kind."""

@@ -77,7 +77,7 @@ def _busy(probe: Probe) -> Scene:
         )
     for name in ("follow_lane", "cross_road"):
         try:
-            actors.append(probe.doing(name, id=name.replace("_", "-"), ahead=14.0, offset=0.0))
+            actors.append(probe.doing(name, id=name.replace("_", "-"), ahead=14.0))
             break
         except NotApplicable:
             continue

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from oodscen.data._catalogue import BehaviourKind, RoadMap
-from oodscen.data._scene import Actor, Scene, Trigger
+from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._motion.behaviours import BUILT_IN, DRIVES_IN_LANE, having
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._roads.building import load_corridor
@@ -43,19 +43,7 @@ _CALM = 2.0
 """Acceleration towards the inside of a bend that no driver minds, m/s^2."""
 _FASTEST = 14.0
 """Greatest speed in a bend, m/s."""
-_WAITING = (
-    "cross_road",
-    "pull_out",
-    "dart",
-    "bolt",
-    "walk_along",
-    "roll_away",
-    "reverse",
-    "hard_brake",
-    "stall",
-    "halt",
-    "cut_in",
-)
+_WAITING = "cross_road pull_out dart bolt walk_along roll_away reverse hard_brake stall halt cut_in".split()
 """Behaviours that show when their trigger fires, best first."""
 
 
@@ -120,27 +108,24 @@ def _check_behaviour(probe: Probe, kind: BehaviourKind) -> None:
     where no simulator runs, and may go on in another way.
     """
     lanes = [0]
-    if probe.widest.oncoming_lanes:
+    if probe.widest.oncoming_lanes and not kind.needs_other:
         lanes.append(probe.widest.lanes)
     for asset in assets_for(probe, kind)[:1]:
         for lane in lanes:
             actors = cast_for(probe, kind, asset, lane=lane, ahead=90.0 if lane else 35.0)
             if actors is None:
                 return
-            parameters = {**_slower(kind), **actors[0].behaviour.parameters}
+            first, *others = actors
+            parameters = {**_slower(kind), **first.behaviour.parameters}
             if lane and "lanes" in parameters:
                 parameters["lanes"] = 0.0
-            acting = actors[0].behaviour.model_copy(
-                update={"parameters": parameters, "trigger": Trigger(value=1.0)}
-            )
-            first = actors[0].model_copy(update={"behaviour": acting})
-            if lane and kind.needs_other:
-                continue
-            scene = probe.scene(first, *actors[1:], road=probe.widest, speed=5.0)
-            if staging_issues(scene, probe.catalogue):
-                continue
-            where = " in an oncoming lane" if lane else ""
-            _compare(probe, scene, kind, f"behaviour {kind.id}{where}")
+            update = {"parameters": parameters, "trigger": Trigger(value=1.0)}
+            does = first.behaviour.model_copy(update=update)
+            actor = first.model_copy(update={"behaviour": does})
+            scene = probe.scene(actor, *others, road=probe.widest, speed=5.0)
+            if not staging_issues(scene, probe.catalogue):
+                where = " in an oncoming lane" if lane else ""
+                _compare(probe, scene, kind, f"behaviour {kind.id}{where}")
 
 
 def _check_bends(probe: Probe) -> None:
@@ -161,11 +146,15 @@ def _check_bends(probe: Probe) -> None:
         sides.append((" in an oncoming lane", road.lanes, 1.0))
     for name in names:
         for words, lane, side in sides:
-            trigger = Trigger(value=2.0 * SECONDS)
-            actor = probe.doing(name, ahead=at + side * 15.0, lane=lane, trigger=trigger)
             kind = probe.catalogue.behaviour(name)
             wanted = {"speed": speed, "lanes": 0.0}
-            actor = _with(actor, **{one: wanted[one] for one in wanted if one in kind.parameters})
+            actor = probe.doing(
+                name,
+                ahead=at + side * 15.0,
+                lane=lane,
+                trigger=Trigger(value=2.0 * SECONDS),
+                parameters={one: wanted[one] for one in wanted if one in kind.parameters},
+            )
             scene = probe.scene(actor, road=road, speed=2.0)
             if not staging_issues(scene, probe.catalogue):
                 _compare(probe, scene, kind, f"behaviour {name} in a bend{words}", SECONDS)
@@ -266,9 +255,8 @@ def _check_triggers(probe: Probe) -> None:
         Trigger(kind="distance", value=30.0),
         Trigger(kind="ttc", value=4.0),
     ):
-        actor = probe.doing(name, ahead=50.0, trigger=trigger, offset=0.0)
-        if "lanes" in probe.catalogue.behaviour(name).parameters:
-            actor = _with(actor, lanes=0.0)
+        in_lane = {"lanes": 0.0} if "lanes" in probe.catalogue.behaviour(name).parameters else {}
+        actor = probe.doing(name, ahead=50.0, trigger=trigger, parameters=in_lane)
         scene = probe.scene(actor, road=probe.widest, speed=10.0)
         one, other = both(probe, scene, constantly(Control()))
         told, wanted = one.onset(1), other.onset(1)
@@ -280,14 +268,6 @@ def _check_triggers(probe: Probe) -> None:
         elif not abs(told - wanted) <= ONSET_S:
             message = f"shows in {name!r} after {told:.2f} s, in the reference world {wanted:.2f} s"
             probe.findings.add(what, message)
-
-
-def _with(actor: Actor, **parameters: float) -> Actor:
-    behaviour = actor.behaviour
-    merged = {**behaviour.parameters, **parameters}
-    return actor.model_copy(
-        update={"behaviour": behaviour.model_copy(update={"parameters": merged})}
-    )
 
 
 def _check_reactions(probe: Probe) -> None:

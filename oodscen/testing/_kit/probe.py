@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
 
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._category import Category
@@ -16,6 +15,8 @@ from oodscen.testing._kit.findings import Findings, NotApplicable
 from oodscen.testing._kit.samples import STEPS, sample_scene
 
 Factory = Callable[[], Simulator]
+SOON = Trigger(value=0.5)
+"""The trigger of behaviours whose onset does not matter."""
 
 
 @dataclass(kw_only=True)
@@ -95,8 +96,17 @@ class Probe:
                     return asset
         raise NotApplicable(f"the catalogue has no {' or '.join(categories)}")
 
-    def doing(self, name: str, **options: Any) -> Actor:
-        """Return an actor with a behaviour; the options are those of `acting`.
+    def doing(
+        self,
+        name: str,
+        *,
+        id: str = "a",
+        ahead: float = 35.0,
+        lane: int = 0,
+        trigger: Trigger = SOON,
+        parameters: Mapping[str, float] = MappingProxyType({}),
+    ) -> Actor:
+        """Return an actor with a behaviour.
 
         Raises:
             NotApplicable: If the catalogue lacks the behaviour, or assets for it.
@@ -104,26 +114,15 @@ class Probe:
         kinds = {kind.id: kind for kind in self.catalogue.behaviours}
         if name not in kinds:
             raise NotApplicable(f"the catalogue has no behaviour {name!r}")
-        return self.acting(self.asset_for(*kinds[name].categories), name, **options)
+        does = Behaviour(name=name, trigger=trigger, parameters=dict(parameters))
+        asset = self.asset_for(*kinds[name].categories)
+        return self.acting(asset, does, id=id, ahead=ahead, lane=lane)
 
     def acting(
-        self,
-        asset: Asset,
-        name: str,
-        *,
-        id: str = "a",
-        ahead: float = 35.0,
-        lane: int = 0,
-        offset: float = 0.0,
-        heading: float = 0.0,
-        trigger: Trigger | None = None,
-        other: str | None = None,
-        parameters: Mapping[str, float] = MappingProxyType({}),
+        self, asset: Asset, does: Behaviour, *, id: str = "a", ahead: float = 35.0, lane: int = 0
     ) -> Actor:
-        """Return an asset with a behaviour."""
-        place = Placement(ahead_m=ahead, lane=lane, offset_m=offset, heading_deg=heading)
-        when, given = trigger or Trigger(value=0.5), dict(parameters)
-        does = Behaviour(name=name, trigger=when, parameters=given, other=other)
+        """Return an asset with a behaviour in the middle of a lane."""
+        place = Placement(ahead_m=ahead, lane=lane)
         return Actor(id=id, asset=asset.id, placement=place, behaviour=does)
 
     def still(

@@ -6,14 +6,14 @@ import numpy as np
 
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.data._details import AssetDetails, DetailKinds
-from oodscen.data._scene import Actor, Scene
+from oodscen.data._scene import Actor, Behaviour, Scene
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import OodscenError, SpawnError
 from oodscen.protocols import State
 from oodscen.testing._kit.contact import gap_fault
 from oodscen.testing._kit.findings import NotApplicable
-from oodscen.testing._kit.probe import Probe
+from oodscen.testing._kit.probe import SOON, Probe
 from oodscen.testing._kit.samples import follow_lane
 from oodscen.testing._kit.shapes import state_faults
 
@@ -143,13 +143,17 @@ def cast_for(
     parameters = {}
     if "lanes" in kind.parameters:
         parameters["lanes"] = 1.0 if len(load_corridor(probe.widest).driving) > 1 else 0.0
+    does = Behaviour(name=kind.id, trigger=SOON, parameters=parameters)
     if not kind.needs_other:
-        return (probe.acting(asset, kind.id, lane=lane, ahead=ahead, parameters=parameters),)
+        return (probe.acting(asset, does, lane=lane, ahead=ahead),)
     vehicle = next((one for one in probe.catalogue.assets if one.category == "vehicle"), None)
     if vehicle is None:
         return None
-    actor = probe.acting(asset, kind.id, ahead=ahead, other="owner", parameters=parameters)
-    return (actor, probe.still(vehicle, id="owner", ahead=ahead + 6.0))
+    tied = does.model_copy(update={"other": "owner"})
+    return (
+        probe.acting(asset, tied, ahead=ahead),
+        probe.still(vehicle, id="owner", ahead=ahead + 6.0),
+    )
 
 
 def drive(probe: Probe, scene: Scene, what: str) -> None:

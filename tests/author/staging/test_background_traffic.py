@@ -1,21 +1,24 @@
 import numpy as np
 import pytest
 
-from oodscen.author._knowledge.base import AmbientTraffic
+from oodscen.author._knowledge.base import AmbientTraffic, Recipe, RecipeTrigger
 from oodscen.author._knowledge.loading import load_knowledge
-from oodscen.author._staging.background_traffic import company
+from oodscen.author._staging.background_traffic import company, expected_decision_s
+from oodscen.author._staging.layout import Layout
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
-from oodscen.prompts._digest import MapLine
+from oodscen.prompts._digest import CatalogueDigest, MapLine
 from oodscen.stages._simulate import simulate
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
+DIGEST = CatalogueDigest.of(FlatSimulator().catalogue())
+RECIPE = Recipe(speed=(10.0, 10.0), decision=RecipeTrigger())
 LEFT = AmbientTraffic(side="left", share=1.0, asset=("car",), gap=(1.0, 3.0))
 RIGHT = AmbientTraffic(side="right", share=1.0, asset=("car",), gap=(1.0, 3.0))
 ONCOMING = AmbientTraffic(
     side="oncoming", share=1.0, asset=("van",), gap=(50.0, 60.0), speed=(8.0, 8.0)
 )
-DECISION = (Trigger(kind="distance", value=20.0), "a")
+DECISION = Trigger(kind="distance", value=20.0, actor="a")
 
 
 def road(lanes: int, oncoming: int, *traits: str) -> MapLine:
@@ -40,7 +43,9 @@ def actor(lane: int = 0, offset: float = 0.0, name: str = "stand", **parameters:
 
 def drawn(line: MapLine, lane: int, *actors: Actor, free: int = 0) -> dict[str, Actor]:
     rng = np.random.default_rng(0)
-    found = company((LEFT, RIGHT, ONCOMING), line, (lane, 10.0), actors, DECISION, rng, free=free)
+    layout = Layout(DIGEST, line, RECIPE, rng, 10.0, 1.0, ego_lane=lane, escape=free)
+    decision_s = expected_decision_s(DECISION, actors, layout.speed)
+    found = company((LEFT, RIGHT, ONCOMING), layout, actors, decision_s)
     return {one.id: one for one in found}
 
 

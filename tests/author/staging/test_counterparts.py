@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from oodscen.author._knowledge.base import Recipe
 from oodscen.author._knowledge.loading import load_knowledge
-from oodscen.author._staging.actors import SceneDraftState
 from oodscen.author._staging.counterparts import drawn_near, replaced
+from oodscen.author._staging.layout import Cast, Layout
 from oodscen.author._writing.stand_in import StandIn
 from oodscen.data._scene import Actor, Behaviour, Placement
 from oodscen.prompts._digest import CatalogueDigest
@@ -27,8 +27,8 @@ def recipe() -> Recipe:
     return next(one.stage for one in load_knowledge().hazards if one.stage is not None)
 
 
-def staged(speed: float, lane: int = 0) -> SceneDraftState:
-    return SceneDraftState(
+def staged(speed: float, lane: int = 0) -> Layout:
+    return Layout(
         digest=DIGEST,
         road=DIGEST.maps[0],
         recipe=recipe(),
@@ -87,7 +87,7 @@ def test_a_vehicle_that_would_drive_away_is_where_the_hazard_is(
         "a": actor("a", start, "follow_lane", speed=faster * speed),
         "b": actor("b", start + 9.0, "follow_lane", speed=faster * speed),
     }
-    found = drawn_near(rows, staged(speed), [hazard], hazard, seconds)
+    found = drawn_near(Cast([hazard], rows), staged(speed), hazard, seconds)
     first, second = found["a"], found["b"]
     assert first is not None
     assert second is not None
@@ -108,9 +108,9 @@ def test_a_vehicle_that_would_drive_away_is_where_the_hazard_is(
     ],
 )
 def test_slower_vehicles_other_lanes_and_standing_things_stay(other: Actor | None) -> None:
-    unusual = {"a": other}
     hazard = actor("a", 60.0)
-    assert drawn_near(unusual, staged(10.0), [hazard], hazard, 3.0) == unusual
+    cast = Cast([hazard], {"a": other})
+    assert drawn_near(cast, staged(10.0), hazard, 3.0) == cast.unusual
 
 
 def test_a_vehicle_stays_with_its_trailer() -> None:
@@ -118,4 +118,5 @@ def test_a_vehicle_stays_with_its_trailer() -> None:
     behaviour = Behaviour(name="towed", other="a")
     trailer = actor("b", 74.0).model_copy(update={"behaviour": behaviour})
     hazard = actor("a", 60.0)
-    assert drawn_near({"a": car}, staged(10.0), [hazard, trailer], hazard, 3.0) == {"a": car}
+    cast = Cast([hazard, trailer], {"a": car})
+    assert drawn_near(cast, staged(10.0), hazard, 3.0) == {"a": car}

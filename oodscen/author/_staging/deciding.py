@@ -1,0 +1,188 @@
+"""The decision of a scene: the ego's speed towards it, and the room that it leaves."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from oodscen.author._knowledge.base import RecipeActor
+from oodscen.author._staging import decision_timing as timing
+from oodscen.author._staging.anchors import ahead_of_start
+from oodscen.author._staging.layout import Layout
+from oodscen.data._scene import Trigger
+from oodscen.driving._motion.behaviours import STAYS
+
+Room = Callable[[float], float]
+"""Distance of the decision, m, as a function of the ego's speed, m/s."""
+
+_LEAST_SPEED = 3.0
+"""Least speed of the ego, m/s."""
+_LEAST_FOLLOWED = 8.0
+"""Speed down to which an ego that is followed slows down so that its hazard is recognised in time, m/s."""
+_SLOWER, _FASTER = 0.95, 1.04
+"""Ratios of successive speeds, and of distances, in the search for one that suits."""
+_LEAST_APPROACH_S = 0.7
+"""Least time from the start to the decision, if the text tells a distance, s."""
+_LATE = 0.75
+"""Share of late decisions, if at some distance only a lane change helps."""
+_URGENT = 0.7
+"""Share of the other decisions at which emergency braking suffices but comfortable braking hardly does."""
+_HURRIED = 0.7
+"""The same share for scenes in which someone crosses, or a group blocks the road."""
+_EVADING_S = 2.2
+"""Time before a head-on collision at which evasion is still possible, s."""
+_CLEAR_PX = 400.0
+"""Area in the dash camera's image below which an actor is not recognised at a glance, square pixels."""
+_WINDOW_M = 0.8
+"""Least range of distances at which only hard braking suffices, m."""
+_MOST_LATE_M = 4.0
+"""Most of that range that is used, m."""
+_SEEN_PX = 120.0
+"""Area in the dash camera's image below which an actor is hardly seen, square pixels."""
+_ASIDE_M = 0.4
+"""Offset of an obstacle that requires a lane change, towards the far side of its lane, m."""
+_INSIDE_M = 1.2
+"""Offset from the lane's centre within which an obstacle is in the way, m."""
+
+
+def decided(layout: Layout, distance_m: float | None) -> Layout:
+    """Return the layout with its decision, a speed of the ego that suits it, and the actors' displacement.
+
+    A distance in the text applies at the start of the scene; the decision comes later.
+    """
+    wanted = layout.recipe.decision
+    value, shift = layout.draw(wanted.value), 0.0
+    actor = timing.decisive(layout.recipe)
+    if actor is not None:
+        is_on_map = ahead_of_start(layout.recipe, actor) is None
+        middle = 0.5 * sum(actor.ahead)
+        if timing.scales(layout.recipe):
+            layout, room = _room(layout, actor)
+            value = room(layout.speed)
+            if not is_on_map:
+                layout, value, start = _approached(layout, room, distance_m)
+                shift = start - middle
+        elif distance_m is not None and not is_on_map:
+            low, high = actor.ahead
+            shift = min(max(distance_m, low), high) - middle
+        if wanted.kind == "ttc":
+            layout, value = _hurried(layout, actor, value)
+    decision = Trigger(kind=wanted.kind, value=round(value, 2), actor=wanted.actor)
+    return replace(layout, decision=decision, shift_m=round(shift, 2))
+
+
+def _slower(layout: Layout) -> Layout:
+    return replace(layout, speed=round(_SLOWER * layout.speed, 2))
+
+
+def _approached(
+    layout: Layout, room: Room, distance_m: float | None
+) -> tuple[Layout, float, float]:
+    """Return the layout, slow enough for a told distance, and the actor's distances at the decision and the start, m."""
+    left = room(layout.speed)
+    if distance_m is None:
+        seconds = float(layout.rng.uniform(*timing.APPROACH_S))
+        return layout, left, left + layout.speed * seconds
+    while layout.speed > _LEAST_SPEED and left + _LEAST_APPROACH_S * layout.speed > distance_m:
+        layout = _slower(layout)
+        left = room(layout.speed)
+    return layout, min(left, max(distance_m - 2.0, 1.0)), distance_m
+
+
+def _hurried(layout: Layout, actor: RecipeActor, seconds: float) -> tuple[Layout, float]:
+    """Return the TTC of the decision, reduced until the actor is large enough to recognise, s.
+
+    In some scenes it is so short that only hard braking suffices. Nothing follows the ego where it cannot brake calmly.
+    """
+    draw, share = map(float, layout.rng.random(2))
+    along, friction = layout.along(actor), layout.weather.friction
+    closing = layout.speed - along
+    if closing < _LEAST_SPEED:
+        return layout, seconds
+    reach = layout.reach(actor)
+    hard = timing.braking(closing, friction) + reach + 1.0
+    calm = max(timing.calm_braking(closing, friction) + reach, hard)
+    least = _EVADING_S * closing if along < -1.0 else hard
+    away = seconds * closing
+    while away > least and layout.pixels(actor, away) < _CLEAR_PX:
+        away *= _SLOWER
+    if away < calm:
+        layout = replace(layout, is_followed=False)
+    if actor.behaviour in STAYS and not layout.is_followed and draw < _HURRIED:
+        late = timing.too_late_to_stop(closing, friction) + reach
+        if late > hard:
+            away = min(away, hard + 0.8 * share * (late - hard))
+    return layout, min(seconds, away / closing)
+
+
+def _room(layout: Layout, actor: RecipeActor) -> tuple[Layout, Room]:
+    """Choose the speed of the ego and the distance that the decision leaves.
+
+    It allows a comfortable stop or a lane change; or only hard braking; or, at speeds at which
+    braking takes longer than that, only a lane change.
+    """
+    late, urgent, share = map(float, layout.rng.random(3))
+    if late < _LATE and (narrow := _evading(layout, actor, share)) is not None:
+        return narrow
+    is_urgent = urgent < _URGENT and not layout.is_followed
+    friction, spare = layout.weather.friction, timing.spare(layout.recipe)
+
+    def is_unseen(layout: Layout) -> bool:
+        away = timing.late_room(layout.speed, friction) + spare
+        return layout.pixels(actor, away) < _CLEAR_PX
+
+    def is_seen_at_last(speed: float) -> bool:
+        away = timing.braking(speed, friction) + 0.75 * spare
+        return layout.pixels(actor, away) >= _SEEN_PX
+
+    # Room for a calm stop is left behind a slower ego.
+    while layout.is_followed and is_unseen(layout) and layout.speed > _LEAST_FOLLOWED:
+        layout = _slower(layout)
+    if is_unseen(layout):
+        layout = replace(layout, is_followed=False)
+    while not is_seen_at_last(layout.speed) and layout.speed > _LEAST_SPEED:
+        layout = _slower(layout)
+    if is_urgent or is_unseen(layout):
+        fast = _urgent_speed(layout)
+        if fast is not None and is_seen_at_last(fast):
+            layout = replace(layout, speed=fast)
+        else:
+            fast = None
+        if fast is not None or is_unseen(layout):
+            window = min(max(_window(layout, layout.speed), 0.0), _MOST_LATE_M)
+            return (
+                layout,
+                lambda speed: timing.braking(speed, friction) + 0.55 * spare + share * window,
+            )
+    return layout, lambda speed: timing.late_room(speed, friction) + (0.9 + 0.4 * share) * spare
+
+
+def _evading(layout: Layout, actor: RecipeActor, share: float) -> tuple[Layout, Room] | None:
+    """Return the distance at which only a lane change helps, around an obstacle moved aside; `None` if there is none."""
+    recipe, road = layout.recipe, layout.road
+    if not recipe.width or max(map(abs, actor.offset)) >= _INSIDE_M or road.lanes < 2:
+        return None
+    low = timing.swerving(layout.speed, recipe.width, _ASIDE_M)
+    high = timing.braking(layout.speed, layout.weather.friction) - 1.5
+    if low + 0.5 > high:
+        return None
+    escape = 1 if layout.ego_lane + 1 < road.lanes else -1
+    aside = -escape * _ASIDE_M
+    moved = actor.model_copy(update={"offset": (aside - 0.05, aside + 0.05)})
+    actors = tuple(moved if one is actor else one for one in recipe.actors)
+    recipe = recipe.model_copy(update={"actors": actors})
+    return replace(layout, recipe=recipe, escape=escape), lambda _: low + share * (high - low)
+
+
+def _urgent_speed(layout: Layout) -> float | None:
+    """Return the lowest speed, not below the ego's, at which the slowest driver can brake and the quickest cannot stop."""
+    speed = layout.speed
+    while speed <= layout.road.speed_limit:
+        if _window(layout, speed) >= _WINDOW_M:
+            return round(speed, 2)
+        speed *= _FASTER
+    return None
+
+
+def _window(layout: Layout, speed: float) -> float:
+    """Return the range of distances at which only hard braking suffices, m; negative if there is none."""
+    friction = layout.weather.friction
+    return timing.too_late_to_stop(speed, friction) - timing.braking(speed, friction)

@@ -1,0 +1,239 @@
+"""The row of one answerer in a leaderboard."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from oodscen.data._pairing import is_ordinary
+from oodscen.data._verdict import NOTHING, Protocol, Verdict
+from oodscen.judging._items import AnswerColumns, Floats, Items, Mask, Ratio
+from oodscen.judging._leaderboard.figures import FAULTS, PairColumns, figures, rate, resample_ratios
+from oodscen.judging._leaderboard.gains import mean_of
+from oodscen.judging._leaderboard.scores import (
+    ActionScore,
+    Confusion,
+    Detection,
+    Estimate,
+    Identification,
+    LeaderboardRow,
+    PairedScores,
+    Rate,
+    SceneGroup,
+)
+from oodscen.statistics._answers import above_chance, d_prime
+from oodscen.statistics._auroc import auroc_of_items
+from oodscen.statistics._intervals import percentiles
+from oodscen.statistics._resampling import Resampler
+
+
+@dataclass(frozen=True, eq=False)
+class SharedValues:
+    """The values that all rows of a leaderboard share."""
+
+    items: Items
+    resampler: Resampler
+    groups: Sequence[tuple[SceneGroup, Mask]]
+    shown: Mask
+    """[n] the items whose hazard is visible under the paper's protocol."""
+
+
+def standing(
+    study: SharedValues, sheet: AnswerColumns, verdicts: Sequence[Verdict]
+) -> LeaderboardRow:
+    """Return the row of the answerer that gave some verdicts, of which there is at least one."""
+    protocol = verdicts[0].protocol
+    scores = _Scores.of(study, sheet, protocol)
+    rare = [verdict for verdict in verdicts if not is_ordinary(verdict.scene_id)]
+    return LeaderboardRow(
+        model=verdicts[0].model,
+        kind="reference" if any(v.kind == "reference" for v in verdicts) else "model",
+        protocol=protocol,
+        asked=len(verdicts),
+        outcomes=dict(sorted(Counter(outcome_of(v) for v in verdicts).items())),
+        contradictions=sum(bool(v.contradiction) for v in verdicts),
+        outdated=sum(v.is_outdated for v in verdicts),
+        paired=scores.paired(),
+        detection=scores.detection(),
+        identification=Identification(
+            open=scores.rates["name"],
+            open_shown=scores.rates["open_shown"],
+            closed=scores.rates["pick"],
+            judged=sum(bool(v.judge) for v in verdicts),
+            unjudged=sum(bool(v.judge_error) for v in verdicts),
+        ),
+        control=scores.control(),
+        actions=dict(Counter(v.action for v in rare if v.action).most_common()),
+        groups=tuple(scores.group(group, mask) for group, mask in study.groups),
+        confusions=_confusions(study.items, rare),
+    )
+
+
+def outcome_of(verdict: Verdict) -> str:
+    """Return how judging ended; verdicts of the first schema version tell only whether it failed."""
+    if verdict.status == "failed" and verdict.outcome == "answered":
+        return "error"
+    return verdict.outcome
+
+
+def _confusions(items: Items, verdicts: Sequence[Verdict]) -> tuple[Confusion, ...]:
+    pairs = Counter(
+        (items.leaf_of(v.scene_id), v.choice or NOTHING)
+        for v in verdicts
+        if v.choice_is_right is False
+    )
+    ordered = sorted(pairs.items(), key=lambda item: (-item[1], item[0]))
+    return tuple(Confusion(truth=t, chosen=c, count=count) for (t, c), count in ordered)
+
+
+@dataclass(frozen=True, eq=False)
+class _Scores:
+    """The rates of one answerer by name, and their [r] replicates over resampled paths."""
+
+    study: SharedValues
+    sheet: AnswerColumns
+    rates: Mapping[str, Rate]
+    replicates: Mapping[str, Floats]
+
+    @classmethod
+    def of(cls, study: SharedValues, sheet: AnswerColumns, protocol: Protocol) -> Self:
+        """Return the scores of the answers in a sheet."""
+        items, scene, twin = study.items, study.items.is_scene, ~study.items.is_scene
+        columns = {
+            **figures(items, sheet),
+            "specificity": Ratio(1.0 - sheet.called, twin),
+            "open_shown": Ratio(sheet.open, scene & study.shown & (protocol == "paper")),
+            "collision_free": Ratio(sheet.success, scene),
+            "decidable": Ratio(sheet.safe, items.is_decidable, is_neutral=sheet.is_neutral),
+            "ordinary_safe": Ratio(sheet.safe, twin, is_neutral=sheet.is_neutral),
+            "above_chance": Ratio(
+                sheet.safe - items.chance, items.is_decidable, 1.0 - items.chance
+            ),
+        }
+        found = resample_ratios(study.resampler, list(columns.values()))
+        replicates = dict(zip(columns, found.T, strict=True))
+        rates = {
+            name: rate(study.resampler, column, sheet, replicates[name], is_fault=name in FAULTS)
+            for name, column in columns.items()
+            if name != "above_chance"
+        }
+        return cls(study, sheet, rates, replicates)
+
+    def _rate(self, column: Ratio, *, is_fault: bool = False) -> Rate:
+        return rate(self.study.resampler, column, self.sheet, is_fault=is_fault)
+
+    def _estimate(self, value: float | None, n: int, replicates: Floats, known: Mask) -> Estimate:
+        """Return a value with its interval over the paths of the items for which it is known."""
+        units = self.study.resampler.count(known)
+        return Estimate(value=value, n=n, interval=percentiles(replicates, units))
+
+    def _faults_by_kind(self, values: Floats, mask: Mask) -> dict[str, Rate]:
+        """Return a figure that counts faults, for every kind of ordinary drive."""
+        kinds = np.array(self.study.items.kinds)
+        return {
+            kind: self._rate(Ratio(values, mask & (kinds == kind)), is_fault=True)
+            for kind in sorted(set(self.study.items.kinds) - {"rare"})
+        }
+
+    def group(self, group: SceneGroup, mask: Mask) -> SceneGroup:
+        """Return a group with the scores in its scenes."""
+        sheet = self.sheet
+        columns = {
+            "detected": Ratio(sheet.called, mask),
+            "open": Ratio(sheet.open, mask),
+            "closed": Ratio(sheet.closed, mask),
+            "safe": Ratio(sheet.safe, mask, is_neutral=sheet.is_neutral),
+        }
+        rates = {name: self._rate(column) for name, column in columns.items()}
+        return group.model_copy(update=rates)
+
+    def paired(self) -> PairedScores:
+        """Return the scores over scenes together with their ordinary drives."""
+        pairs = PairColumns.of(self.study.items, self.sheet)
+        return PairedScores(
+            notice=self.rates["notice-both"],
+            act=self.rates["act-both"],
+            act_by_kind={
+                kind: self._rate(Ratio(pairs.act, pairs.mask & mask, is_neutral=pairs.is_neutral))
+                for kind, mask in pairs.kinds.items()
+            },
+            drop=mean_of(self.study.resampler, Ratio(pairs.drop, pairs.mask)),
+        )
+
+    def control(self) -> ActionScore:
+        """Return the figures of task 2."""
+        items, sheet, rates = self.study.items, self.sheet, self.rates
+        reach = items.is_decidable & np.isfinite(sheet.safe)
+        chance, decidable = items.chance_over(reach), rates["decidable"]
+        corrected = None
+        if chance is not None and decidable.value is not None:
+            corrected = above_chance(decidable.value, chance)
+        replicates = self.replicates["above_chance"]
+        return ActionScore(
+            safe=rates["safe"],
+            collision_free=rates["collision_free"],
+            decidable=decidable,
+            chance=chance,
+            above_chance=self._estimate(corrected, decidable.n, replicates, reach),
+            ordinary_safe=rates["ordinary_safe"],
+            needless=rates["needless"],
+            needless_by_kind=self._faults_by_kind(
+                sheet.cautious, ~items.is_scene & items.keeping_is_safe
+            ),
+        )
+
+    def detection(self) -> Detection:
+        """Return the figures of detection."""
+        sheet, is_scene = self.sheet, self.study.items.is_scene
+        auroc = Estimate()
+        if area := auroc_of_items(sheet.p_ood, is_scene, self.study.resampler):
+            auroc = Estimate(value=area[0], n=int(np.isfinite(sheet.p_ood).sum()), interval=area[1])
+        return Detection(
+            sensitivity=self.rates["notice"],
+            specificity=self.rates["specificity"],
+            alarms=self.rates["alarms"],
+            alarms_by_kind=self._faults_by_kind(sheet.called, ~is_scene),
+            balanced_accuracy=self._balanced(),
+            with_missing_wrong=self._worst_balanced(),
+            auroc=auroc,
+            d_prime=self._discriminability(),
+            stated=int(sheet.stated.sum()),
+        )
+
+    def _balanced(self) -> Estimate:
+        """Return the balanced accuracy over the answers."""
+        found, quiet = self.rates["notice"], self.rates["specificity"]
+        if found.value is None or quiet.value is None:
+            return Estimate()
+        replicates = (self.replicates["notice"] + self.replicates["specificity"]) / 2
+        known = np.isfinite(self.sheet.called)
+        return self._estimate((found.value + quiet.value) / 2, found.n + quiet.n, replicates, known)
+
+    def _worst_balanced(self) -> Estimate:
+        """Return the balanced accuracy with every missing answer counted as wrong."""
+        found, quiet = (self.rates[name].with_missing_wrong for name in ("notice", "specificity"))
+        if found is None or quiet is None:
+            return Estimate()
+        items, sheet = self.study.items, self.sheet
+        right = np.nan_to_num(sheet.right("detection", items), nan=0.0)
+        sides = (items.is_scene, ~items.is_scene)
+        columns = [Ratio(right, sheet.was_asked & side) for side in sides]
+        replicates = resample_ratios(self.study.resampler, columns).mean(axis=1)
+        n = int(sheet.was_asked.sum())
+        return self._estimate((found + quiet) / 2, n, replicates, sheet.was_asked)
+
+    def _discriminability(self) -> Estimate:
+        """Return d' over the answers."""
+        found, quiet = self.rates["notice"], self.rates["specificity"]
+        if not found.n or not quiet.n:
+            return Estimate()
+        resampler, is_scene = self.study.resampler, self.study.items.is_scene
+        known = np.isfinite(self.sheet.called)
+        called = np.where(known, self.sheet.called, 0.0)
+        columns = [values * side for side in (is_scene, ~is_scene) for values in (called, known)]
+        counts = resampler.weights @ resampler.summed(np.stack(columns, axis=1))
+        replicates = np.array([d_prime(*row) for row in counts.tolist()], np.float64)
+        value = d_prime(found.hits, found.n, quiet.n - quiet.hits, quiet.n)
+        return self._estimate(value, found.n + quiet.n, replicates, known)
