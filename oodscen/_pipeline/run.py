@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from concurrent.futures import Executor
 from pathlib import Path
 
+from oodscen._arguments import checked
+from oodscen._numbers import whole_number
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._pipeline.sweep import Outputs, check_workers
@@ -15,6 +17,7 @@ from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study
 
 
+@checked
 def run_study(
     out: str | Path,
     config: StudyConfig | None = None,
@@ -51,6 +54,7 @@ def run_study(
         StudyError: When the folder cannot be written.
     """
     config = config or StudyConfig()
+    whole_number("workers", workers)
     check_workers(config.simulator, workers, executor)
     ledger = ledger or Ledger()
     with reporting(progress, ledger) as report_progress:

@@ -1,6 +1,7 @@
 """The record of one simulated scene."""
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from typing import ClassVar, Literal
 
@@ -10,6 +11,7 @@ from oodscen.data._bird_sketch import Sketch
 from oodscen.data._pairing import is_ordinary, is_twin
 from oodscen.data._scene import StopLine
 from oodscen.data._sighting import Sighting
+from oodscen.errors import UnknownComponent
 
 ACTIONS = (
     "keep_speed",
@@ -36,9 +38,18 @@ def moments(count: int) -> tuple[str, ...]:
 
 
 def share_of(moment: str) -> float:
-    """Return the time of a moment as a share of the time between the first and the last frame."""
+    """Return the time of a moment as a share of the time between the first and the last frame.
+
+    Raises:
+        UnknownComponent: If there is no such moment.
+    """
     named = {"first": 0.0, "middle": 0.5, "last": 1.0}
-    return named[moment] if moment in named else int(moment.removeprefix("at-")) / 100
+    if moment in named:
+        return named[moment]
+    percent = re.fullmatch(r"at-([1-9][0-9]?)", moment) if isinstance(moment, str) else None
+    if percent is None:
+        raise UnknownComponent("moment", f"{moment}"[:80], [*MOMENTS, "at-1 ... at-99"])
+    return int(percent[1]) / 100
 
 
 def in_order(found: Iterable[str]) -> tuple[str, ...]:

@@ -8,9 +8,10 @@ JSON: nothing may depend on the order of keys.
 from collections.abc import Iterator
 from typing import ClassVar, Literal, Self, TypeGuard, get_args
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
-from oodscen.data._base import Data, IssuesError, LeanData
+from oodscen._numbers import finite_number
+from oodscen.data._base import Data, IssuesError, LeanData, issues_of
 from oodscen.data._claim import Claim
 from oodscen.data._details import Details
 from oodscen.data._map_state import MapState
@@ -260,6 +261,14 @@ class Scene(LeanData, SceneUses):
             red_from_s=trigger.value if trigger.kind == "time" else 0.0,
         )
 
+    def misfits(self) -> list[Issue]:
+        """Return the values that no scene can have: `model_copy` changes values without checking them."""
+        try:
+            type(self).model_validate(vars(self))
+        except ValidationError as error:
+            return issues_of(error)
+        return []
+
     def twin(self, decision_s: float) -> "Scene":
         """Return the same scene with its hazard replaced by the ordinary counterpart.
 
@@ -269,7 +278,11 @@ class Scene(LeanData, SceneUses):
         Args:
             decision_s: Time of the decision in the scene itself. The twin is judged at the same time, even if
                 the actor that triggered the decision is gone.
+
+        Raises:
+            UsageError: If it is no time from 0 to 500 s.
         """
+        decision_s = finite_number("decision_s", decision_s, 0.0, 500.0)
         actors = (self.hazard.actors.get(actor.id, actor) for actor in self.actors)
         return Scene.model_validate(
             {

@@ -40,7 +40,8 @@ class SceneUses:
         """
         from oodscen.driving._sight.placement import check_scene
 
-        return check_scene(_scene(self), catalogue)
+        scene = _scene(self)
+        return scene.misfits() or check_scene(scene, catalogue)
 
     def check_claims(
         self,

@@ -45,8 +45,10 @@ def read_continuous(action: Any, source: str) -> NDArray[np.float64]:
         UsageError: If it is anything else.
     """
     try:
-        values = np.empty(0) if np.iscomplexobj(action) else np.asarray(action, np.float64)
-    except (TypeError, ValueError):
+        values = np.asarray(action)
+        is_number = values.dtype.kind in "fiu" or values.dtype == object
+        values = values.astype(np.float64) if is_number else np.empty(0)
+    except (TypeError, ValueError, OverflowError):
         values = np.empty(0)
     if values.shape != (2,):
         raise UsageError(f"{source}: an action must be two numbers, not {action!r:.80}")

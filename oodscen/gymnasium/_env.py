@@ -2,6 +2,7 @@
 
 import math
 import os
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -105,9 +106,13 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self._seed = known if seed is None else seed_number(seed)
         self._scenes = {one.id: one for one in found}
         self.scene_ids: tuple[str, ...] = tuple(
-            name for one in found for name in ((one.id, twin_id(one.id)) if twins else (one.id,))
+            name
+            for one in found
+            for name in ((one.id, twin_id(one.id)) if twins and not one.is_twin else (one.id,))
         )
         """The ids that an episode can have."""
+        if twice := [name for name, count in Counter(self.scene_ids).items() if count > 1]:
+            raise UsageError(f"a scene has the id of another one's twin, {twice[0]!r}")
         self._held = self._steps()
         self.interface.step_s = self._held * self.simulator.dt
         self.metadata = {**self.metadata, "render_fps": round(1.0 / self.interface.step_s)}

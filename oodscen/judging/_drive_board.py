@@ -14,6 +14,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
+from oodscen.judging._items import last_by
 from oodscen.judging._leaderboard.scores import Estimate
 from oodscen.judging._leaderboard.sentences import lead, percent, spread
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
@@ -166,13 +167,14 @@ def drive_board(
     """Return the results of every driver, with intervals that resample whole paths.
 
     Args:
-        results: Results of any drivers, on scenes and twins, including failed ones.
+        results: Results of any drivers, on scenes and twins, including failed ones. The last result of a driver in a
+            scene replaces earlier ones.
         scenarios: The scenarios, which give the path of each scene; without them the scene's id gives it.
         seed: Seed of the resampling.
     """
     paths = paths_of(scenarios)
     grouped: dict[str, list[DriveResult]] = {}
-    for one in results:
+    for one in last_by(results, lambda one: (one.driver, one.scene_id)):
         grouped.setdefault(one.driver, []).append(one)
     sums = _Sums(paths, seed_number(seed))
     yardstick = drives_and_passes(grouped.get(RULE_BASED, ()))

@@ -1,9 +1,9 @@
 """Verdicts as arrays over the items of a study: its scenes and their twins, in one order."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +19,18 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Value = TypeVar("Value")
 Level = Literal["class", "family", "path"]
 
 CAUTIOUS = frozenset(("stop", "emergency_brake", "pull_over"))
 """Stops, which are needless on a road where keeping the speed is safe."""
 DISTURBING = CAUTIOUS | {"change_lane_left", "change_lane_right"}
 """Actions that are not right in an ordinary drive in which keeping the speed is safe."""
+
+
+def last_by(values: Iterable[Value], key: Callable[[Value], Hashable]) -> list[Value]:
+    """Return the last value of every key, in the order in which the keys came first."""
+    return list({key(value): value for value in values}.values())
 
 
 @dataclass(frozen=True, eq=False)

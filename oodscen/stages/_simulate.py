@@ -22,6 +22,7 @@ from oodscen.data._episode import (
     ActionOutcome,
     Episode,
     Follower,
+    in_order,
     share_of,
 )
 from oodscen.data._scene import LONGEST_HORIZON_S, Scene
@@ -33,7 +34,7 @@ from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.visibility import is_noticeable, least_area
 from oodscen.driving._states import watched
 from oodscen.driving._trace import Course, Trace, concatenate
-from oodscen.errors import MissingExtra, UnknownComponent
+from oodscen.errors import MissingExtra, SceneError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Control, Frame, Simulator, State, camera_for
 from oodscen.stages._birds_eye import birds_eye
 from oodscen.stages._safe_actions import Rollouts, Trials, fingerprint
@@ -132,21 +133,25 @@ def simulate(
             leaving the road neither is unsafe nor ends the run, and there is one driver, who reacts at once.
         reaction: Reaction times of the drivers, s.
         horizon: Time for which an action is watched, s; by default the scene's.
-        moments: The moments of the frames, `first` and `last` among them; the others `middle` or
-            `at-N`, at N percent of the time between them.
+        moments: The moments of the frames, `last` among them; the others `first`, `middle` or `at-N`, at N percent of
+            the time between the first and the last.
 
     Raises:
         SceneError: When the simulator refuses the scene.
         SimulatorError: When the simulator fails, whatever it raises.
-        UsageError: When the object is not a simulator or another thread uses it, an action is unknown, or a time is
-            out of range.
+        UsageError: When the object is not a simulator or another thread uses it, an action or a moment is unknown, or
+            a time is out of range.
     """
     conforming("simulator", simulator)
+    if issues := scene.misfits():
+        raise SceneError(scene.id, issues)
     seed_number(seed)
     for action in actions:
         if action not in ACTIONS:
             raise UnknownComponent("action", str(action), ACTIONS)
     trials = Trials.of((0.0,) if protocol == "paper" else reaction, protocol == "paper")
+    if "last" not in in_order(moments):
+        raise UsageError("moments must have the moment of the decision, 'last', among them")
     if horizon is not None:
         seconds = finite_number("horizon", horizon, 0.1, LONGEST_HORIZON_S)
         scene = scene.model_copy(update={"horizon_s": seconds})

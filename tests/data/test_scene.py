@@ -1,13 +1,15 @@
 """Laws of scenes: a valid one has a twin that differs in the declared parts only."""
 
 import json
+import math
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
-from oodscen.errors import DataError
+from oodscen.errors import DataError, UsageError
+from oodscen.testing._scenes import example_scene
 
 names = st.sampled_from(["truck", "deer", "box", "cone"])
 triggers = st.builds(
@@ -134,6 +136,12 @@ def test_a_twin_differs_only_in_what_the_hazard_declares(scene, decision_s):
         assert scene.decision.actor in {actor.id for actor in scene.actors}
     for value in (scene, twin):
         assert Scene.parse(value.to_json()) == value
+
+
+@pytest.mark.parametrize("time", [math.nan, math.inf, -1.0, 1e308, "1"])
+def test_a_twin_is_judged_at_a_time(time):
+    with pytest.raises(UsageError, match="decision_s"):
+        example_scene().twin(time)
 
 
 def test_the_example_is_valid():

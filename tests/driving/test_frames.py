@@ -53,6 +53,7 @@ def test_wider_types_of_the_same_kind_are_converted() -> None:
         ("ids", GOOD.ids - 1),
         ("ids", GOOD.ids.astype(np.float32)),
         ("ids", GOOD.ids.astype(np.uint64) + 2**32),
+        ("ids", GOOD.ids.astype("timedelta64[s]")),
         ("unhidden", np.array([1, 2, 3])),
         ("tags", np.zeros((3, 4))),
     ],

@@ -209,6 +209,9 @@ def test_calls_out_of_order_and_unknown_scenes_are_refused(made, tmp_path):
         SceneEnv(tmp_path)
     with pytest.raises(UsageError, match="both"):
         SceneEnv(tmp_path, scenes=[example_scene()])
+    clash = example_scene().model_copy(update={"id": "example-001~twin"})
+    with pytest.raises(UsageError, match="twin"):
+        SceneEnv(scenes=[example_scene(), clash], twins=True)
     with pytest.raises(UsageError, match="progress"):
         SceneEnv(reward={"progress": math.nan})
 

@@ -61,6 +61,14 @@ def test_counts_add_up(outcomes):
         assert share.interval.low <= share.value <= share.interval.high
 
 
+@settings(max_examples=20, deadline=None)
+@given(PAIRS, PAIRS)
+def test_the_last_result_in_a_scene_counts(earlier, later):
+    replaced = drives("mine", earlier[: len(later)])
+    last = drives("mine", later)
+    assert drive_board(replaced + last) == drive_board(last)
+
+
 BRAKED = st.sampled_from([True, False, None, "failed"])
 
 

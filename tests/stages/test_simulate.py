@@ -1,5 +1,7 @@
 """Simulating one scene: frames at three moments, every action, the same bytes each time."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -166,6 +168,22 @@ def test_a_refused_scene_names_every_fault(flat):
         "actors[0].asset",
         "actors[0].behaviour.name",
     }
+
+
+@pytest.mark.parametrize(
+    "changed", [{"actors": ()}, {"horizon_s": math.nan}, {"map": 5}, {"weather": None}, {"id": ""}]
+)
+def test_a_scene_that_was_changed_into_none_is_refused(flat, changed):
+    scene = example_scene().model_copy(update=changed)
+    with pytest.raises(SceneError):
+        simulate(scene, flat, render=False)
+    assert scene.check(flat.catalogue())
+
+
+@pytest.mark.parametrize("moments", [(), ("first",), ("last", "x"), ("at-0", "last"), ("last", 5)])
+def test_moments_that_there_are_not_are_refused(flat, moments):
+    with pytest.raises(UsageError):
+        simulate(example_scene(), flat, moments=moments)
 
 
 class _Slow(FlatSimulator):

@@ -1,4 +1,4 @@
-"""What a text tells, as far as staging heeds it."""
+"""The content of a text, as far as staging heeds it."""
 
 import re
 from collections import Counter

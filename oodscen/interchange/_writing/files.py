@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from oodscen._display import Brief
-from oodscen._files import check_name, replace
+from oodscen._files import check_name, replace, writing
+from oodscen.errors import UsageError
 from oodscen.interchange._writing.roads import RoadFile
 
 
@@ -26,16 +27,22 @@ class ScenarioFile(Brief):
         """Write all files into a folder and return the path of the scenario.
 
         Raises:
-            UsageError: If `folder` is not a usable path.
+            UsageError: If `folder` is not a usable path, or the scene's id is not a file's name.
+            OodscenError: If a file cannot be written.
         """
         check_name(folder)
+        if Path(self.name).name != self.name:
+            raise UsageError(
+                f"the id of the scene, {self.name[:80]!r}, cannot be the name of a file"
+            )
         place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
-        road = place / self.road.name
-        if not road.exists() or road.read_bytes() != self.road.content:
-            replace(road, self.road.content)
         path = place / f"{self.name}.xosc"
-        replace(path, self.xosc)
-        for name, content in self.beside.items():
-            replace(place / name, content)
+        road = place / self.road.name
+        with writing(place):
+            place.mkdir(parents=True, exist_ok=True)
+            if not road.exists() or road.read_bytes() != self.road.content:
+                replace(road, self.road.content)
+            replace(path, self.xosc)
+            for name, content in self.beside.items():
+                replace(place / name, content)
         return path

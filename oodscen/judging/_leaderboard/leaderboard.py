@@ -10,7 +10,7 @@ from oodscen._numbers import seed_number
 from oodscen.data._episode import Episode, as_offered
 from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import Protocol, Verdict
-from oodscen.judging._items import AnswerColumns, Items, Mask
+from oodscen.judging._items import AnswerColumns, Items, Mask, last_by
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.comparisons import comparisons
 from oodscen.judging._leaderboard.gains import with_gains
@@ -40,8 +40,9 @@ def leaderboard(
     scored by different judges are not compared.
 
     Args:
-        verdicts: Verdicts of any models, on scenes and twins, including failed ones.
-        episodes: Episodes of the scenes and twins, which give the safe actions.
+        verdicts: Verdicts of any models, on scenes and twins, including failed ones. The last verdict of a model on an
+            item replaces earlier ones.
+        episodes: Episodes of the scenes and twins, which give the safe actions; the last one of an item counts.
         scenarios: The scenarios, which give the path of each scene.
         whole: Episodes of the paper's protocol, which tell whether its frames show the hazard.
         audit: The audit of these episodes, whose best shortcut is the one to beat; without one it is the best
@@ -49,8 +50,10 @@ def leaderboard(
         seed: Seed of the resampling.
     """
     seed_number(seed)
-    found = list(episodes)
-    ran = [episode for episode in whole if episode.status == "ok"]
+    found = last_by(episodes, lambda one: one.scene_id)
+    ran = [
+        episode for episode in last_by(whole, lambda one: one.scene_id) if episode.status == "ok"
+    ]
     seen = {episode.scene_id for episode in ran if episode.hazard_visible}
     items = Items.of(found, {one.id: one for one in scenarios})
     study = SharedValues(
@@ -60,7 +63,7 @@ def leaderboard(
         np.array([episode.scene_id in seen for episode in items.episodes], np.bool_),
     )
     grouped: dict[tuple[str, Protocol], list[Verdict]] = {}
-    for verdict in verdicts:
+    for verdict in last_by(verdicts, lambda one: (one.model, one.protocol, one.scene_id)):
         grouped.setdefault((verdict.model, verdict.protocol), []).append(verdict)
     sheets = {key: AnswerColumns.of(items, given) for key, given in grouped.items()}
     rows = [standing(study, sheets[key], given) for key, given in grouped.items()]

@@ -32,10 +32,10 @@ def read_action(text: str, offered: Sequence[str] = ACTIONS) -> ParsedAnswer[str
         offered: Ids of the actions; all of them by default.
 
     Raises:
-        UsageError: When an id is empty, or the answer is not a text.
+        UsageError: When no action is offered, an id is empty, or the answer is not a text.
     """
-    if "" in offered:
-        raise UsageError("the id of an action is empty")
+    if not offered or "" in offered:
+        raise UsageError("no action is offered, or the id of one is empty")
     words = {name: _ACTION_WORDS.get(name, re.escape(fold(name))) for name in offered}
     return _Reader(list(offered), _marking(words), _ACTION).read(text)
 

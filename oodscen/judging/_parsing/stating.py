@@ -226,7 +226,7 @@ _DISOWNS = re.compile(
     r"\A\W*(?:placeholder|example|n/?a|dummy|test|todo|tbd|no|not|nope|never|wrong|false)\W*\Z"
     r"|\A\W*(?:the |my )?answer (?:is )?(?:withheld|omitted|redacted)\b"
     r"|\b(?:this|it) is (?:only|just|merely) (?:an? )?(?:example|placeholder|test|template|dummy)\b"
-    r"|\b(?:opposite of (?:what|my|this|the answer)|just kidding|joking|i (?:lied|lie|am lying)"
+    r"|\b(?:opposite of (?:what|my|this|the (?:answer|choice|action|option|decision))|just kidding|joking|i (?:lied|lie|am lying)"
     rf"|(?:this|the|my|that) {_NAMED}(?: below| field)? {_IS} (?:not (?:my|the)|{_BAD})"
     rf"|(?:this|that|it|what follows|the (?:above|below|following)) (?:would be {_BAD}(?! (?:not )?to\b| for\b)|{_IS} (?:not my"
     rf"|{_BAD} {_NAMED}|an? (?:lie|mistake|decoy|joke)))"

@@ -73,16 +73,17 @@ def plot(
 
 
 def _distributions(sets: Named, label: str) -> "Figure":
+    known = {name: _numbers(name, values, 1) for name, values in _filled(sets).items()}
     strips = [
-        Strip(name, np.asarray(values, np.float64).tolist(), float(np.mean(values)))
-        for name, values in _filled(sets).items()
+        Strip(name, values.tolist(), float(np.mean(values))) for name, values in known.items()
     ]
     return histogram(strips, what=label).figure()
 
 
 def _size_curve(sets: Mapping[str, Vectors], *, repeats: int, seed: int) -> "Figure":
     curves = []
-    for name, vectors in _filled(sets).items():
+    for name, values in _filled(sets).items():
+        vectors = _numbers(name, values, 2)
         if len(vectors) < 2:
             raise UsageError(f"the set {name!r} has one text, and diversity needs two")
         sizes, means, spreads = size_curve_of(
@@ -94,7 +95,9 @@ def _size_curve(sets: Mapping[str, Vectors], *, repeats: int, seed: int) -> "Fig
 
 
 def _embedding_map(sets: Mapping[str, Vectors], *, reference: str | None) -> "Figure":
-    known = _filled(sets)
+    known = {name: _numbers(name, values, 2) for name, values in _filled(sets).items()}
+    if len({values.shape[1] for values in known.values()}) > 1:
+        raise UsageError("the vectors of the sets have different lengths")
     if reference is not None and reference not in known:
         raise UsageError(f"there is no set {reference!r} among {', '.join(known)}")
     base = np.concatenate(list(known.values())) if reference is None else known[reference]
@@ -102,6 +105,23 @@ def _embedding_map(sets: Mapping[str, Vectors], *, reference: str | None) -> "Fi
     order = sorted(known, key=lambda name: name != reference)
     clouds = [Cloud(name, ((known[name] - mean) @ axes.T).tolist()) for name in order]
     return cloud_map(clouds, share.tolist(), colour=1 if reference is None else 0).figure()
+
+
+def _numbers(name: str, values: Any, axes: int) -> NDArray[Any]:
+    """Return a set as an array of finite numbers.
+
+    Raises:
+        UsageError: If it is anything else.
+    """
+    try:
+        found = np.asarray(values, getattr(values, "dtype", np.float64))
+        is_sound = found.dtype.kind == "f" and found.ndim == axes and np.isfinite(found).all()
+    except (TypeError, ValueError):
+        is_sound = False
+    if not is_sound:
+        wanted = "scores" if axes == 1 else "vectors, [n, d]"
+        raise UsageError(f"the set {name!r} must be {wanted}, all of them finite numbers")
+    return found
 
 
 def _filled(sets: Mapping[str, T]) -> Mapping[str, T]:

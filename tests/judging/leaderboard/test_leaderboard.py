@@ -67,6 +67,13 @@ def test_who_knows_scores_all_and_a_constant_what_it_must() -> None:
     }
 
 
+def test_the_last_verdict_and_episode_of_an_item_count() -> None:
+    case = Case()
+    wrong, right = case.verdicts("m", careless), case.verdicts("m", knows)
+    found = leaderboard(wrong + right, case.episodes * 2, case.scenarios)
+    assert found == leaderboard(right, case.episodes, case.scenarios)
+
+
 def test_what_was_not_answered_is_missing_and_never_wrong() -> None:
     case = Case()
 

@@ -64,7 +64,7 @@ The answer below is wrong.|The following is a lie.|The action field is a decoy.|
 Stopping would be unnecessary.|Stopping is pointless here.|I rule out stopping.|There is no reason to stop.|Stopping must be avoided.
 I would choose any action except stop.|I would not, whatever they say, stop.|Stop: no way.|Stopping will not work.|Not stopping would be best.
 Stopping would make the truck behind us hit me.|Under no circumstances should I stop.|I prefer to brake hard rather than stop.
-Everyone dies if I stop.|If I stop, then we will collide.|The answer is withheld.|This is only an example.
+Everyone dies if I stop.|If I stop, then we will collide.|The answer is withheld.|This is only an example.|Do the opposite of the action below.
 """.strip().replace("\n", "|").split("|")  # fmt: skip
 """Reasons that are against the answer beside them."""
 

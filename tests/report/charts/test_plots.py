@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 
@@ -58,3 +60,12 @@ def test_nothing_to_draw_is_refused():
         plot({"a": rows(0, 1)}, "size_curve")
     with pytest.raises(UsageError):
         plot({"a": rows(0, 3)}, "map", reference="b")
+    for bad in ([math.nan], ["x"], np.ones((2, 3)), [[1.0], [1.0, 2.0]]):
+        with pytest.raises(UsageError, match="scores"):
+            plot({"a": bad})
+    for bad in (np.full((4, 3), math.nan), np.ones(4), ["x", "y"]):
+        for kind in ("map", "size_curve"):
+            with pytest.raises(UsageError, match="vectors"):
+                plot({"a": bad}, kind)
+    with pytest.raises(UsageError, match="lengths"):
+        plot({"a": rows(0, 3), "b": rows(0, 3)[:, :2]}, "map")
