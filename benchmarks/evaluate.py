@@ -31,7 +31,7 @@ from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._items import CAUTIOUS
 from oodscen.judging._kinds import LISTED
 from oodscen.judging._leaderboard.leaderboard import leaderboard
-from oodscen.judging._leaderboard.scores import Estimate
+from oodscen.judging._leaderboard.rows import Estimate
 from oodscen.judging._safety_figures import safety_figures
 from oodscen.judging._selection import choose_items
 from oodscen.judging._shortcuts.audit import audit

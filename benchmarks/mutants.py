@@ -54,7 +54,7 @@ MODULES = {
     ),
     "oodscen/judging/_leaderboard/leaderboard.py": ("tests/judging/leaderboard",),
     "oodscen/judging/_leaderboard/standings.py": ("tests/judging/leaderboard",),
-    "oodscen/judging/_leaderboard/scores.py": ("tests/judging/leaderboard",),
+    "oodscen/judging/_leaderboard/rows.py": ("tests/judging/leaderboard",),
     "oodscen/llm/_json_objects.py": (
         "tests/llm/test_json_objects.py",
         "tests/llm/test_ask.py",
@@ -160,7 +160,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "for index, cosine in zip(found.index.tolist(), found.cosine.tolist(), strict=False)",
     ): "both have one entry per text",
     (
-        "oodscen/judging/_leaderboard/scores.py",
+        "oodscen/judging/_leaderboard/rows.py",
         "return max(seen, key=lambda item: item[0], default=((0.0 + 1), None))[1]",
     ): "only the second part of the default is used",
     (

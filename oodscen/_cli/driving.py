@@ -15,7 +15,7 @@ from oodscen._cli.progress import tracked
 
 if TYPE_CHECKING:
     from oodscen.judging._drive_board import DriveRate, DriveRow
-    from oodscen.judging._leaderboard.scores import Estimate
+    from oodscen.judging._leaderboard.rows import Estimate
 
 _SHOWN = 5
 """Failed drives that are named."""

@@ -13,8 +13,8 @@ from oodscen._seeding import MAX_SEED
 from oodscen.data._episode import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.errors import UsageError
 from oodscen.llm._remote.budget import check_price
-from oodscen.llm._remote.endpoint import PATIENCE_S
 from oodscen.llm._remote.limits import LONGEST_S, TIMEOUT_S
+from oodscen.llm._remote.rate_limit import PATIENCE_S
 from oodscen.protocols import Camera
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 

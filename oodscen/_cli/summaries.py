@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from oodscen.data._verdict import Verdict
     from oodscen.judging._leaderboard.board import Leaderboard
     from oodscen.judging._leaderboard.requirements import RequirementResult
-    from oodscen.judging._leaderboard.scores import Estimate, Rate
+    from oodscen.judging._leaderboard.rows import Estimate, Rate
     from oodscen.llm._accounting import Account, Ledger
     from oodscen.stages._redteam.saturation import Saturation
 

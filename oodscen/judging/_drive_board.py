@@ -15,7 +15,7 @@ from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.judging._items import last_by
-from oodscen.judging._leaderboard.scores import Estimate
+from oodscen.judging._leaderboard.rows import Estimate
 from oodscen.judging._leaderboard.sentences import lead, percent, spread
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler

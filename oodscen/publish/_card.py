@@ -13,7 +13,7 @@ from oodscen._version import __version__
 from oodscen.data._base import canonical_json
 from oodscen.judging._kinds import merge_kinds
 from oodscen.judging._leaderboard.requirements import FIGURES
-from oodscen.judging._leaderboard.scores import Rate
+from oodscen.judging._leaderboard.rows import Rate
 from oodscen.judging._people import person
 from oodscen.publish._question_rows import TASKS, PublishedDrive, question_rows
 from oodscen.publish._splits import SPLITS

@@ -11,7 +11,7 @@ from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._leaderboard.paper_example import paper_example
 from oodscen.judging._leaderboard.requirements import ALPHA, Bar, requirements
-from oodscen.judging._leaderboard.scores import PRIVILEGED, LeaderboardRow, Rate
+from oodscen.judging._leaderboard.rows import PRIVILEGED, LeaderboardRow, Rate
 from oodscen.judging._leaderboard.sentences import constants
 from oodscen.report._charts import scores as charts
 from oodscen.report._charts.canvas import Canvas

@@ -16,7 +16,7 @@ from markupsafe import Markup, escape
 from oodscen._arguments import checked
 from oodscen.errors import FolderTaken
 from oodscen.judging._leaderboard.requirements import Bar
-from oodscen.judging._leaderboard.scores import Estimate, Rate
+from oodscen.judging._leaderboard.rows import Estimate, Rate
 from oodscen.report import _load as reading
 from oodscen.report import _page as page
 from oodscen.report import _phrasing as words

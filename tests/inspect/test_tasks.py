@@ -21,7 +21,7 @@ from oodscen import Study, evaluate  # noqa: E402
 from oodscen.errors import UsageError  # noqa: E402
 from oodscen.inspect import _tasks as tasks  # noqa: E402
 from oodscen.judging import leaderboard  # noqa: E402
-from oodscen.judging._leaderboard.scores import LeaderboardRow  # noqa: E402
+from oodscen.judging._leaderboard.rows import LeaderboardRow  # noqa: E402
 from oodscen.protocols import Completion, Request  # noqa: E402
 from oodscen.publish import publish  # noqa: E402
 from oodscen.study._asked import asked_drives  # noqa: E402

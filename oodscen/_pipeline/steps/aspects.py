@@ -19,7 +19,7 @@ from oodscen.judging._aspects.opinions import (
     rescore_verdict,
 )
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
-from oodscen.llm._remote.endpoint import JUDGING
+from oodscen.llm._remote.rate_limit import JUDGING
 
 OPINIONS = "opinions.jsonl"
 """File with one line per distinct pair of open aspect and path that a judge model was asked about."""

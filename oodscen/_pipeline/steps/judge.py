@@ -39,7 +39,7 @@ from oodscen.judging._selection import choose_items
 from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
-from oodscen.llm._remote.endpoint import JUDGING
+from oodscen.llm._remote.rate_limit import JUDGING
 from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._versions import prompt_versions
 from oodscen.protocols import LLM

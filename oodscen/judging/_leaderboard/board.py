@@ -4,7 +4,7 @@ from typing import Literal
 
 from oodscen._display import html_table
 from oodscen.data._base import Data
-from oodscen.judging._leaderboard.scores import (
+from oodscen.judging._leaderboard.rows import (
     ActionTally,
     Estimate,
     LeaderboardRow,

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from oodscen.judging._items import Items, Sheets
-from oodscen.judging._leaderboard.scores import (
+from oodscen.judging._leaderboard.rows import (
     TASKS,
     LeaderboardRow,
     ModelComparison,

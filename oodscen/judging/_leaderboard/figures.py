@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.judging._items import AnswerColumns, Floats, Items, Mask, Ratio
-from oodscen.judging._leaderboard.scores import Rate
+from oodscen.judging._leaderboard.rows import Rate
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, share_bounds
 from oodscen.statistics._resampling import Resampler
 

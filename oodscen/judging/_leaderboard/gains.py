@@ -8,7 +8,7 @@ import numpy as np
 from oodscen.data._verdict import without_pictures
 from oodscen.judging._items import Items, Ratio, Sheets
 from oodscen.judging._leaderboard.figures import PairColumns
-from oodscen.judging._leaderboard.scores import Estimate, Gain, LeaderboardRow
+from oodscen.judging._leaderboard.rows import Estimate, Gain, LeaderboardRow
 from oodscen.statistics._intervals import percentiles
 from oodscen.statistics._resampling import Resampler
 

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from oodscen.judging._leaderboard.scores import Estimate, LeaderboardRow, PairedScores, Rate
+from oodscen.judging._leaderboard.rows import Estimate, LeaderboardRow, PairedScores, Rate
 
 if TYPE_CHECKING:
     from oodscen.judging._drive_board import DriveRate

@@ -12,7 +12,7 @@ from oodscen.data._verdict import NOTHING, Protocol, Verdict
 from oodscen.judging._items import AnswerColumns, Floats, Items, Mask, Ratio
 from oodscen.judging._leaderboard.figures import FAULTS, PairColumns, figures, rate, resample_ratios
 from oodscen.judging._leaderboard.gains import mean_of
-from oodscen.judging._leaderboard.scores import (
+from oodscen.judging._leaderboard.rows import (
     ActionScore,
     Confusion,
     Detection,

@@ -13,7 +13,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import MissingExtra, StudyError
 from oodscen.judging._items import Items, Mask, Ratio
-from oodscen.judging._leaderboard.scores import Estimate
+from oodscen.judging._leaderboard.rows import Estimate
 from oodscen.judging._shortcuts import facts
 from oodscen.judging._shortcuts.rules import Guess, folds_of, is_audited
 from oodscen.statistics._auroc import auroc_of_items

@@ -11,7 +11,7 @@ from oodscen._display import Brief
 from oodscen._numbers import finite_number, whole_number
 from oodscen.errors import DataError, RunStopped, UsageError
 from oodscen.llm._remote.budget import Budget, Caps, check_price
-from oodscen.llm._remote.endpoint import CONCURRENCY, PATIENCE_S, STRIKES, Endpoint
+from oodscen.llm._remote.rate_limit import CONCURRENCY, PATIENCE_S, STRIKES, Endpoint
 
 TIMEOUT_S = 120.0
 """Longest time for one attempt, from its start to the last byte, in seconds."""

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from oodscen._concurrency import as_finished
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, RunStopped, UsageError
 from oodscen.llm._remote.budget import ANSWER_TOKENS, Budget, Caps, Price, Spent
-from oodscen.llm._remote.endpoint import JUDGING, PATIENCE_S, STRIKES, Endpoint
 from oodscen.llm._remote.failures import FailedAttempt
 from oodscen.llm._remote.limits import GRACE_S, Limits
 from oodscen.llm._remote.litellm import LiteLLM
+from oodscen.llm._remote.rate_limit import JUDGING, PATIENCE_S, STRIKES, Endpoint
 from oodscen.llm._remote.usage import estimate_tokens
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from oodscen.data._base import Data
 from oodscen.judging._leaderboard import scores
 from oodscen.judging._leaderboard.board import Leaderboard
-from oodscen.judging._leaderboard.scores import (
+from oodscen.judging._leaderboard.rows import (
     TASKS,
     ActionScore,
     Detection,
