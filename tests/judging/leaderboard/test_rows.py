@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._base import Data
-from oodscen.judging._leaderboard import scores
+from oodscen.judging._leaderboard import rows
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.rows import (
     TASKS,
@@ -85,8 +85,8 @@ def test_the_floor_is_the_best_reference_of_ours_that_does_not_know_the_truth(ro
 
 
 ROWS_OF_THE_BOARD = sorted(
-    {kind for kind in vars(scores).values() if isinstance(kind, type) and issubclass(kind, Data)}
-    - {Data, scores.Interval, scores.PairedTest}
+    {kind for kind in vars(rows).values() if isinstance(kind, type) and issubclass(kind, Data)}
+    - {Data, rows.Interval, rows.PairedTest}
     | {Leaderboard},
     key=lambda kind: kind.__name__,
 )
@@ -107,5 +107,5 @@ def test_a_new_row_has_counted_and_measured_nothing(kind):
 
 
 def test_tasks_are_those_that_are_ranked():
-    assert get_args(scores.Task) == TASKS
+    assert get_args(rows.Task) == TASKS
     assert len(ROWS_OF_THE_BOARD) == 13
