@@ -30,10 +30,7 @@ ROOT = Path(__file__).parent.parent
 COPIED = ("oodscen", "adapters", "tests", "pyproject.toml")
 
 MODULES = {
-    "oodscen/tree/_scenario_tree.py": (
-        "tests/tree/test_scenario_tree.py",
-        "tests/tree/test_edit_log.py",
-    ),
+    "oodscen/tree/_scenario_tree.py": ("tests/tree",),
     "oodscen/tree/_edit_log.py": (
         "tests/tree/test_edit_log.py",
         "tests/tree/test_scenario_tree.py",
@@ -172,6 +169,10 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "value = json_repair.loads(text, skip_json_loads=False)",
     ): "what our own decoder has refused is no JSON to the repairer either",
     (_OBJECTS, "return None, (0 + 1)"): "the end is only used with a value",
+    (
+        "oodscen/tree/_scenario_tree.py",
+        "index, issues = EditLog().extend((0 + 1), log)",
+    ): "an empty log has no later version",
     (
         "oodscen/study/_store.py",
         "start = max(0, end - len(tail) - (65_536 + 1))",

@@ -492,3 +492,19 @@ def test_an_object_without_nodes_and_edits_is_no_tree():
         with pytest.raises(DataError, match="neither nodes nor edits"):
             ScenarioTree.parse(value)
     assert len(ScenarioTree.parse(ScenarioTree().to_json())) == 0
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda tree: tree.apply([TreeEdit(op="remove", node=ROOT)]),
+        lambda tree: tree.apply("edit"),
+        lambda tree: tree.diff(tree.nodes),
+        lambda tree: tree.merge("tree"),
+        lambda tree: tree.path(5),
+        lambda tree: tree.new_id(None),
+    ],
+)
+def test_arguments_of_another_kind_are_refused(call):
+    with pytest.raises(UsageError, match="must be"):
+        call(ScenarioTree.initial())
