@@ -34,6 +34,7 @@ from oodscen._cli.output import say
 from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._cli.progress import bars
 from oodscen._cli.summaries import estimated, exit_code, graded, left_out, summary
+from oodscen._files import is_written_through
 from oodscen._registry import DEFAULT_ENCODER
 
 if TYPE_CHECKING:
@@ -283,8 +284,11 @@ def quiz(out: Path, file: Path | None, scenes: int, rear_view: bool | None) -> N
     from oodscen._pipeline import RunOptions
     from oodscen._pipeline.answering import rear_views
     from oodscen.report._quiz import drawn, write_quiz
+    from oodscen.study._files import QUIZ, refuse_own
     from oodscen.study._study import Study
 
+    if file is not None and not is_written_through(file):
+        refuse_own(file, but=QUIZ)
     study, rears = Study.open(out), dict[str, str]()
     if rear_view:
         drives = [drive.episode for drive in drawn(study, scenes)]
