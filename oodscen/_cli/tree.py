@@ -10,7 +10,7 @@ from oodscen._cli.numbers import FiniteRange
 from oodscen._cli.options import json_option, out_option
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import FileCommand, PathName
-from oodscen.errors import DataError, Issue
+from oodscen.errors import DataError, Issue, UsageError
 from oodscen.tree._scenario_tree import ScenarioTree
 
 if TYPE_CHECKING:
@@ -218,7 +218,11 @@ def replay(
     if (edit, round_, stage) != (None, None, None):
         found = found.at(edit=edit, round=round_, stage=stage)
     for index in undo:
-        found = found.undo(index)
+        before, found = found, found.undo(index)
+        if len(before) and not len(found):
+            raise UsageError(
+                f"edit {index} added the root: without it no node of the tree would be left, so it is not undone"
+            )
     if out is not None:
         write(out, found.to_json())
         return
