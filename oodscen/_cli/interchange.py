@@ -14,7 +14,13 @@ import click
 
 from oodscen._cli.completion import ComponentName
 from oodscen._cli.exporting import claim_folder, refuse_clashes
-from oodscen._cli.options import json_option, seed_option, simulator_option
+from oodscen._cli.options import (
+    json_option,
+    refuse_idle,
+    refuse_idle_server,
+    seed_option,
+    simulator_option,
+)
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import READABLE, PathName
 from oodscen._cli.places import KnownFacts, scenes_of, simulator_of
@@ -105,6 +111,10 @@ def export(
     """
     from oodscen.study._files import refuse_inside
 
+    if (form := options["form"]) != "openscenario":
+        refuse_idle(f"with --to {form}", "mode", "target", "ego", "logical")
+    if form == "openlabel" or options["mode"] == "reactive":
+        refuse_idle("without a replay", "action")
     scenes, catalogue, known = scenes_of(place, simulator)
     scenes = scenes[:limit]
     options["simulator"] = simulator_of(place, simulator)
@@ -244,6 +254,10 @@ def import_(
 
     if api_base is not None and llm is None:
         raise UsageError("--api-base is the address of a model; name it with --llm")
+    if llm is not None:
+        refuse_idle_server(llm)
+    if hazards:
+        refuse_idle("with --hazard", "llm")
     model = make_llm(llm, api_base=api_base) if llm is not None else None
     catalogue = make_simulator(simulator).catalogue()
     _check_files(files, catalogue, is_told=road is not None or bool(hazards))
@@ -332,6 +346,8 @@ def verdict(
     """
     from oodscen.interchange import verdict as judge
 
+    if not driver or not place.is_dir():
+        refuse_idle("without --driver and a study, whose table it is for", "replace")
     names = Counter(path.stem for path in files)
     if driver and (twice := [name for name, count in names.items() if count > 1]):
         raise UsageError(f"{twice[0]} has several files; a driver has one result per scene")
