@@ -81,7 +81,8 @@ def main(folder: str = "made", simulator_name: str = "pybullet") -> None:
             print(f"{scene.id:42} safe: {', '.join(safe) or 'nothing'}")
     for name, rows in lines.items():
         (out / f"{name}.jsonl").write_text("".join(f"{row}\n" for row in rows))
-    (out / "study.json").write_text('{"schema_version": 1, "status": "success"}')
+    about = {"schema_version": 1, "status": "success", "config": {"simulator": simulator_name}}
+    (out / "study.json").write_text(json.dumps(about))
     print(write_report(Study.open(out)))
 
 

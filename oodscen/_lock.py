@@ -96,12 +96,16 @@ def _taken(file: Path, path: Path, what: str, wait_s: float) -> FileLock:
     )
     if os.path.isfile(file) and os.path.getsize(file) and _read(file) == _UNKNOWN:
         raise StudyError(f"{file} is not a lock file of oodscen: move it away")
+    is_new = not os.path.lexists(file)
     try:
         lock.acquire()
         file.write_text(json.dumps(_holder()) + "\n", encoding="utf-8")
     except Timeout:
         raise InUse(str(path), what, *_read(file)) from None
     except OSError as error:
+        with suppress(OSError):
+            if lock.is_locked or (is_new and not file.stat().st_size):
+                file.unlink()
         lock.release(force=True)
         reason = error.strerror or str(error)
         raise StudyError(f"cannot lock {path} for writing: {reason}") from error

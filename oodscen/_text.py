@@ -1,6 +1,8 @@
 """Makes text from outside safe for files, pages and terminals, and reduces words to their stems."""
 
+import os
 import re
+import sys
 import unicodedata
 from functools import cache, lru_cache
 from typing import Any
@@ -19,6 +21,24 @@ def whole(text: str) -> str:
     if not _HALVES.search(text):
         return text
     return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "replace")
+
+
+def text_fault(word: str) -> str:
+    """Return the reason why a word from the command line or a terminal is no text, with the word; empty if it is.
+
+    Where the locale's encoding has no such characters, Python keeps the bytes as lone surrogates.
+    """
+    shown, fault = word, ""
+    if whole(word) != word:
+        try:
+            shown = os.fsencode(word).decode("utf-8")
+            encoding = sys.getfilesystemencoding()
+            fault = f"has characters that the locale's encoding, {encoding}, cannot hold; set LC_ALL=C.UTF-8"
+        except UnicodeError:
+            fault = "is not valid UTF-8"
+    elif "\0" in word:
+        fault = "holds a null character"
+    return f"{one_line(plain(shown))[:100]!r} {fault}" if fault else ""
 
 
 def plain(text: str) -> str:

@@ -1,11 +1,13 @@
 """One writer at a time, and no lock outlives its process."""
 
+import errno
 import json
 import os
 import signal
 import subprocess
 import sys
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -109,6 +111,30 @@ def test_a_place_that_cannot_be_locked_is_a_typed_error(tmp_path):
     lock_file(tmp_path).mkdir()
     with pytest.raises(StudyError, match="cannot lock"), locked(tmp_path, "study"):
         pass
+
+
+@pytest.mark.parametrize("left", [None, '{"pid": 1, "host": "h", "command": "c", "since": "s"}'])
+@pytest.mark.parametrize("fault", ["write", "lock"])
+def test_a_lock_that_could_not_be_written_leaves_no_file(fault, left, tmp_path, monkeypatch):
+    def full(*given, **named):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    file = lock_file(tmp_path)
+    if left is not None:
+        file.write_text(left)
+    with monkeypatch.context() as patch:
+        if fault == "write":
+            patch.setattr(Path, "write_text", full)
+        else:
+            patch.setattr("fcntl.flock", full)
+        refused = pytest.raises(StudyError, match=r"cannot lock .*: No space left")
+        with refused, locked(tmp_path, "study"):
+            pass
+    # Whose lock a file of another process is cannot be told without a lock.
+    assert file.exists() == (fault == "lock" and left is not None)
+    with locked(tmp_path, "study"):
+        assert json.loads(file.read_text())["pid"] == os.getpid()
+    assert not file.exists()
 
 
 def test_a_secret_in_the_command_is_not_written(tmp_path, monkeypatch):

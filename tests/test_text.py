@@ -1,12 +1,15 @@
 """Laws of text from outside: it can be written, and steers no terminal."""
 
+import os
+import subprocess
+import sys
 import unicodedata
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._text import is_visible, one_line, plain, stem, whole
+from oodscen._text import is_visible, one_line, plain, stem, text_fault, whole
 
 halves = st.text(st.characters(categories=["Cs", "Cc", "Cf", "Lo", "So"]), max_size=8)
 
@@ -60,3 +63,33 @@ def test_inflections_have_one_stem(forms):
 def test_any_word_has_a_stem_that_is_no_longer_than_the_word(word):
     assert len(stem(word)) <= len(word) + 1
     assert bool(stem(word)) == bool(word)
+
+
+@given(halves | st.text())
+def test_only_whole_words_are_texts(word):
+    assert (text_fault(word) == "") == (whole(word) == word and "\0" not in word)
+
+
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("a\0b", "'a\\\\u0000b' holds a null character"),
+        ("a\udcff", "'a\ufffd' is not valid UTF-8"),
+        ("ab\ud800", "'ab\ufffd' is not valid UTF-8"),
+    ],
+)
+def test_the_fault_of_a_word_is_told(word, said):
+    assert text_fault(word) == said
+
+
+def test_a_name_that_the_locale_cannot_hold_is_not_called_wrong():
+    code = "import sys; from oodscen._text import text_fault; print(ascii(text_fault(sys.argv[1])))"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "st\nudy \N{LATIN SMALL LETTER E WITH ACUTE}".encode()],
+        env={**os.environ, "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "'st udy \\xe9' has characters that the locale's encoding, ascii, cannot" in done.stdout
+    assert "UTF-8" not in done.stdout.partition("set LC_ALL=C.UTF-8")[0]

@@ -39,7 +39,7 @@ from oodscen._cli.help import COMMANDS, sections_of
 from oodscen._cli.output import drop_output, say, shortened
 from oodscen._processes import ending_children
 from oodscen._redaction import redact
-from oodscen._text import one_line, plain, whole
+from oodscen._text import text_fault
 from oodscen._version import __version__
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llm._remote.offline import enforce
@@ -78,8 +78,8 @@ class _CommandGroup(click.Group):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         for word in args:
-            if "\0" in word or whole(word) != word:
-                raise click.UsageError(f"{one_line(plain(word))[:100]!r} is not valid UTF-8.")
+            if fault := text_fault(word):
+                raise click.UsageError(f"{fault}.")
         ctx.meta[_ORDER] = list(args)
         return super().parse_args(ctx, args)
 

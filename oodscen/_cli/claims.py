@@ -10,6 +10,7 @@ import click
 from oodscen._cli.options import (
     json_option,
     llm_options,
+    refuse_idle_server,
     seed_option,
     simulator_option,
     things_encoder,
@@ -58,6 +59,7 @@ def check_claims(
     from oodscen.claims._faithfulness import Faithfulness, Unjudged, compare_text
     from oodscen.llm._accounting import Ledger
 
+    refuse_idle_server(llm)
     texts, faulty = {}, []
     for number, scenario in _values(Scenario, scenarios):
         if isinstance(scenario, Scenario):

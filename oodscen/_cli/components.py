@@ -6,7 +6,7 @@ from contextlib import redirect_stdout
 
 import click
 
-from oodscen._cli.options import json_option
+from oodscen._cli.options import json_option, refuse_idle
 from oodscen._cli.output import say
 from oodscen._cli.progress import bars
 
@@ -72,6 +72,8 @@ def doctor(
         raise click.UsageError(f"unexpected argument {name!r}; usage: oodscen doctor SIMULATOR")
     if api_base is not None and what != "llm":
         raise click.UsageError("--api-base needs a model: oodscen doctor llm NAME")
+    if what in (None, "llm", "knowledge"):
+        refuse_idle("without a simulator: oodscen doctor SIMULATOR", "quick", "states_only")
     if what == "llm":
         if name is None:
             raise click.UsageError("name a model: oodscen doctor llm NAME")

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import sys
 import tomllib
 from collections.abc import Mapping
@@ -13,9 +14,9 @@ import click
 from oodscen._cli.help import option_key, sections_of
 from oodscen._cli.output import write
 from oodscen._cli.paths import READABLE, FileCommand, OutputName
-from oodscen._files import read_utf8
+from oodscen._files import is_written_through, read_utf8
 from oodscen._registry import DEFAULT_LLM
-from oodscen._text import one_line, plain, whole
+from oodscen._text import one_line, text_fault
 from oodscen.errors import DataError, Issue, UsageError, close_matches
 
 _NOUN = "configuration"
@@ -194,7 +195,7 @@ def init(
     """
     from oodscen._cli.study import run
 
-    if out.exists() and not force:
+    if out.exists() and not force and not is_written_through(out):
         raise UsageError(f"{out} exists; name another file with --out, or replace it with --force")
     if is_terminal():
         if llm is None:
@@ -212,13 +213,15 @@ def init(
         if quick is None:
             quick = click.confirm("A small study in seconds instead of the whole one?")
     for named in (llm or "", *vlms):
-        if whole(named) != named:
-            raise UsageError(f"the model {plain(one_line(named))!r} is not valid UTF-8")
+        if fault := text_fault(named):
+            raise UsageError(f"the model {fault}")
     chosen: dict[str, Any] = {"llm": llm or DEFAULT_LLM, "quick": bool(quick)}
     if vlms:
         chosen["vlm"] = list(vlms)
     write(out, commented(run, chosen))
-    click.echo(f"{out} is written; start with: oodscen run OUT --config {out}", err=True)
+    if not is_written_through(out):
+        start = f"oodscen run OUT --config {shlex.quote(str(out))}"
+        click.echo(f"{out} is written; start with: {start}", err=True)
 
 
 def is_terminal() -> bool:

@@ -15,6 +15,7 @@ from oodscen._cli.options import (
     judging_options,
     limit_options,
     limits_from,
+    refuse_idle,
     require_option,
 )
 from oodscen._cli.output import say
@@ -173,6 +174,10 @@ class _Evaluation:
                 "--dry-run estimates what models would be asked: it goes without --drop, "
                 "--answers and --require"
             )
+        if self.dry_run:
+            refuse_idle("with --dry-run, which counts what was never asked", "retry_failed")
+        if not (self.vlms or self.judge):
+            refuse_idle("without --vlm or --judge, whose server it names", "api_base")
 
     def configuration(self, before: "Study") -> "StudyConfig":
         """Return the configuration of a study that judges so too; a person's answers are added to the study."""

@@ -5,7 +5,7 @@ import os
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import starmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,13 @@ import click
 
 from oodscen._cli.completion import ComponentName
 from oodscen._cli.exporting import claim_folder, refuse_clashes
-from oodscen._cli.options import json_option, seed_option, simulator_option
+from oodscen._cli.options import (
+    json_option,
+    refuse_idle,
+    refuse_idle_server,
+    seed_option,
+    simulator_option,
+)
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import READABLE, PathName
 from oodscen._cli.places import KnownFacts, scenes_of, simulator_of
@@ -105,6 +111,10 @@ def export(
     """
     from oodscen.study._files import refuse_inside
 
+    if (form := options["form"]) != "openscenario":
+        refuse_idle(f"with --to {form}", "mode", "target", "ego", "logical")
+    if form == "openlabel" or options["mode"] == "reactive":
+        refuse_idle("without a replay", "action")
     scenes, catalogue, known = scenes_of(place, simulator)
     scenes = scenes[:limit]
     options["simulator"] = simulator_of(place, simulator)
@@ -236,15 +246,21 @@ def import_(
     """Read OpenSCENARIO XML files as scenes, one per line on standard output.
 
     What a scene cannot hold is listed on standard error with its line and element. A file that cannot be read is
-    reported, and the exit code is then 1.
+    reported, and the exit code is then 1. An unchanged export gives back its scene: --map and --hazard are for files
+    of others. Two files that would give scenes of one id are refused before anything is written.
     """
     from oodscen import make_llm, make_simulator
     from oodscen.interchange import read_openscenario
 
     if api_base is not None and llm is None:
         raise UsageError("--api-base is the address of a model; name it with --llm")
+    if llm is not None:
+        refuse_idle_server(llm)
+    if hazards:
+        refuse_idle("with --hazard", "llm")
     model = make_llm(llm, api_base=api_base) if llm is not None else None
     catalogue = make_simulator(simulator).catalogue()
+    _check_files(files, catalogue, is_told=road is not None or bool(hazards))
     failed = 0
     for path in files:
         try:
@@ -257,6 +273,33 @@ def import_(
         for issue in found.omissions:
             say(f"{path}: {issue}", err=True)
     sys.exit(bool(failed))
+
+
+def _check_files(files: Sequence[Path], catalogue: Catalogue, *, is_told: bool) -> None:
+    """Refuse files that give scenes of one id, and unchanged exports if a map or a hazard is named.
+
+    Raises:
+        UsageError: Before a model is asked about any file, and before anything is written.
+    """
+    from oodscen.interchange._reading.scenario import foresee
+
+    owners: dict[str, list[Path]] = {}
+    exports: list[Path] = []
+    for path in files:
+        with suppress(OodscenError):  # It is reported when it is read.
+            name, is_export = foresee(path, catalogue)
+            owners.setdefault(name, []).append(path)
+            exports += [path] if is_export else []
+    for name, paths in owners.items():
+        if len(paths) > 1:
+            raise UsageError(
+                f"{paths[0]} and {paths[1]} would both give a scene {name!r}; import them apart"
+            )
+    if is_told and exports:
+        raise UsageError(
+            f"{exports[0]} is an unchanged export, which gives back its scene with its own map and hazard: import "
+            "it without --map and --hazard"
+        )
 
 
 def _driver_name(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
@@ -303,6 +346,8 @@ def verdict(
     """
     from oodscen.interchange import verdict as judge
 
+    if not driver or not place.is_dir():
+        refuse_idle("without --driver and a study, whose table it is for", "replace")
     names = Counter(path.stem for path in files)
     if driver and (twice := [name for name, count in names.items() if count > 1]):
         raise UsageError(f"{twice[0]} has several files; a driver has one result per scene")

@@ -8,7 +8,7 @@ import click
 from click.core import ParameterSource
 
 from oodscen._cli.numbers import SHARE, FiniteRange
-from oodscen._cli.options import json_option
+from oodscen._cli.options import json_option, refuse_idle
 from oodscen._cli.output import say
 from oodscen._cli.paths import PathName
 from oodscen._numbers import MOST
@@ -67,6 +67,8 @@ def power(
     source = click.get_current_context().get_parameter_source("wanted")
     if scenes is not None and source is ParameterSource.COMMANDLINE:
         raise click.UsageError("--scenes prints the power of that many scenes: leave out --power")
+    if unpaired:
+        refuse_idle("with --unpaired", "agreement")
     design: dict[str, Any] = {
         "paired": not unpaired,
         "agreement": agreement,

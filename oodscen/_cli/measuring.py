@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from oodscen._cli.numbers import FINITE
-from oodscen._cli.options import json_option, seed_option
+from oodscen._cli.options import json_option, refuse_idle, refuse_idle_server, seed_option
 from oodscen._cli.paths import READABLE
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.errors import UsageError
@@ -58,6 +58,10 @@ def score(
         raise UsageError("--table measures all texts; do not combine it with --band")
     if table and (llm is not None or anchors is not None):
         raise UsageError("--table has no rarity; do not combine it with --llm or --anchors")
+    if llm is None:
+        refuse_idle("without --llm", "api_base")
+    else:
+        refuse_idle_server(llm)
     metrics = Metrics(make_encoder(encoder), baseline, seed=seed)
     if table:
         report = metrics.paper_table([record.text for record in read_records(texts)])

@@ -4,11 +4,12 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from oodscen._cli.completion import ComponentName
 from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.paths import OutputName
-from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
+from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR, is_builtin
 from oodscen._seeding import MAX_SEED
 from oodscen.data._episode import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.errors import UsageError
@@ -83,6 +84,50 @@ rollout_options = _options(
         help="Time for which an action is watched, in seconds.  [default: the scene's own]",
     ),
 )
+
+
+def refuse_idle(reason: str, *names: str) -> None:
+    """Refuse options of the running command that were given and would be ignored.
+
+    Args:
+        reason: The end of the sentence that they have no effect, e.g. `without --encoder`.
+        names: The parameters of the options.
+
+    Raises:
+        UsageError: If one of them was given, also with the value of its default; a switch that a file leaves off
+            was not.
+    """
+    context = click.get_current_context()
+    idle = []
+    for one in context.command.params:
+        if one.name not in names or one.name is None:
+            continue
+        source, value = context.get_parameter_source(one.name), context.params[one.name]
+        words = one.secondary_opts if value is False else one.opts
+        if source not in (None, ParameterSource.DEFAULT) and words:
+            idle.append(words[-1])
+    if idle:
+        has = "has" if len(idle) == 1 else "have"
+        raise UsageError(f"{' and '.join(idle)} {has} no effect {reason}")
+
+
+def refuse_idle_server(*models: str | None) -> None:
+    """Refuse an address of a server if all models are the built-in author.
+
+    Raises:
+        UsageError: If `--api-base` was given for no model that it would reach.
+    """
+    if all(map(is_builtin, filter(None, models))):
+        refuse_idle("on the built-in author; name a model with --llm", "api_base")
+
+
+def refuse_idle_in_open_loop() -> None:
+    """Refuse options of the closed loop of red teaming in the open one.
+
+    Raises:
+        UsageError: If one of them was given.
+    """
+    refuse_idle("with --open-loop", "nearest", "nearest_label", "rarity", "broadenings")
 
 
 def things_encoder(name: str) -> "Encoder | None":

@@ -39,6 +39,12 @@ class OutputName(PathName):
     def __init__(self) -> None:
         super().__init__(dir_okay=False, path_type=Path)
 
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path, or fail; `-`, which means standard output elsewhere, is no name here."""
+        if str(value) == "-":
+            self.fail("name /dev/stdout for standard output, or ./- for a file.", param, ctx)
+        return super().convert(value, param, ctx)
+
 
 class FileCommand(click.Command):
     """A command that refuses to write one file twice, or to replace a file that it reads or that is a study's."""

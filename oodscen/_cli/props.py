@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from oodscen._cli.options import json_option, simulator_option
+from oodscen._cli.options import json_option, refuse_idle, simulator_option
 from oodscen._cli.output import say, write_bytes
 from oodscen._cli.paths import FileCommand, OutputName, PathName
 from oodscen._cli.progress import tracked
@@ -55,6 +55,8 @@ def props(
 
     if (where is None) != details:
         raise click.UsageError("give WHERE, or --details without it")
+    if out is None:
+        refuse_idle("without --out, the file of the sheet", "captions")
     found = read_props(where) if where is not None else []
     with using(make_simulator(simulator)) as shown:
         catalogue = shown.catalogue()

@@ -5,7 +5,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from oodscen._cli.options import json_option, llm_options, out_option, seed_option, simulator_option
+from oodscen._cli.options import (
+    json_option,
+    llm_options,
+    out_option,
+    refuse_idle,
+    refuse_idle_server,
+    seed_option,
+    simulator_option,
+)
 from oodscen._cli.output import say, write, write_lines
 from oodscen._cli.paths import READABLE, FileCommand, OutputName
 from oodscen._cli.progress import tracked
@@ -68,6 +76,11 @@ def prune(
     from oodscen.stages._prune.restoration import restoration
     from oodscen.stages._prune.side_by_side import compare
 
+    if catalogues:
+        refuse_idle("with --catalogue", "simulator")
+    if len(set(catalogues)) < 2:
+        refuse_idle("with a single catalogue, for which a tree is written", "as_json")
+    refuse_idle_server(llm)
     grown = ScenarioTree.load(tree)
     ledger = Ledger()
     model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)

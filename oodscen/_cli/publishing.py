@@ -7,6 +7,7 @@ import click
 from oodscen._cli.numbers import FiniteRange
 from oodscen._cli.output import say
 from oodscen._cli.paths import PathName
+from oodscen.errors import UsageError
 
 
 @click.command()
@@ -50,6 +51,8 @@ def publish(
     from oodscen.publish._publishing import publish as published
     from oodscen.study._study import Study
 
+    if "none" in forms and len(set(forms)) > 1:
+        raise UsageError("--to none is for the Parquet files alone: name no other form beside it")
     wanted = [one for one in FORMS if not forms or one in forms]
     say(
         str(published(Study.open(study), out, forms=wanted, validation=validation, licence=licence))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from oodscen._cli.options import json_option
+from oodscen._cli.options import json_option, refuse_idle
 from oodscen._cli.output import say
 from oodscen._cli.paths import PathName
 from oodscen._cli.pictures import GRAPHICS, blocks, graphics_of, iterm, kitty, sixel
@@ -49,6 +49,8 @@ def show(out: Path, scene: str | None, moment: str | None, graphics: str, as_jso
     """
     from oodscen.study._study import Study
 
+    if scene is None or as_json:
+        refuse_idle("without a scene" if scene is None else "with --json", "moment", "graphics")
     study = Study.open(out)
     texts = {one.id: one for one in study.scenarios}
     scenes = study.scenes
@@ -70,6 +72,8 @@ def show(out: Path, scene: str | None, moment: str | None, graphics: str, as_jso
         shown = {name: one and one.model_dump(mode="json") for name, one in found.items()}
         say(json.dumps(shown, indent=2, ensure_ascii=False))
         return
+    if episode is None or not episode.frames:
+        refuse_idle(f"on {item}, which has no frames", "moment")
     file = _frame(study, episode, moment)
     if file is not None:
         _show_picture(file, graphics)

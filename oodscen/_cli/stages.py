@@ -16,6 +16,9 @@ from oodscen._cli.options import (
     picture_options,
     rear_view_option,
     red_options,
+    refuse_idle,
+    refuse_idle_in_open_loop,
+    refuse_idle_server,
     rollout_options,
     seed_option,
     simulator_option,
@@ -58,6 +61,7 @@ def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None
     from oodscen import TreeGrower, make_llm
     from oodscen.llm._accounting import Ledger
 
+    refuse_idle_server(llm)
     ledger = Ledger()
     model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
     grower = TreeGrower(model, nodes=nodes)
@@ -109,6 +113,10 @@ def redteam(
     from oodscen.llm._accounting import Ledger
     from oodscen.stages._redteam.saturation import saturation
 
+    refuse_idle_server(llm, red_llm)
+    if open_loop:
+        refuse_idle("with --open-loop", "encoder")
+        refuse_idle_in_open_loop()
     grown = ScenarioTree.load(tree)
     most = paper.ITERATIONS if budget is None else budget
     ledger = Ledger()
@@ -199,10 +207,13 @@ def describe(
     from oodscen.llm._accounting import Ledger
     from oodscen.metrics._metrics import Metrics
 
+    is_chosen = candidates > 1 or band is not None
+    if not is_chosen:
+        refuse_idle("without --band or --candidates", "baseline")
+    refuse_idle_server(llm)
     ledger = Ledger()
     model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
     measure = make_encoder(encoder) if encoder else None
-    is_chosen = candidates > 1 or band is not None
     ordinary = load_baseline(baseline) if baseline else None
     describer = Describer(
         model,
@@ -263,6 +274,9 @@ def augment(
     from oodscen.driving._sight.staging_advice import AdvisingCheck
     from oodscen.llm._accounting import Ledger
 
+    if not claims:
+        refuse_idle("with --no-claims", "encoder")
+    refuse_idle_server(llm)
     ledger = Ledger()
     model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
     augmenter = Augmenter(

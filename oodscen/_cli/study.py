@@ -24,6 +24,8 @@ from oodscen._cli.options import (
     picture_options,
     rear_view_option,
     red_options,
+    refuse_idle,
+    refuse_idle_in_open_loop,
     require_option,
     rollout_options,
     seed_option,
@@ -34,7 +36,8 @@ from oodscen._cli.output import say
 from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._cli.progress import bars
 from oodscen._cli.summaries import estimated, exit_code, graded, left_out, summary
-from oodscen._registry import DEFAULT_ENCODER
+from oodscen._files import is_written_through
+from oodscen._registry import DEFAULT_ENCODER, is_builtin
 
 if TYPE_CHECKING:
     pass
@@ -189,6 +192,14 @@ def run(
     from oodscen.study._config import StudyConfig
     from oodscen.study._study import Study
 
+    if open_loop:
+        refuse_idle_in_open_loop()
+    if not choices["vlms"]:
+        refuse_idle("without --vlm", "without_pictures")
+    if choices["made"] is False or (choices["made"] is None and is_builtin(choices["llm"])):
+        refuse_idle("unless things are made (--made)", "recogniser")
+    if dry_run:
+        refuse_idle("with --dry-run, which counts what was never asked", "retry_failed")
     limits = limits_from(choices)
     given = {name: value for name, value in choices.items() if value not in (None, ())}
     if "baseline" in given:
@@ -283,8 +294,11 @@ def quiz(out: Path, file: Path | None, scenes: int, rear_view: bool | None) -> N
     from oodscen._pipeline import RunOptions
     from oodscen._pipeline.answering import rear_views
     from oodscen.report._quiz import drawn, write_quiz
+    from oodscen.study._files import QUIZ, refuse_own
     from oodscen.study._study import Study
 
+    if file is not None and not is_written_through(file):
+        refuse_own(file, but=QUIZ)
     study, rears = Study.open(out), dict[str, str]()
     if rear_view:
         drives = [drive.episode for drive in drawn(study, scenes)]

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from oodscen._cli.numbers import FiniteRange
-from oodscen._cli.options import json_option, out_option
+from oodscen._cli.options import json_option, out_option, refuse_idle
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import FileCommand, PathName
-from oodscen.errors import DataError, Issue
+from oodscen.errors import DataError, Issue, UsageError
 from oodscen.tree._scenario_tree import ScenarioTree
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def _encoder_options(command: Any) -> Any:
     threshold = click.option(
         "--threshold",
         type=FiniteRange(-1.0, 1.0),
-        help="Minimum centred cosine of labels with the same meaning.",
+        help="Minimum centred cosine of labels with the same meaning, for --encoder.",
     )
     encoder = click.option(
         "--encoder",
@@ -60,7 +60,9 @@ def tree() -> None:
 @json_option
 def show(place: Path, node_id: str | None, ids: bool, which: str, as_json: bool) -> None:
     """Print a tree, or the provenance of one node."""
-    found = _read(place, which)
+    if as_json or node_id is not None:
+        refuse_idle("with --json" if as_json else "with --node", "ids")
+    (found,) = _read(which, place)
     if node_id is not None:
         history = found.provenance(node_id)
         say(history.model_dump_json(indent=2) if as_json else str(history))
@@ -89,7 +91,9 @@ def diff(
     """Print the nodes that OTHER adds to, removes from, renames and moves in the tree ONE."""
     from oodscen.tree._comparison import diff as compare
 
-    found = compare(_read(one, which), _read(other, which), **_meaning(encoder, threshold))
+    if as_json:
+        refuse_idle("with --json", "mermaid")
+    found = compare(*_read(which, one, other), **_meaning(encoder, threshold))
     say(
         found.model_dump_json(indent=2)
         if as_json
@@ -120,8 +124,7 @@ def merge(
     """Merge the nodes that only the tree OTHER has into the tree ONE."""
     from oodscen.tree._merge import merge as merged
 
-    trees = _read(one, which), _read(other, which)
-    found = merged(*trees, name=name, **_meaning(encoder, threshold))
+    found = merged(*_read(which, one, other), name=name, **_meaning(encoder, threshold))
     write(out, found.to_json())
 
 
@@ -179,7 +182,7 @@ def _tag_coverage(study: "Study", which: str) -> "TagCoverage":
 @out_option
 def export(place: Path, form: str, which: str, out: Path | None) -> None:
     """Export a tree for another tool."""
-    found = _read(place, which)
+    (found,) = _read(which, place)
     makers = {
         "mermaid": ScenarioTree.to_mermaid,
         "dot": ScenarioTree.to_dot,
@@ -214,11 +217,17 @@ def replay(
     """Print the edit log of a tree up to a given point, or with --out write the tree at that point."""
     from oodscen.tree._history import replay as played
 
-    found = _read(place, which)
+    if out is not None:
+        refuse_idle("with --out, which writes a tree", "as_json")
+    (found,) = _read(which, place)
     if (edit, round_, stage) != (None, None, None):
         found = found.at(edit=edit, round=round_, stage=stage)
     for index in undo:
-        found = found.undo(index)
+        before, found = found, found.undo(index)
+        if len(before) and not len(found):
+            raise UsageError(
+                f"edit {index} added the root: without it no node of the tree would be left, so it is not undone"
+            )
     if out is not None:
         write(out, found.to_json())
         return
@@ -238,8 +247,18 @@ def replay(
             )
 
 
-def _read(place: Path, which: str) -> ScenarioTree:
-    """Read a tree from a file or from a study's folder."""
+def _read(which: str, *places: Path) -> list[ScenarioTree]:
+    """Read a tree from each file or study's folder.
+
+    Raises:
+        UsageError: If a tree of a study is chosen, and there is no study.
+    """
+    if not any(place.is_dir() for place in places):
+        refuse_idle("on a file, which holds one tree", "which")
+    return [_read_one(place, which) for place in places]
+
+
+def _read_one(place: Path, which: str) -> ScenarioTree:
     if place.is_dir():
         from oodscen.study._study import Study
 
@@ -255,5 +274,7 @@ def _meaning(encoder: str | None, threshold: float | None) -> dict[str, Any]:
     from oodscen._registry import make_encoder
     from oodscen.tree._matching import THRESHOLD
 
+    if encoder is None:
+        refuse_idle("without --encoder", "threshold")
     made: Encoder | None = make_encoder(encoder) if encoder is not None else None
     return {"encoder": made, "threshold": THRESHOLD if threshold is None else threshold}

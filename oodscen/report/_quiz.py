@@ -52,8 +52,8 @@ def write_quiz(
         FolderTaken: If the file is one of a study's, other than its quiz.
     """
     target = out or study.folder / QUIZ
-    if target.name != QUIZ and not is_written_through(target):
-        refuse_own(target)
+    if out is not None and not is_written_through(out):
+        refuse_own(out, but=QUIZ)
     page = (
         environment()
         .get_template("quiz.html.j2")

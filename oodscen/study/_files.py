@@ -2,12 +2,13 @@
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar, Literal
 
 from pydantic import ConfigDict
 
+from oodscen._lock import NAME as LOCK
 from oodscen.data._base import Data
 from oodscen.data._claim import Claim
 from oodscen.data._drive_result import DriveResult
@@ -141,17 +142,23 @@ def is_own(name: str) -> bool:
     return name in {*_OTHERS, *FOLDERS, *LINES, *trees} or bool(TEXT_SETS.fullmatch(name))
 
 
-def refuse_own(target: Path) -> None:
-    """Refuse to replace a file that belongs to a study; a missing comparison of catalogues may be added.
+def refuse_own(target: Path, *, but: str = "") -> None:
+    """Refuse to write a file that belongs to a study; a missing comparison of catalogues may be added.
+
+    Args:
+        target: The file, which need not exist.
+        but: Name of the one file of a study that may be written.
 
     Raises:
-        FolderTaken: When a study's folder holds the file, links followed, or would use its name.
+        FolderTaken: When the file, links followed, is a study's, or would lie below one of its folders.
     """
-    target = Path(os.path.realpath(target))
-    if target.name == CATALOGUES and not target.exists():
-        return
-    if is_own(target.name) and (target.parent / "study.json").exists():
-        raise FolderTaken(str(target.parent), [target.name])
+    place = Path(os.path.realpath(target))
+    for folder, part in _owners(place):
+        may_be_added = part == CATALOGUES and not place.exists()
+        if place.parent != folder or not (may_be_added or part == but):
+            # What is there is named, as the error says that it is.
+            name = str(place.relative_to(folder)) if place.exists() else part
+            raise FolderTaken(str(folder), [name])
 
 
 def refuse_inside(folder: Path) -> None:
@@ -163,7 +170,13 @@ def refuse_inside(folder: Path) -> None:
     place = Path(os.path.realpath(folder))
     if (place / "study.json").exists():
         raise FolderTaken(str(folder), ["study.json"])
+    for owner, part in _owners(place):
+        raise FolderTaken(str(owner), [part])
+
+
+def _owners(place: Path) -> Iterator[tuple[Path, str]]:
+    """Yield the studies that own a place, the nearest first, each with its file or folder that is it or holds it."""
     for parent in place.parents:
         part = place.relative_to(parent).parts[0]
-        if is_own(part) and (parent / "study.json").exists():
-            raise FolderTaken(str(parent), [part])
+        if (is_own(part) or part == LOCK) and (parent / "study.json").exists():
+            yield parent, part

@@ -84,13 +84,15 @@ class Study(Brief):
 
         Raises:
             StudyMissing: When the folder holds no study.
-            DataError: When a name of a study's file belongs to a folder, a pipe or a device.
+            DataError: When a name of a study's file belongs to a folder, a pipe or a device, or `study.json` is
+                malformed: empty, cut off, or without its fields.
         """
         instance_of("folder", folder, str, Path)
         study = cls(folder)
         if not study.store.has("study.json"):
             raise StudyMissing(str(folder))
         study._check_kinds(study.own())
+        _ = study.info
         return study
 
     def _repr_html_(self) -> str:

@@ -1,4 +1,5 @@
 import re
+import shlex
 import tomllib
 from pathlib import Path
 
@@ -117,6 +118,28 @@ def test_init_takes_defaults_in_a_pipe_and_keeps_a_file(tmp_path, monkeypatch):
         "vlm": ["a", "b"],
         "quick": True,
     }
+
+
+@pytest.mark.parametrize("name", ["sp ace.toml", "it's.toml", "$HOME;x.toml"])
+def test_the_line_that_init_prints_can_be_pasted(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    line = invoke("init", "-o", name, "--quick").stderr
+    words = shlex.split(line.partition("start with: ")[2])
+    assert words == ["oodscen", "run", "OUT", "--config", name]
+
+
+@pytest.mark.parametrize("order", [("init", "-o"), ("grow", "--llm", "nobody", "-o")])
+def test_a_dash_is_no_file(order, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = invoke(*order, "-")
+    assert done.exit_code == 2
+    assert "/dev/stdout" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_init_writes_through_a_device_and_tells_no_file():
+    done = invoke("init", "-o", "/dev/null", "--quick")
+    assert (done.exit_code, done.output) == (0, "")
 
 
 def test_init_refuses_names_that_are_no_text(tmp_path, monkeypatch):

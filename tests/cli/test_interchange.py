@@ -202,6 +202,38 @@ def test_what_cannot_be_judged_or_read_is_reported(study, tmp_path):
     assert run("import", odd).exit_code == 1
 
 
+@pytest.fixture
+def files(tmp_path):
+    """An export, a copy of it under another name, and two files of others of one name."""
+    catalogue = make_catalogue("flat")
+    scene = next(one for one in SCENES if not one.check(catalogue))
+    path = scene.to_openscenario(catalogue).save(tmp_path)
+    copy = shutil.copy(path, tmp_path / "copy.xosc")
+    text = path.read_text().replace('"oodscen.scene"', '"other.scene"')
+    others = [tmp_path / name for name in ("a/foreign.xosc", "b/foreign.xosc")]
+    for other in others:
+        other.parent.mkdir()
+        shutil.copy(next(tmp_path.glob("*.xodr")), other.parent)
+        other.write_text(text)
+    return path, copy, *others
+
+
+@pytest.mark.parametrize("pair", [(0, 0), (0, 1), (2, 3)])
+def test_files_of_one_scene_are_refused_before_anything_is_written(pair, files):
+    one, other = (files[index] for index in pair)
+    name = json.loads(run("import", one, "--simulator", "flat").stdout)["id"]
+    done = run("import", files[2 - pair[0]], one, other, "--simulator", "flat")
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert f"{one} and {other} would both give a scene {name!r}" in done.stderr
+
+
+@pytest.mark.parametrize("told", [("--map", "urban_avenue"), ("--hazard", "x")])
+def test_an_unchanged_export_takes_no_other_map_or_hazard(told, files):
+    done = run("import", files[2], files[0], "--simulator", "flat", *told)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert f"{files[0]} is an unchanged export" in done.stderr
+
+
 def test_variants_are_scenes(tmp_path):
     path = tmp_path / "scenes.jsonl"
     path.write_text("".join(scene.to_json() + "\n" for scene in SCENES[10:12]))

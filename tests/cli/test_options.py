@@ -123,3 +123,82 @@ def test_a_strange_value_is_one_line_or_a_sensible_run(name, value, folder) -> N
             assert max(map(len, said)) < 1_200
         if "\0" in value or value == "\udcff":
             assert result.exit_code == 2
+
+
+IDLE = [
+    ("tree diff tree.json tree.json --threshold 0.5", "--threshold"),
+    ("tree merge tree.json tree.json --threshold 0.5 -o new", "--threshold"),
+    ("tree diff tree.json tree.json --json --mermaid", "--mermaid"),
+    ("tree show tree.json --ids --json", "--ids"),
+    ("tree show tree.json --ids --node deer", "--ids"),
+    ("tree show tree.json --which diverse", "--which"),
+    ("tree export tree.json --which initial", "--which"),
+    ("tree diff tree.json tree.json --which initial", "--which"),
+    ("tree replay tree.json --json -o new", "--json"),
+    ("show study --moment last", "--moment"),
+    ("show study --graphics none --json", "--graphics"),
+    ("show study example --json --moment nosuch", "--moment"),
+    ("show study example --moment last", "--moment"),
+    ("export scene.jsonl -o new --to osi --mode replay", "--mode"),
+    ("export scene.jsonl -o new --to mcap --for esmini --logical", "--for and --logical"),
+    ("export scene.jsonl -o new --to rerun --no-ego", "--no-ego"),
+    ("export scene.jsonl -o new --to openlabel --action stop", "--action"),
+    ("export scene.jsonl -o new --mode reactive --action stop", "--action"),
+    ("import file --llm constant:stop --hazard x", "--llm"),
+    ("import file --llm builtin --api-base http://host", "--api-base"),
+    ("verdict scene.jsonl file --replace", "--replace"),
+    ("verdict scene.jsonl file --driver mine --replace", "--replace"),
+    ("verdict study file --replace", "--replace"),
+    ("props --details --captions", "--captions"),
+    ("prune tree.json --catalogue carla-0.9.16 --simulator flat", "--simulator"),
+    ("prune tree.json --simulator flat --json", "--json"),
+    ("prune tree.json --simulator flat --api-base http://host", "--api-base"),
+    ("grow --api-base http://host", "--api-base"),
+    ("redteam tree.json --api-base http://host --red-llm builtin", "--api-base"),
+    ("redteam tree.json --open-loop --encoder none", "--encoder"),
+    (
+        "redteam tree.json --open-loop --nearest 0.9 --nearest-label 0.9",
+        "--nearest and --nearest-label",
+    ),
+    ("redteam tree.json --open-loop --rarity 1 2 --broadenings 1", "--rarity and --broadenings"),
+    ("describe tree.json --baseline texts.txt", "--baseline"),
+    ("describe tree.json --api-base http://host", "--api-base"),
+    ("augment texts.jsonl --no-claims --encoder none", "--encoder"),
+    ("augment texts.jsonl --api-base http://host", "--api-base"),
+    ("check-claims scene.jsonl --scenarios texts.jsonl --api-base http://host", "--api-base"),
+    ("score texts.txt --api-base http://host", "--api-base"),
+    ("score texts.txt --llm builtin --api-base http://host", "--api-base"),
+    ("power 0.6 0.5 --unpaired --agreement 0.1", "--agreement"),
+    ("doctor --quick", "--quick"),
+    ("doctor knowledge --states-only", "--states-only"),
+    ("publish study -o new --to none --to drivelm", "--to none"),
+    ("evaluate study --retry-failed --api-base http://host", "--api-base"),
+    ("evaluate study --vlm constant:stop --retry-failed --dry-run", "--retry-failed"),
+    ("run new --quick --without-pictures", "--without-pictures"),
+    ("run new --quick --recogniser nobody", "--recogniser"),
+    ("run new --quick --llm nobody --no-made --recogniser nobody", "--recogniser"),
+    ("run new --quick --dry-run --retry-failed", "--retry-failed"),
+    ("run new --quick --open-loop --broadenings 1", "--broadenings"),
+]
+"""Orders with an option that would do nothing beside the others, and its name."""
+
+
+@pytest.mark.parametrize(("order", "named"), IDLE, ids=[order for order, _ in IDLE])
+def test_an_option_that_would_do_nothing_is_refused(order, named, folder) -> None:
+    (folder / "study").mkdir()
+    (folder / "study" / "study.json").write_text('{"config": {"simulator": "flat"}}')
+    (folder / "study" / "scenes.jsonl").write_text(example_scene().to_json() + "\n")
+    before = sorted(folder.rglob("*"))
+    done = CliRunner().invoke(main, order.split())
+    assert (done.exit_code, done.stdout, len(done.stderr.splitlines())) == (2, "", 1), done.output
+    assert f"oodscen: {named} " in done.stderr
+    assert sorted(folder.rglob("*")) == before
+
+
+def test_a_switch_that_a_file_leaves_off_is_not_refused(folder) -> None:
+    (folder / "run.toml").write_text("without-pictures = false\nllm = 'nobody'\n")
+    done = CliRunner().invoke(main, ["run", "new", "--config", "run.toml"])
+    assert "litellm" in done.stderr
+    (folder / "run.toml").write_text("without-pictures = true\n")
+    done = CliRunner().invoke(main, ["run", "new", "--config", "run.toml"])
+    assert "--without-pictures has no effect without --vlm" in done.stderr

@@ -215,6 +215,10 @@ def test_a_foreign_error_after_a_dropped_interruption_counts_as_it(is_told):
         ("prune", "TREE", "--llm", "nobody", "-o", "verdicts.jsonl"),
         ("grow", "--llm", "nobody", "-o", "tree.initial.json"),
         ("props", "--details", "--simulator", "nobody", "-o", "study.json"),
+        ("tree", "export", "TREE", "-o", "frames/a/last.jpg"),
+        ("tree", "merge", "TREE", "TREE", "-o", "traces/a.parquet"),
+        ("init", "--force", "--quick", "-o", "videos/a.mp4"),
+        ("grow", "--llm", "nobody", "-o", ".oodscen.lock"),
     ],
 )
 def test_a_study_s_file_is_refused_before_the_work(tmp_path, words):
@@ -222,6 +226,8 @@ def test_a_study_s_file_is_refused_before_the_work(tmp_path, words):
     tree = tmp_path / "mine.json"
     tree.write_text("{}")
     *order, last = [str(tree) if word == "TREE" else word for word in words]
+    (tmp_path / last).parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / last).touch()
     found = CliRunner().invoke(main, [*order, str(tmp_path / last)])
     assert (found.exit_code, found.output.count("\n")) == (2, 1)
     assert f"holds {last} already" in found.output

@@ -171,7 +171,7 @@ def test_an_interruption_that_a_finaliser_swallows_comes_again(tmp_path, monkeyp
             Last()
         time.sleep(60.0)
 
-    (tmp_path / "study.json").write_text("{}")
+    (tmp_path / "study.json").write_text('{"config": {}}')
     monkeypatch.setattr("oodscen.report._render.write_report", swallow)
     assert invoke("report", tmp_path).exit_code == 143
 
@@ -181,10 +181,25 @@ def test_a_signal_that_shall_be_ignored_is(tmp_path, monkeypatch) -> None:
         os.kill(os.getpid(), signal.SIGHUP)
         return tmp_path
 
-    (tmp_path / "study.json").write_text("{}")
+    (tmp_path / "study.json").write_text('{"config": {}}')
     monkeypatch.setattr("oodscen.report._render.write_report", hang_up)
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
         assert invoke("report", tmp_path).exit_code == 0
     finally:
         signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.parametrize("content", ["", '{"config": {"se'])
+@pytest.mark.parametrize(
+    "order",
+    ["show OUT", "tree show OUT", "tree coverage OUT", "report OUT", "serve OUT --carla 0"],
+)
+def test_a_record_that_is_empty_or_cut_is_noticed_by_every_reader(order, content, tmp_path) -> None:
+    texts = {"study.json": content, "report.html": "good", "scenes.jsonl": ""}
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    done = invoke(*order.replace("OUT", str(tmp_path)).split())
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert f"malformed study in {tmp_path / 'study.json'}" in done.stderr
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == texts

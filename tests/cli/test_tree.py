@@ -184,3 +184,14 @@ def test_a_file_that_holds_no_tree_is_refused_by_every_command_that_reads_one(
         result = CliRunner().invoke(main, list(map(str, command)))
         assert (result.exit_code, fault in result.output) == (2, True), command
         assert len(result.output) < 500
+
+
+def test_the_root_is_not_undone(place):
+    out = place / "undone.json"
+    for extra in ((), ("-o", out)):
+        done = call("replay", place, "--undo", 0, *extra)
+        assert (done.exit_code, done.stdout) == (2, "")
+        assert "edit 0 added the root" in done.stderr
+    assert not out.exists()
+    assert call("replay", place, "--undo", 1, "-o", out).exit_code == 0
+    assert call("replay", place, "--edit", 0).stdout == ""

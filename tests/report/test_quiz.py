@@ -77,6 +77,13 @@ def test_no_file_of_a_study_is_replaced(study: Study, name: str):
     assert (study.folder / name).read_bytes() == before
 
 
+@pytest.mark.parametrize("name", ["frames/quiz.html", "frames/scene/first.jpg"])
+def test_no_file_below_a_folder_of_a_study_is_written(study: Study, name: str):
+    with pytest.raises(FolderTaken):
+        write_quiz(study, study.folder / name)
+    assert not (study.folder / name).exists()
+
+
 def test_the_file_that_it_saves_is_taken_once_per_name(study: Study, page: str, tmp_path: Path):
     file = tmp_path / "answers.json"
     for action in ("stop", "keep_speed"):

@@ -87,6 +87,13 @@ def test_a_wrong_record_is_one_typed_error(tmp_path, more):
         _ = Study.open(tmp_path).info
 
 
+@pytest.mark.parametrize("content", ["", "{", '{"config": {"se', "[]", "{}", "null"])
+def test_a_record_that_is_empty_or_cut_is_no_study(content, study):
+    (study.folder / "study.json").write_text(content)
+    with pytest.raises(DataError, match=r"study\.json"):
+        Study.open(study.folder)
+
+
 def test_tables_of_mixed_types_are_a_study_error(tmp_path):
     Store(tmp_path).write_lines("calls.jsonl", [{"a": 1}, {"a": "x"}, {"a": {"b": []}}])
     with pytest.raises(StudyError, match=r"calls.jsonl"):

@@ -17,7 +17,7 @@ from oodscen.driving._roads.building import find_map, load_corridor, read_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._sight.placement import staging_issues
-from oodscen.errors import DataError, Issue, OodscenError
+from oodscen.errors import DataError, Issue, OodscenError, UsageError
 from oodscen.interchange._reading.actions import ActionReader, behaviour
 from oodscen.interchange._reading.assets import nearest_asset, weather
 from oodscen.interchange._reading.positions import (
@@ -74,22 +74,39 @@ def read_openscenario(
     Args:
         path: The file.
         catalogue: The catalogue whose assets and behaviours the scene uses.
-        road: A map of the catalogue or an `.xodr` file, in place of the file's own.
-        hazards: Names of the entities that are unusual; without them, `llm` is asked.
+        road: A map of the catalogue or an `.xodr` file, in place of the file's own; not for an unchanged export.
+        hazards: Names of the entities that are unusual; without them, `llm` is asked. Not for an unchanged export.
         llm: The model that names the unusual entities; without one, the first that acts is taken.
 
     Raises:
         DataError: If the file is malformed or not version 1.x, with the line and the element.
+        UsageError: If a map or hazards are named for an unchanged export.
         UnknownComponent: If there is no such map.
         LLMError: If the model cannot be reached, or its answer cannot be used.
     """
     tree = ScenarioTree(path)
     is_known = _check_version(tree)
     if is_known and (own := _own_scene(tree, catalogue)) is not None:
+        if road is not None or hazards:
+            raise UsageError(
+                f"{path} is an unchanged export, which gives back its scene with its own map and hazard: name "
+                "neither a map nor a hazard, or change them in the scene"
+            )
         return ImportedScene(own)
     scene = _Assembly(tree, catalogue, road, hazards, llm).scene()
     found = [*tree.omissions, *staging_issues(scene, catalogue)]
     return ImportedScene(scene, tuple(found))
+
+
+def foresee(path: str | Path, catalogue: Catalogue) -> tuple[str, bool]:
+    """Return the id of the scene that a file gives, and whether the file is an unchanged export.
+
+    Raises:
+        DataError: If the file is malformed or not version 1.x.
+    """
+    tree = ScenarioTree(path)
+    own = _own_scene(tree, catalogue) if _check_version(tree) else None
+    return _identifier(tree.path.stem) if own is None else own.id, own is not None
 
 
 def _header(tree: ScenarioTree) -> Node:

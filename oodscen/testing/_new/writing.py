@@ -25,7 +25,8 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
         The written files.
 
     Raises:
-        UsageError: If `name` is not a lower-case identifier, or the files cannot be written or exist.
+        UsageError: If `name` is not a lower-case identifier, or the package's folder exists.
+        OodscenError: If the files cannot be written; what was begun is removed.
     """
     if not _NAME.fullmatch(name) or keyword.iskeyword(name):
         raise UsageError(
@@ -50,7 +51,7 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
         "adapter.py": f"{package}/__init__.py",
         "test_adapter.py.txt": f"tests/test_{name}.py",
     }
-    with writing(target, UsageError):
+    with writing(target):
         try:
             target.mkdir(parents=True)
         except FileExistsError as error:

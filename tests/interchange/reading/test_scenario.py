@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from oodscen import make_llm
 from oodscen._text import whole
-from oodscen.errors import AnswerError, DataError, OodscenError
+from oodscen.errors import AnswerError, DataError, OodscenError, UsageError
 from oodscen.interchange import read_openscenario
+from oodscen.interchange._reading.scenario import foresee
 from oodscen.interchange._recording import ordinary_twin
 from oodscen.interchange._writing.scenario import to_openscenario
 from oodscen.testing import ScriptedLLM
@@ -119,6 +120,25 @@ def test_a_twin_gives_back_its_scene(tmp_path):
     twin = ordinary_twin(SCENES[0], catalogue())
     path = to_openscenario(twin, catalogue(), action="stop").save(tmp_path)
     assert read_openscenario(path, catalogue()).scene == twin
+
+
+@pytest.mark.parametrize(
+    "told", [{"road": "urban_avenue"}, {"road": "nowhere"}, {"hazards": ["a"]}]
+)
+def test_an_unchanged_export_takes_no_other_map_or_hazard(told, tmp_path):
+    path = to_openscenario(SCENES[0], catalogue()).save(tmp_path)
+    with pytest.raises(UsageError, match="is an unchanged export"):
+        read_openscenario(path, catalogue(), **told)
+
+
+def test_the_scene_of_a_file_is_foreseen(tmp_path):
+    path = to_openscenario(SCENES[0], catalogue()).save(tmp_path)
+    assert foresee(path, catalogue()) == (SCENES[0].id, True)
+    other = path.rename(tmp_path / "Some File.xosc")
+    assert foresee(other, catalogue()) == (SCENES[0].id, True)
+    other.write_text(other.read_text().replace('"oodscen.scene"', '"other.scene"'))
+    assert foresee(other, catalogue()) == ("some-file", False)
+    assert read_openscenario(other, catalogue()).scene.id == "some-file"
 
 
 def test_a_changed_export_is_read_by_its_elements(tmp_path):

@@ -7,7 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from oodscen._cli import main
 from oodscen.errors import UsageError
 from oodscen.testing import check_simulator
 from oodscen.testing._new.adapter import MySimulator
@@ -81,7 +83,9 @@ def test_a_package_that_cannot_be_written_whole_is_not_left_half(tmp_path, monke
 
     with monkeypatch.context() as patch:
         patch.setattr(Path, "write_text", full)
-        with pytest.raises(UsageError, match="No space left"):
-            write_adapter("mine", tmp_path)
+        done = CliRunner().invoke(main, ["new", "adapter", "mine", "--into", str(tmp_path)])
+    assert (done.exit_code, done.stdout) == (1, "")  # As of every file that cannot be written.
+    assert "cannot write" in done.stderr
+    assert "No space left" in done.stderr
     assert list(tmp_path.iterdir()) == []
     assert write_adapter("mine", tmp_path)
