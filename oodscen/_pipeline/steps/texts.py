@@ -5,7 +5,7 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
-from oodscen._pipeline.steps.made import described, made_for
+from oodscen._pipeline.steps.made import made_for
 from oodscen._registry import is_builtin
 from oodscen.data._scenario import Scenario
 from oodscen.errors import LLMError, UsageError
@@ -113,7 +113,7 @@ def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
         twins=is_builtin(config.llm) if config.twins is None else config.twins,
         sample=sample,
         catalogue=run.simulator.catalogue() if is_shown else None,
-        made={path: described(made) for path, made in made_for(run).items()} if is_shown else None,
+        made={path: made.described() for path, made in made_for(run).items()} if is_shown else None,
     )
 
 
