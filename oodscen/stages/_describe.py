@@ -13,7 +13,7 @@ from oodscen._progress import Progress, counted, reporting
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario
-from oodscen.encoders._check import encode
+from oodscen.encoders._check import unit_embeddings
 from oodscen.errors import AnswerError, UsageError
 from oodscen.llm._ask import ask
 from oodscen.metrics._detection.guard import is_calibrated
@@ -172,7 +172,7 @@ class Describer(Brief):
         try:
             return scenario.model_copy(update={"ordinary": self.ordinary(scenario)})
         except AnswerError:
-            return scenario
+            return scenario  # The text counts without its twin.
 
     def _draw(
         self,
@@ -217,31 +217,6 @@ class Describer(Brief):
         """Return the positions of texts that are too similar to an earlier one."""
         if self.encoder is None or len(texts) < 2:
             return set()
-        vectors = encode(self.encoder, texts)
-        norms = np.sqrt((vectors * vectors).sum(axis=1, keepdims=True))
-        unit = vectors / np.maximum(norms, np.float32(1e-12))
+        unit = unit_embeddings(self.encoder, texts)
         cosines = np.tril(unit @ unit.T, k=-1)
         return {int(row) for row in np.nonzero((cosines > self.options.nearest).any(axis=1))[0]}
-
-
-def spread(paths: Mapping[str, tuple[str, ...]], total: int) -> dict[str, int]:
-    """Distribute `total` texts over the paths as evenly as possible, earlier paths first."""
-    base, rest = divmod(total, len(paths))
-    return {leaf: base + (index < rest) for index, leaf in enumerate(paths)}
-
-
-def spread_subset(scenarios: Sequence[Scenario], size: int) -> list[Scenario]:
-    """Choose `size` scenarios that cover the paths as evenly as possible.
-
-    The first text of every path comes first, then the second, and so on; the last level needed contributes
-    evenly spaced paths. The order of the scenarios is kept.
-    """
-    by_leaf: dict[str, list[Scenario]] = {}
-    for scenario in scenarios:
-        by_leaf.setdefault(scenario.leaf, []).append(scenario)
-    chosen: set[str] = set()
-    for level in range(max(map(len, by_leaf.values()), default=0)):
-        row = [group[level] for group in by_leaf.values() if level < len(group)]
-        wanted = min(size - len(chosen), len(row))
-        chosen.update(row[index * len(row) // wanted].id for index in range(wanted))
-    return [scenario for scenario in scenarios if scenario.id in chosen]

@@ -11,7 +11,8 @@ from oodscen.data._scenario import Scenario
 from oodscen.errors import LLMError, UsageError
 from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.metrics._metrics import Metrics
-from oodscen.stages._describe import Describer, spread, spread_subset
+from oodscen.stages._describe import Describer
+from oodscen.stages._spread import spread, spread_subset
 from oodscen.tree._scenario_tree import ScenarioTree
 
 SHORT_PATHS = "short_paths.jsonl"
