@@ -225,7 +225,7 @@ class Connection:
 
         Args:
             bodies: All bodies, first the one that carries the camera.
-            camera: The camera.
+            camera: The camera, relative to that body.
 
         Raises:
             SimulatorError: If no complete frame arrives.

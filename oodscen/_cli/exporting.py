@@ -27,7 +27,7 @@ def refuse_clashes(scenes: Sequence[Scene], known: KnownFacts, options: Mapping[
     """Refuse an export that would write two drives into one file.
 
     Args:
-        scenes: The scenes.
+        scenes: The scenes to export.
         known: What is known of them, with their demands.
         options: The options of `export`.
 

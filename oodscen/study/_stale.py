@@ -25,7 +25,7 @@ def stale_scenes(
     as well. Episodes that do not say what they were made from are taken as they are.
 
     Args:
-        episodes: The episodes.
+        episodes: Those of scenes, ordinary drives and demands.
         scenes: The lines of `scenes.jsonl`, demands included.
         staged: The lines of `staged.jsonl`, which hold the demands as they were run.
     """
@@ -57,7 +57,7 @@ def refuse_stale(study: "Study", episodes: Iterable[Episode], scenes: Iterable[S
     """Refuse a study whose episodes are not those of its scenes.
 
     Args:
-        study: The study.
+        study: Has the demands, and how they were run.
         episodes: Its episodes.
         scenes: Its scenes without the demands.
 

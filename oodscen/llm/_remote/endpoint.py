@@ -152,7 +152,7 @@ class Endpoint:
         """Record a failed attempt.
 
         Args:
-            failure: The failure.
+            failure: Its kind, and what the server said about it.
             begun: Time at which the attempt took its slot.
             model: The model that was asked.
         """
