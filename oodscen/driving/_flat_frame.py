@@ -42,7 +42,7 @@ _GROUND = {
     "rail": (0.42, 0.38, 0.34),
     "none": (0.36, 0.46, 0.26),
 }
-"""Those of the ground: grass, lane marks, and strips by kind."""
+"""Red, green and blue of grass, lane marks, and strips by kind."""
 _PALETTE = np.array(list(_GROUND.values()))
 _CODES = {name: code for code, name in enumerate(_GROUND)}
 """Row of each kind of ground in the palette."""
@@ -65,8 +65,8 @@ _ROAD_VIEW_M = 400.0
 """Distance up to which lanes are painted, m."""
 _MOST_STEPS = 12
 """Most steps of the search for the nearest sample of the road."""
-_MARK_M, _MARK_GROWTH = 0.07, 0.0004
-"""Half the width of a lane mark, m, and its growth per metre of distance, for pixels that are wider."""
+_HALF_MARK_M, _MARK_GROWTH = 0.07, 0.0004
+"""Half the width of a lane mark, m, and its growth per metre of distance, so that it stays as wide as a pixel."""
 _DASH_M, _DASH_PERIOD_M = 4.0, 12.0
 """Length of a dash, and of a dash and its gap, m."""
 _DUSK_DEG, _DAY_DEG, _NIGHT = -6.0, 10.0, 0.05
@@ -77,6 +77,8 @@ _BEAM_EDGE, _BEAM_LOSS = 0.6, 0.8
 """Tangent of the angle at the edge of their beam, and the share of the light that is lost there."""
 _CLEAR, _OVERCAST, _AIR = (0.52, 0.72, 0.92), (0.72, 0.74, 0.77), (0.74, 0.76, 0.78)
 """Colours of the sky without and with clouds, and of the air in fog, by day."""
+_LN_20, _SQUARINGS = 2.9957, 8
+"""Number of extinction lengths over which contrast falls to 5 %, and of the squarings that compute it."""
 _FAR_M = 1e6
 """Distance of the sky in fog, m."""
 
@@ -238,7 +240,7 @@ def _surface(
 ) -> NDArray[np.uint8]:
     """Return the palette's row for the ground at places on the road."""
     codes = np.full(s.shape, _CODES["grass"], np.uint8)
-    half = _MARK_M + _MARK_GROWTH * distance
+    half = _HALF_MARK_M + _MARK_GROWTH * distance
     dashed = s - _DASH_PERIOD_M * np.floor(s / _DASH_PERIOD_M) < _DASH_M
     for number, strip in enumerate(road.strips):
         right, left = strip.right[index], strip.left[index]
@@ -293,11 +295,11 @@ def _sky(weather: Weather) -> tuple[float, float, float]:
 
 
 def _transmittance(depth: Floats, visual_range: float) -> Floats:
-    """Return exp(-3 depth / range), computed by squaring so that the bits do not depend on a library.
+    """Return exp(-ln 20 depth / range), computed by squaring so that the bits do not depend on a library.
 
     At the visual range, contrast has fallen to 5 % (Koschmieder's law, as in OpenSCENARIO).
     """
-    value = 1.0 / (1.0 + 2.9957 * depth / visual_range / 256.0)
-    for _ in range(8):
+    value = 1.0 / (1.0 + _LN_20 * depth / visual_range / 2.0**_SQUARINGS)
+    for _ in range(_SQUARINGS):
         value = value * value
     return value

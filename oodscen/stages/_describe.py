@@ -1,6 +1,6 @@
 """The describer, which writes distinct texts, and their twins, for the paths of a tree (paper, section III-B)."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -117,7 +117,7 @@ class Describer(Brief):
             if is_dry:
                 texts = kept or texts[:1]
                 break
-            fresh, is_dry = self._draw(path, len(unfit), avoid=tuple(texts))
+            fresh, is_dry = self._draw(path, len(unfit), avoid=texts)
             texts = kept + fresh or texts[:1]
         count = min(count, len(texts))
         if self.metrics is not None and self.options.is_selective:
@@ -145,7 +145,7 @@ class Describer(Brief):
         for item in items:
             words = plain(item.text)
             if words in seen:
-                own = tuple(other.text for other in items if other.leaf == item.leaf)
+                own = [other.text for other in items if other.leaf == item.leaf]
                 fresh, _ = self._draw(item.path, 1, avoid=own, taken=taken)
                 if not fresh:
                     continue
@@ -175,11 +175,7 @@ class Describer(Brief):
             return scenario  # The text counts without its twin.
 
     def _draw(
-        self,
-        path: tuple[str, ...],
-        count: int,
-        avoid: tuple[str, ...],
-        taken: set[str] | None = None,
+        self, path: tuple[str, ...], count: int, avoid: Sequence[str], taken: Set[str] = frozenset()
     ) -> tuple[list[str], bool]:
         """Ask for texts until enough are not `taken`; later questions avoid the ones that are.
 
@@ -201,7 +197,7 @@ class Describer(Brief):
             )
             found = ask(self.llm, prompt, sample=self.options.sample).texts
             for text in found:
-                kept = refused if plain(text) in (taken or ()) else texts
+                kept = refused if plain(text) in taken else texts
                 kept.append(one_line(text))
             if len(found) < wanted:
                 return texts, True

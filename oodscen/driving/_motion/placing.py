@@ -22,7 +22,7 @@ from oodscen.driving._sight.visibility import visual_range
 from oodscen.numerics._exact import PI, TAU, cos, quantised, sincos, wrapped
 from oodscen.numerics._kernels import seen
 
-HEADLAMPS_M = 75.0
+_HEADLAMPS_M = 75.0
 """Distance at which dipped headlamps reveal bodies without lamps, m."""
 _LIT = frozenset({"vehicle", "cyclist", "work_zone", "signal"})
 """Categories with lamps or reflectors."""
@@ -67,7 +67,7 @@ class PlacedBodies:
             dt=dt,
             friction=scene.weather.friction,
             visual_range=far,
-            headlamp_range=min(far, HEADLAMPS_M) if is_dark else far,
+            headlamp_range=min(far, _HEADLAMPS_M) if is_dark else far,
         )
         self.traits[:count, : col.WIDTH + 1] = self.sizes
         self.traits[:count, col.HEIGHT] = [asset.height for _, asset, _ in self.bodies]
