@@ -54,12 +54,7 @@ def in_words(stale: list[str]) -> str:
 
 
 def refuse_stale(study: "Study", episodes: Iterable[Episode], scenes: Iterable[Scene]) -> None:
-    """Refuse a study whose episodes are not those of its scenes.
-
-    Args:
-        study: Has the demands, and how they were run.
-        episodes: Its episodes.
-        scenes: Its scenes without the demands.
+    """Refuse a study whose episodes are not those of its scenes, which come without the demands.
 
     Raises:
         UsageError: If a scene has changed since it was run.
