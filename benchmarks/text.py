@@ -32,7 +32,7 @@ from oodscen.encoders._cached import CachedEncoder
 from oodscen.encoders._similarity import unit
 from oodscen.errors import AnswerError
 from oodscen.prompts._scenario.describe_path import STYLES, plain
-from oodscen.stages._describe import spread_subset
+from oodscen.stages._spread import spread_subset
 from oodscen.statistics._intervals import Interval
 from oodscen.statistics._resampling import bootstrap_mean
 

@@ -48,7 +48,7 @@ def as_finished(
             with cancelling(cancel):
                 yield from _results(running, refill)
         except KeyboardInterrupt:
-            for future in [*running]:
+            for future in list(running):
                 if future.exception() is None:
                     yield running[future], future.result()
             raise

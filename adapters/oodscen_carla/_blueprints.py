@@ -23,7 +23,7 @@ def blueprint_of(asset: Asset, offered: Collection[str], known: Iterable[Asset])
     the nearest size.
 
     Args:
-        asset: The asset.
+        asset: The asset to show.
         offered: Ids of the blueprints that the server has.
         known: CARLA's catalogue of blueprints with their sizes.
     """

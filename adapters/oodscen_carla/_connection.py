@@ -221,11 +221,7 @@ class Connection:
     # ------------------------------------------------------------------ cameras
 
     def take(self, bodies: Sequence[Placed], camera: Camera) -> Frame:
-        """Return the picture of the last tick; another tick is taken if the cameras slept.
-
-        Args:
-            bodies: All bodies, first the one that carries the camera.
-            camera: The camera.
+        """Return the picture of the last tick by a camera on the first body; another tick is taken if the cameras slept.
 
         Raises:
             SimulatorError: If no complete frame arrives.

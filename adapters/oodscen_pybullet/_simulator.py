@@ -160,7 +160,7 @@ class PyBulletSimulator(MirrorSimulator):
         """Return the picture of a camera anywhere; needs `load`, `spawn` and `place`, but no world.
 
         Args:
-            camera: The camera.
+            camera: The camera, relative to `mount`.
             mount: x, y, z, m, and yaw, rad, of what the camera is mounted on.
             accelerations: Accelerations of all bodies along their headings, m/s^2.
             fired: Times at which the triggers fired, s, negative before; by default none has.

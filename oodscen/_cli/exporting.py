@@ -24,12 +24,7 @@ _SUFFIXES = {
 
 
 def refuse_clashes(scenes: Sequence[Scene], known: KnownFacts, options: Mapping[str, Any]) -> None:
-    """Refuse an export that would write two drives into one file.
-
-    Args:
-        scenes: The scenes.
-        known: What is known of them, with their demands.
-        options: The options of `export`.
+    """Refuse an export that would, with these options, write two drives of scenes or their demands into one file.
 
     Raises:
         UsageError: If two files would have one name; the message names both drives.

@@ -11,6 +11,9 @@ from oodscen._progress import Progress, counted, reporting
 
 Item = TypeVar("Item")
 
+_INTERVAL_S = 30.0
+"""Time between the lines of a stage that goes on, s."""
+
 
 @contextmanager
 def bars(note: object = "") -> Iterator[Progress]:
@@ -31,51 +34,43 @@ def bars(note: object = "") -> Iterator[Progress]:
 
 
 class _StageLines:
-    """Prints lines for a log: the items and seconds of each stage that ends, and every 30 s those done so far."""
-
-    _INTERVAL_S = 30.0
+    """Prints lines for a log: the items and seconds of each stage that ends, and at intervals those done so far."""
 
     def __init__(self) -> None:
-        self._since = time.monotonic()
-        """The end of the stage before."""
-        self._printed = self._since
+        self._began = time.monotonic()
+        """Time at which the current stage began, which is the end of the one before."""
+        self._printed_at = self._began
         self._counts: dict[str, tuple[int, int]] = {}
         """Items done and in all, by stage."""
-        self._told: set[tuple[str, int]] = set()
+        self._reported: set[tuple[str, int]] = set()
+        """Stages that have their line, each with its items done."""
 
     def __call__(self, stage: str, done: int, total: int) -> None:
         """Note the items done; print the line when they are all."""
         self._counts[stage] = done, total
         if done >= total:
             self._print(stage)
-        elif time.monotonic() - self._printed >= self._INTERVAL_S:
-            self._printed = time.monotonic()
+        elif time.monotonic() - self._printed_at >= _INTERVAL_S:
+            self._printed_at = time.monotonic()
             say(f"{stage}: {done} of {total} so far", err=True)
 
     def end(self) -> None:
         """Print the lines of the stages that ended early."""
-        for stage in [*self._counts]:
+        for stage in list(self._counts):
             self._print(stage)
 
     def _print(self, stage: str) -> None:
         done, total = self._counts.pop(stage)
-        if not done or (stage, done) in self._told:
+        if not done or (stage, done) in self._reported:
             return
-        self._told.add((stage, done))
-        before, self._since = self._since, time.monotonic()
-        self._printed = self._since
+        self._reported.add((stage, done))
+        before, self._began = self._began, time.monotonic()
+        self._printed_at = self._began
         count = f"{done}" if done >= total else f"{done} of {total}"
-        say(f"{stage}: {count} in {self._since - before:.1f} s", err=True)
+        say(f"{stage}: {count} in {self._began - before:.1f} s", err=True)
 
 
 def tracked(items: Iterable[Item], stage: str, total: int, note: object = "") -> Iterator[Item]:
-    """Yield items, counted by `bars`.
-
-    Args:
-        items: The items.
-        stage: The words before the bar.
-        total: Number of items.
-        note: Shown after the bar as text.
-    """
+    """Yield items, counted by `bars`; the stage stands before the bar, the note after it."""
     with bars(note) as progress:
         yield from counted(items, stage, total, progress)

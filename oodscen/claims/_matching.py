@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from oodscen.claims._things import Thing, is_head, may_be, thing_named, words_of
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._map_state import MapState
-from oodscen.encoders._check import encode
+from oodscen.encoders._check import unit_embeddings
 from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.protocols import Encoder
 
@@ -47,22 +47,16 @@ class Likeness:
             asset.description or name
             for asset, name in zip(self.catalogue.assets, names, strict=True)
         ]
-        return self._unit(names), self._unit(descriptions)
+        return unit_embeddings(self.encoder, names), unit_embeddings(self.encoder, descriptions)
 
     def of(self, phrase: str) -> dict[str, float]:
         """Return the cosine of a phrase with every asset, by id: with its name or its description."""
         names, descriptions = self._assets
-        vector = self._unit([phrase])[0]
+        vector = unit_embeddings(self.encoder, [phrase])[0]
         near = np.maximum(names @ vector, descriptions @ vector)
         return {
             asset.id: float(one) for asset, one in zip(self.catalogue.assets, near, strict=True)
         }
-
-    def _unit(self, texts: Sequence[str]) -> NDArray[np.float32]:
-        vectors = encode(self.encoder, texts)
-        norms = np.sqrt((vectors * vectors).sum(axis=1, keepdims=True))
-        unit: NDArray[np.float32] = vectors / np.maximum(norms, np.float32(1e-12))
-        return unit
 
 
 def likeness_of(encoder: Encoder | None, catalogue: Catalogue) -> Likeness | None:

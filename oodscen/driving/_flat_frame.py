@@ -13,7 +13,7 @@ from oodscen.data._catalogue import Asset
 from oodscen.data._category import Category
 from oodscen.data._scene import CLEAR_AIR_M, Weather
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.driving._sight.visibility import Eye, Solid
+from oodscen.driving._sight.visibility import NEAR_M, Eye, Solid
 from oodscen.protocols import Camera, Frame
 
 Floats = NDArray[np.float64]
@@ -28,6 +28,7 @@ _COLOURS = {
     "vegetation": (0.20, 0.42, 0.16),
     "signal": (0.30, 0.30, 0.30),
 }
+"""Red, green and blue of bodies by category, 0 to 1."""
 _GROUND = {
     "grass": (0.33, 0.44, 0.24),
     "mark": (0.88, 0.88, 0.86),
@@ -41,19 +42,45 @@ _GROUND = {
     "rail": (0.42, 0.38, 0.34),
     "none": (0.36, 0.46, 0.26),
 }
+"""Red, green and blue of grass, lane marks, and strips by kind."""
 _PALETTE = np.array(list(_GROUND.values()))
+_CODES = {name: code for code, name in enumerate(_GROUND)}
+"""Row of each kind of ground in the palette."""
 _CLASSES = {
     "driving": 1, "shoulder": 1, "parking": 1, "sidewalk": 2, "curb": 2, "mark": 24, "rail": 27,
 }  # fmt: skip
+"""Semantic classes of ground, as in `Frame.tags`; the others are terrain."""
 _TERRAIN, _SKY_CLASS = 10, 11
 _TAGS = np.array([_CLASSES.get(name, _TERRAIN) for name in _GROUND], np.uint8)
-"""Semantic class of each ground colour: `Frame.tags`."""
-_CODES = {name: code for code, name in enumerate(_GROUND)}
-"""Row of each ground colour in the palette."""
+"""Semantic class of each row of the palette."""
+_TOP = 2
+"""The axis across a box's top."""
 _SHADES = (0.72, 0.86, 1.0)
 """Brightness of box faces across x, y and z."""
+_WINDOWS, _GLASS = (0.58, 0.86), 0.35
+"""Lower and upper edge of a vehicle's windows as shares of its height, and their brightness."""
+_SNOW_KEEPS, _SNOW_ADDS = 0.45, 0.5
+"""Share of the ground's colour under snow, and the white that it adds."""
 _ROAD_VIEW_M = 400.0
 """Distance up to which lanes are painted, m."""
+_MOST_STEPS = 12
+"""Most steps of the search for the nearest sample of the road."""
+_HALF_MARK_M, _MARK_GROWTH = 0.07, 0.0004
+"""Half the width of a lane mark, m, and its growth per metre of distance, so that it stays as wide as a pixel."""
+_DASH_M, _DASH_PERIOD_M = 4.0, 12.0
+"""Length of a dash, and of a dash and its gap, m."""
+_DUSK_DEG, _DAY_DEG, _NIGHT = -6.0, 10.0, 0.05
+"""Elevations of the sun at which daylight ends and is full, degrees, and the brightness of the night."""
+_BEAM, _BEAM_M = 0.75, 40.0
+"""Brightness of the headlights at the ego, and the distance at which an eighth of it is left, m."""
+_BEAM_EDGE, _BEAM_LOSS = 0.6, 0.8
+"""Tangent of the angle at the edge of their beam, and the share of the light that is lost there."""
+_CLEAR, _OVERCAST, _AIR = (0.52, 0.72, 0.92), (0.72, 0.74, 0.77), (0.74, 0.76, 0.78)
+"""Colours of the sky without and with clouds, and of the air in fog, by day."""
+_LN_20, _SQUARINGS = 2.9957, 8
+"""Number of extinction lengths over which contrast falls to 5 %, and of the squarings that compute it."""
+_FAR_M = 1e6
+"""Distance of the sky in fog, m."""
 
 
 def flat_frame(
@@ -74,23 +101,12 @@ def flat_frame(
         poses: x, y, z and yaw of all bodies, in the same order; the ego's box is not drawn.
         mount: x, y, z and yaw of what the camera is mounted on; by default the ego's.
     """
-    rows = [list(map(float, pose)) for pose in poses]
-    bodies = [_solid(pose, asset) for asset, pose in zip(assets, rows, strict=True)]
-    eye = Eye(camera, bodies[0] if mount is None else _solid(mount, assets[0]))
-    depth = np.full((camera.height, camera.width), np.inf)
-    ids = np.zeros((camera.height, camera.width), dtype=np.int32)
-    colour = np.empty((camera.height, camera.width, 3))
-    colour[:] = _sky(weather)
-    tags = np.full((camera.height, camera.width), _SKY_CLASS, np.uint8)
-    _paint_ground(eye, bodies[0].z, road, colour, depth, tags)
-    if weather.precipitation == "snow":
-        colour[np.isfinite(depth)] *= 0.45
-        colour[np.isfinite(depth)] += 0.5
-    for row in range(1, len(assets)):
-        _paint_box(eye, bodies[row], assets[row].category, row + 1, colour, depth, ids)
-    rgb = _lit(colour, depth, camera, weather)
-    tags[ids > 0] = 0
-    return Frame(rgb=rgb, depth=depth.astype(np.float32), ids=ids, tags=tags)
+    ego, *others = (_solid(pose, asset) for asset, pose in zip(assets, poses, strict=True))
+    canvas = _Canvas(Eye(camera, ego if mount is None else _solid(mount, assets[0])), weather)
+    canvas.paint_ground(ego.z, road)
+    for identity, (body, asset) in enumerate(zip(others, assets[1:], strict=True), start=2):
+        canvas.paint_box(body, asset.category, identity)
+    return canvas.frame()
 
 
 def _solid(pose: Sequence[float] | Floats, asset: Asset) -> Solid:
@@ -104,6 +120,82 @@ def tangents(camera: Camera) -> tuple[Floats, Floats]:
     u = (np.arange(camera.width, dtype=np.float64) + 0.5 - 0.5 * camera.width) / focal
     v = (np.arange(camera.height, dtype=np.float64) + 0.5 - 0.5 * camera.height) / focal
     return u, v
+
+
+class _Canvas:
+    """The pixels of a frame in some weather, which are painted one thing after another."""
+
+    def __init__(self, eye: Eye, weather: Weather) -> None:
+        shape = (eye.camera.height, eye.camera.width)
+        self.eye, self.weather = eye, weather
+        self.depth = np.full(shape, np.inf)
+        self.ids = np.zeros(shape, np.int32)
+        self.tags = np.full(shape, _SKY_CLASS, np.uint8)
+        self.colour = np.empty((*shape, 3))
+        self.colour[:] = _sky(weather)
+
+    def paint_ground(self, height: float, road: Corridor) -> None:
+        """Paint the ground plane at a height: grass, road strips and lane marks, and snow on them."""
+        eye = self.eye
+        _, v = tangents(eye.camera)
+        below = eye.forward[2] + v * eye.down[2] < -1e-6
+        if not below.any():
+            return
+        rows = slice(int(below.argmax()), None)
+        x, y, z = _rays(eye, rows, slice(None))
+        distance = (height - eye.place[2]) / z * np.ones_like(x)
+        self.depth[rows] = distance
+        codes = np.full(distance.shape, _CODES["grass"], np.uint8)
+        near = distance <= _ROAD_VIEW_M
+        away = distance[near]
+        ground_x, ground_y = eye.place[0] + x[near] * away, eye.place[1] + y[near] * away
+        ego_s, _ = road.locate(eye.ego.x, eye.ego.y)
+        s, t, index = _locate(road, ground_x, ground_y, ego_s)
+        codes[near] = _surface(road, s, t, index, away)
+        np.take(_PALETTE, codes, axis=0, out=self.colour[rows])
+        np.take(_TAGS, codes, out=self.tags[rows])
+        if self.weather.precipitation == "snow":
+            self.colour[rows] *= _SNOW_KEEPS
+            self.colour[rows] += _SNOW_ADDS
+
+    def paint_box(self, body: Solid, category: Category, identity: int) -> None:
+        """Paint one box at the pixels where it is nearest so far."""
+        window = _window(self.eye, body)
+        if window is None:
+            return
+        face, distance, height = _hits(self.eye, body, window)
+        is_nearest = distance < self.depth[window]
+        shade = np.array(_SHADES)[face]
+        if category == "vehicle":
+            low, high = (edge * body.height for edge in _WINDOWS)
+            is_glass = (height > low) & (height < high) & (face != _TOP)
+            shade = np.where(is_glass, _GLASS * shade, shade)
+        colour = shade[..., None] * np.array(_COLOURS[category])
+        self.depth[window][is_nearest] = distance[is_nearest]
+        self.ids[window][is_nearest] = identity
+        self.tags[window][is_nearest] = 0
+        self.colour[window][is_nearest] = colour[is_nearest]
+
+    def frame(self) -> Frame:
+        """Return the frame after daylight, headlights and fog."""
+        colour, is_sky, fog_m = self.colour, np.isinf(self.depth), self.weather.fog_visual_range_m
+        daylight = (self.weather.sun_elevation_deg - _DUSK_DEG) / (_DAY_DEG - _DUSK_DEG)
+        day = min(max(daylight, _NIGHT), 1.0)
+        if day < 1.0:
+            beam = _BEAM_M / (_BEAM_M + np.where(is_sky, 0.0, self.depth))
+            beam *= beam * beam * _BEAM
+            u, _ = tangents(self.eye.camera)
+            aside = np.minimum(np.abs(u) / _BEAM_EDGE, 1.0)[None, :]
+            light = np.minimum(1.0, day + (1.0 - day) * beam * (1.0 - _BEAM_LOSS * aside * aside))
+            colour = colour * np.where(is_sky, day, light)[..., None]
+        if fog_m < CLEAR_AIR_M:
+            clear = _transmittance(np.where(is_sky, _FAR_M, self.depth), fog_m)[..., None]
+            colour = colour * clear + np.array(_AIR) * day * (1.0 - clear)
+        picture = colour * 255.0
+        picture += 0.5
+        np.floor(picture, out=picture)
+        rgb = np.clip(picture, 0.0, 255.0, out=picture).astype(np.uint8)
+        return Frame(rgb=rgb, depth=self.depth.astype(np.float32), ids=self.ids, tags=self.tags)
 
 
 def _rays(eye: Eye, rows: slice, columns: slice) -> tuple[Floats, Floats, Floats]:
@@ -126,41 +218,13 @@ def _window(eye: Eye, body: Solid) -> tuple[slice, slice] | None:
     return (slice(top, bottom), slice(left, right)) if left < right and top < bottom else None
 
 
-def _paint_ground(
-    eye: Eye,
-    height: float,
-    road: Corridor,
-    colour: Floats,
-    depth: Floats,
-    tags: NDArray[np.uint8],
-) -> None:
-    """Paint the ground plane at a height: grass, road strips and lane marks."""
-    _, v = tangents(eye.camera)
-    below = eye.forward[2] + v * eye.down[2] < -1e-6
-    if not below.any():
-        return
-    rows = slice(int(below.argmax()), None)
-    x, y, z = _rays(eye, rows, slice(None))
-    distance = (height - eye.place[2]) / z * np.ones_like(x)
-    depth[rows] = distance
-    codes = np.full(distance.shape, _CODES["grass"], np.uint8)
-    near = distance <= _ROAD_VIEW_M
-    away = distance[near]
-    ground_x, ground_y = eye.place[0] + x[near] * away, eye.place[1] + y[near] * away
-    ego_s, _ = road.locate(eye.ego.x, eye.ego.y)
-    s, t, index = _locate(road, ground_x, ground_y, ego_s)
-    codes[near] = _surface(road, s, t, index, away)
-    np.take(_PALETTE, codes, axis=0, out=colour[rows])
-    np.take(_TAGS, codes, out=tags[rows])
-
-
 def _locate(
     road: Corridor, x: Floats, y: Floats, near: float
 ) -> tuple[Floats, Floats, NDArray[np.intp]]:
     """Return s, t and the nearest sample of many points, searching from one place on the road."""
     last = len(road.s) - 1
     index = np.full(x.shape, min(max(int(near / road.step), 0), last), dtype=np.intp)
-    for _ in range(12):
+    for _ in range(_MOST_STEPS):
         along = (x - road.x[index]) * road.cos[index] + (y - road.y[index]) * road.sin[index]
         moved = np.clip(index + np.rint(along / road.step).astype(np.intp), 0, last)
         if np.array_equal(moved, index):
@@ -176,8 +240,8 @@ def _surface(
 ) -> NDArray[np.uint8]:
     """Return the palette's row for the ground at places on the road."""
     codes = np.full(s.shape, _CODES["grass"], np.uint8)
-    half = 0.07 + 0.0004 * distance
-    dashed = s - 12.0 * np.floor(s / 12.0) < 4.0
+    half = _HALF_MARK_M + _MARK_GROWTH * distance
+    dashed = s - _DASH_PERIOD_M * np.floor(s / _DASH_PERIOD_M) < _DASH_M
     for number, strip in enumerate(road.strips):
         right, left = strip.right[index], strip.left[index]
         inside = (t >= right) & (t < left)
@@ -195,19 +259,15 @@ def _surface(
     return codes
 
 
-def _paint_box(
-    eye: Eye,
-    body: Solid,
-    category: Category,
-    identity: int,
-    colour: Floats,
-    depth: Floats,
-    ids: NDArray[np.int32],
-) -> None:
-    """Paint one box at the pixels where it is nearest so far."""
-    window = _window(eye, body)
-    if window is None:
-        return
+def _hits(
+    eye: Eye, body: Solid, window: tuple[slice, slice]
+) -> tuple[NDArray[np.intp], Floats, Floats]:
+    """Return where the rays through a window enter a box.
+
+    Returns:
+        The axis across the face; the distance along the optical axis, m, infinite without a hit; and the height
+        above the box's underside, m.
+    """
     cos, sin = math.cos(body.yaw), math.sin(body.yaw)
     halves = (0.5 * body.length, 0.5 * body.width, 0.5 * body.height)
     ray_x, ray_y, ray_z = _rays(eye, *window)
@@ -222,55 +282,24 @@ def _paint_box(
         near, far = np.minimum(one, two), np.maximum(one, two)
         face = np.where(near > enter, axis, face)
         enter, leave = np.maximum(enter, near), np.minimum(leave, far)
-    hit = (enter <= leave) & (enter > 0.1) & (enter < depth[window])
-    height = start[2] + rays[2] * np.where(hit, enter, 0.0) + halves[2]
-    shade = np.array(_SHADES)[face]
-    if category == "vehicle":
-        glass = (height > 0.58 * body.height) & (height < 0.86 * body.height) & (face != 2)
-        shade = np.where(glass, 0.35 * shade, shade)
-    picture = shade[..., None] * np.array(_COLOURS[category])
-    depth[window][hit] = enter[hit]
-    ids[window][hit] = identity
-    colour[window][hit] = picture[hit]
+    is_hit = (enter <= leave) & (enter > NEAR_M)
+    height = start[2] + rays[2] * np.where(is_hit, enter, 0.0) + halves[2]
+    return face, np.where(is_hit, enter, np.inf), height
 
 
 def _sky(weather: Weather) -> tuple[float, float, float]:
     """Return the colour of the sky by day."""
-    grey = weather.cloud_cover
-    if weather.precipitation != "none":
-        grey = 1.0
-    clear, overcast = (0.52, 0.72, 0.92), (0.72, 0.74, 0.77)
-    red, green, blue = (a + grey * (b - a) for a, b in zip(clear, overcast, strict=True))
+    grey = weather.cloud_cover if weather.precipitation == "none" else 1.0
+    red, green, blue = (a + grey * (b - a) for a, b in zip(_CLEAR, _OVERCAST, strict=True))
     return red, green, blue
 
 
-def _lit(colour: Floats, depth: Floats, camera: Camera, weather: Weather) -> NDArray[np.uint8]:
-    """Return the picture as bytes after daylight, headlights and fog."""
-    day = min(max((weather.sun_elevation_deg + 6.0) / 16.0, 0.05), 1.0)
-    is_sky = np.isinf(depth)
-    if day < 1.0:
-        beam = 40.0 / (40.0 + np.where(is_sky, 0.0, depth))
-        beam *= beam * beam * 0.75
-        u, _ = tangents(camera)
-        off_axis = np.minimum(np.abs(u) / 0.6, 1.0)[None, :]
-        light = np.minimum(1.0, day + (1.0 - day) * beam * (1.0 - 0.8 * off_axis * off_axis))
-        colour = colour * np.where(is_sky, day, light)[..., None]
-    if weather.fog_visual_range_m < CLEAR_AIR_M:
-        air = np.array((0.74, 0.76, 0.78)) * day
-        clear = _transmittance(np.where(is_sky, 1e6, depth), weather.fog_visual_range_m)[..., None]
-        colour = colour * clear + air * (1.0 - clear)
-    picture = colour * 255.0
-    picture += 0.5
-    np.floor(picture, out=picture)
-    return np.clip(picture, 0.0, 255.0, out=picture).astype(np.uint8)
-
-
 def _transmittance(depth: Floats, visual_range: float) -> Floats:
-    """Return exp(-3 depth / range), computed by squaring so that the bits do not depend on a library.
+    """Return exp(-ln 20 depth / range), computed by squaring so that the bits do not depend on a library.
 
     At the visual range, contrast has fallen to 5 % (Koschmieder's law, as in OpenSCENARIO).
     """
-    value = 1.0 / (1.0 + 2.9957 * depth / visual_range / 256.0)
-    for _ in range(8):
+    value = 1.0 / (1.0 + _LN_20 * depth / visual_range / 2.0**_SQUARINGS)
+    for _ in range(_SQUARINGS):
         value = value * value
     return value

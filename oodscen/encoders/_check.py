@@ -24,6 +24,14 @@ def encode(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
         return check_embeddings(encoder.encode(texts), len(texts), encoder)
 
 
+def unit_embeddings(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
+    """Return the checked embeddings of texts, scaled to unit length; a zero row stays zero."""
+    vectors = encode(encoder, texts)
+    norms = np.sqrt((vectors * vectors).sum(axis=1, keepdims=True))
+    unit: NDArray[np.float32] = vectors / np.maximum(norms, np.float32(1e-12))
+    return unit
+
+
 def check_embeddings(vectors: object, n: int, encoder: Encoder) -> NDArray[np.float32]:
     """Return a copy of `vectors` if they are one finite float32 row for each of `n` texts.
 

@@ -35,6 +35,8 @@ from oodscen.study._study import Study
 
 _USERS: WeakValueDictionary[tuple[int, int], "SceneEnv"] = WeakValueDictionary()
 """The open environments by process and id of their simulator."""
+_ROUNDING_S = 1e-9
+"""Difference up to which two times are the same, s."""
 
 
 class SceneEnv(Brief, gymnasium.Env[Any, Any]):
@@ -93,10 +95,9 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         render_mode: str | None = None,
     ) -> None:
         self.interface = Interface(observation, actions, neighbours, camera, step_s)
-        if not isinstance(twins, bool):
-            raise UsageError(f"twins must be True or False, not {twins!r:.80}")
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise UnknownComponent("render mode", str(render_mode)[:80], ["rgb_array"])
+        modes = self.metadata["render_modes"]
+        if render_mode not in (None, *modes):
+            raise UnknownComponent("render mode", str(render_mode)[:80], modes)
         self.observation_space = self.interface.observation_space
         self.action_space = self.interface.action_space
         self.render_mode = render_mode
@@ -108,13 +109,14 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self.scene_ids: tuple[str, ...] = tuple(
             name
             for one in found
-            for name in ((one.id, twin_id(one.id)) if twins and not one.is_twin else (one.id,))
+            for name in (one.id, twin_id(one.id))
+            if name == one.id or (twins and not one.is_twin)
         )
         """The ids that an episode can have."""
         if twice := [name for name, count in Counter(self.scene_ids).items() if count > 1]:
             raise UsageError(f"a scene has the id of another one's twin, {twice[0]!r}")
-        self._held = self._steps()
-        self.interface.step_s = self._held * self.simulator.dt
+        self._steps_per_action = self._count_steps()
+        self.interface.step_s = self._steps_per_action * self.simulator.dt
         self.metadata = {**self.metadata, "render_fps": round(1.0 / self.interface.step_s)}
         self._prepared: dict[str, PreparedScene] = {}
         self._steerer = ActionDecoder(actions)
@@ -124,11 +126,11 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         """Number of episodes that have begun."""
         self._claim()
 
-    def _steps(self) -> int:
+    def _count_steps(self) -> int:
         """Return the number of the simulator's steps for which an action holds."""
         dt, seconds = self.simulator.dt, self.interface.step_s
         steps = nearest_steps(seconds, dt)
-        if seconds is not None and abs(steps * dt - seconds) > 1e-9:
+        if seconds is not None and abs(steps * dt - seconds) > _ROUNDING_S:
             raise UsageError(
                 f"step_s is {seconds:g} s, not a multiple of the simulator's step of {dt:g} s; "
                 f"try {steps * dt:g}"
@@ -188,7 +190,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self._steerer.begin(action, episode.seen, "SceneEnv.step()")
         place, speed, time = episode.place_m, episode.speed, episode.state.time
         self._is_over = True  # Also if the simulator fails: its state is unknown then.
-        for _ in range(self._held):
+        for _ in range(self._steps_per_action):
             before = episode.state
             with working("simulator", self.simulator.name):
                 episode.advance(self._steerer.control(episode.seen))
@@ -214,13 +216,13 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         """Return the dash camera's picture, 640 x 480, or `None` without a render mode."""
         if self.render_mode is None:
             return None
-        return picture(self.look(Camera()), Camera(), self._drawn)
+        return picture(self.look(Camera()), Camera(), self._frame_source)
 
     def close(self) -> None:
         """Close the simulator; may be called twice, and a later `reset` opens it again."""
         self._is_over = True
-        if _USERS.get(self._place_of_use) is self:
-            del _USERS[self._place_of_use]
+        if _USERS.get(self._user_key) is self:
+            del _USERS[self._user_key]
         close(self.simulator)
 
     # ------------------------------------------------------------------ for drivers
@@ -263,11 +265,12 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
     # ------------------------------------------------------------------ internals
 
     @property
-    def _drawn(self) -> str:
+    def _frame_source(self) -> str:
+        """The method that made a frame, for messages."""
         return f"render() of the simulator {self.simulator.name!r}"
 
     @property
-    def _place_of_use(self) -> tuple[int, int]:
+    def _user_key(self) -> tuple[int, int]:
         return os.getpid(), id(self.simulator)
 
     def _claim(self) -> None:
@@ -276,7 +279,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         Raises:
             UsageError: If another open environment uses the same object.
         """
-        if _USERS.setdefault(self._place_of_use, self) is not self:
+        if _USERS.setdefault(self._user_key, self) is not self:
             raise UsageError(
                 f"another open environment uses this simulator, {self.simulator.name!r}: give its name, or one "
                 "object per environment"
@@ -291,14 +294,14 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             raise UnknownComponent("scene", name[:80], self.scene_ids)
         with working("simulator", self.simulator.name):
             steps, decision_s, _ = horizon(scene, self._watched, self._seed)
-            one = scene if name == scene.id else scene.twin(decision_s)
-            course = Course.of(one, self.simulator.catalogue())
-        self._prepared[name] = PreparedScene(one, course, steps)
+            driven = scene if name == scene.id else scene.twin(decision_s)
+            course = Course.of(driven, self.simulator.catalogue())
+        self._prepared[name] = PreparedScene(driven, course, steps)
         return self._prepared[name]
 
     def _observed(self, episode: Episode) -> Any:
         frame = self.look(self.interface.camera) if self.interface.wants_frames else None
-        return self.interface.observed(episode.state, episode.seen, frame, self._drawn)
+        return self.interface.observed(episode.state, episode.seen, frame, self._frame_source)
 
     def _info(self, episode: Episode, before: State | None) -> dict[str, Any]:
         return {**episode.info(before), "step_s": self.interface.step_s}

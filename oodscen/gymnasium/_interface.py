@@ -1,12 +1,11 @@
 """The observations and actions that an environment and its policies agree on."""
 
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal
 
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
 from oodscen._numbers import finite_number, whole_number
-from oodscen.errors import UnknownComponent, UsageError
 from oodscen.gymnasium._acting import action_space
 from oodscen.gymnasium._observing import (
     Space,
@@ -55,14 +54,6 @@ class Interface(Brief):
         camera: Camera | None = None,
         step_s: float | None = None,
     ) -> None:
-        for kind, value, known in (
-            ("observation", observation, get_args(ObservationKind)),
-            ("kind of action", actions, get_args(ActionKind)),
-        ):
-            if value not in known:
-                raise UnknownComponent(kind, str(value)[:80], known)
-        if camera is not None and not isinstance(camera, Camera):
-            raise UsageError(f"camera must be a Camera, not {camera!r:.80}")
         self.observation = observation
         self.actions = actions
         self.neighbours = whole_number("neighbours", neighbours, 1, 200)

@@ -24,7 +24,7 @@ def chosen_scenes(
         simulator: A simulator to use in its place; for scenes without a study, `flat`.
 
     Raises:
-        UsageError: If both or no scenes are given, or what is given is not a scene.
+        UsageError: If both or no scenes are given, or two have the same id.
         StudyMissing: If the folder holds no study.
     """
     if study is not None and scenes is not None:
@@ -35,8 +35,6 @@ def chosen_scenes(
     else:
         opened = study if isinstance(study, Study) else _opened(study)
         found, name, seed = opened.scenes, opened.config.simulator, opened.config.seed
-    if wrong := [one for one in found if not isinstance(one, Scene)]:
-        raise UsageError(f"an environment drives scenes, not {wrong[0]!r:.80}")
     if not found:
         raise UsageError("an environment needs at least one scene")
     if len({one.id for one in found}) < len(found):

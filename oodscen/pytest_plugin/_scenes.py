@@ -25,7 +25,7 @@ class Scenes:
     """The scenes that a test session drives: their texts, plans of their drives, and where pictures go.
 
     Args:
-        study: The study.
+        study: Has the scenes, their texts and their safe actions.
         seed: Seed of the simulator's random streams.
         pictures: Folder for pictures of failed drives; `None` for none.
     """

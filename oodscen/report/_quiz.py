@@ -41,7 +41,7 @@ def write_quiz(
     nor an id that reveals one. It needs no network.
 
     Args:
-        study: The study.
+        study: Has the pictures and the questions.
         out: The file; `quiz.html` in the study's folder by default.
         scenes: Maximum number of scenes, drawn by the study's seed so that all paths have their share.
         rears: Files of the views from the rear window, by drive; without them none is shown.

@@ -116,7 +116,7 @@ def _families(texts: Sequence[tuple[Scenario, float]]) -> list[RarityFamily]:
 
 def _spread(values: Collection[float]) -> tuple[str, str]:
     """Return the median and the range of the middle 80 % in words."""
-    low, median, high = np.quantile([*values], [0.1, 0.5, 0.9])
+    low, median, high = np.quantile(list(values), [0.1, 0.5, 0.9])
     return _power(median), f"{_power(low)} to {_power(high)}"
 
 

@@ -1,6 +1,6 @@
 """The describer, which writes distinct texts, and their twins, for the paths of a tree (paper, section III-B)."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -13,7 +13,7 @@ from oodscen._progress import Progress, counted, reporting
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario
-from oodscen.encoders._check import encode
+from oodscen.encoders._check import unit_embeddings
 from oodscen.errors import AnswerError, UsageError
 from oodscen.llm._ask import ask
 from oodscen.metrics._detection.guard import is_calibrated
@@ -117,7 +117,7 @@ class Describer(Brief):
             if is_dry:
                 texts = kept or texts[:1]
                 break
-            fresh, is_dry = self._draw(path, len(unfit), avoid=tuple(texts))
+            fresh, is_dry = self._draw(path, len(unfit), avoid=texts)
             texts = kept + fresh or texts[:1]
         count = min(count, len(texts))
         if self.metrics is not None and self.options.is_selective:
@@ -145,7 +145,7 @@ class Describer(Brief):
         for item in items:
             words = plain(item.text)
             if words in seen:
-                own = tuple(other.text for other in items if other.leaf == item.leaf)
+                own = [other.text for other in items if other.leaf == item.leaf]
                 fresh, _ = self._draw(item.path, 1, avoid=own, taken=taken)
                 if not fresh:
                     continue
@@ -172,14 +172,10 @@ class Describer(Brief):
         try:
             return scenario.model_copy(update={"ordinary": self.ordinary(scenario)})
         except AnswerError:
-            return scenario
+            return scenario  # The text counts without its twin.
 
     def _draw(
-        self,
-        path: tuple[str, ...],
-        count: int,
-        avoid: tuple[str, ...],
-        taken: set[str] | None = None,
+        self, path: tuple[str, ...], count: int, avoid: Sequence[str], taken: Set[str] = frozenset()
     ) -> tuple[list[str], bool]:
         """Ask for texts until enough are not `taken`; later questions avoid the ones that are.
 
@@ -201,7 +197,7 @@ class Describer(Brief):
             )
             found = ask(self.llm, prompt, sample=self.options.sample).texts
             for text in found:
-                kept = refused if plain(text) in (taken or ()) else texts
+                kept = refused if plain(text) in taken else texts
                 kept.append(one_line(text))
             if len(found) < wanted:
                 return texts, True
@@ -217,31 +213,6 @@ class Describer(Brief):
         """Return the positions of texts that are too similar to an earlier one."""
         if self.encoder is None or len(texts) < 2:
             return set()
-        vectors = encode(self.encoder, texts)
-        norms = np.sqrt((vectors * vectors).sum(axis=1, keepdims=True))
-        unit = vectors / np.maximum(norms, np.float32(1e-12))
+        unit = unit_embeddings(self.encoder, texts)
         cosines = np.tril(unit @ unit.T, k=-1)
         return {int(row) for row in np.nonzero((cosines > self.options.nearest).any(axis=1))[0]}
-
-
-def spread(paths: Mapping[str, tuple[str, ...]], total: int) -> dict[str, int]:
-    """Distribute `total` texts over the paths as evenly as possible, earlier paths first."""
-    base, rest = divmod(total, len(paths))
-    return {leaf: base + (index < rest) for index, leaf in enumerate(paths)}
-
-
-def spread_subset(scenarios: Sequence[Scenario], size: int) -> list[Scenario]:
-    """Choose `size` scenarios that cover the paths as evenly as possible.
-
-    The first text of every path comes first, then the second, and so on; the last level needed contributes
-    evenly spaced paths. The order of the scenarios is kept.
-    """
-    by_leaf: dict[str, list[Scenario]] = {}
-    for scenario in scenarios:
-        by_leaf.setdefault(scenario.leaf, []).append(scenario)
-    chosen: set[str] = set()
-    for level in range(max(map(len, by_leaf.values()), default=0)):
-        row = [group[level] for group in by_leaf.values() if level < len(group)]
-        wanted = min(size - len(chosen), len(row))
-        chosen.update(row[index * len(row) // wanted].id for index in range(wanted))
-    return [scenario for scenario in scenarios if scenario.id in chosen]

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -101,11 +101,7 @@ def drive(
 
 def _distinct(scenes: Sequence[Scene], twins: bool) -> list[Scene]:
     """Return scenes whose drives have ids of their own."""
-    if not isinstance(scenes, Iterable) or isinstance(scenes, Scene | str):
-        raise UsageError(f"drive() takes a sequence of scenes, not {scenes!r:.80}")
     found = list(scenes)
-    if wrong := [one for one in found if not isinstance(one, Scene)]:
-        raise UsageError(f"drive() takes scenes, not {wrong[0]!r:.80}")
     ids = [one.id for one in found]
     ids += [twin_id(one.id) for one in found if twins and not one.is_twin]
     if twice := [name for name, count in Counter(ids).items() if count > 1]:

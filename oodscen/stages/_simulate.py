@@ -374,7 +374,7 @@ def approach(
     """Drive blindly until the decision's trigger fires, a collision or leaving the road, or the time limit.
 
     Args:
-        scene: The scene.
+        scene: The scene, whose decision has the trigger.
         simulator: The simulator; it is left at the end of the drive.
         seed: Seed of the simulator's random streams.
         keep: Called at every state.

@@ -14,7 +14,7 @@ class Steering:
     """Shows a driver what it asks for, and takes its controls.
 
     Args:
-        driver: The driver.
+        driver: Is shown states and pictures if it asks for them.
         simulator: The simulator in which it drives.
         camera: Takes its pictures, if it wants some.
     """

@@ -25,7 +25,7 @@ def stale_scenes(
     as well. Episodes that do not say what they were made from are taken as they are.
 
     Args:
-        episodes: The episodes.
+        episodes: Those of scenes, ordinary drives and demands.
         scenes: The lines of `scenes.jsonl`, demands included.
         staged: The lines of `staged.jsonl`, which hold the demands as they were run.
     """
@@ -54,12 +54,7 @@ def in_words(stale: list[str]) -> str:
 
 
 def refuse_stale(study: "Study", episodes: Iterable[Episode], scenes: Iterable[Scene]) -> None:
-    """Refuse a study whose episodes are not those of its scenes.
-
-    Args:
-        study: The study.
-        episodes: Its episodes.
-        scenes: Its scenes without the demands.
+    """Refuse a study whose episodes are not those of its scenes, which come without the demands.
 
     Raises:
         UsageError: If a scene has changed since it was run.

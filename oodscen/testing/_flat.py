@@ -73,7 +73,7 @@ class FlatSimulator(MirrorSimulator):
         """Return the picture of a camera anywhere; needs `load`, `spawn` and `place`, but no world.
 
         Args:
-            camera: The camera.
+            camera: The camera, relative to `mount`.
             mount: x, y, z, m, and yaw, rad, of what the camera is mounted on.
             accelerations: Unused: boxes have no lamps.
             time: Unused: nothing flickers.

@@ -6,12 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen import Describer, Metrics, Scenario, ScenarioTree
+from oodscen import Describer, Metrics, ScenarioTree
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.errors import UsageError
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import STYLES, plain
-from oodscen.stages._describe import spread, spread_subset
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit
@@ -89,30 +88,6 @@ def test_a_writer_that_has_run_dry_is_not_asked_again_and_its_near_duplicates_go
     found = Describer(llm, HashEncoder(), nearest=0.9).path("b", PATH, 3)
     assert [item.text for item in found] == [first]
     assert llm.calls == 1
-
-
-@given(st.integers(1, 300), st.integers(1, 40))
-def test_texts_are_shared_out_evenly(total, leaves):
-    paths = {f"l{number}": PATH for number in range(leaves)}
-    counts = spread(paths, total)
-    assert sum(counts.values()) == total
-    assert max(counts.values()) - min(counts.values()) <= 1
-
-
-@given(st.lists(st.integers(1, 5), min_size=1, max_size=20), st.data())
-def test_a_subset_covers_the_paths_as_evenly_as_it_can(sizes, data):
-    scenarios = [
-        Scenario(id=f"l{leaf}-{number:03d}", text="x", leaf=f"l{leaf}", path=PATH)
-        for leaf, size in enumerate(sizes)
-        for number in range(size)
-    ]
-    wanted = data.draw(st.integers(1, len(scenarios)))
-    chosen = spread_subset(scenarios, wanted)
-    assert len(chosen) == wanted
-    assert [item for item in scenarios if item in chosen] == chosen
-    counts = [sum(item.leaf == f"l{leaf}" for item in chosen) for leaf in range(len(sizes))]
-    highest = max(counts)
-    assert all(count >= min(size, highest - 1) for count, size in zip(counts, sizes, strict=True))
 
 
 def author_scenarios(**options):

@@ -44,7 +44,7 @@ class Listener:
         """Open the ports; see `start`.
 
         Args:
-            world: The world.
+            world: Is driven by the clients.
             studio: Takes the pictures.
             host: The address to listen on; the default is reached from this machine only.
             port: Port for calls; the next one is for streams. 0 chooses free ones.

@@ -189,7 +189,7 @@ def _misses(ground: Ground, cells: Ints, size: int, asphalt: Array) -> Mask:
     """Return which squares are too large for the road edges inside them.
 
     Args:
-        ground: The ground.
+        ground: Measures the distance from the asphalt at any place.
         cells: [n, 2] lower left corners of the squares.
         size: Side of the squares, in the unit of `cells`.
         asphalt: [n] distance of their middles from the edge of the asphalt, m.

@@ -80,7 +80,7 @@ class Triangles(NamedTuple):
         """Convert a mesh.
 
         Args:
-            mesh: The mesh.
+            mesh: Its faces have places in the atlas.
             atlas: The texture atlas with its colours.
             is_chunked: Whether to cut it into chunks, for scenery; otherwise it is one chunk around
                 the mesh's origin, which a new row in `places` moves.

@@ -37,7 +37,7 @@ class CameraView:
         """Mount a camera on a vehicle, given the centre of its footprint and its yaw.
 
         Args:
-            camera: The camera.
+            camera: The camera, relative to the vehicle.
             pose: x, y, z and yaw of the vehicle.
             roll_deg: Roll of the camera, degrees, clockwise.
         """

@@ -1,5 +1,7 @@
 """Things and motions that a study made to order, by the leaf that they were made for."""
 
+from typing import NamedTuple
+
 from oodscen._pipeline.context import Context
 from oodscen.data._motion import Motion
 from oodscen.data._prop import Prop
@@ -7,34 +9,36 @@ from oodscen.stages._making.files import ASSETS
 from oodscen.stages._making.making import MadeProp
 from oodscen.stages._making.motions import MOTIONS, made_motions
 
-Made = tuple[tuple[Prop, ...], tuple[Motion, ...]]
-"""Things and motions made to order."""
+
+class MadeToOrder(NamedTuple):
+    """Things and motions that were made for one leaf."""
+
+    props: tuple[Prop, ...]
+    motions: tuple[Motion, ...]
+
+    def described(self) -> tuple[str, ...]:
+        """Return all of them in words, as a writer sees them."""
+        return tuple(
+            f"{one.id.replace('_', ' ')}: {one.description}" for one in self.props + self.motions
+        )
 
 
-def made_for(run: Context) -> dict[tuple[str, ...], Made]:
-    """Return the things and motions that were made for leaves, by the path of the leaf."""
+def made_for(run: Context) -> dict[tuple[str, ...], MadeToOrder]:
+    """Return what was made for the leaves that were kept, by the path of the leaf."""
     if not run.store.holds(ASSETS):
         return {}
     lines = [MadeProp.parse(line, source=ASSETS) for line in run.store.lines(ASSETS)]
     props = {one.id: one.prop for one in lines if one.prop is not None}
     motions = made_motions(run.store.lines(MOTIONS)) if run.store.holds(MOTIONS) else {}
-    tree = run.study.tree("simulatable")
-    paths = tree.paths
+    paths = run.study.tree("simulatable").paths
     return {
-        paths[one.id]: (
-            tuple(props[name] for name in one.made if name in props),
-            tuple(motions[name] for name in one.made if name in motions),
+        paths[leaf.id]: MadeToOrder(
+            tuple(props[name] for name in leaf.made if name in props),
+            tuple(motions[name] for name in leaf.made if name in motions),
         )
-        for one in run.study.decisions
-        if one.keep
-        and one.made
-        and one.id in paths
-        and set(one.made) <= props.keys() | motions.keys()
+        for leaf in run.study.decisions
+        if leaf.keep
+        and leaf.made
+        and leaf.id in paths
+        and set(leaf.made) <= props.keys() | motions.keys()
     }
-
-
-def described(made: Made) -> tuple[str, ...]:
-    """Return things and motions in words, as a writer sees them."""
-    return tuple(
-        f"{one.id.replace('_', ' ')}: {one.description}" for group in made for one in group
-    )

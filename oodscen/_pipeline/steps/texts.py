@@ -5,13 +5,14 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
-from oodscen._pipeline.steps.made import described, made_for
+from oodscen._pipeline.steps.made import made_for
 from oodscen._registry import is_builtin
 from oodscen.data._scenario import Scenario
 from oodscen.errors import LLMError, UsageError
 from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.metrics._metrics import Metrics
-from oodscen.stages._describe import Describer, spread, spread_subset
+from oodscen.stages._describe import Describer
+from oodscen.stages._spread import spread, spread_subset
 from oodscen.tree._scenario_tree import ScenarioTree
 
 SHORT_PATHS = "short_paths.jsonl"
@@ -113,7 +114,7 @@ def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
         twins=is_builtin(config.llm) if config.twins is None else config.twins,
         sample=sample,
         catalogue=run.simulator.catalogue() if is_shown else None,
-        made={path: described(made) for path, made in made_for(run).items()} if is_shown else None,
+        made={path: made.described() for path, made in made_for(run).items()} if is_shown else None,
     )
 
 

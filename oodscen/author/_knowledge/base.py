@@ -168,6 +168,16 @@ class Recipe(Data):
     """The actors, in an order in which each follows its anchor."""
 
     @property
+    def hazards(self) -> tuple[RecipeActor, ...]:
+        """The actors that are part of the unusual event."""
+        return tuple(actor for actor in self.actors if actor.hazard)
+
+    @property
+    def removes_hazards(self) -> bool:
+        """True if it has such actors, and the ordinary twin has nothing in their place."""
+        return bool(self.hazards) and all(one.ordinary == "remove" for one in self.hazards)
+
+    @property
     def is_static(self) -> bool:
         """True if only the ego moves."""
         return all(actor.behaviour == "stand" for actor in self.actors)

@@ -101,8 +101,7 @@ def decisive(recipe: Recipe) -> RecipeActor | None:
     for actor in recipe.actors:
         if recipe.decision.actor in actor.names:
             return actor
-    unusual = [actor for actor in recipe.actors if actor.hazard]
-    return next(iter(unusual or recipe.actors), None)
+    return next(iter(recipe.hazards or recipe.actors), None)
 
 
 def approach(hazard: HazardKind, place: RoadKind) -> Approach:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oodscen.author._knowledge.base import HazardKind, Knowledge, Recipe
+from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.ego_naming import Name, told_by
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.agreement import Agreement, Setting
@@ -185,7 +185,7 @@ class OrdinaryAuthor:
         one = stand_in(hazard, text, place)
         if one is not None and setting.traffic != _EMPTY:
             return one.clause
-        if hazard is not None and hazard.stage is not None and _is_removed(hazard.stage):
+        if hazard is not None and hazard.stage is not None and hazard.stage.removes_hazards:
             return _ANY_ROAD[1]
         options = (*hazard.ordinary, *_ANY_ROAD) if hazard is not None else _ANY_ROAD
         suiting = self._agreement.suiting(options, setting)
@@ -221,12 +221,6 @@ class OrdinaryAuthor:
 
         fitting.sort(key=penalty)
         return fitting[int(rng.integers(min(_NEAREST, len(fitting))))] if fitting else ""
-
-
-def _is_removed(recipe: Recipe) -> bool:
-    """Return whether the twin's scene has nothing in place of the hazard."""
-    parts = [actor for actor in recipe.actors if actor.hazard]
-    return bool(parts) and all(actor.ordinary == "remove" for actor in parts)
 
 
 def _not_twice(frame: str, clause: str) -> str:

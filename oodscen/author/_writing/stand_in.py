@@ -7,12 +7,14 @@ from oodscen.author._knowledge.base import HazardKind, RoadKind
 from oodscen.prompts._scenario.describe_path import plain
 
 _STREETS = frozenset({"urban", "residential"})
+"""Traits of the places that have a pavement."""
 _HEAVY = frozenset(
     "truck bus tram tanker excavator road_roller cement_mixer overturned_truck camper trailer "
     "garbage_truck fire_truck scaffolding school_bus tractor tow_truck".split()
 )
-_WALKS = 0.55
-"""Share of the twins on streets in which someone walks along the pavement, if the hazard is not a vehicle."""
+"""Assets of hazards in whose place something large drives."""
+_WALKER_SHARE = 0.55
+"""Share of the twins on streets in which someone walks along the pavement."""
 
 
 class StandIn(NamedTuple):
@@ -24,27 +26,22 @@ class StandIn(NamedTuple):
     clause: str
 
 
-_CLAUSES = {
-    "car": "a car drives ahead in the lane at an even speed",
-    "van": "a van drives ahead in the lane at an even speed",
-    "lorry": "a lorry drives ahead in the lane at an even speed",
-}
-_ASSETS = {"car": ("car",), "van": ("van",), "lorry": ("truck",)}
 _WALKER = StandIn(("adult",), False, "the lane is free and a person walks along the pavement")
+_CAR, _VAN, _LORRY = (
+    StandIn((asset,), True, f"a {noun} drives ahead in the lane at an even speed")
+    for noun, asset in (("car", "car"), ("van", "van"), ("lorry", "truck"))
+)
+_LARGE, _SMALL = (_LORRY, _LORRY, _VAN), (_CAR, _CAR, _VAN)
+"""Vehicles from which one is drawn in place of a heavy hazard, and of any other."""
 
 
 def stand_in(hazard: HazardKind | None, text: str, place: RoadKind | None) -> StandIn | None:
     """Return the road user in place of a hazard that its recipe removes; `None` if there is none."""
-    if hazard is None or hazard.stage is None or place is None:
+    if hazard is None or hazard.stage is None or place is None or not hazard.stage.removes_hazards:
         return None
-    parts = [actor for actor in hazard.stage.actors if actor.hazard]
-    if not parts or any(actor.ordinary != "remove" for actor in parts):
-        return None
-    kind, size = stream(0, "stand-in", plain(text)).random(2)
-    is_street = bool(_STREETS & set(place.traits))
-    if is_street and kind < _WALKS:
+    walker_draw, vehicle_draw = stream(0, "stand-in", plain(text)).random(2)
+    if walker_draw < _WALKER_SHARE and not _STREETS.isdisjoint(place.traits):
         return _WALKER
-    is_heavy = any(_HEAVY & set(actor.asset) for actor in parts)
-    nouns = ("lorry", "lorry", "van") if is_heavy else ("car", "car", "van")
-    noun = nouns[int(size * len(nouns))]
-    return StandIn(_ASSETS[noun], True, _CLAUSES[noun])
+    is_heavy = any(not _HEAVY.isdisjoint(actor.asset) for actor in hazard.stage.hazards)
+    vehicles = _LARGE if is_heavy else _SMALL
+    return vehicles[int(vehicle_draw * len(vehicles))]

@@ -1,5 +1,8 @@
 """Car following by the intelligent driver model, which reference drivers share."""
 
+LEAST_DESIRED = 0.1
+"""Least speed that a driver desires, m/s: the model divides by it."""
+
 
 def following_acceleration(
     speed: float,

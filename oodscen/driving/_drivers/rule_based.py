@@ -5,16 +5,21 @@ from dataclasses import replace
 
 from oodscen._display import Brief
 from oodscen._numbers import finite_number
-from oodscen.driving._drivers.following import following_acceleration
+from oodscen.driving._drivers.following import LEAST_DESIRED, following_acceleration
 from oodscen.driving._motion.actions import Cruise
 from oodscen.protocols import Control, Observation, State
+
+_HARDEST = 8.0
+"""Deceleration of the emergency braking, and the most of any other, m/s^2."""
+_FORESIGHT_S = 1.0
+"""Time ahead for which it foresees that a body steps into its path, s."""
 
 
 class RuleBasedDriver(Brief):
     """Keeps its lane, follows the actor ahead, and brakes hard when it gets close.
 
-    The intelligent driver model with emergency braking below a time to collision. It knows the true
-    positions of all actors: a stack with perfect perception and no plan but to follow.
+    It drives by the intelligent driver model and knows the true positions of all actors, as a stack with
+    perfect perception would that has no plan but to follow.
 
     Args:
         headway_s: Time headway, s.
@@ -41,33 +46,35 @@ class RuleBasedDriver(Brief):
         self.comfortable = finite_number("comfortable", comfortable, 0.1, 10.0)
         self.emergency_ttc_s = finite_number("emergency_ttc_s", emergency_ttc_s, 0.0, 60.0)
         self.corridor_m = finite_number("corridor_m", corridor_m, 0.0, 100.0)
-        self._keep = Cruise()
+        self._cruise = Cruise()
         self._desired: float | None = None
         self._gap, self._closing = math.inf, 0.0
 
     def look(self, state: State) -> None:
-        """Find the nearest body ahead, including one that will step into the path within a second."""
+        """Find the nearest body ahead, including one that will step into the path soon."""
         self._gap, self._closing = math.inf, 0.0
         if state.places is None:
             return
         s, t = state.places[:, 0], state.places[:, 1]
         speed = float(state.speeds[0])
         for row in range(1, len(state.ids)):
+            its_speed = float(state.speeds[row])
             turn = float(state.poses[row, 3] - state.poses[0, 3])
-            along, across = (float(state.speeds[row]) * f(turn) for f in (math.cos, math.sin))
             aside = float(t[row] - t[0])
-            if s[row] <= s[0] or min(abs(aside), abs(aside + across)) > self.corridor_m:
+            soon_aside = aside + its_speed * math.sin(turn) * _FORESIGHT_S
+            if s[row] <= s[0] or min(abs(aside), abs(soon_aside)) > self.corridor_m:
                 continue
             if state.gaps[row] < self._gap:
-                self._gap, self._closing = float(state.gaps[row]), speed - along
+                self._gap = float(state.gaps[row])
+                self._closing = speed - its_speed * math.cos(turn)
 
     def act(self, observation: Observation) -> Control:
         """Follow, brake, or keep the speed."""
-        control = self._keep.act(observation)
+        control = self._cruise.act(observation)
         if self._desired is None:
-            self._desired = max(observation.speed, 0.1)
+            self._desired = max(observation.speed, LEAST_DESIRED)
         if self._closing > 0 and self._gap / self._closing < self.emergency_ttc_s:
-            return replace(control, acceleration=-8.0)
+            return replace(control, acceleration=-_HARDEST)
         acceleration = following_acceleration(
             observation.speed,
             self._desired,
@@ -77,4 +84,5 @@ class RuleBasedDriver(Brief):
             standing_m=self.standing_m,
             comfortable=self.comfortable,
         )
-        return replace(control, acceleration=max(-8.0, min(control.acceleration, acceleration)))
+        wanted = min(control.acceleration, acceleration)
+        return replace(control, acceleration=max(-_HARDEST, wanted))

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from oodscen._display import Brief
 from oodscen.driving._drivers.braking import DELAY_S, DelayedBrake
-from oodscen.driving._drivers.following import following_acceleration
+from oodscen.driving._drivers.following import LEAST_DESIRED, following_acceleration
 from oodscen.driving._drivers.perception import Neighbour, Perception
 from oodscen.driving._motion.actions import Cruise
 from oodscen.protocols import Control, Observation, State
@@ -28,7 +28,7 @@ class WatchingDriver(Brief):
     """
 
     def __init__(self, delay_s: float = DELAY_S) -> None:
-        self._keep = Cruise()
+        self._cruise = Cruise()
         self._perception = Perception()
         self._brake = DelayedBrake(delay_s)
         self._desired: float | None = None
@@ -40,9 +40,9 @@ class WatchingDriver(Brief):
 
     def act(self, observation: Observation) -> Control:
         """Follow, brake in an emergency, or keep the speed."""
-        control = self._keep.act(observation)
+        control = self._cruise.act(observation)
         if self._desired is None:
-            self._desired = max(observation.speed, 0.1)
+            self._desired = max(observation.speed, LEAST_DESIRED)
         if self._state is None:
             return control
         seen = self._perception.look(self._state, observation.visual_range_m)

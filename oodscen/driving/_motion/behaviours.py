@@ -10,9 +10,6 @@ from oodscen.data._category import Category
 from oodscen.driving._motion.behaviour_kernels import Code
 from oodscen.driving._motion.behaviour_row import BehaviourRow
 
-QUICKNESS: dict[str, float] = {"pedestrian": 2.5, "animal": 6.0, "cyclist": 1.5, "object": 4.0}
-"""Acceleration of actors that walk, ride or blow along, by category, m/s^2; 2.5 for the others."""
-
 _ANYBODY: tuple[Category, ...] = (
     "vehicle",
     "cyclist",
@@ -23,6 +20,11 @@ _ANYBODY: tuple[Category, ...] = (
     "vegetation",
     "signal",
 )
+QUICKNESS: dict[Category, float] = {
+    **dict.fromkeys(_ANYBODY, 2.5),
+    **{"animal": 6.0, "cyclist": 1.5, "object": 4.0},
+}
+"""Acceleration of actors that walk, ride or blow along, by category, m/s^2."""
 _DRIVERS: tuple[Category, ...] = ("vehicle", "cyclist")
 _WALKERS: tuple[Category, ...] = ("pedestrian", "animal", "cyclist", "object", "vegetation")
 

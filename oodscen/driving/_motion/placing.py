@@ -6,10 +6,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from oodscen._seeding import stream
-from oodscen.data._catalogue import Catalogue
+from oodscen.data._catalogue import BehaviourKind, Catalogue
 from oodscen.data._scene import DARK_DEG, Actor, Scene
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.behaviour_kernels import IN_WORLD, Code, stand_in_world, stand_on_road
+from oodscen.driving._motion.behaviour_row import BehaviourRow
 from oodscen.driving._motion.behaviours import ATTACHED, BUILT_IN, QUICKNESS
 from oodscen.driving._motion.bodies import Situation
 from oodscen.driving._motion.car_following import curve_speed, grip
@@ -21,10 +22,11 @@ from oodscen.driving._sight.visibility import visual_range
 from oodscen.numerics._exact import PI, TAU, cos, quantised, sincos, wrapped
 from oodscen.numerics._kernels import seen
 
-HEADLAMPS_M = 75.0
+_HEADLAMPS_M = 75.0
 """Distance at which dipped headlamps reveal bodies without lamps, m."""
 _LIT = frozenset({"vehicle", "cyclist", "work_zone", "signal"})
 """Categories with lamps or reflectors."""
+_KEYED = BehaviourRow(Code.KEYED, "moves through the key poses of a motion made to order", ())
 
 
 class PlacedBodies:
@@ -65,17 +67,14 @@ class PlacedBodies:
             dt=dt,
             friction=scene.weather.friction,
             visual_range=far,
-            headlamp_range=min(far, HEADLAMPS_M) if is_dark else far,
+            headlamp_range=min(far, _HEADLAMPS_M) if is_dark else far,
         )
         self.traits[:count, : col.WIDTH + 1] = self.sizes
         self.traits[:count, col.HEIGHT] = [asset.height for _, asset, _ in self.bodies]
         self._place_ego(scene.ego.speed)
         kinds = {kind.id: kind for kind in catalogue.for_scene(scene).behaviours}
         for row, actor in enumerate(scene.actors, start=1):
-            kind = kinds[actor.behaviour.name]
-            defaults = {name: one.default for name, one in kind.parameters.items()}
-            parameters = {**defaults, **actor.behaviour.parameters}
-            self._place(row, actor, kind.built_in, parameters, seed)
+            self._place(row, actor, kinds[actor.behaviour.name], seed)
         for row in order:
             self._attach(row)
 
@@ -97,77 +96,79 @@ class PlacedBodies:
         return order
 
     def _place_ego(self, speed: float) -> None:
-        state, start = self.state[0], self.corridor.start
-        state[col.S], state[col.T] = start, self.corridor.centre(self.lane, start)
-        state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
-        self.codes[0, col.OTHER], self.codes[0, col.DIRECTION] = -1, 1
-        self.codes[0, col.IS_LIT] = 1
-        stand_on_road(self.situation, 0)
+        self.codes[0, col.OTHER], self.codes[0, col.DIRECTION], self.codes[0, col.IS_LIT] = -1, 1, 1
+        start = self.corridor.start
+        self._stand(0, start, self.corridor.centre(self.lane, start), 0.0, speed)
         stand_in_world(self.situation, 0)
 
-    def _place(
-        self, row: int, actor: Actor, name: str, parameters: Mapping[str, float], seed: int
-    ) -> None:
-        road, place = self.corridor, actor.placement
+    def _place(self, row: int, actor: Actor, kind: BehaviourKind, seed: int) -> None:
+        """Fill an actor's rows, and stand it at its start."""
         motion = self._motions.get(actor.behaviour.name)
-        behaviour = BUILT_IN[name] if motion is None else None
-        code = Code.KEYED if behaviour is None else behaviour.code
-        owner = actor.behaviour.other
-        if owner is None and (code in ATTACHED or (motion is not None and motion.frame == "other")):
-            raise ValueError(f"{actor.id!r} needs another actor to do {name!r}")
-        lane, target, heading = self._course(actor, name, parameters)
-        s = quantised(road.start + place.ahead_m)
-        t = quantised(road.centre(lane, s) + place.offset_m)
-        asset, trigger = self.bodies[row][1], actor.behaviour.trigger
+        behaviour = BUILT_IN[kind.built_in] if motion is None else _KEYED
+        is_held = behaviour.code in ATTACHED or (motion is not None and motion.frame == "other")
+        if is_held and actor.behaviour.other is None:
+            raise ValueError(f"{actor.id!r} needs another actor to do {kind.built_in!r}")
+        defaults = {name: parameter.default for name, parameter in kind.parameters.items()}
+        parameters = {**defaults, **actor.behaviour.parameters}
+        lane, target, heading = self._course(actor, behaviour.code, parameters)
+        s = quantised(self.corridor.start + actor.placement.ahead_m)
+        t = quantised(self.corridor.centre(lane, s) + actor.placement.offset_m)
+        direction = 1 if cos(heading) >= 0.0 else -1
+        self._fill_codes(row, actor, (behaviour.code, lane, target, direction))
+        traits = self.traits[row]
+        traits[col.OFFSET] = actor.placement.offset_m
+        traits[col.VALUE] = actor.behaviour.trigger.value
+        traits[col.QUICKNESS] = QUICKNESS[self.bodies[row][1].category]
+        traits[col.HOME_S], traits[col.HOME_T] = s, t
+        traits[col.FIRST :] = [parameters.get(name, 0.0) for name in col.PARAMETERS]
+        if behaviour.has_chance:
+            traits[col.PHASE] = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
+        if motion is not None:
+            self.codes[row, col.KEY :] = key_codes(motion, self._first_keys[motion.id])
+            for column, value in key_traits(motion, actor.id, seed).items():
+                traits[column] = value
+        speed = parameters.get("speed", 0.0) if behaviour.moves_before_trigger else 0.0
+        self._stand(row, s, t, heading, speed)
+        if speed > 0.0 and behaviour.code not in IN_WORLD:
+            fastest = float(curve_speed(self.situation, row, grip(self.situation)))
+            self.state[row, col.SPEED] = quantised(min(speed, fastest))
+
+    def _fill_codes(self, row: int, actor: Actor, course: tuple[Code, int, int, int]) -> None:
+        """Store an actor's codes, from its behaviour, strips and direction."""
+        other, trigger = actor.behaviour.other, actor.behaviour.trigger
+        asset = self.bodies[row][1]
         self.codes[row, : col.KEY] = [
-            code,
-            lane,
-            target,
-            1 if cos(heading) >= 0.0 else -1,
-            -1 if owner is None else self.rows[owner],
+            *course,
+            -1 if other is None else self.rows[other],
             CODES[trigger.kind],
             self.rows[trigger.actor or actor.id],
             asset.is_passable(actor.state),
             asset.category in _LIT,
         ]
-        traits, state = self.traits[row], self.state[row]
-        traits[col.OFFSET], traits[col.VALUE] = place.offset_m, trigger.value
-        if behaviour is not None and behaviour.has_chance:
-            traits[col.PHASE] = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
-        traits[col.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
-        traits[col.HOME_S], traits[col.HOME_T] = s, t
-        traits[col.FIRST :] = [parameters.get(name, 0.0) for name in col.PARAMETERS]
-        if motion is not None:
-            self.codes[row, col.KEY :] = key_codes(motion, self._first_keys[motion.id])
-            for column, value in key_traits(motion, actor.id, seed).items():
-                traits[column] = value
-        is_moving = behaviour is not None and behaviour.moves_before_trigger
-        speed = parameters.get("speed", 0.0) if is_moving else 0.0
+
+    def _stand(self, row: int, s: float, t: float, heading: float, speed: float) -> None:
+        """Put a body on the road, its trigger not fired."""
+        state = self.state[row]
         state[col.S], state[col.T], state[col.HEADING] = s, t, heading
         state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
         stand_on_road(self.situation, row)
-        if speed > 0.0 and code not in IN_WORLD:
-            fastest = float(curve_speed(self.situation, row, grip(self.situation)))
-            state[col.SPEED] = quantised(min(speed, fastest))
 
     def _course(
-        self, actor: Actor, name: str, parameters: Mapping[str, float]
+        self, actor: Actor, code: Code, parameters: Mapping[str, float]
     ) -> tuple[int, int, float]:
         """Return an actor's strip, the strip that it may move to, and its heading relative to the road."""
         lane = target = neighbour_strip(self.corridor, self.lane, actor.placement.lane)
         if "lanes" in parameters:
             target = neighbour_strip(self.corridor, lane, round(parameters["lanes"]))
-        heading = PI if name == "wrong_way" else actor.placement.heading_deg * PI / 180.0
+        heading = PI if code == Code.WRONG_WAY else actor.placement.heading_deg * PI / 180.0
         if self.corridor.strips[lane].direction < 0:
             heading += PI
         return lane, target, quantised(wrapped(heading))
 
     def _attach(self, row: int) -> None:
-        """Store an actor's pose relative to the body that it belongs to."""
+        """Store the pose of an actor relative to the body that holds it, if one does, and give it that one's speed."""
         code, other = self.codes[row, col.BEHAVIOUR], int(self.codes[row, col.OTHER])
-        is_held = code in ATTACHED
-        if code == Code.KEYED:
-            is_held = pose_first(self.situation, row)
+        is_held = pose_first(self.situation, row) if code == Code.KEYED else code in ATTACHED
         if not is_held:
             return
         mine, its = self.state[row].tolist(), self.state[other].tolist()

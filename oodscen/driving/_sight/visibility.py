@@ -21,7 +21,7 @@ _GRID = 6
 """Number of sight lines per direction through a silhouette."""
 _LN_20 = 2.995732273553991
 """Number of extinction lengths over which contrast falls to 5 %: ln 20."""
-_NEAR = 0.1
+NEAR_M = 0.1
 """Closest distance that a camera shows, m."""
 _EDGES = tuple((i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit)
 """Edges of a box, as pairs of indices into `Solid.corners`."""
@@ -170,7 +170,7 @@ class Eye:
     def silhouette(self, body: Solid) -> list[tuple[float, float]]:
         """Return the outline of a box in the picture plane, not clipped; empty behind the camera."""
         corners = [self.to_camera(corner) for corner in body.corners()]
-        points = [one for one in corners if one[2] >= _NEAR]
+        points = [one for one in corners if one[2] >= NEAR_M]
         if len(points) < len(corners):
             points += [cut for i, j in _EDGES if (cut := _cut(corners[i], corners[j])) is not None]
         width, height, focal = self.camera.width, self.camera.height, self.focal
@@ -245,10 +245,10 @@ class Eye:
 
 def _cut(a: Point, b: Point) -> Point | None:
     """Return the point where an edge crosses the near plane, or `None`."""
-    if (a[2] >= _NEAR) == (b[2] >= _NEAR):
+    if (a[2] >= NEAR_M) == (b[2] >= NEAR_M):
         return None
-    f = (_NEAR - a[2]) / (b[2] - a[2])
-    return a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), _NEAR
+    f = (NEAR_M - a[2]) / (b[2] - a[2])
+    return a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), NEAR_M
 
 
 def _enters(body: Solid, origin: Point, ray: Point) -> float | None:

@@ -17,7 +17,7 @@ _AT_START_M = 1.0
 """Distance of a body from its place at the start, m."""
 _LAG_S = 0.1
 """Time that an actor may be ahead of or behind its course, s."""
-_EGO_ACCELERATION_M_S2 = 10.0
+_EGO_ACCELERATION_MPS2 = 10.0
 """Acceleration by which the ego may differ from a blind one before the first pose, m/s^2."""
 _HIGH_AT_START_M = 1.5
 """Height above its place from which a body is elsewhere at the start, m."""
@@ -26,11 +26,11 @@ _SETTLED_STEPS = 2
 """Steps after which the ego's first speed is measured: some players move nothing at first."""
 _SPEED_SPAN_S = 0.15
 """Time over which it is measured, s."""
-_SPEED_TOLERANCE_M_S = 1.0
+_SPEED_TOLERANCE_MPS = 1.0
 """Tolerance of this speed, m/s; the next two are added."""
 _SPEED_TOLERANCE_SHARE = 0.1
 """Further tolerance as a share of the scene's speed."""
-_SPEED_TOLERANCE_M_S2 = 5.0
+_SPEED_TOLERANCE_MPS2 = 5.0
 """Further tolerance per second since the start, m/s^2."""
 
 _HAZARD_BEFORE_M = 2.0
@@ -100,7 +100,7 @@ def _misplaced(world: KinematicWorld, poses: Floats, since_s: float) -> str:
     """Return the first body that is not in its place, or an empty text."""
     own = world.poses()
     allowed = _AT_START_M + _LAG_S * np.abs(world.speeds())
-    allowed[0] = _AT_START_M + 0.5 * _EGO_ACCELERATION_M_S2 * since_s**2
+    allowed[0] = _AT_START_M + 0.5 * _EGO_ACCELERATION_MPS2 * since_s**2
     apart = np.hypot(*(poses[:, :2] - own[:, :2]).T)
     above = poses[:, 2] - own[:, 2]
     far = np.flatnonzero((apart > allowed) | (above > _HIGH_AT_START_M))
@@ -127,9 +127,9 @@ def _askew(world: KinematicWorld, poses: Floats) -> str:
 def _wrong_speed(usual: float, pace: _Pace, since_s: float) -> str:
     """Return that the ego is not as fast as usual, m/s, or an empty text."""
     tolerance = (
-        _SPEED_TOLERANCE_M_S
+        _SPEED_TOLERANCE_MPS
         + _SPEED_TOLERANCE_SHARE * usual
-        + _SPEED_TOLERANCE_M_S2 * (since_s + pace.since_s)
+        + _SPEED_TOLERANCE_MPS2 * (since_s + pace.since_s)
     )
     is_off = abs(pace.speed - usual) > tolerance
     return f"ego starts at {pace.speed:.1f} m/s, not {usual:.1f} m/s" if is_off else ""

@@ -10,8 +10,8 @@ Kind = Literal["Vehicle", "Pedestrian", "MiscObject"]
 
 _EGO_AXLE_M = 1.35
 """Distance from the ego's rear axle to its centre, m: half its wheelbase."""
-_AXLE_SHARE = 0.3
-"""This distance for other vehicles, as a share of their length."""
+AXLE_SHARE = 0.3
+"""Distance from another vehicle's rear axle to its centre, as a share of its length."""
 _VEHICLES = (
     (("trailer", "caravan"), "trailer"),
     (("bus", "coach"), "bus"),
@@ -54,7 +54,7 @@ def _entity(name: str, asset: Asset, state: str, mass: float | None) -> Entity:
     if name == "ego":
         ahead = _EGO_AXLE_M
     elif kind == "Vehicle" and category != "trailer":
-        ahead = round(_AXLE_SHARE * asset.length, 3)
+        ahead = round(AXLE_SHARE * asset.length, 3)
     return Entity(name, asset, state, kind, category, ahead, mass or MASS_KG[kind])
 
 
@@ -81,7 +81,7 @@ def write_entity(parent: Element, entity: Entity) -> Element:
     attributes: dict[str, Value] = {"mass": entity.mass_kg}
     body = write_body(parent, entity, entity.asset.id, attributes, entity.ahead_m)
     if entity.kind == "Vehicle":
-        wheelbase = 2.0 * (entity.ahead_m or _AXLE_SHARE * entity.asset.length)
+        wheelbase = 2.0 * (entity.ahead_m or AXLE_SHARE * entity.asset.length)
         write_chassis(body, entity.asset, front_m=wheelbase, rear_m=0.0)
     return child(body, "Properties")
 

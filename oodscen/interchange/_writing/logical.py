@@ -37,7 +37,7 @@ def logical_file(
 
     Args:
         file: The scene's reactive file.
-        scene: The scene.
+        scene: The scene that was written into it.
         catalogue: The catalogue of its assets and maps.
         claims: The claims of its text, which every end of a range keeps true.
         seed: Seed of the stochastic distribution.

@@ -4,6 +4,8 @@ ScenarioRunner follows no trajectory in time. A scene can be expressed only if e
 lane, brakes, changes lanes, or walks straight on. Speed changes take effect instantly.
 """
 
+from collections.abc import Iterable
+
 from oodscen._registry import make_catalogue
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene
@@ -13,6 +15,7 @@ from oodscen.errors import Issue, SceneError
 from oodscen.interchange._recording import Reactions
 from oodscen.interchange._writing.elements import Element, Value, child, within
 from oodscen.interchange._writing.entities import (
+    AXLE_SHARE,
     MASS_KG,
     Entity,
     Kind,
@@ -31,8 +34,12 @@ _ACTIONS = {name: row.plain_action for name, row in BUILT_IN.items() if row.plai
 _EGO_BLUEPRINT = "vehicle.lincoln.mkz_2017"
 _END_S = 60.0
 """Time at which the storyboard ends, s."""
-_WALK_M_S = 1.4
+_WALK_MPS = 1.4
 """Speed of an actor whose behaviour gives none, m/s."""
+_LANES, _CHANGE_S = 1.0, 2.0
+"""Lanes to the left by which an actor moves over whose behaviour gives none, and its time for that, s."""
+_SHORTEST_CHANGE_M = 5.0
+"""Least distance over which an actor changes lanes, m."""
 
 
 def unplayable(scene: Scene, run: Reactions) -> list[Issue]:
@@ -52,11 +59,7 @@ def unplayable(scene: Scene, run: Reactions) -> list[Issue]:
 
 
 def write_for_scenario_runner(
-    root: Element,
-    scene: Scene,
-    entities: list[Entity],
-    run: Reactions,
-    corridor: Corridor,
+    root: Element, scene: Scene, entities: list[Entity], run: Reactions, corridor: Corridor
 ) -> None:
     """Complete a document with entities and storyboard.
 
@@ -76,23 +79,20 @@ def write_for_scenario_runner(
     walkers = {actor.id for actor in scene.actors if _ACTIONS[actor.behaviour.name] == "walk"}
     starts = zip(entities, run.nominal.poses[0], run.nominal.speeds[0], strict=True)
     for entity, pose, speed in starts:
-        x, y, z, heading = map(float, pose)
         private = child(actions, "Private", entityRef=entity.name)
-        place = within(private, "PrivateAction", "TeleportAction", "Position")
-        child(place, "WorldPosition", x=x, y=y, z=z, h=heading)
+        _write_position(within(private, "PrivateAction", "TeleportAction"), pose)
         if entity.name not in walkers and speed > 0.0:
             write_speed(child(private, "PrivateAction"), float(speed))
     for actor in scene.actors:
         if _ACTIONS[actor.behaviour.name] != "none":
             _write_actor(act, actor, run, corridor)
     if not len(act):
-        # An Act must have a group.
-        maneuver_group(act, "ego")
+        maneuver_group(act, "ego")  # An Act must have a group.
     at_time(act, "StartTrigger", "act_start", 0.0, "greaterThan")
     at_time(board, "StopTrigger", "end", _END_S, "greaterThan")
 
 
-# ------------------------------------------------------------------ entities and environment
+# ------------------------------------------------------------------ entities
 
 
 def _write_entity(parent: Element, entity: Entity, known: Catalogue) -> None:
@@ -105,14 +105,14 @@ def _write_entity(parent: Element, entity: Entity, known: Catalogue) -> None:
     }
     body = write_body(parent, entity, blueprint, further[entity.kind], 0.0)
     if entity.kind == "Vehicle":
-        half = 0.3 * entity.asset.length
-        write_chassis(body, entity.asset, front_m=half, rear_m=-half)
+        axle_m = AXLE_SHARE * entity.asset.length
+        write_chassis(body, entity.asset, front_m=axle_m, rear_m=-axle_m)
     role = "ego_vehicle" if entity.name == "ego" else "simulation"
     child(child(body, "Properties"), "Property", name="type", value=role)
 
 
 def _blueprint(asset: Asset, known: Catalogue) -> str:
-    """Return the blueprint that is an asset, or is nearest to it in kind and size."""
+    """Return the blueprint of an asset, or else the one that is nearest to it in kind and size."""
     ids = {candidate.id for candidate in known.assets}
     for name in (asset.id, *asset.names):
         if name in ids:
@@ -134,29 +134,38 @@ def _blueprint(asset: Asset, known: Catalogue) -> str:
 
 
 def _write_actor(act: Element, actor: Actor, run: Reactions, corridor: Corridor) -> None:
-    """Append the group of one actor: its action at its trigger, and its rest where it has one."""
+    """Append the group of one actor: its action at its trigger, and a stop after the distance that it walks."""
     behaviour, action_name = actor.behaviour, _ACTIONS[actor.behaviour.name]
     maneuver = child(maneuver_group(act, actor.id), "Maneuver", name=f"maneuver_{actor.id}")
-    starting, action = event(maneuver, f"react_{actor.id}_0")
-    starting.set("priority", "overwrite")
+    starting, action = _event(maneuver, f"react_{actor.id}_0")
     if action_name == "lane_change":
-        speed = float(run.nominal.speeds[0, run.nominal.ids.index(actor.id)])
-        _write_lane_change(action, actor, speed)
+        _write_lane_change(action, actor, _initial_speed(run, actor.id))
     else:
-        target = 0.0 if action_name == "stop" else behaviour.parameters.get("speed", _WALK_M_S)
+        target = 0.0 if action_name == "stop" else behaviour.parameters.get("speed", _WALK_MPS)
         write_speed(child(action, "PrivateAction"), target)
     _write_trigger(starting, actor, run, corridor)
     if action_name == "walk" and "distance" in behaviour.parameters:
-        resting, action = event(maneuver, f"rest_{actor.id}_0")
-        resting.set("priority", "overwrite")
+        resting, action = _event(maneuver, f"rest_{actor.id}_0")
         write_speed(child(action, "PrivateAction"), 0.0)
         condition = of_entity(resting, f"there_{actor.id}", actor.id)
         child(condition, "TraveledDistanceCondition", value=behaviour.parameters["distance"])
 
 
+def _event(maneuver: Element, name: str) -> tuple[Element, Element]:
+    """Append an event that ends its actor's others, in the word of version 1.0; return it and its action."""
+    started, action = event(maneuver, name)
+    started.set("priority", "overwrite")
+    return started, action
+
+
+def _initial_speed(run: Reactions, name: str) -> float:
+    return float(run.nominal.speeds[0, run.nominal.ids.index(name)])
+
+
 def _write_lane_change(action: Element, actor: Actor, speed: float) -> None:
-    lanes = round(actor.behaviour.parameters.get("lanes", 1.0))
-    distance_m = max(5.0, speed * actor.behaviour.parameters.get("duration", 2.0))
+    """Append a change of lanes over the distance that the actor drives at its speed in that time."""
+    parameters = actor.behaviour.parameters
+    distance_m = max(_SHORTEST_CHANGE_M, speed * parameters.get("duration", _CHANGE_S))
     change = within(action, "PrivateAction", "LateralAction", "LaneChangeAction")
     child(
         change,
@@ -166,10 +175,12 @@ def _write_lane_change(action: Element, actor: Actor, speed: float) -> None:
         value=distance_m,
     )
     target = child(change, "LaneChangeTarget")
+    lanes = round(parameters.get("lanes", _LANES))
     child(target, "RelativeTargetLane", entityRef=actor.id, value=lanes)
 
 
 def _write_trigger(parent: Element, actor: Actor, run: Reactions, corridor: Corridor) -> None:
+    """Append the start trigger of an actor: a time, or a distance or time to collision of the ego."""
     trigger, name = actor.behaviour.trigger, f"trigger_{actor.id}"
     if trigger.kind == "time":
         at_time(parent, "StartTrigger", name, trigger.value, "greaterThan")
@@ -196,9 +207,14 @@ def _write_trigger(parent: Element, actor: Actor, run: Reactions, corridor: Corr
         rule="lessThan",
     )
     target = child(ttc, "TimeToCollisionConditionTarget")
-    row = run.nominal.ids.index(measured)
-    if run.nominal.speeds[0, row] > 0.0:
+    if _initial_speed(run, measured) > 0.0:
         child(target, "EntityRef", entityRef=measured)
     else:
-        x, y, z, heading = corridor.point(*map(float, run.nominal.places[0, row]))
-        child(child(target, "Position"), "WorldPosition", x=x, y=y, z=z, h=heading)
+        s, t = map(float, run.nominal.places[0, run.nominal.ids.index(measured)])
+        _write_position(target, corridor.point(s, t))
+
+
+def _write_position(parent: Element, pose: Iterable[float]) -> None:
+    """Append a position in the world: x, y, z, m, and the heading, rad."""
+    x, y, z, heading = map(float, pose)
+    child(child(parent, "Position"), "WorldPosition", x=x, y=y, z=z, h=heading)

@@ -149,13 +149,7 @@ class Endpoint:
             self._free.notify_all()
 
     def failed(self, failure: FailedAttempt, begun: float, model: str = "") -> None:
-        """Record a failed attempt.
-
-        Args:
-            failure: The failure.
-            begun: Time at which the attempt took its slot.
-            model: The model that was asked.
-        """
+        """Record a failed attempt at asking a model, which took its slot at the time `begun`."""
         with self._free:
             if failure.kind != "unreachable":
                 self._hear()

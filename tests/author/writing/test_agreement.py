@@ -12,7 +12,7 @@ from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.agreement import Agreement, Setting
 from oodscen.author._writing.compose import Composer
 from oodscen.author._writing.ordinary_twin import OrdinaryAuthor
-from oodscen.author._writing.stand_in import _CLAUSES
+from oodscen.author._writing.stand_in import _LARGE, _SMALL
 from oodscen.prompts._scenario.describe_path import STYLES
 
 WORDING = Wording(openings=("x",), near=("x",), metres=("x",), near_ego=("x",), metres_ego=("x",))
@@ -143,7 +143,7 @@ def test_twins_vary(knowledge: Knowledge, pairs: list[tuple[str, str]]) -> None:
     ends = [phrase.removeprefix("the ego vehicle ") for phrase in phrases]
     assert len(phrases) >= 40
     assert sum(any(end.casefold() in one for one in told) for end in ends) >= 30
-    assert all(any(clause in one for one in told) for clause in _CLAUSES.values())
+    assert all(any(vehicle.clause in one for one in told) for vehicle in (*_LARGE, *_SMALL))
 
 
 def test_words_clash_with_settings_only_where_they_do_not_belong() -> None:

@@ -83,7 +83,7 @@ def add_leg(
     """Add a leg that stands, walks or runs.
 
     Args:
-        mesh: The mesh.
+        mesh: Receives the leg.
         clothes: The colours.
         side: -1 for the right leg, 1 for the left one.
         hip: Height of the hip.

@@ -64,7 +64,7 @@ def figure(
     """Add an adult of 1.75 m who stands, walks or runs, or is in the pose of its details.
 
     Args:
-        mesh: The mesh.
+        mesh: Receives the adult.
         clothes: The colours.
         shown: The step and the details.
         posture: The posture without a pose.

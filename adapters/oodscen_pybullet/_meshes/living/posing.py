@@ -40,10 +40,10 @@ def posed_figure(
     """Add an adult of 1.75 m in a pose.
 
     Args:
-        mesh: The mesh.
+        mesh: Receives the adult.
         clothes: The colours.
         shown: The step and the beat of the pose's cycle.
-        pose: The pose.
+        pose: Angles of the joints.
         half_step: Distance ahead of the hip at which a walking foot lands, m.
         extras: Functions that add to the trunk, and to the head.
     """
