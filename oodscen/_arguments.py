@@ -191,8 +191,9 @@ def _refusal(name: str, value: Any, kind: Any) -> UsageError:
         return UnknownComponent(name, value[:80], words)
     for part in _alternatives(kind):
         origin = get_origin(part)
-        is_many = isinstance(origin, type) and issubclass(origin, Iterable)
-        if is_many and isinstance(value, Collection) and (found := _misfit(value, part)):
+        is_listed = isinstance(origin, type) and issubclass(origin, Iterable)
+        is_filled = isinstance(value, Mapping) or _is_many(value, Collection)
+        if is_listed and is_filled and (found := _misfit(value, part)):
             return _refusal(f"{name}: every element", *found)
     wanted = " or ".join(dict.fromkeys(map(_worded, _alternatives(kind))))
     return UsageError(f"{name} must be {wanted}, not {said(value, 80)}")
