@@ -19,8 +19,9 @@ FAULTS = frozenset(("needless", "alarms"))
 class PairColumns:
     """The answers about scenes together with those about their ordinary drives, as [n] columns.
 
-    Only scenes with an ordinary drive that was asked about have values. They are NaN if an answer about the scene or one of its drives
-    is missing, or if an action scores neither way and none is wrong.
+    Only scenes with an ordinary drive that was asked about have values. One wrong answer makes them 0, whatever the others
+    are. Otherwise they are NaN if an answer about the scene or one of its drives is missing, or an action scores
+    neither way.
     """
 
     mask: Mask
@@ -32,7 +33,7 @@ class PairColumns:
     drop: Floats
     """The share of ordinary drives with a safe action, minus 1 if it is safe in the scene: in [-1, 1]."""
     is_neutral: Mask
-    """True if an action about the scene or its drives scores neither way, and none is wrong."""
+    """True if an action about the scene or its drives scores neither way, and no other is wrong or missing."""
 
     kinds: Mapping[str, Mask]
     """The scenes that were asked about with an ordinary drive of a kind."""
@@ -45,29 +46,26 @@ class PairColumns:
         owner = items.owners[rows]
         drives = np.array(items.kinds)[rows]
         count = np.bincount(owner, minlength=n).astype(np.float64)
-        quiet = _products(owner, 1.0 - sheet.called[rows], n)
-        fitting = _products(owner, sheet.fitting[rows], n)
         safe = _sums(owner, sheet.safe[rows], n)
         share = np.divide(safe, count, out=np.full(n, np.nan), where=count > 0)
-        neutral = sheet.is_neutral | (
-            _sums(owner, sheet.is_neutral[rows].astype(np.float64), n) > 0
-        )
-        # One wrong half makes the pair wrong, whatever a marginal action in the other would have scored.
+
+        def either(scene: Mask, drive: Mask) -> Mask:
+            """Return whether something holds for the scene or for one of its drives."""
+            return (scene | _any(owner, drive[rows], n)) & sheet.was_asked
+
         silent = np.isnan(sheet.safe) & ~sheet.is_neutral
-        answered = ~silent & (_sums(owner, silent[rows].astype(np.float64), n) == 0)
-        wrong = (sheet.safe == 0) | (
-            _sums(owner, (sheet.fitting[rows] == 0).astype(np.float64), n) > 0
-        )
+        acts_wrongly = either(sheet.safe == 0, sheet.fitting == 0)
+        notices_wrongly = either(sheet.called == 0, sheet.called == 1)
+        neutral = either(sheet.is_neutral, sheet.is_neutral) & ~either(silent, silent)
+        fitting = _products(owner, sheet.fitting[rows], n)
+        quiet = _products(owner, 1.0 - sheet.called[rows], n)
         return cls(
             mask=count > 0,
-            notice=sheet.called * quiet,
-            act=np.where(wrong & answered, 0.0, sheet.safe * fitting),
+            notice=np.where(notices_wrongly, 0.0, sheet.called * quiet),
+            act=np.where(acts_wrongly, 0.0, sheet.safe * fitting),
             drop=share - sheet.safe,
-            is_neutral=neutral & ~(wrong & answered),
-            kinds={
-                kind: _sums(owner, (drives == kind).astype(np.float64), n) > 0
-                for kind in sorted(set(drives.tolist()))
-            },
+            is_neutral=neutral & ~acts_wrongly,
+            kinds={kind: _any(owner, drives == kind, n) for kind in sorted(set(drives.tolist()))},
         )
 
 
@@ -75,6 +73,13 @@ def _sums(owner: NDArray[np.int64], values: Floats, n: int) -> Floats:
     """Return the sums of [k] values by owner: [n], NaN if one of them is."""
     found = np.zeros(n)
     np.add.at(found, owner, values)
+    return found
+
+
+def _any(owner: NDArray[np.int64], values: Mask, n: int) -> Mask:
+    """Return whether one of [k] values is true, by owner: [n]."""
+    found = np.zeros(n, np.bool_)
+    found[owner[values]] = True
     return found
 
 

@@ -1,0 +1,70 @@
+"""A pair is wrong if one half is, else missing if one half is, else neutral if one half is."""
+
+import itertools
+
+import pytest
+
+from oodscen.data._episode import ActionOutcome
+from oodscen.judging._items import AnswerColumns, Items
+from oodscen.judging._leaderboard.figures import figures
+from tests.judging.cases import Case
+
+STATES = ("right", "wrong", "neutral", "missing")
+MARGINAL = ActionOutcome(safe=False, marginal=True)
+
+
+def expected(halves: tuple[str, str]) -> str:
+    return next(state for state in ("wrong", "missing", "neutral", "right") if state in halves)
+
+
+def columns(scene: str, twin: str) -> tuple[Items, AnswerColumns]:
+    case = Case(paths=1, per_path=1)
+
+    def say(index: int, is_twin: bool) -> dict[str, object]:
+        state = twin if is_twin else scene
+        if state == "missing":
+            return {"outcome": "refused", "is_ood": None}
+        fields: dict[str, object] = {"is_ood": (state == "right") is not is_twin}
+        if state == "neutral":
+            return fields | {"action": "slow_down", "action_is_safe": None}
+        return fields | {"action": "keep_speed" if (state == "right") is is_twin else "stop"}
+
+    verdicts = case.verdicts("m", say)
+    episodes = [
+        one.model_copy(update={"actions": {**one.actions, "slow_down": MARGINAL}})
+        for one in case.episodes
+    ]
+    items = Items.of(episodes, {one.id: one for one in case.scenarios})
+    return items, AnswerColumns.of(items, verdicts)
+
+
+@pytest.mark.parametrize("halves", list(itertools.product(STATES, STATES)), ids="-".join)
+def test_a_pair_is_as_good_as_its_worse_half(halves: tuple[str, str]) -> None:
+    items, sheet = columns(*halves)
+    act = figures(items, sheet)["act-both"]
+    state = expected(halves)
+    assert act.is_there.any() == (state in ("right", "wrong"))
+    assert act.missing(sheet).any() == (state == "missing")
+    assert act.above.sum() == (state == "right")
+
+
+@pytest.mark.parametrize(
+    "halves", list(itertools.product(("right", "wrong", "missing"), repeat=2)), ids="-".join
+)
+def test_noticing_too(halves: tuple[str, str]) -> None:
+    items, sheet = columns(*halves)
+    notice = figures(items, sheet)["notice-both"]
+    state = expected(halves)
+    assert notice.is_there.any() == (state != "missing")
+    assert notice.missing(sheet).any() == (state == "missing")
+    assert notice.above.sum() == (state == "right")
+
+
+def test_a_pair_whose_scene_was_not_asked_about_is_not_there() -> None:
+    items, _ = columns("right", "wrong")
+    case = Case(paths=1, per_path=1)
+    alone = [v for v in case.verdicts("m", lambda index, twin: {"is_ood": True}) if v.is_ordinary]
+    found = figures(items, AnswerColumns.of(items, alone))
+    for name in ("notice-both", "act-both"):
+        assert not found[name].is_there.any()
+        assert not found[name].missing(AnswerColumns.of(items, alone)).any()
