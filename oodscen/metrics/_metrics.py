@@ -138,7 +138,7 @@ class Metrics(Brief):
             anchors: As for `rarity`.
 
         Returns:
-            `None` if no rarity can be estimated.
+            `None` if no rarity can be estimated, or none of a chosen text.
 
         Raises:
             UsageError: If there is not one choice per text, or one is neither true nor false.

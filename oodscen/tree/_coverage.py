@@ -46,7 +46,7 @@ class NodeTally(Data):
     holes: int = 0
     """Number of leaves at or below the node that lack something."""
     exposure: float | None = None
-    """Share of the tree's meetings at or below the node, by estimated rarity; `None` if not known."""
+    """Share of the tree's meetings at or below the node, by estimated rarity; `None` if no leaf there has one."""
     lacks: Lack = ""
     """For a leaf, the first thing it lacks: a text, a scene, an episode that ran, or one in which
     the choice matters."""
@@ -91,7 +91,11 @@ class Coverage(Data):
             if found:
                 lines.append(f"{len(found)} {words}: {'; '.join(found)}")
         if self.holes and self.exposed_holes is not None:
-            lines.append(f"leaves with holes: {self.exposed_holes:.0%} of what a driver would meet")
+            untold = sum(row.exposure is None for row in self.holes)
+            others = f"; {untold} more cannot be told" if untold else ""
+            lines.append(
+                f"leaves with holes: {self.exposed_holes:.0%} of what a driver would meet{others}"
+            )
         if self.elsewhere:
             lines.append(f"{self.elsewhere} texts, scenes and episodes belong to no leaf")
         return "\n".join(lines)
@@ -212,7 +216,11 @@ def _rows(
     tree: "ScenarioTree", counts: Mapping[str, Counter[str]], per_km: Mapping[str, float]
 ) -> tuple[NodeTally, ...]:
     order = list(tree.walk())
-    met = {node.id: per_km.get(node.id, 0.0) for node, _ in order if not tree.children[node.id]}
+    met = {
+        node.id: per_km[node.id]
+        for node, _ in order
+        if node.id in per_km and not tree.children[node.id]
+    }
     total = sum(met.values())
     lacks: dict[str, Lack] = {}
     for node, depth in reversed(order):
@@ -222,14 +230,15 @@ def _rows(
             count.update(leaves=1, holes=int(bool(lacks[node.id])))
         if node.parent is not None:
             counts[node.parent].update(count)
-            met[node.parent] = met.get(node.parent, 0.0) + met.get(node.id, 0.0)
+            if node.id in met:
+                met[node.parent] = met.get(node.parent, 0.0) + met[node.id]
     return tuple(
         NodeTally(
             id=node.id,
             label=node.label,
             kind=_kind(depth, is_leaf=not tree.children[node.id]),
             depth=depth,
-            exposure=round(met.get(node.id, 0.0) / total, 6) if total > 0.0 else None,
+            exposure=round(met[node.id] / total, 6) if node.id in met and total > 0.0 else None,
             lacks=lacks.get(node.id, ""),
             **{name: counts[node.id][name] for name in COUNTS},
         )

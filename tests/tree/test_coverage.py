@@ -126,3 +126,7 @@ def test_leaves_are_weighted_by_their_exposure():
     assert found.exposed_holes == pytest.approx(1.0, abs=1e-4)
     assert "100% of what a driver would meet" in str(found)
     assert coverage(TREE).exposed_holes is None
+    told = coverage(TREE, per_km={leaves[0]: 1e-5})
+    rows = {row.id: row.exposure for row in told.rows}
+    assert [rows[leaf] for leaf in leaves] == [1.0] + [None] * (len(leaves) - 1)
+    assert f"; {len(leaves) - 1} more cannot be told" in str(told)

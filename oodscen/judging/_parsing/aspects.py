@@ -119,20 +119,38 @@ _TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0
 
 
 def probability(value: object) -> float | None:
-    """Return a stated probability in [0, 1]; accepts 0.8, "80 %", 80 and "8/10"."""
-    if isinstance(value, bool):
+    """Return a stated probability in [0, 1]; accepts 0.8, "80 %", 80, "8/10", "50/50" and the words of `_DEGREES`."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         return None
-    found = _NUMBER.fullmatch(str(value)) if isinstance(value, (int, float, str)) else None
+    said = _BESIDE.sub("", str(value)).strip().casefold()
+    degree = _DEGREES.get(re.sub(r"[\s_-]+", " ", said))
+    if degree is not None:
+        return degree
+    found = _NUMBER.fullmatch(said)
     if not found:
         return None
-    number, whole = float(found[1]), found[3] or (100 if found[2] else None)
+    number = float(found[1].replace(",", "."))
+    whole = found[3] or (100 if found[2] else None)
     if whole is None:
         whole = 100 if 10.0 < number <= 100.0 else 1
     share = number / float(whole) if float(whole) else -1.0
     return share if 0.0 <= share <= 1.0 else None
 
 
-_NUMBER = re.compile(r"\s*(\d{1,9}(?:\.\d{1,30})?)\s*(?:(%|percent)|(?:/|out of)\s*(\d{1,3}))?\s*")
+_DEGREES = {
+    "50/50": 0.5, "50:50": 0.5, "50 50": 0.5, "fifty fifty": 0.5, "none": 0.5, "unsure": 0.5, "uncertain": 0.5, "not sure": 0.5,
+    "very low": 0.55, "low": 0.6, "fairly low": 0.6, "medium": 0.75, "moderate": 0.75, "fair": 0.75,
+    "fairly high": 0.85, "high": 0.9, "sure": 0.95, "very high": 0.97, "very sure": 0.97, "certain": 1.0,
+}  # fmt: skip
+"""Words for a confidence in a yes or no, as probabilities: only their order counts."""
+_BESIDE = re.compile(
+    r"^\s*(?:about|around|approximately|roughly|~)\s*|\s*\([^()]{1,60}\)\s*\.?$|\.\s*$",
+    re.IGNORECASE,
+)
+"""Matches what may stand beside a number or a word."""
+_NUMBER = re.compile(
+    r"(\d{1,9}(?:\.\d{1,30}|,\d{1,2})?|\.\d{1,30})\s*(?:(%|percent)|(?:/|out of)\s*(\d{1,3}))?"
+)
 _SHARE = r"\d{1,3}(?:\.\d{1,30})? ?(?:%|percent|/ ?10{1,2}\b|out of 10\b)"
 _CONFIDENT = re.compile(
     rf"(?:confidence|certainty)(?: (?:level|is|of|at|about))* ?[:=]? ?(?P<after>{_SHARE}|\d+(?:\.\d+)?)"

@@ -34,7 +34,8 @@ class Exposure(Data):
     """Number of kinds without a rarity; they count in neither sum."""
 
     def __str__(self) -> str:
-        return f"{self.share:.0%} of what a driver would meet ({self.low:.0%} to {self.high:.0%})"
+        others = f"; {self.untold} of {self.total} kinds cannot be told" if self.untold else ""
+        return f"{self.share:.0%} of what a driver would meet ({self.low:.0%} to {self.high:.0%}{others})"
 
 
 class TreeRarity(Data):
@@ -55,7 +56,9 @@ class TreeRarity(Data):
 
 
 def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure | None:
-    """Return the share of meetings that the chosen kinds make up; `None` if no kind has a rarity.
+    """Return the share of meetings that the chosen kinds make up.
+
+    It is `None` if no kind has a rarity, or kinds were chosen and none of them has one.
 
     Raises:
         UsageError: If there is not one choice per text, or one is neither true nor false.
@@ -68,7 +71,7 @@ def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure
         for one, is_chosen in zip(per_text, chosen, strict=True)
         if one.best is not None
     ]
-    if not known:
+    if not known or (any(chosen) and not any(is_chosen for *_, is_chosen in known)):
         return None
     low, best, high, own = np.array(known, np.float64).T
     errors = stream(0, "exposure").standard_normal((_DRAWS, len(known)))

@@ -104,6 +104,24 @@ def test_a_bare_number_above_ten_is_a_percentage_and_one_up_to_one_a_share(tenth
     assert probability(True) is None
 
 
+@pytest.mark.parametrize(
+    ("said", "wanted"),
+    [
+        ("50/50", 0.5), ("50:50", 0.5), (".5", 0.5), ("0,5", 0.5), ("about 50 percent", 0.5), ("0.7.", 0.7),
+        ("0.7 (fairly sure)", 0.7), ("unsure", 0.5), ("Very-High", 0.97), ("-1", None), ("1,000", None),
+        ("0.9 or 0.1", None), ("1e5", None), ("none whatsoever", None),
+    ],
+)  # fmt: skip
+def test_a_doubt_is_no_certainty(said, wanted):
+    assert probability(said) == wanted
+
+
+def test_words_rank_as_they_mean():
+    words = ["unsure", "very low", "low", "medium", "high", "very high", "certain"]
+    found = [probability(word) for word in words]
+    assert found == sorted(set(found))
+
+
 @given(st.integers(1, 40))
 def test_the_name_of_an_aspect_has_at_most_twenty_words(n):
     said = " ".join(["deer"] * n)

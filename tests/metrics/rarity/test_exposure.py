@@ -39,6 +39,9 @@ def test_what_cannot_be_told_counts_in_neither_sum():
     per_text = [told(3.0), TextRarity(flags=("far",)), told(3.0)]
     found = exposure(per_text, [True, True, False])
     assert (found.share, found.untold) == (0.5, 1)
+    assert "1 of 3 kinds cannot be told" in str(found)
+    assert exposure(per_text, [False, True, False]) is None
+    assert exposure(per_text, [False, False, False]).share == 0.0
     assert exposure([TextRarity(flags=("far",))], [True]) is None
     with pytest.raises(UsageError):
         exposure(per_text, [True])
