@@ -179,11 +179,20 @@ class _Evaluation:
         if not (self.vlms or self.judge):
             refuse_idle("without --vlm or --judge, whose server it names", "api_base")
 
+    def refuse_fewer(self, before: "Study") -> None:
+        """Refuse to ask about fewer ordinary drives than the models before, since a board has one set of items."""
+        if self.ordinary is not None and self.ordinary < before.config.ordinary:
+            raise UsageError(
+                f"the models before were asked about {before.config.ordinary} ordinary drives of every scene: "
+                f"leave out --ordinary {self.ordinary}"
+            )
+
     def configuration(self, before: "Study") -> "StudyConfig":
         """Return the configuration of a study that judges so too; a person's answers are added to the study."""
         from oodscen._pipeline.answering import add_answers
         from oodscen.study._config import StudyConfig
 
+        self.refuse_fewer(before)
         config, is_paper = before.config, self.protocol == "paper"
         models = filter(None, (*self.vlms, self.judge)) if self.api_base else ()
         changes = {

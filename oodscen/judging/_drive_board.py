@@ -46,7 +46,7 @@ class DriveRate(Data):
     n: int = 0
     value: float | None = None
     interval: Interval | None = None
-    """Resampled over whole paths; with fewer than five paths, Wilson's interval over drives."""
+    """Resampled over whole paths; with fewer than five paths, Wilson's interval with each path as one drive."""
 
 
 class Pairing(Data):

@@ -49,7 +49,8 @@ def d_prime(hits: float, signals: float, alarms: float, noises: float) -> float 
     """Return d', the distance between an answerer's responses to scenes and twins, in standard deviations.
 
     `hits` of the `signals` scenes and `alarms` of the `noises` twins were called out of the ordinary. The log-linear
-    correction (0.5 is added to both counts and 1 to both numbers) keeps perfect answers finite. Source: M. J. Hautus,
+    correction keeps perfect answers finite: it adds the share of scenes among all items to the hits, that of twins to
+    the alarms, and twice as much to the numbers; 0.5 and 1 where there are as many twins as scenes. Source: M. J. Hautus,
     Behav. Res. Methods 27 (1995).
 
     Returns:
@@ -57,8 +58,9 @@ def d_prime(hits: float, signals: float, alarms: float, noises: float) -> float 
     """
     if not signals or not noises:
         return None
-    return _NORMAL.inv_cdf((hits + 0.5) / (signals + 1)) - _NORMAL.inv_cdf(
-        (alarms + 0.5) / (noises + 1)
+    more, less = signals / (signals + noises), noises / (signals + noises)
+    return _NORMAL.inv_cdf((hits + more) / (signals + 2 * more)) - _NORMAL.inv_cdf(
+        (alarms + less) / (noises + 2 * less)
     )
 
 

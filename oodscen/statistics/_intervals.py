@@ -80,14 +80,13 @@ def share_bounds(
 ) -> Interval | None:
     """Return the interval of `hits` of `n` answers on `units` clusters, from [r] bootstrap replicates if possible.
 
-    With fewer than `FEWEST_CLUSTERS` paths it is Wilson's interval over items instead. If all items agree, it is
-    Wilson's with every path counted as one item, because agreement within a path adds no evidence.
+    With fewer than `FEWEST_CLUSTERS` paths, or if no replicate differs from another, it is Wilson's interval with every
+    path counted as one item: more items of a path add no evidence about other paths.
     """
     if not n:
         return None
     clustered = None if replicates is None else percentiles(replicates, units)
     if clustered is not None:
         return clustered
-    count = units if units >= FEWEST_CLUSTERS and hits in (0, n) else n
-    low, high = wilson(hits * count / n, count)
-    return Interval(low=round(low, 6), high=round(high, 6), method="wilson", units=count)
+    low, high = wilson(hits * units / n, units)
+    return Interval(low=round(low, 6), high=round(high, 6), method="wilson", units=units)

@@ -202,7 +202,7 @@ def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
 
 def _count_episode(count: Counter[str], episode: Episode) -> None:
     if episode.is_ordinary:
-        count["twins"] += episode.status == "ok"
+        count["twins"] += episode.is_twin and episode.status == "ok"
     elif episode.status != "ok":
         count["failed"] += 1
     else:

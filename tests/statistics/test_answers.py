@@ -52,8 +52,13 @@ def test_d_prime_is_finite_and_changes_sign_with_the_roles(a: int, b: int, c: in
         assert found == pytest.approx(-(d_prime(c, c + d, a, a + b) or 0.0))
 
 
-def test_d_prime_of_an_always_ood_answerer_is_nil() -> None:
-    assert d_prime(130, 130, 130, 130) == pytest.approx(0)
+@pytest.mark.parametrize(("signals", "noises"), [(130, 130), (4, 8), (7, 3), (1, 300)])
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_d_prime_of_who_always_says_the_same_is_nil(
+    signals: int, noises: int, share: float
+) -> None:
+    found = d_prime(share * signals, signals, share * noises, noises)
+    assert found == pytest.approx(0)
 
 
 def test_chance_is_nought_and_perfect_is_one() -> None:

@@ -40,7 +40,7 @@ def test_intervals_do_not_pretend_where_all_agree_or_paths_are_few() -> None:
     assert perfect.low == pytest.approx(wilson(13, 13)[0], abs=1e-6)
     few = share_bounds(7, 20, 2, np.linspace(0, 1, 50))
     assert few is not None
-    assert (few.method, few.units) == ("wilson", 20)
+    assert (few.method, few.units) == ("wilson", 2)
     assert share_bounds(0, 0, 0) is None
 
 
@@ -53,16 +53,19 @@ def test_five_paths_are_enough_for_a_bootstrap_and_four_are_not() -> None:
         few, enough = share_bounds(hits, 20, 4), share_bounds(hits, 20, 5)
         assert few is not None
         assert enough is not None
-        assert (few.units, enough.units) == (20, 5)
+        assert (few.units, enough.units) == (4, 5)
 
 
-def test_only_where_all_agree_a_path_counts_as_one_item() -> None:
-    mixed, equal = share_bounds(7, 20, 10), share_bounds(20, 20, 10)
-    assert mixed is not None
-    assert equal is not None
-    assert (mixed.method, mixed.units) == ("wilson", 20)
-    assert (mixed.low, mixed.high) == pytest.approx(wilson(7, 20), abs=1e-6)
-    assert equal.units == 10
+@given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 144))
+def test_without_replicates_a_path_counts_as_one_item(paths: int, each: int, hits: int) -> None:
+    n = paths * each
+    found, fewer = share_bounds(hits % (n + 1), n, paths), share_bounds(hits % (n + 1), n, 1)
+    assert found is not None
+    assert fewer is not None
+    assert (found.method, found.units) == ("wilson", paths)
+    ends = wilson(hits % (n + 1) / each, paths)
+    assert (found.low, found.high) == pytest.approx(ends, abs=1e-6)
+    assert found.high - found.low <= fewer.high - fewer.low + 1e-6
 
 
 @given(st.integers(1, 300))
@@ -90,7 +93,7 @@ def test_ends_are_rounded_to_six_digits() -> None:
     assert [interval.low, interval.high] == ends
     shared = share_bounds(7, 20, 3)
     assert shared is not None
-    assert [shared.low, shared.high] == [round(end, 6) for end in wilson(7, 20)]
+    assert [shared.low, shared.high] == [round(end, 6) for end in wilson(7 * 3 / 20, 3)]
 
 
 def test_replicates_without_spread_or_without_values_give_no_interval() -> None:

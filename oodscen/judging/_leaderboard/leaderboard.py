@@ -81,7 +81,7 @@ def leaderboard(
     return Leaderboard(
         scenes=int(scene.sum()),
         ordinary=int((~scene).sum()),
-        paths=len(set(items.clusters)),
+        paths=len({path for path, rare in zip(items.clusters, scene, strict=True) if rare}),
         decidable=int(items.is_decidable.sum()),
         all_safe=int((acted & (items.unsafe == 0)).sum()),
         none_safe=int((acted & (items.safe == 0)).sum()),
