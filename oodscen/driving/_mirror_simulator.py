@@ -1,23 +1,28 @@
 """The base class of simulators that render the kinematic world and compute no motion of their own."""
 
+import math
 from abc import abstractmethod
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._numbers import said
 from oodscen.data._catalogue import Asset
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import BaseSimulator, checked_control
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._motion.world import KinematicWorld, WorldSnapshot
 from oodscen.driving._roads.corridor import Corridor
+from oodscen.errors import SimulatorError
 from oodscen.protocols import Control, State
 
 NEAR_M = 12.0
 """Distance between the circles of two bodies up to which the simulator measures their gap itself, m."""
 LEAST_M = 1e-4
 """Smallest measured gap, m: 0 means contact, which only the catalogue's boxes decide."""
+DEEPEST_M = 1.0
+"""Depth to which an engine's own shapes may be in each other while the boxes do not touch, m."""
 
 
 class MirrorSimulator(BaseSimulator):
@@ -159,13 +164,34 @@ class MirrorSimulator(BaseSimulator):
     def _publish(self) -> State:
         world = self.world
         state, apart = world.publish()
-        self.place(state.poses, state.speeds)
+        self.place(state.poses.copy(), state.speeds.copy())  # It may work in its arrays.
         gaps = self._measured = state.gaps
         near = np.flatnonzero((apart <= NEAR_M) & (gaps > 0.0) & np.isfinite(gaps)).tolist()
         if near and world.scene.motions:
             tilted = world.tilts()
             near = [row for row in near if row not in tilted]
         if near:
-            for row, distance in zip(near, self.gaps(near), strict=True):
-                gaps[row] = max(LEAST_M, round(float(distance), 4))
+            for row, distance in zip(near, self._engine_gaps(near), strict=True):
+                gaps[row] = max(LEAST_M, round(distance, 4))
         return self._keep_state(state)
+
+    def _engine_gaps(self, rows: Sequence[int]) -> list[float]:
+        """Return what `gaps` measures.
+
+        Raises:
+            SimulatorError: If it is not one finite distance per row, or bodies whose boxes do not touch are deep in
+                each other.
+        """
+        found = self.gaps(rows)
+        try:
+            distances = [float(one) for one in found]
+        except (TypeError, ValueError):
+            distances = []
+        if len(distances) != len(rows) or not all(
+            -DEEPEST_M <= one < math.inf for one in distances
+        ):
+            raise SimulatorError(
+                f"{self.name}: gaps() returned {said(found, 80)}, not {len(rows)} finite distances of bodies that do "
+                "not touch, m"
+            )
+        return distances

@@ -77,6 +77,31 @@ def test_only_near_bodies_that_do_not_touch_are_asked_for() -> None:
     assert state.contacts == ("box",)
 
 
+def test_an_adapter_may_work_in_the_arrays_that_it_places() -> None:
+    class Scaling(Recorder):
+        def place(self, poses, speeds) -> None:
+            poses *= -1.0
+            speeds *= 3.6
+
+    ours, its = Recorder(), Scaling()
+    for simulator in (ours, its):
+        simulator.reset(BOX, 0)
+    mine, other = ours.step(Control()), its.step(Control())
+    assert mine.poses.tobytes() == other.poses.tobytes()
+    assert mine.speeds.tobytes() == other.speeds.tobytes()
+
+
+@pytest.mark.parametrize("measured", [[math.nan], [math.inf], [-3.0], [], [1.0, 2.0], None, ["x"]])
+def test_gaps_that_are_none_are_the_simulator_s_fault(measured) -> None:
+    class Lying(Recorder):
+        def gaps(self, rows):
+            return measured
+
+    near = scene(actor("box", "cardboard_box", ahead=9.0), speed=1.0)
+    with pytest.raises(SimulatorError, match=r"recorder: gaps\(\) returned"):
+        Lying().reset(near, 0)
+
+
 def test_states_cannot_be_changed() -> None:
     state = Recorder().reset(BOX, 0)
     for array in (state.poses, state.speeds, state.gaps):
