@@ -1,6 +1,5 @@
 """The base class of simulators that render the kinematic world and compute no motion of their own."""
 
-import math
 from abc import abstractmethod
 from collections.abc import Sequence
 
@@ -87,7 +86,7 @@ class MirrorSimulator(BaseSimulator):
     def gaps(self, rows: Sequence[int]) -> list[float]:
         """Return the distances between the ego's box (row 0) and the boxes of these rows, m.
 
-        Called only for rows near the ego that do not touch it and stand upright. The catalogue's boxes decide contact, as well as
+        Called only for rows near the ego that do not touch it and stand upright; infinity is farther than it looked. The catalogue's boxes decide contact, as well as
         time to collision and all other measures. Override this method only to let the simulator's own engine
         measure the gaps.
         """
@@ -179,7 +178,7 @@ class MirrorSimulator(BaseSimulator):
         """Return what `gaps` measures.
 
         Raises:
-            SimulatorError: If it is not one finite distance per row, or bodies whose boxes do not touch are deep in
+            SimulatorError: If it is not one distance per row, or bodies whose boxes do not touch are deep in
                 each other.
         """
         found = self.gaps(rows)
@@ -187,11 +186,9 @@ class MirrorSimulator(BaseSimulator):
             distances = [float(one) for one in found]
         except (TypeError, ValueError):
             distances = []
-        if len(distances) != len(rows) or not all(
-            -DEEPEST_M <= one < math.inf for one in distances
-        ):
+        if len(distances) != len(rows) or not all(one >= -DEEPEST_M for one in distances):
             raise SimulatorError(
-                f"{self.name}: gaps() returned {said(found, 80)}, not {len(rows)} finite distances of bodies that do "
-                "not touch, m"
+                f"{self.name}: gaps() returned {said(found, 80)}, not {len(rows)} distances of bodies that do not "
+                "touch, m"
             )
         return distances

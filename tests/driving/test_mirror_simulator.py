@@ -91,7 +91,7 @@ def test_an_adapter_may_work_in_the_arrays_that_it_places() -> None:
     assert mine.speeds.tobytes() == other.speeds.tobytes()
 
 
-@pytest.mark.parametrize("measured", [[math.nan], [math.inf], [-3.0], [], [1.0, 2.0], None, ["x"]])
+@pytest.mark.parametrize("measured", [[math.nan], [-math.inf], [-3.0], [], [1.0, 2.0], None, ["x"]])
 def test_gaps_that_are_none_are_the_simulator_s_fault(measured) -> None:
     class Lying(Recorder):
         def gaps(self, rows):
