@@ -217,12 +217,14 @@ _BAD = (
 _KINDS = {
     "P": OPTION,
     "c": "[,:]",
-    "b": rf"(?:far |much )?too \w+|{_BAD}|risk(?:y|ier)|risks?(?: an?)?(?! (?:of|in)\b)|unwise|unacceptable|negligent|insufficient|inadequate|inappropriate|excessive|overkill|irresponsible|hazardous"
-    r"|problem|puts? (?:\w+ ){1,3}at risk|poses? (?:an? )?(?!no )(?:\w+ )?(?:danger|threat|risk)|useless|foolish|last thing|be avoided|makes? (?:things|it|matters|the situation) (?:worse|more dangerous)|(?:make|let)s? (?:(?!not )\w+ ){1,4}(?:hit|strike|ram)"
-    rf"|(?:kill|endanger|harm|hurt|injure|hit|strike|ram|collide|die)s?|(?:rear end )?{_CRASH}|pile up|crashes",
+    "b": rf"(?:far |much )?too \w+|{_BAD}|risk(?:y|ier)|risks?(?: an?)?(?! (?:of|in)\b)|un(?:wise|acceptable)|in(?:sufficient|adequate|appropriate|advisable)|useless"
+    r"|irresponsible|negligent|foolish|excessive|overkill|hazardous|catastrophic|disastrous|problem|last thing|be avoided|puts? (?:\w+ ){1,3}at risk"
+    r"|(?:poses?|creates?) (?:an? )?(?!no )(?:\w+ )?(?:danger|threat|risk|hazard)|makes? (?:things|it|matters|the situation) (?:worse|more dangerous)"
+    r"|(?:make|let)s? (?:(?!not )\w+ ){1,4}(?:hit|strike|ram)|(?:kill|endanger|harm|hurt|injure|hit|strike|ram|collide|die)s?"
+    rf"|(?:rear end )?{_CRASH}|crashes|pile up",
     "m": rf"not(?= {_GERUND})",
-    "n": r"not(?! (?:only|just|merely|simply)\b)|\w+n't|cannot|never|hardly|no longer|neither|refuse|decline|reject|rule out|forbid|avoid(?:s|ing)?"
-    r"|prevents?|against|unable|opposite of|(?:under|by|in|on) no (?:circumstances?|means|case|account)|than|nobody|no one|unlikely|less|least|doubt|nothing(?! but\b)"
+    "n": r"not(?! (?:only|just|merely|simply)\b)|\w+n't|cannot|never|hardly|no longer|neither|nobody|no one|nothing(?! but\b)|refuse|decline|reject|rule out|forbid"
+    r"|avoid(?:s|ing)?|prevents?|against|unable|unlikely|opposite of|than|less|least|doubt|(?:under|by|in|on) no (?:circumstances?|means|case|account)"
     r"|no (?:\w+ )?(?:reason|need|room|time|space|point|sense|use|way|chance|possibility|distance|lane|shoulder|help)(?! but\b)|no(?= (?:problem|mistake|risk)\b)"
     r"|(?:(?:any|every)thing|everyone|all|(?:any|every|all) (?:other )?\w+) (?:but|except(?: for)?|other than)",
     "i": "if|when|where|until",
@@ -232,19 +234,21 @@ _KINDS = {
     "e": r"[;.!()\u2013\u2014-]|and|so|because|since|as|rather|which|(?:means|shows) that|(?:make|render)s?",
     "t": "abruptly|suddenly|sharply|harshly|hard|completely|fully",
     "r": "n?or",
-    "g": "safe|safer|safest|best|better|good|right|correct|possible|feasible|viable|necessary|needed|required|recommended|advisable|allowed|permitted"
-    "|able|wise|sensible|prudent|appropriate|acceptable|suitable|justified|warranted|reasonable|practical|enough|sufficient|suffice|work|help",
+    "g": "safe(?:r|st)?|best|better|good|right|correct|possible|feasible|viable|necessary|needed|required|recommended|advisable|allowed|permitted|able|wise"
+    "|sensible|prudent|appropriate|acceptable|suitable|justified|warranted|reasonable|practical|enough|sufficient|suffice|work|help",
     "k": rf"it(?:'s|(?= (?:is|was|seems|looks|isn't|wasn't|(?:\w+ not|\w+) be)\b))(?!(?: is|) not {_GERUND}| isn't {_GERUND})|(?:that|it)(?= (?:it is )?{_BAD})"
-    r"|no(?:t|thing|ne)?|(?:lead|result)s? (?:to|in)|(?:i|we)(?:'\w+)?|you|one|us|me|(?:the )?ego(?: vehicle| car)?|(?:my|our) (?:car|vehicle)"
-    r"|would|will|should|must|shall|can|could|may|might|is|are|am|be|was|do|does|has|have|had|need|needs|ought|want|like|intend|(?:think|believe)(?: that)?"
-    r"|recommend|choose|pick|select|take|answer|say|advise|suggest|going|causes?|means?|then|there|here|now|also|only|just|simply|either|any|very|quite|almost|therefore|hence|thus|were|even"
-    r"|serious|severe|grave|big|huge|to|an?|the|my|for|of|in|lane|situation|case|conditions|this|that|action|option|choice|idea|room|time|space|distance|everyone|everybody|\w+ly",
+    r"|(?:i|we)(?:'\w+)?|you|one|us|me|(?:the )?ego(?: vehicle| car)?|(?:my|our) (?:car|vehicle)|everyone|everybody|no(?:t|thing|ne)?|(?:think|believe)(?: that)?"
+    r"|would|will|should|must|shall|can|could|may|might|is|are|am|be|was|were|do|does|has|have|had|needs?|ought|want|like|intend|recommend|choose|pick|select|take"
+    r"|answer|say|advise|suggest|going|causes?|means?|seems?|looks?|(?:lead|result)s? (?:to|in)|then|there|here|now|also|only|just|simply|either|any|very|quite|almost"
+    r"|therefore|hence|thus|even|please|serious|severe|grave|big|huge|downright|to|an?|the|my|for|of|in|this|that|lane|situation|case|conditions|action|option|choice"
+    r"|idea|room|time|space|distance|\w+ly",
     "x": r"[\w']+|\S",
 }
+"""The words of every kind: bad ones, denials (`m`, `n`, and `u`, also a condition), conditions, concessions (`h`, `a`), edges of a
+clause, manners (`t`), good ones, others that are known, and unknown ones."""
 _WORD = re.compile(
     "|".join(rf"(?P<{kind}>(?:{words})(?!(?<=\w)[\w']))" for kind, words in _KINDS.items())
 )
-"""Matches a word by its kind: bad, good, a denial (`n`, `m`, `u`), known, unknown (`x`), a condition, an edge of a clause, ..."""
 _GAP = "(?:[knu]|r[OPx])*"
 _CLAUSE = re.compile(
     "(?:^|(?<=([ecah])))(?=([iu])?)((?:[kgbnmiu]|[OP]r|nc[kx]{1,6}c)*)O(?(2)c?)"
@@ -262,7 +266,7 @@ _DISOWNS = re.compile(
     r"|\b(?:this|it) is (?:only|just|merely) (?:an? )?(?:example|placeholder|test|template|dummy)\b"
     r"|\b(?:opposite of (?:what|my|this|the (?:answer|choice|action|option|decision))|just kidding|joking|i (?:lied|lie|am lying)"
     rf"|(?:this|the|my|that) {_NAMED}(?: below| field)? {_IS} (?:not (?:my|the)|{_BAD})"
-    rf"|(?:this|that|it|what follows|the (?:above|below|following)) (?:would be {_BAD}(?! (?:not )?to\b| for\b)|{_IS} (?:not (?:my|what (?:i|we) (?:would|should))"
+    rf"|(?<!but )(?:this|that|it|what follows|the (?:above|below|following)) (?:would be {_BAD}(?! (?:not )?to\b| for\b)|{_IS} (?:not (?:my|what (?:i|we) (?:would|should))"
     rf"|{_BAD} {_NAMED}|an? (?:lie|mistake|decoy|joke)(?! (?:not )?to\b)))"
     r"|as an? (?:ai )?language model|i (?:cannot|can't|won't|will not|refuse to|decline to) (?:help|assist|comply|answer)"
     r"|(?:do not|don't|never) (?:do|use|take|choose|follow|trust) (?:this|that|it)|(?:ignore|disregard) (?:this|that|the (?:answer|action)))\b"

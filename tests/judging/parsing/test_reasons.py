@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.judging._parsing import read_action
+from oodscen.judging._parsing import read_action, read_choice
 
 NAMES = {
     "stop": ("stop", "stopping"),
@@ -64,6 +64,20 @@ It makes sense to {0}, as the road is not visible.|{1} is not an overreaction.|T
 A sensible driver would not do anything but {0}.|I refuse to drive on and {0}.|I reject every other option, so I {0}.
 Anything other than {1} is dangerous.|All actions other than {0} are dangerous.|Driving on without {1} would be fatal.|Traffic is not {1}.
 The lorry is not {1}.
+A deer is standing in the lane and will not move in time, so the best reaction is to {0}.
+The ego vehicle is travelling too fast for the fog. {1} lowers the risk.
+Since the left lane is occupied and the shoulder is too narrow, {1} is the only reasonable choice.|{1} should prevent a collision with the mattress.
+The flooded road cannot be crossed safely at this speed; {1} is required.|It is crucial to {0} to avoid hitting the person.
+The ego vehicle cannot avoid the tree without {1}.|Nothing suggests that {1} would be wrong.
+Ordinary traffic, nothing unusual, no need to do anything other than {0}.|The situation is dangerous and I would {0}.
+The wrong-way driver is dangerous; {1} gives us distance.|It is too late for a comfortable manoeuvre, so {0}.
+The truck has no room to {0}, but we have.|The person on the road does not react, hence we {0}.|{1} is less risky than the alternatives.
+The danger of {1} is small.|The risk of {1} is low compared with the risk of a crash.|The bus cannot {0}, so it is up to us.
+Due to the obstacle, not {1} will result in a crash.|I don't see any reason not to {0}.|{1} may not be comfortable, but safety comes first.
+{1} will not be a problem because nobody follows.|The pedestrian is not in our lane, but {1} is a wise precaution.
+One could swerve, but that would be dangerous; {1} is better.|{1} would hardly be dangerous here.|{1} is by no means dangerous.
+The safest thing is to {0} rather than to wait.|{1} will most likely avoid an accident.|A collision is impossible to avoid without {1}.
+Better to {0} than to risk a crash.
 """.strip().replace("\n", "|").split("|")  # fmt: skip
 """Reasons that support the action, weigh it, or are about others."""
 
@@ -97,6 +111,12 @@ I would rather not {0}.|{1} would be suicidal.|{1} is the worst thing to do.|The
 {1} must be avoided at all costs.|{1} is certainly not the best action.|{1} is not warranted.|{1} poses a serious danger to the cyclist.
 {1} would almost certainly cause a crash.|{1} would kill the cyclist.|We should avoid {1}.|Due to the ice, {1} is not possible.
 I cannot recommend {1}.|{1} is therefore ruled out.
+{1} is not the answer here.|{1} would be downright dangerous.|Sadly we cannot {0}.|{1} would be extremely risky.|It would be irresponsible to {0}.
+We must not {0} here.|I do not want to {0}.|I would not {0}, as the road is icy.|{1} would be catastrophic.|{1} is simply impossible.
+{1} is not a viable option.|{1} creates a hazard.|{1} is neither safe nor legal.|The right action is not {1}.|{1} is unnecessarily dangerous.
+It's unsafe to {0}.|{1} won't work.|{1} would be disastrous.|It seems unwise to {0}.|{1} would not be safe.|There is insufficient room to {0}.
+{1} would collide with the oncoming car.|{1} would lead to a rear-end collision.|It is inadvisable to {0}.|One should not {0} in this situation.
+Please do not {0}.|{1} cannot be the right choice.|On no account should we {0}.
 """.strip().replace("\n", "|").split("|")  # fmt: skip
 """Reasons that deny or condemn the action."""
 
@@ -151,3 +171,18 @@ def test_two_denials_cancel_each_other(action, form, is_, word, is_negated):
 )
 def test_what_else_is_for_or_against_it(reason, value):
     assert read_action(json.dumps({"reasoning": reason, "action": "stop"})).value == value
+
+
+@pytest.mark.parametrize(
+    ("reason", "value"),
+    [
+        ("A deer on the road is dangerous.", "deer"),
+        ("A deer on the road could cause an accident.", "deer"),
+        ("Option 1 is wrong.", None),
+        ("This is not a deer on the road.", None),
+        ("Option 2 is not correct.", "deer"),
+    ],
+)
+def test_danger_condemns_no_thing_of_the_closed_question(reason, value):
+    labels = {"deer": "Deer on the road", "box": "Box on the road"}
+    assert read_choice(json.dumps({"reasoning": reason, "choice": 1}), labels).value == value
