@@ -63,6 +63,10 @@ _ASKED = r"(?:answer|choice|decision|option|selection|response|result|output)"
 _ACTION = re.compile(rf"{_FINAL}(?:action|{_ASKED})(?:id|name|taken)?")
 _CHOICE = re.compile(rf"{_FINAL}(?:number|label|{_ASKED})(?:id|number)?")
 _INSIDE = re.compile(r"(?:id|name|value|number|label|option|action|choice|answer)")
+_DANGER = re.compile(
+    r"\b(?:dangerous|hazardous|unsafe|risky|risks?|fatal|deadly|problem|collisions?|accidents?|poses?|creates?)\b"
+)
+"""Matches words that condemn an action, and not a thing that is named in the closed question."""
 _DEEPEST = 4
 """Levels of lists and objects in which a choice may be wrapped."""
 
@@ -117,7 +121,8 @@ class _Reader:
         return found if found is not None and found < len(self.names) else None
 
     def _denies(self, reasons: str, option: int) -> bool:
-        return is_against(self.mark(fold(reasons)), option)
+        plain = self.mark(fold(reasons))
+        return is_against(_DANGER.sub("seen", plain) if self.is_numbered else plain, option)
 
 
 # ------------------------------------------------------------------ options in prose
@@ -216,7 +221,7 @@ _ACTION_WORDS = {
         rf"|(?:reduc|lower)(?:e|ing)? {_THE}speed|brak(?:e|ing) (?:gently|lightly|softly|slightly)|gentle braking"
     ),
     "keep_speed": (
-        rf"(?:keep|maintain|hold)(?:ing)? {_THE}(?:lane and (?:the )?)?speed(?: and lane)?(?! (?:low|down|slow|under|below|of)\b)"
+        rf"(?:keep|maintain|hold)(?:ing)? {_THE}(?:lane and (?:the )?)?speed(?: and lane)?(?! (?:low|down|slow|under(?! any)|below|of)\b)"
         rf"|(?:keep (?:going|driving)|continue(?: driving| straight| ahead)?)(?: at {_THE}speed)(?! of\b)"
         r"|keep(?:ing)? (?:going|driving)|continu(?:e|ing) (?:driving|straight|ahead)"
     ),
