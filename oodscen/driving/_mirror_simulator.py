@@ -12,6 +12,7 @@ from oodscen.driving._base_simulator import BaseSimulator, checked_control
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._motion.world import KinematicWorld, WorldSnapshot
 from oodscen.driving._roads.corridor import Corridor
+from oodscen.errors import SimulatorError
 from oodscen.protocols import Control, State
 
 NEAR_M = 12.0
@@ -75,8 +76,8 @@ class MirrorSimulator(BaseSimulator):
         """Move all bodies.
 
         Args:
-            poses: [n, 4], x, y, z, yaw; rows in the order of `spawn`.
-            speeds: [n], m/s along the headings.
+            poses: [n, 4], x, y, z, yaw; rows in the order of `spawn`. The array is the adapter's own.
+            speeds: [n], m/s along the headings; also its own.
         """
 
     def gaps(self, rows: Sequence[int]) -> list[float]:
@@ -159,13 +160,29 @@ class MirrorSimulator(BaseSimulator):
     def _publish(self) -> State:
         world = self.world
         state, apart = world.publish()
-        self.place(state.poses, state.speeds)
+        self.place(state.poses.copy(), state.speeds.copy())  # An adapter may convert them in place.
         gaps = self._measured = state.gaps
         near = np.flatnonzero((apart <= NEAR_M) & (gaps > 0.0) & np.isfinite(gaps)).tolist()
         if near and world.scene.motions:
             tilted = world.tilts()
             near = [row for row in near if row not in tilted]
         if near:
-            for row, distance in zip(near, self.gaps(near), strict=True):
-                gaps[row] = max(LEAST_M, round(float(distance), 4))
+            for row, distance in zip(near, self._own_gaps(near), strict=True):
+                gaps[row] = max(LEAST_M, round(distance, 4))
         return self._keep_state(state)
+
+    def _own_gaps(self, rows: list[int]) -> list[float]:
+        """Return what `gaps` measures, m.
+
+        Raises:
+            SimulatorError: If it is something else than a number per row.
+        """
+        try:
+            found = np.asarray(self.gaps(rows), dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise SimulatorError(f"{self.name}: gaps() returned {error}") from error
+        if found.shape != (len(rows),) or np.isnan(found).any():
+            raise SimulatorError(
+                f"{self.name}: gaps() returned something else than {len(rows)} numbers"
+            )
+        return [float(distance) for distance in found]

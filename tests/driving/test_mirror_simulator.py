@@ -77,6 +77,28 @@ def test_only_near_bodies_that_do_not_touch_are_asked_for() -> None:
     assert state.contacts == ("box",)
 
 
+def test_an_adapter_may_convert_what_it_places_in_place() -> None:
+    class Converting(Recorder):
+        def place(self, poses, speeds) -> None:
+            poses[:, 1] *= -1.0
+            speeds *= 3.6
+
+    plain, converting = (kind().reset(BOX, 0) for kind in (Recorder, Converting))
+    assert np.array_equal(plain.poses, converting.poses)
+    assert np.array_equal(plain.speeds, converting.speeds)
+
+
+@pytest.mark.parametrize("given", [[math.nan], [], [1.0, 2.0], [None], ["x"], None])
+def test_gaps_that_are_no_numbers_are_the_adapters_fault(given) -> None:
+    class Broken(Recorder):
+        def gaps(self, rows):
+            return given
+
+    near = scene(actor("box", "cardboard_box", ahead=9.0), speed=12.0)
+    with pytest.raises(SimulatorError, match=r"recorder: gaps\(\) returned"):
+        Broken().reset(near, 0)
+
+
 def test_states_cannot_be_changed() -> None:
     state = Recorder().reset(BOX, 0)
     for array in (state.poses, state.speeds, state.gaps):
