@@ -31,12 +31,14 @@ def score_answers(answers: Iterable[tuple[Mapping[str, Any], str]]) -> dict[str,
 
     Raises:
         DataError: If a row lacks one of these, or its key is malformed.
-        UsageError: If there is something else than pairs, or a question is answered twice.
+        UsageError: If there is something else than pairs with a text, or a question is answered twice.
     """
     asked: dict[str, dict[str, tuple[AnswerKey, dict[str, float]]]] = {}
     for pair in answers:
         if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
             raise UsageError(f"answers must be pairs of a row and a text, not {pair!r:.80}")
+        if not isinstance(pair[1], str):
+            raise UsageError(f"an answer must be a text, not {pair[1]!r:.80}")
         key, purpose = _read(pair[0])
         found = asked.setdefault(purpose, {})
         if key.item in found:
@@ -45,7 +47,7 @@ def score_answers(answers: Iterable[tuple[Mapping[str, Any], str]]) -> dict[str,
             raise UsageError(
                 f"{fault}; give one answer to each question, and score every repetition by itself"
             )
-        verdict = key.verdict(purpose, str(pair[1]))
+        verdict = key.verdict(purpose, pair[1])
         found[key.item] = key, answer_values(verdict, key.episode)
     figures: dict[str, float] = {}
     for purpose, found in sorted(asked.items()):

@@ -297,6 +297,12 @@ def test_a_question_answered_twice_is_refused(data):
         score_answers([*answers, (answers[0][0], '{"action": "keep_speed"}')])
 
 
+@pytest.mark.parametrize("text", [None, b'{"action": "stop"}', {"action": "stop"}])
+def test_an_answer_is_a_text(data, text):
+    with pytest.raises(UsageError, match="must be a text, not "):
+        score_answers([(acted(data, "stop", "rare")[0][0], text)])
+
+
 def test_a_row_without_its_pair_is_refused(data):
     row, text = acted(data, "stop", "rare")[0]
     with pytest.raises(DataError, match="a key, a pair and a purpose"):
