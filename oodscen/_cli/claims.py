@@ -21,7 +21,7 @@ from oodscen._cli.paths import READABLE
 from oodscen._cli.progress import tracked
 from oodscen._files import read_utf8
 from oodscen.data._base import Data, canonical_json
-from oodscen.errors import AnswerError, DataError, Issue, LLMError
+from oodscen.errors import AnswerError, DataError, Issue, LLMError, UsageError
 
 if TYPE_CHECKING:
     from oodscen.claims._faithfulness import Faithfulness, Unjudged
@@ -60,10 +60,13 @@ def check_claims(
     from oodscen.llm._accounting import Ledger
 
     refuse_idle_server(llm)
-    texts, faulty = {}, []
+    texts, faulty = dict[str, str](), []
     for number, scenario in _values(Scenario, scenarios):
         if isinstance(scenario, Scenario):
-            texts[scenario.id] = scenario.text
+            if texts.setdefault(scenario.id, scenario.text) != scenario.text:
+                raise UsageError(
+                    f"{scenarios}, line {number}: there is another text {scenario.id!r}"
+                )
         else:
             faulty.append(Unjudged(id=f"{scenarios.name}:{number}", faults=scenario))
     ledger = Ledger()

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
-from oodscen._files import replace, temporary_folder
+from oodscen._files import read_bytes, replace, temporary_folder
 from oodscen._lock import locked
 from oodscen.encoders._check import encode
 from oodscen.errors import InUse, StudyError
@@ -25,6 +25,8 @@ _log = logging.getLogger(__name__)
 _FORMAT = "oodscen-vectors-1"
 _WAIT_S = 30.0
 """Time to wait for another process that is saving, s; saving takes far less unless that process is halted."""
+_MOST_BYTES = 1 << 40
+"""Bytes of a file that are read; a million texts have 1.6 GB."""
 
 
 def cache_folder() -> Path:
@@ -137,7 +139,7 @@ class CachedEncoder(Brief):
 def _read(path: Path, encoder: Encoder) -> dict[bytes, NDArray[np.float32]]:
     """Return the vectors that a file holds for this encoder; empty if any part of it is invalid."""
     try:
-        content = path.read_bytes()
+        content = read_bytes(path, limit=_MOST_BYTES)
     except OSError:
         return {}
     # The digest is checked before parsing, because an altered archive can fail in many ways.

@@ -23,26 +23,37 @@ FIGURES_OF_TASK: Mapping[str, tuple[str, ...]] = {
 def score_answers(answers: Iterable[tuple[Mapping[str, Any], str]]) -> dict[str, float]:
     """Return the figures over a model's answers to published questions, as shares of the answers that score.
 
-    Answers are read by the same rules as in a study. Figures of questions of other kinds are left out.
+    Answers are read by the same rules as in a study. Figures of questions of other kinds are left out. The rows may
+    come from several data sets: a scene is paired with the ordinary drives of its own.
 
     Args:
-        answers: Pairs of a row of the data set, of which `purpose` and `key` are used, and the model's text.
+        answers: Pairs of a row of a data set, of which `purpose`, `pair` and `key` are used, and the model's text.
 
     Raises:
-        DataError: If the key of a row is malformed.
-        UsageError: If there is something else than pairs.
+        DataError: If a row lacks one of these, or its key is malformed.
+        UsageError: If there is something else than pairs with a text, or a question is answered twice.
     """
-    asked: dict[str, list[tuple[AnswerKey, dict[str, float]]]] = {}
+    asked: dict[str, dict[str, tuple[AnswerKey, dict[str, float]]]] = {}
     for pair in answers:
         if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
             raise UsageError(f"answers must be pairs of a row and a text, not {pair!r:.80}")
+        if not isinstance(pair[1], str):
+            raise UsageError(f"an answer must be a text, not {pair[1]!r:.80}")
         key, purpose = _read(pair[0])
-        verdict = key.verdict(purpose, str(pair[1]))
-        asked.setdefault(purpose, []).append((key, answer_values(verdict, key.episode)))
+        found = asked.setdefault(purpose, {})
+        if key.item in found:
+            item = key.item.partition("/")[2]
+            fault = f"the question {purpose} about {item} is answered twice"
+            raise UsageError(
+                f"{fault}; give one answer to each question, and score every repetition by itself"
+            )
+        verdict = key.verdict(purpose, pair[1])
+        found[key.item] = key, answer_values(verdict, key.episode)
     figures: dict[str, float] = {}
     for purpose, found in sorted(asked.items()):
-        items = items_of([key for key, _ in found])
-        known = rates(items, AnswerColumns.of_values(items, {key.item: one for key, one in found}))
+        items = items_of([key for key, _ in found.values()])
+        values = {item: one for item, (_, one) in found.items()}
+        known = rates(items, AnswerColumns.of_values(items, values))
         for figure in (name for task in TASKS[purpose] for name in FIGURES_OF_TASK[task]):
             if (value := known[figure].value) is not None:
                 figures[figure] = value
@@ -50,9 +61,13 @@ def score_answers(answers: Iterable[tuple[Mapping[str, Any], str]]) -> dict[str,
 
 
 def _read(row: Mapping[str, Any]) -> tuple[AnswerKey, str]:
-    """Return the key and the purpose of a row."""
-    if not isinstance(row, Mapping) or not {"key", "purpose"} <= row.keys():
-        raise DataError("question", [Issue("", "is not a row with a key and a purpose")])
+    """Return the key and the purpose of a row.
+
+    The item of the key is below the name of its pair, since scenes of different data sets share ids.
+    """
+    if not isinstance(row, Mapping) or not {"key", "pair", "purpose"} <= row.keys():
+        raise DataError("question", [Issue("", "is not a row with a key, a pair and a purpose")])
     if row["purpose"] not in TASKS:
         raise DataError("question", [Issue("purpose", f"is none of {', '.join(TASKS)}")])
-    return AnswerKey.parse(str(row["key"])), str(row["purpose"])
+    key = AnswerKey.parse(str(row["key"]))
+    return key.model_copy(update={"item": f"{row['pair']}/{key.item}"}), str(row["purpose"])

@@ -80,7 +80,7 @@ def publish(
         InUse: If another process writes the folder.
         MissingExtra: If pyarrow is not installed.
         StudyError: If a file cannot be written.
-        UsageError: If `validation`, `licence` or `out` is invalid, or a scene has changed since it was run.
+        UsageError: If `validation`, `licence` or `out` is invalid, or a scene or its text has changed since it was run.
     """
     finite_number("validation", validation, 0.0, 0.9)
     check_name(out)

@@ -8,13 +8,16 @@ from oodscen.judging._leaderboard.requirements import Bar
 
 
 def is_counted(drives: Iterable[DriveResult], bars: Sequence[Bar]) -> bool:
-    """Return whether a bar counts one of a test's drives as a miss.
+    """Return whether a bar counts one of a test's drives as a miss; none does where the stack failed in one of them.
 
     Args:
         drives: The drives of one test.
         bars: The requirement, of `DRIVE_FIGURES`.
     """
-    return any(_is_miss(one, bar.figure) for one in drives for bar in bars)
+    found = list(drives)
+    if any(one.status == "failed" for one in found):
+        return False
+    return any(_is_miss(one, bar.figure) for one in found for bar in bars if one.status == "ok")
 
 
 def _is_miss(one: DriveResult, figure: str) -> bool:

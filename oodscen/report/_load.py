@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeVar
 
@@ -13,7 +14,7 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._verdict import Verdict
-from oodscen.errors import DataError
+from oodscen.errors import DataError, OodscenError
 from oodscen.judging._drive_board import current_results
 from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
@@ -24,7 +25,7 @@ from oodscen.stages._making.motions import MOTIONS, MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._files import TABLES, TREES
-from oodscen.study._stale import in_words, stale_scenes
+from oodscen.study._stale import changed_texts, in_words, stale_scenes
 from oodscen.study._store import Store
 from oodscen.study._study import Study
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -120,12 +121,18 @@ def read(study: Study) -> Material:
 
 
 def _note_stale(study: Study, found: Material) -> None:
-    """Note the scenes that have changed since they were run; without its scenes a study is incomplete anyway."""
+    """Note the scenes that have changed since they were run, themselves or their texts.
+
+    Without its scenes a study is incomplete anyway, and malformed tables have notes of their own.
+    """
     if not found.scenes or "scenes.jsonl" in found.gaps:
         return
     has_staged = study.store.has("staged.jsonl")
     staged = _lines(study.store, "staged.jsonl", found) if has_staged else ()
-    if stale := stale_scenes(found.episodes, [*found.scenes, *found.demands], staged):
+    changed = set[str]()
+    with suppress(OodscenError):
+        changed = changed_texts(study)
+    if stale := stale_scenes(found.episodes, [*found.scenes, *found.demands], staged, changed):
         _note(found, "episodes.jsonl", in_words(stale))
 
 

@@ -48,7 +48,7 @@ def write_quiz(
 
     Raises:
         DataError: If no episode of the study has frames, or one is not the recorded frame or cannot be shown.
-        UsageError: If a scene has changed since it was run.
+        UsageError: If a scene or its text has changed since it was run.
         FolderTaken: If the file is one of a study's, other than its quiz.
     """
     target = out or study.folder / QUIZ

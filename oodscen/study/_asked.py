@@ -76,7 +76,7 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
 
     Raises:
         DataError: If a table of the study cannot be read or is malformed.
-        UsageError: If a scene has changed since it was run.
+        UsageError: If a scene or its text has changed since it was run.
     """
     config, episodes = study.config, study.episodes
     unseen = {one.scene_id for one in episodes if one.is_below_floor}

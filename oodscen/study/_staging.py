@@ -1,9 +1,18 @@
 """One scene as it was staged, with the outcome of running it: a line of `staged.jsonl`."""
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
-from oodscen.data._base import Data
+from oodscen.data._base import Data, digest
+from oodscen.data._claim import Claim
+from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
+
+
+def text_digest(text: Scenario, claims: Sequence[Claim] | None) -> str:
+    """Return the digest of what a scene is staged from; the claims are `None` if they could not be read."""
+    said = None if claims is None else [claim.model_dump(mode="json") for claim in claims]
+    return digest([text.text, text.path, said])
 
 
 class Staging(Data):
@@ -13,7 +22,7 @@ class Staging(Data):
 
     id: str
     made_from: str = ""
-    """SHA-256 digest of the text and its claims."""
+    """SHA-256 digest of the text and its claims; see `text_digest`."""
     scene: Scene
     """The scene as it was staged."""
     how: str | None = None

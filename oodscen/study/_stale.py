@@ -1,6 +1,6 @@
-"""Episodes that no longer belong to their scenes, since a scene was changed and not run again."""
+"""Episodes that no longer belong to their scenes, since a scene or a text was changed and not run again."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from oodscen.data._base import digest
@@ -8,6 +8,8 @@ from oodscen.data._episode import Episode
 from oodscen.data._pairing import scene_of
 from oodscen.data._scene import Scene
 from oodscen.errors import UsageError
+from oodscen.study._files import ClaimsLine
+from oodscen.study._staging import text_digest
 
 if TYPE_CHECKING:
     from oodscen.study._study import Study
@@ -17,7 +19,10 @@ _SHOWN = 5
 
 
 def stale_scenes(
-    episodes: Iterable[Episode], scenes: Iterable[Scene], staged: Iterable[Mapping[str, Any]]
+    episodes: Iterable[Episode],
+    scenes: Iterable[Scene],
+    staged: Iterable[Mapping[str, Any]],
+    changed: Container[str] = (),
 ) -> list[str]:
     """Return the ids of the scenes that are not those of their episodes, in the order of the episodes.
 
@@ -28,6 +33,7 @@ def stale_scenes(
         episodes: Those of scenes, ordinary drives and demands.
         scenes: The lines of `scenes.jsonl`, demands included.
         staged: The lines of `staged.jsonl`, which hold the demands as they were run.
+        changed: The ids of scenes whose texts have changed.
     """
     now = {scene.id: scene.digest() for scene in scenes}
     demands = [line["demand"] for line in staged if isinstance(line.get("demand"), Mapping)]
@@ -37,15 +43,45 @@ def stale_scenes(
         name = scene_of(one.scene_id)
         is_own = now.get(name) == one.made_from
         is_own &= one.scene_id not in ran or now.get(one.scene_id) == ran[one.scene_id]
-        if one.made_from and not is_own:
+        if name in changed or (one.made_from and not is_own):
             found[name] = None
     return list(found)
 
 
+def changed_texts(study: "Study") -> set[str]:
+    """Return the ids of the scenes whose text is gone, or is not what they were staged from.
+
+    A text is what it says, its path, its leaf and its claims. What a study has no record of is taken as it is.
+
+    Raises:
+        DataError: If a table or the tree is malformed.
+    """
+    store = study.store
+    texts = {one.id: one for one in study.scenarios}
+    claims = {str(line.get("id")): line for line in store.lines("claims.jsonl")}
+    has_tree = store.holds("tree.simulatable.json")
+    paths = study.tree("simulatable").paths if has_tree else None
+    found = set[str]()
+    staged = {str(line.get("id")): line for line in store.lines("staged.jsonl")}
+    for name, line in staged.items():
+        text, said = texts.get(name), claims.get(name)
+        if text is None or (paths is not None and paths.get(text.leaf) != text.path):
+            found.add(name)
+        elif said is not None and line.get("made_from"):
+            is_read = said.get("status") != "failed"
+            source = f"{store.path('claims.jsonl')}, {name}"
+            read = ClaimsLine.parse(said, source=source).claims if is_read else None
+            if text_digest(text, read) != line["made_from"]:
+                found.add(name)
+    return found
+
+
 def in_words(stale: list[str]) -> str:
-    """Return the sentence about scenes that have changed."""
+    """Return the sentence about scenes that have changed, themselves or their texts."""
     more = ", ..." if len(stale) > _SHOWN else ""
-    told = f"{len(stale)} scenes have" if len(stale) > 1 else "1 scene has"
+    told = "1 scene, or its text, has"
+    if len(stale) > 1:
+        told = f"{len(stale)} scenes, or their texts, have"
     they = "they were" if len(stale) > 1 else "it was"
     return (
         f"{told} changed since {they} run: {', '.join(stale[:_SHOWN])}{more}; the same `oodscen run OUT` makes "
@@ -54,12 +90,12 @@ def in_words(stale: list[str]) -> str:
 
 
 def refuse_stale(study: "Study", episodes: Iterable[Episode], scenes: Iterable[Scene]) -> None:
-    """Refuse a study whose episodes are not those of its scenes, which come without the demands.
+    """Refuse a study whose episodes are not those of its scenes and texts; the scenes come without the demands.
 
     Raises:
-        UsageError: If a scene has changed since it was run.
+        UsageError: If a scene or its text has changed since it was run.
         DataError: If a table is malformed.
     """
     lines = study.store.lines("staged.jsonl")
-    if stale := stale_scenes(episodes, [*scenes, *study.demands], lines):
+    if stale := stale_scenes(episodes, [*scenes, *study.demands], lines, changed_texts(study)):
         raise UsageError(f"{study.folder}: {in_words(stale)}")

@@ -88,6 +88,18 @@ def test_a_malformed_text_is_told_and_costs_only_its_own_scenes(tmp_path):
     assert "1 of them could not be checked" in done.output
 
 
+def test_two_texts_of_one_id_are_refused(tmp_path):
+    scene = example_scene()
+    call(tmp_path, scene, TEXT)
+    path = tmp_path / "texts.jsonl"
+    first = json.loads(path.read_text().splitlines()[0])
+    path.write_text(path.read_text() + json.dumps({**first, "text": "A whale lies on the road."}))
+    files = (str(tmp_path / "scenes.jsonl"), "--scenarios", str(path))
+    done = CliRunner().invoke(main, ["check-claims", *files])
+    assert done.exit_code == 2
+    assert f"there is another text {first['id']!r}" in done.output
+
+
 @pytest.mark.parametrize(
     ("option", "name"),
     [((), "minilm"), (("--encoder", "hash"), "hash"), (("--encoder", "none"), None)],

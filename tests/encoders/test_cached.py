@@ -72,6 +72,26 @@ def test_an_altered_file_is_computed_again(tmp_path, place):
     _is_rebuilt(tmp_path)
 
 
+def test_a_pipe_in_its_place_is_not_waited_for(tmp_path):
+    path = _filled(tmp_path)
+    path.unlink()
+    os.mkfifo(path)
+    code = (
+        "import pathlib, sys; from oodscen.encoders._cached import CachedEncoder\n"
+        "from oodscen.testing._encoder import HashEncoder\n"
+        "class Named(HashEncoder):\n  name = 'counting'\n"
+        "print(len(CachedEncoder(Named(16), pathlib.Path(sys.argv[1])).encode(['a car waits'])))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert done.stdout == "1\n"
+
+
 def test_another_encoders_file_is_not_used(tmp_path):
     other = CachedEncoder(Counting(name="other"), tmp_path)
     other.encode(TEXTS)

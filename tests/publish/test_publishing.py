@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 
 from oodscen import Study, evaluate
 from oodscen._lock import locked
-from oodscen.errors import FolderTaken, InUse, StudyError, UsageError
+from oodscen.errors import DataError, FolderTaken, InUse, StudyError, UsageError
 from oodscen.judging import leaderboard
 from oodscen.publish import publish, score_answers
 from oodscen.publish._card import _cell
@@ -251,6 +251,62 @@ def test_right_answers_are_right_and_are_scored_like_a_study(study, data):
     assert shares["name"] == oracle.identification.open.value == 1.0
     assert shares["pick"] == oracle.identification.closed.value == 1.0
     assert shares["alarms"] == 0.0
+
+
+@pytest.fixture(scope="module")
+def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return another study's data set, of scenes with the same ids; its pictures have recorded hashes."""
+    made = build_study(tmp_path_factory.mktemp("other") / "study", per_path=3, with_twins=True)
+    episodes = list(made.store.lines("episodes.jsonl"))
+    for one in episodes:
+        one["file_sha256"] = {name: made.store.digest(name) for name in one["frames"].values()}
+    made.store.write_lines("episodes.jsonl", episodes)
+    return publish(made, tmp_path_factory.mktemp("others") / "data", forms=()).folder
+
+
+def acted(data: Path, action: str, *kinds: str) -> list[tuple[dict[str, Any], str]]:
+    """Return one answer to all questions about drives of some kinds: what to do."""
+    return [
+        (row, json.dumps({"action": action}))
+        for row in rows(data, "questions")
+        if row["purpose"] == "choose-action" and row["kind"] in kinds
+    ]
+
+
+def test_answers_about_two_data_sets_all_count(data, other):
+    every = ("rare", "twin", "demand")
+    here, there = acted(data, "stop", *every), acted(other, "keep_speed", *every)
+    apart = [score_answers(one) for one in (here, there)]
+    assert apart[0] != apart[1]
+    together = score_answers(here + there)
+    assert together == score_answers(there + here)
+    for name, value in together.items():
+        assert value == pytest.approx((apart[0][name] + apart[1][name]) / 2)
+
+
+def test_pairs_are_within_one_data_set(data, other):
+    found = score_answers(acted(data, "stop", "rare") + acted(other, "stop", "twin", "demand"))
+    assert "safe" in found
+    assert "act-both" not in found
+
+
+def test_a_question_answered_twice_is_refused(data):
+    answers = acted(data, "stop", "rare", "twin")
+    item = json.loads(answers[0][0]["key"])["item"]
+    with pytest.raises(UsageError, match=f"choose-action about {item} is answered twice; give one"):
+        score_answers([*answers, (answers[0][0], '{"action": "keep_speed"}')])
+
+
+@pytest.mark.parametrize("text", [None, b'{"action": "stop"}', {"action": "stop"}])
+def test_an_answer_is_a_text(data, text):
+    with pytest.raises(UsageError, match="must be a text, not "):
+        score_answers([(acted(data, "stop", "rare")[0][0], text)])
+
+
+def test_a_row_without_its_pair_is_refused(data):
+    row, text = acted(data, "stop", "rare")[0]
+    with pytest.raises(DataError, match="a key, a pair and a purpose"):
+        score_answers([({name: row[name] for name in ("purpose", "key")}, text)])
 
 
 def study_board(study: Study):

@@ -35,6 +35,15 @@ def test_a_miss_is_counted_under_its_own_figure(figure, good, bad) -> None:
     assert not is_counted([bad], ())
 
 
+def test_a_drive_in_which_the_stack_failed_is_no_miss() -> None:
+    bars = parse_requirement("safe>=0.5,safe-both>=0.5", DRIVE_FIGURES)
+    missed, failed = drive(False), drive(False, status="failed")
+    assert is_counted([missed], bars)
+    assert not is_counted([failed], bars)
+    assert not is_counted([missed, failed], bars)
+    assert not is_counted([drive(False, status="inconclusive")], bars)
+
+
 @given(
     st.sampled_from(["safe", "safe-twin", "needless", "critical"]),
     st.booleans(),

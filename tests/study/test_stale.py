@@ -2,6 +2,9 @@
 
 import json
 import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -10,10 +13,15 @@ from hypothesis import strategies as st
 
 from oodscen import Study
 from oodscen._cli import main
+from oodscen._pipeline import run_study
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import demand_id, twin_id
+from oodscen.errors import UsageError
+from oodscen.report._load import read
+from oodscen.study._staging import text_digest
 from oodscen.study._stale import refuse_stale, stale_scenes
 from tests.interchange.staging import SCENES
+from tests.pipeline.quick import QUICK
 
 CHANGES = st.lists(st.sampled_from(["", "scene", "demand", "gone", "unknown"]), max_size=6)
 
@@ -69,6 +77,93 @@ def test_a_study_of_other_scenes_is_refused_in_one_line(stale, tmp_path):
         assert f"changed since it was run: {name}; the same `oodscen run OUT`" in found.output
     assert {path: path.read_bytes() for path in stale.rglob("*") if path.is_file()} == before
     assert not (tmp_path / "data").exists()
+
+
+def edit(folder: Path, table: str, change: Callable[[list[dict[str, Any]]], object]) -> None:
+    """Change the lines of a table as one would by hand."""
+    store = Study.open(folder).store
+    lines = list(store.lines(table))
+    change(lines)
+    store.write_lines(table, lines)
+
+
+def swap(lines: list[dict[str, Any]]) -> None:
+    first, second = lines[:2]
+    first["text"], second["text"] = second["text"], first["text"]
+
+
+@pytest.mark.parametrize(
+    ("table", "change"),
+    [
+        ("scenarios.jsonl", lambda lines: lines[0].update(text="A whale lies on the road.")),
+        ("scenarios.jsonl", lambda lines: lines[0].update(path=lines[-1]["path"])),
+        ("scenarios.jsonl", lambda lines: lines[0].update(leaf=lines[-1]["leaf"])),
+        (
+            "scenarios.jsonl",
+            lambda lines: lines[0].update(path=lines[-1]["path"], leaf=lines[-1]["leaf"]),
+        ),
+        ("scenarios.jsonl", swap),
+        ("scenarios.jsonl", lambda lines: lines.pop(0)),
+        ("scenarios.jsonl", lambda lines: lines.clear()),
+        ("claims.jsonl", lambda lines: lines[0]["claims"].pop()),
+        ("claims.jsonl", lambda lines: lines[0].update(status="failed", error="no answer")),
+    ],
+    ids=("text", "path", "leaf", "kind", "swapped", "one gone", "gone", "claims", "unread"),
+)
+def test_a_changed_text_is_noticed_as_a_changed_scene_is(quick, tmp_path, table, change):
+    folder = shutil.copytree(quick, tmp_path / "out")
+    study = Study.open(folder)
+    refuse_stale(study, study.episodes, study.scenes)
+    name = study.scenes[0].id
+    edit(folder, table, change)
+    with pytest.raises(UsageError, match=r"or [a-z]+ texts?, ha[sv]e? changed since") as refused:
+        refuse_stale(study, study.episodes, study.scenes)
+    assert name in str(refused.value)
+    assert name in read(study).gaps["episodes.jsonl"]
+
+
+def test_a_study_of_another_text_is_refused_until_it_is_run_again(quick, tmp_path):
+    folder = shutil.copytree(quick, tmp_path / "out")
+    edit(folder, "scenarios.jsonl", swap)
+    commands = (
+        ("publish", folder, "-o", tmp_path / "data", "--to", "none"),
+        ("quiz", folder),
+        ("audit", folder),
+        ("drive", folder),
+        ("evaluate", folder, "--require", "safe>=0.1"),
+    )
+    for words in commands:
+        found = CliRunner().invoke(main, [str(word) for word in words])
+        assert (found.exit_code, found.output.count("\n")) == (2, 1), words
+        assert "2 scenes, or their texts, have changed since they were run: " in found.output
+    told = CliRunner().invoke(main, ["report", str(folder)])
+    assert "or their texts, have changed since they were run: " in told.stderr
+    run_study(folder, QUICK)
+    study = Study.open(folder)
+    refuse_stale(study, study.episodes, study.scenes)
+    told = CliRunner().invoke(main, ["report", str(folder)])
+    assert "changed since" not in told.stderr
+
+
+@pytest.mark.parametrize("table", ["claims.jsonl", "staged.jsonl", "tree.simulatable.json"])
+def test_what_a_study_has_no_record_of_is_taken_as_it_is(quick, tmp_path, table):
+    folder = shutil.copytree(quick, tmp_path / "out")
+    (folder / table).unlink()
+    study = Study.open(folder)
+    refuse_stale(study, study.episodes, study.scenes)
+
+
+def test_a_scene_by_hand_of_a_text_that_could_not_be_read_is_not_stale(quick, tmp_path):
+    folder = shutil.copytree(quick, tmp_path / "out")
+    study = Study.open(folder)
+    first = study.scenarios[0]
+    edit(folder, "claims.jsonl", lambda lines: lines[0].update(status="failed", error="no answer"))
+    edit(
+        folder,
+        "staged.jsonl",
+        lambda lines: lines[0].update(made_from=text_digest(first, None)),
+    )
+    refuse_stale(study, study.episodes, study.scenes)
 
 
 def test_an_audit_looks_only_at_recorded_frames(small, tmp_path):

@@ -18,7 +18,7 @@ from oodscen.data._scene import Scene
 from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import LLMError
 from oodscen.stages._augment import Augmenter
-from oodscen.study._staging import Staging
+from oodscen.study._staging import Staging, text_digest
 
 CLAIMS = "claims.jsonl"
 """File of the claims of every text."""
@@ -52,9 +52,8 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     claims_by_text = _claims(run, plain, scenarios)
 
     def made_from(name: str) -> str:
-        scenario, claims = by_id[name], claims_by_text[name]
-        said = None if isinstance(claims, LLMError) else _plain(claims)
-        return digest([scenario.text, scenario.path, said])
+        claims = claims_by_text[name]
+        return text_digest(by_id[name], None if isinstance(claims, LLMError) else claims)
 
     def work(scenario: Scenario) -> Staging | Line:
         claims = claims_by_text[scenario.id]
@@ -81,10 +80,6 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     return [one.scene for one in staged.by_id.values()]
 
 
-def _plain(claims: Iterable[Claim]) -> list[Line]:
-    return [claim.model_dump(mode="json") for claim in claims]
-
-
 def _claims(
     run: Context, augmenter: Augmenter, scenarios: Sequence[Scenario]
 ) -> dict[str, tuple[Claim, ...] | LLMError]:
@@ -99,7 +94,7 @@ def _claims(
             claims = augmenter.read(scenario)
         except LLMError as error:
             return failed(scenario.id, error)
-        return {"id": scenario.id, "claims": _plain(claims)}
+        return {"id": scenario.id, "claims": [one.model_dump(mode="json") for one in claims]}
 
     rows = _ask_each(run, "claims", CLAIMS, scenarios, work, lambda name: digest(texts[name]))
     errors = {

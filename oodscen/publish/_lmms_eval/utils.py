@@ -31,7 +31,7 @@ def doc_to_text(doc: Mapping[str, Any], lmms_eval_specific_kwargs: object = None
 def process_results(doc: Mapping[str, Any], results: Iterable[str]) -> dict[str, Any]:
     """Return the answer and what scores it, for every figure."""
     (answer,) = results
-    pair = ({name: doc[name] for name in ("purpose", "key")}, answer)
+    pair = ({name: doc[name] for name in ("purpose", "pair", "key")}, answer)
     return dict.fromkeys(_FIGURES[str(doc["purpose"])], pair)
 
 
