@@ -233,7 +233,7 @@ def test_what_is_denied_with_more_words_or_comes_later_is_no_claim(text):
 )
 def test_weather_hours_and_places_in_a_name_are_no_claim(name):
     kinds = {
-        claim.kind for claim in read_claims(f"In the lane a {name} is seen. A {name} stands ahead.")
+        claim.kind for claim in read_claims(f"In the lane a {name} is seen. A {name} stops ahead.")
     }
     assert not kinds & {"weather", "time", "road"}
 
