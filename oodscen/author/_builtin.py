@@ -28,7 +28,7 @@ from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary, Ordina
 from oodscen.prompts._scenario.describe_path import DescribePath, Descriptions, plain
 from oodscen.prompts._scenario.design_motion import DesignMotion
 from oodscen.prompts._scenario.design_prop import DesignProp
-from oodscen.prompts._scenario.extract_claims import Claims, ExtractClaims
+from oodscen.prompts._scenario.extract_claims import MOST_CLAIMS, Claims, ExtractClaims
 from oodscen.prompts._scenario.mark_hazard import MarkedHazard, MarkHazard
 from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.prompts._tree.classify_examples import (
@@ -241,7 +241,7 @@ def _claimed(prompt: ExtractClaims) -> Claims:
     # Its many patterns are compiled at the import.
     from oodscen.author._reading.claim_extraction import read_claims
 
-    return Claims(claims=list(read_claims(prompt.text)))
+    return Claims(claims=list(read_claims(prompt.text)[:MOST_CLAIMS]))
 
 
 @cache

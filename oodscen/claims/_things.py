@@ -99,6 +99,8 @@ def mentions(text: str) -> Iterator[Mention]:
     pattern, by_form = _index()
     for found in pattern.finditer(text):
         form = " ".join(re.split(r"[\s-]+", found.group(0).casefold()))
+        if form not in by_form:  # letters that are equal only to patterns, such as a dotless i
+            continue
         thing, is_plural, word = by_form[form]
         if thing.terms:
             yield Mention(found.start(), found.end(), thing, is_plural, word)

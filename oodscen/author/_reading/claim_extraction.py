@@ -11,12 +11,12 @@ from oodscen.author._reading.clauses import (
     Subject,
     clauses_of,
     last_end,
-    number_of,
 )
+from oodscen.author._reading.numbers import number_at
 from oodscen.author._reading.phrases import Pattern
 from oodscen.author._reading.stationarity import usual_motion
 from oodscen.author._reading.subjects import nouns_of
-from oodscen.claims._things import mentions
+from oodscen.claims._things import Thing, mentions
 from oodscen.data._claim import Claim, Kind
 
 _STRONGER = {
@@ -38,11 +38,14 @@ _WILFUL = frozenset(
     {"oncoming", "moving", "slow", "reversing", "crossing", "from_left", "from_right"}
 )
 _CROSSES = frozenset({"crossing", "into_lane", "from_left", "from_right"})
+_SIDES = frozenset({"from_left", "from_right"})
 _INVERTED = re.compile(
     r"(?:stands?|lies?|lay|sits?|gapes?|comes|runs|stood|sat) (?:an?|the|some|two|several) (?:[\w-]+ ){0,2}",
     re.IGNORECASE,
 )
 _DETERMINERS = frozenset("a an the its his her their two three some several no another".split())
+_QUOTED = 200
+"""Largest length of a quote, in characters."""
 _APPOSED = 24
 """Largest distance between a noun and a relative clause about it, in characters."""
 
@@ -58,6 +61,7 @@ class _ClaimReading:
         self.found: dict[tuple[Kind, str, str], Claim] = {}
         self.clauses = clauses_of(text)
         self.nouns, self.subjects = nouns_of(text)
+        self.mentioned = list(mentions(text))
         self.starts = [clause.start for clause in self.clauses]
         for noun in self.nouns:
             self.clauses[self._clause_at(noun.start)].nouns.append(noun)
@@ -106,14 +110,19 @@ class _ClaimReading:
         start = found.end() - len(found.group(0).lstrip(" "))
         end = found.end()
         is_verb = pattern.kind == "motion"
-        if self._is_denied(pattern, start, end):
+        value = self._value(pattern, found)
+        if value is None or self._is_denied(pattern, start, end):
             return
-        if pattern.value in ("from_left", "from_right"):
+        is_of_it = pattern.kind == "distance" and self.text.startswith(" of it", end)
+        if pattern.value in _SIDES:
             subject = self._comer(start, end)
         else:
             subject = self._owner(start, end, is_verb=is_verb)
         if subject is None or (subject.is_faint and not is_verb and not _adjoins(subject, start)):
-            self._unowned(pattern, found)
+            if not is_of_it:
+                self._unowned(pattern, found, value)
+            return
+        if is_of_it and self._is_among_others(start, subject, whole=True):
             return
         if not self._may_hold(pattern, found.group(0), start, subject):
             return
@@ -121,15 +130,22 @@ class _ClaimReading:
         if doer is not None:
             if doer.is_faint:
                 self._present(doer)
-            value = pattern.value or number_of(found.group(1))
             self._add(pattern.kind, value, doer.name, start, end)
+
+    def _value(self, pattern: Pattern, found: re.Match[str]) -> str | None:
+        """Return what a match claims; `None` if its number cannot be read."""
+        if pattern.value:
+            return pattern.value
+        number = number_at(self.text, *found.span(1))
+        return None if number is None else str(number)
 
     def _is_denied(self, pattern: Pattern, start: int, end: int) -> bool:
         """Return whether the words around a predicate take it back, or make it a modifier."""
         lead, value = self.text[:start][-40:], pattern.value
         if pattern.kind == "motion":
             is_over = value not in ("stationary", "slow") and phrases.PERFECT.search(lead)
-            is_denied = phrases.FORBIDDEN.search(lead) or is_over
+            is_weather = value not in _SIDES and phrases.WEATHER_DOES.search(lead)
+            is_denied = phrases.FORBIDDEN.search(lead) or is_weather or is_over
             return bool(is_denied) or self._leads(end) or self._is_within(start)
         if value == "off":
             return False
@@ -191,7 +207,7 @@ class _ClaimReading:
         after = [n for n in clause.nouns if n.start >= end and not n.is_oblique]
         return after[0].subject if after else subject
 
-    def _unowned(self, pattern: Pattern, found: re.Match[str]) -> None:
+    def _unowned(self, pattern: Pattern, found: re.Match[str], value: str) -> None:
         """Claim a place or distance for a subject that the text leaves unclear."""
         sides = ("reversing", "from_left", "from_right")
         if pattern.kind != "distance" and pattern.value not in ("ahead", "in_lane", *sides):
@@ -219,7 +235,6 @@ class _ClaimReading:
         if phrases.ROADWAY.search(words) or not (lies or named):
             return
         alone = {one.name: one for one in named if not one.is_faint}
-        value = pattern.value or number_of(found.group(1))
         if len(alone) == 1:
             (subject,) = alone.values()
             if not self._is_elsewhere(subject):
@@ -238,10 +253,9 @@ class _ClaimReading:
     def _is_within(self, position: int) -> bool:
         return any(n.subject and n.start <= position < n.end for n in self.nouns)
 
-    def _is_among_others(self, position: int, subject: Subject) -> bool:
-        """Return whether the sentence has named another thing to which `it` may refer."""
-        sentence = self.text[:position]
-        begin = last_end(phrases.SENTENCE, sentence)
+    def _is_among_others(self, position: int, subject: Subject, *, whole: bool = False) -> bool:
+        """Return whether the sentence, or the whole text, has named another thing to which `it` may refer."""
+        begin = 0 if whole else last_end(phrases.SENTENCE, self.text[:position])
         return any(
             noun.subject not in (None, subject)
             for noun in self.nouns
@@ -353,6 +367,8 @@ class _ClaimReading:
     def _leading(self, noun: Noun, subject: Subject) -> None:
         """Add the claims of adjectives right before a noun."""
         lead = self.text[max(0, noun.start - 40) : noun.start]
+        if re.match(r"[\w-]", self.text[noun.start - len(lead) - 1 : noun.start - len(lead)]):
+            lead = re.sub(r"^[\w-]+", "", lead)
         words = re.search(r"(?:[\w-]+,?\s+){1,4}$", lead)
         phrase = f"{words.group(0) if words else ''}{self.text[noun.start : noun.end]}"
         shift = noun.end - len(phrase)
@@ -363,6 +379,9 @@ class _ClaimReading:
                 between = phrase[found.end() : len(phrase) - (noun.end - noun.start)]
                 if re.search(r"\b(?:the|an?|of|in|on|by|with|from|and|to|its)\b", between):
                     continue
+                if subject.is_faint and (subject.mention.thing.vague or "," in between):
+                    continue
+                self._present(subject)
                 start, end = found.start() + shift, found.end() + shift
                 self._add(pattern.kind, pattern.value, subject.name, start, end)
 
@@ -377,18 +396,48 @@ class _ClaimReading:
     def _settings(self) -> None:
         for pattern in phrases.SETTINGS:
             for found in pattern.regex.finditer(self.text):
-                before = self.text[: found.start()]
-                if pattern.kind != "traffic" and phrases.DENIED.search(before[-40:]):
+                if self._is_unreal(pattern.kind, found):
                     continue
-                is_weather = pattern.kind == "weather"
-                has_ended = phrases.ENDED.match(self.text[found.end() :])
-                if is_weather and (has_ended or phrases.PAST.search(before[-40:])):
+                value = self._value(pattern, found)
+                if value is None:
                     continue
-                self._add(
-                    pattern.kind, pattern.value or number_of(found.group(1)), "", *found.span()
-                )
+                self._add(pattern.kind, value, "", *found.span())
                 if pattern.kind == "own_lanes" and re.search("each|either|per", found.group(0)):
                     self._add("road", "two_way", "", *found.span())
+
+    def _is_unreal(self, kind: Kind, found: re.Match[str]) -> bool:
+        """Return whether weather, an hour, a road or traffic is denied, at another time, or part of a name."""
+        start, end = found.span()
+        before, after = self.text[max(0, start - 80) : start], self.text[end:]
+        lead = before[-40:]
+        if phrases.DENIED_TOO.search(before):
+            return True
+        if phrases.LISTED.search(before) and phrases.OR_MORE.match(after):
+            return True
+        if kind == "ego":
+            return re.search(r"\b(?:no|not|never|neither|nor)\b", found.group(0)) is not None
+        if kind == "traffic":
+            return False
+        if phrases.DENIED.search(lead) or self._is_in_a_name(kind, end):
+            return True
+        if kind == "weather" and (
+            phrases.ENDED.match(after) or phrases.PAST.search(lead) or phrases.TO_COME.search(lead)
+        ):
+            return True
+        if kind not in ("weather", "time"):
+            return False
+        return bool(phrases.ANOTHER_TIME.search(before) or phrases.NOT_NOW.match(after))
+
+    def _is_in_a_name(self, kind: Kind, end: int) -> bool:
+        """Return whether the words up to a position only describe the noun that follows: `night bus`."""
+        if kind not in ("weather", "time", "road"):
+            return False
+        if phrases.IN_A_NAME.match(self.text[end:]):
+            return True
+        noun = next((one for one in self.mentioned if one.start > end), None)
+        if noun is None or noun.is_plural or (kind == "road" and not _gets_about(noun.thing)):
+            return False
+        return phrases.NOUN_BEFORE.match(self.text[end : noun.start]) is not None
 
     # -------------------------------------------------------------- what is kept
 
@@ -396,12 +445,17 @@ class _ClaimReading:
         key = (kind, value, subject)
         if key not in self.found:
             quote = self.text[start:end]
-            self.found[key] = Claim(kind=kind, value=value, subject=subject, quote=quote[:200])
+            if len(quote) > _QUOTED:
+                quote = quote[: _QUOTED + 1].rpartition(" ")[0]
+            self.found[key] = Claim(kind=kind, value=value, subject=subject, quote=quote)
 
     def _kept(self) -> Iterator[Claim]:
         told = {(claim.subject, claim.value) for claim in self.found.values()}
         moving = {subject for subject, value in told if value in _CROSSES}
+        present = {subject for kind, _, subject in self.found if kind == "thing"}
         for claim in self.found.values():
+            if claim.subject and claim.subject not in present:
+                continue
             stronger = _STRONGER.get(claim.value, ())
             if any((claim.subject, value) in told for value in stronger):
                 continue
@@ -412,6 +466,10 @@ class _ClaimReading:
             if claim.value == "clear_of_lane" and (claim.subject, "in_lane") in told:
                 continue
             yield claim
+
+
+def _gets_about(thing: Thing) -> bool:
+    return thing.group in ("vehicle", "person", "animal")
 
 
 def _adjoins(subject: Subject, start: int) -> bool:

@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass, field
 
 from oodscen.author._reading import phrases
+from oodscen.author._reading.numbers import number_at
 from oodscen.claims._things import Mention
 
 _UNINFLECTED = frozenset({"deer", "sheep", "moose", "elk"})
@@ -65,7 +66,10 @@ def clauses_of(text: str) -> list[Clause]:
 
 
 def count_of(lead: str, mention: Mention) -> int:
-    """Return the number of things that a mention means; a value above one means several."""
+    """Return the number of things that a mention means; a value above one means several.
+
+    It is one if the text gives a number that cannot be read.
+    """
     found = phrases.QUANTITY.search(lead)
     if found is None:
         return _FEW if mention.is_plural else 1
@@ -73,16 +77,11 @@ def count_of(lead: str, mention: Mention) -> int:
     if not mention.is_plural and mention.word not in _UNINFLECTED:
         return 1
     if number:
-        return phrases.NUMBER_WORDS.get(number.casefold()) or max(int(number), 1)
+        return number_at(lead, *found.span(1), counts=True) or 1
     if pair:
         return _FEW
     large = re.search(r"crowd|large|dozens|many|herd|swarm", several, re.IGNORECASE)
     return _MANY if large else _FEW
-
-
-def number_of(words: str) -> str:
-    """Convert a number, given as digits or words, to digits."""
-    return str(phrases.NUMBER_WORDS.get(words.casefold(), words))
 
 
 def last_end(pattern: re.Pattern[str], text: str) -> int:

@@ -5,6 +5,7 @@ import tomllib
 from importlib import resources
 from typing import Any, NamedTuple
 
+from oodscen.author._reading.numbers import COUNT, NUMBER
 from oodscen.data._claim import Kind
 
 _TABLE: dict[str, Any] = tomllib.loads(
@@ -30,8 +31,15 @@ _FILLINGS = {
     "{ego}": _EGO,
     "{any_ego}": _ANY_EGO,
     "{own}": rf"{_ANY_EGO}['’]s",
+    "{me}": rf"(?:{_EGO}|(?:it|you|my|your|our)\b)",
+    "{number}": NUMBER,
+    "{count}": COUNT,
     "{n}": r"(two|three|four|five|six|eight|one|a single|single|[1-8])",
 }
+
+
+_FROM_START = r"(?<![\w-])(?!(?<=\d[.,:/])\d)"
+"""A word or a number starts here: not its second half."""
 
 
 def _filled(regex: str) -> str:
@@ -54,7 +62,9 @@ def _statements(about: str) -> tuple[Pattern, ...]:
         Pattern(
             row["kind"],
             row.get("value", ""),
-            re.compile(rf"(?<![\w-])(?:{_filled('|'.join(row['words']))})(?![\w-])", re.IGNORECASE),
+            re.compile(
+                rf"{_FROM_START}(?:{_filled('|'.join(row['words']))})(?![\w-])", re.IGNORECASE
+            ),
         )
         for row in _TABLE["statement"]
         if row["about"] == about
@@ -84,6 +94,15 @@ NOT_THERE = _context("not_there")
 RIDES = _context("rides")
 UNSHOWN = _context("unshown")
 PAST = _context("past")
+TO_COME = _context("to_come")
+ANOTHER_TIME = _context("another_time")
+NOT_NOW = _context("not_now")
+DENIED_TOO = _context("denied_too")
+IN_A_NAME = _context("in_a_name")
+NOUN_BEFORE = _context("noun_before")
+LISTED = _context("listed")
+OR_MORE = _context("or_more")
+WEATHER_DOES = _context("weather_does")
 ENDED = _context("ended")
 NEGATED = _context("negated")
 PERFECT = _context("perfect")
@@ -137,10 +156,3 @@ CYCLES = _things("cycles")
 GENERIC = _things("generic")
 GENERIC_WORDS = GENERIC | _things("generic_words")
 BY_NATURE: dict[str, str] = _TABLE["by_nature"]
-
-_TENS = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
-NUMBER_WORDS: dict[str, int] = {
-    **_TABLE["numbers"],
-    **{word: 10 * tens for tens, word in enumerate(_TENS, 2)},
-    **{f"{word}-five": 10 * tens + 5 for tens, word in enumerate(_TENS, 2)},
-}

@@ -81,6 +81,7 @@ _NOTHING: tuple[Callable[[NounInContext], object], ...] = (
         phrases.NOT_THERE.search(at.sentence)
         and not (at.name == "traffic light" and phrases.ALL_OF_THEM.search(at.before))
     ),
+    lambda at: phrases.LISTED.search(at.sentence) and phrases.OR_MORE.match(at.after),
     lambda at: phrases.NOT_ITSELF.match(at.after),
     lambda at: at.name == "traffic light" and phrases.LIGHTS_UP.match(at.after),
     lambda at: phrases.AS_A.search(at.before) and phrases.ENDS.match(at.after),

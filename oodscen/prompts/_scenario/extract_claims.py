@@ -10,7 +10,8 @@ from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._scenario.describe_path import plain
 
-_MOST = 60
+MOST_CLAIMS = 60
+"""Largest number of claims in an answer."""
 
 
 class Claims(Brief, BaseModel):
@@ -43,8 +44,8 @@ class ExtractClaims(Prompt[Claims]):
         """Return faults: quotes that the text lacks, repeated claims, and subjects not claimed to be present."""
         issues = []
         words = f" {plain(self.text)} "
-        if len(answer.claims) > _MOST:
-            issues.append(Issue("claims", f"give {_MOST} at most, not {len(answer.claims)}"))
+        if len(answer.claims) > MOST_CLAIMS:
+            issues.append(Issue("claims", f"give {MOST_CLAIMS} at most, not {len(answer.claims)}"))
         seen: set[tuple[str, str, str]] = set()
         for index, claim in enumerate(answer.claims):
             path = f"claims[{index}]"

@@ -10,9 +10,14 @@ from oodscen._seeding import stream
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._writing.compose import Composer
+from oodscen.data._claim import NUMBERS
 from oodscen.llm._ask import ask
-from oodscen.prompts._scenario.extract_claims import ExtractClaims
+from oodscen.prompts._scenario.extract_claims import MOST_CLAIMS, ExtractClaims
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
+
+MANY = (
+    "bus lorry van car tractor tram dog cat deer horse cow sofa mattress refrigerator tyre pallet barrel crate"
+).split()
 
 
 def told(text):
@@ -85,6 +90,212 @@ def test_what_is_denied_or_compared_is_no_claim(text):
 
 
 author = cache(BuiltinAuthor)
+
+
+def numbers_in(text):
+    """Return the claims of a text that have a number."""
+    return {(claim.kind, int(claim.value)) for claim in read_claims(text) if claim.kind in NUMBERS}
+
+
+@pytest.mark.parametrize(
+    ("words", "metres"),
+    [
+        ("60.0 metres", 60),
+        ("1,000 metres", 1000),
+        ("1 000 metres", 1000),
+        ("one hundred and twenty metres", 120),
+        ("one hundred fifty metres", 150),
+        ("two hundred and fifty m", 250),
+        ("ninety-nine metres", 99),
+        ("about 50 metres", 50),
+        *(
+            (f"{words} metres", None)
+            for words in (
+                *(
+                    "0",
+                    "000",
+                    "0.5",
+                    ".5",
+                    "50.5",
+                    "12.25",
+                    "10,5",
+                    "2.500",
+                    "1001",
+                    "2,000",
+                    "-5",
+                    "5e1",
+                    "٥٠",
+                ),
+                *(
+                    "50-60",
+                    "50–60",
+                    "50 – 60",
+                    "50 to 60",
+                    "fifty to sixty",
+                    "between 50 and 60",
+                    "30 or 40",
+                ),
+                *(
+                    "less than 20",
+                    "more than 80",
+                    "over 80",
+                    "up to 80",
+                    "within 80",
+                    "one and a half",
+                    "zero",
+                ),
+            )
+        ),
+    ],
+)
+def test_a_distance_is_read_whole_or_not_at_all(words, metres):
+    expected = {("distance", metres)} if metres else set()
+    assert numbers_in(f"A box lies {words} ahead.") == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "metres"),
+    [
+        ("A box lies 50 metres before a junction.", None),
+        ("Twenty metres ahead of the lorry, a box lies in the lane.", None),
+        ("A lorry drives ahead; 20 metres ahead of it a box lies.", None),
+        ("A box lies 20 metres from the kerb.", None),
+        ("A drone hovers 20 metres up in the air.", None),
+        ("A box lies 50 metres before the ego.", 50),
+        ("A box lies 50 metres in front of the ego car.", 50),
+        ("A dog runs into the lane of the ego car, 25 metres in front of it.", 25),
+        ("A box lies 50 metres further on.", 50),
+    ],
+)
+def test_a_distance_counts_from_the_ego(text, metres):
+    assert numbers_in(text) == ({("distance", metres)} if metres else set())
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("Twenty-five sheep cross the road.", {("count", 25)}),
+        ("Two hundred and one dogs cross the road.", {("count", 201)}),
+        ("1,000 sheep cross the road.", {("count", 1000)}),
+        ("At least five dogs cross the road.", {("count", 5)}),
+        ("A dozen dogs cross the road.", {("count", 2)}),
+        ("Up to five dogs cross the road.", set()),
+        ("2.5 cars stand ahead.", set()),
+        ("On a two- or three-lane road a box lies.", set()),
+        ("On a two to four-lane road a box lies.", set()),
+        ("At the crossing of two four-lane avenues a box lies.", {("lanes", 4)}),
+    ],
+)
+def test_things_and_lanes_are_counted_whole_or_not_at_all(text, expected):
+    assert numbers_in(text) == expected
+
+
+@pytest.mark.parametrize("clock", ["11:02 a.m.", "1:10 p.m.", "9.03 a.m."])
+def test_an_hour_does_not_start_in_its_minutes(clock):
+    assert "time night" not in told(f"At {clock} a box lies in the lane.")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "There is no rain, snow or fog, and the view is free of mist or haze.",
+        "Neither fog nor rain hinders the view.",
+        "Neither rain nor snow falls.",
+        "Rain is nowhere in sight. Rain and fog are absent.",
+        "It isn't raining. The rain has not set in yet. It may rain later.",
+        "Before the rain sets in it is quiet. Rain is forecast for the night.",
+        "There are no pedestrians, cyclists or dogs, and neither a bus nor a lorry.",
+        "Dogs are absent. There used to be a box in the lane.",
+        "0 dogs are here, and zero cats.",
+        "The ego is not in the left lane. There is no heavy traffic or rush hour.",
+        "The lights have been dark since noon. The market stays open until midnight.",
+    ],
+)
+def test_what_is_denied_with_more_words_or_comes_later_is_no_claim(text):
+    assert told(text) == set()
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "night bus",
+        "Saturday night taxi",
+        "night watchman",
+        "midnight express coach",
+        "midnight blue car",
+        "rain barrel",
+        "fog lamp",
+        "bridge inspection vehicle",
+        "motorway maintenance lorry",
+        "mountain rescue team",
+        "coastal bus",
+    ],
+)
+def test_weather_hours_and_places_in_a_name_are_no_claim(name):
+    kinds = {
+        claim.kind for claim in read_claims(f"In the lane a {name} is seen. A {name} stops ahead.")
+    }
+    assert not kinds & {"weather", "time", "road"}
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("In the rain a car brakes.", "weather rain"),
+        ("At night, a bus stands ahead.", "time night"),
+        ("In fog two cars stand ahead.", "weather fog"),
+        ("On a motorway a lorry stands ahead.", "road highway"),
+        ("Without lights a car drives in heavy rain.", "weather heavy_rain"),
+        ("The rain falls and a lorry has stopped ahead.", "lorry motion stationary"),
+        ("A mound of frozen snow sits beside the ego's lane.", "snow pile motion stationary"),
+    ],
+)
+def test_what_is_neither_denied_nor_a_name_is_claimed(text, expected):
+    assert expected in told(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "unsaid"),
+    [
+        ("A motorcyclist falls off on a wet road after the rain has stopped.", "stationary"),
+        ("The car ahead does not brake or swerve.", "motion"),
+        ("The car ahead neither brakes nor swerves.", "motion"),
+        ("A box lies neither in the ego's lane nor on the verge.", "place"),
+        ("A sunlit, remarkably beautiful well-formed car stands ahead.", "off"),
+    ],
+)
+def test_what_is_denied_of_a_thing_is_not_claimed(text, unsaid):
+    assert not [claim for claim in told(text) if unsaid in claim]
+
+
+WORDS = (
+    "a the its of in on to and or nor no not ego it which two one hundred thousand lane road ahead metres m night"
+    " rain fog stands crosses parked slow oncoming driver somebody vehicle sheep box traffic light , . ; - 0 000 007"
+    " 1,000 60 60.5 .5 ½ ٥٠ 1001 -5 0-lane two-lane vehıcle ſheep VEHİCLE _ a_b 'x' “night"
+).split()
+
+
+@given(st.lists(st.sampled_from(WORDS), max_size=40), st.sampled_from((" ", "", ", ")))
+def test_no_text_gets_a_malformed_claim(words, joint):
+    ask(author(), ExtractClaims(text=joint.join(words)))
+
+
+def test_letters_that_only_look_alike_name_nothing():
+    assert told("A vehıcle stands.") == set()
+
+
+def test_a_driver_whom_an_adjective_sets_in_motion_is_there():
+    claims = ask(author(), ExtractClaims(text="An oncoming driver takes the gap.")).claims
+    assert {(claim.subject, claim.kind) for claim in claims} >= {
+        ("driver", "thing"),
+        ("driver", "motion"),
+    }
+
+
+def test_a_long_text_gets_no_more_claims_than_an_answer_may_have():
+    text = " ".join(f"A {name} stands in the ego's lane 50 metres ahead." for name in MANY)
+    assert len(read_claims(text)) > MOST_CLAIMS
+    assert len(ask(author(), ExtractClaims(text=text)).claims) == MOST_CLAIMS
 
 
 @given(

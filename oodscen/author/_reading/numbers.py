@@ -1,0 +1,79 @@
+"""Whole numbers in English texts, in digits and in words."""
+
+import re
+
+_ONES = "one two three four five six seven eight nine".split()
+_TEENS = "ten eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen nineteen".split()
+_TENS = "twenty thirty forty fifty sixty seventy eighty ninety".split()
+_VALUES: dict[str, int] = {
+    **{word: number for number, word in enumerate([*_ONES, *_TEENS], 1)},
+    **{word: 10 * tens for tens, word in enumerate(_TENS, 2)},
+    "single": 1,
+    "both": 2,
+}
+_SCALES = {"thousand": 1000, "hundred": 100, "dozen": 12}
+_LIMIT = 1000
+
+_ONE, _TEN, _TEEN = "|".join(_ONES), "|".join(_TENS), "|".join(_TEENS)
+_IN_WORDS = re.compile(
+    rf"(?:(?:an?|(?P<thousand>{_ONE}))[ -]thousand)?"
+    rf"(?:(?:^|[ -](?:and )?)(?:an?|(?P<hundred>{_ONE}))[ -]hundred|^(?:an?|(?P<dozen>{_ONE}))[ -]dozen)?"
+    rf"(?:(?:^|[ -](?:and )?)(?P<rest>(?:{_TEN})(?:[ -](?:{_ONE}))?|{_ONE}|{_TEEN}))?"
+)
+_IN_DIGITS = re.compile(r"([1-9][0-9]{0,2}(?:[, ][0-9]{3})+|[1-9][0-9]{0,3})(?:\.0{1,2})?")
+
+_SCALE = r"(?:(?:(?:an?|several|a few) )?(?:hundred|thousand|million|dozen|score)s?)"
+_WORD = rf"(?:{_TEEN}|{_TEN}|{_ONE}|zero|half|{_SCALE})"
+_DIGITS = r"[0-9](?:[0-9]|[.,'’ ](?=[0-9]))*"
+NUMBER = rf"(?:{_DIGITS}|{_WORD}(?:(?: and (?:an? )?| an? |[ -]){_WORD})*(?!\w))"
+"""Regular expression of a number in full, whether it can be read or not."""
+COUNT = (
+    r"(?!(?:one|half|zero)\b(?! (?:hundred|thousand))"
+    rf"|(?:(?:an?|several|a few) )?(?:dozen|score|million)s?\b|several|a few|\w+s of\b){NUMBER}"
+)
+"""Regular expression of a number in full that counts several things; `one` and `a dozen` are none."""
+
+_GOES_ON = re.compile(
+    rf"(?:(?<![\w:.,-])[0-9][0-9.,'’]*|\b{_WORD}|[½¼¾])(?: ?(?:m|metres?|meters?)|[ -]lanes?)?"
+    r"(?:-? (?:to|or|and|by|till|until|through)(?: an?)? | ?[–—−/+*×x-] ?)$"
+    rf"|\b(?:{_TEN}|{_SCALE}),? $|[0-9.,:'’/+*^–−<>≤≥±½¼¾-]$",
+    re.IGNORECASE,
+)
+"""What stands before a number that is the end of a larger one, or of a range."""
+_MORE = r"(?: (?:the|an?|some|about|around|roughly|next|first|last))* $|[<>≤≥] ?$"
+_BOUNDED = re.compile(
+    r"\b(?:than|over|under|below|above|beyond|within|up to|upwards? of|at (?:most|least)|between|maximum of|minimum of"
+    rf"|not|not even|exceed(?:s|ing)|every|minus|point){_MORE}",
+    re.IGNORECASE,
+)
+_BOUNDED_COUNT = re.compile(
+    rf"\b(?:than|up to|at most|maximum of|almost|nearly|not|not even|no|minus|point){_MORE}",
+    re.IGNORECASE,
+)
+
+
+def whole_number(words: str) -> int | None:
+    """Return the whole number from 1 to 1000 that words or digits give; `None` if they give none."""
+    plain = re.sub(r"^a (?=single$)", "", words.casefold())
+    digits, spoken = _IN_DIGITS.fullmatch(plain), _IN_WORDS.fullmatch(plain)
+    if digits:
+        value = int(re.sub(r"[, ]", "", digits[1]))
+    elif spoken and plain:
+        value = sum(_VALUES[part] for part in re.findall(r"\w+", spoken["rest"] or ""))
+        for name, scale in _SCALES.items():
+            value += scale * _VALUES.get(spoken[name] or "", 1) * (name in plain)
+    else:
+        value = _VALUES.get(plain, 0)
+    return value if 0 < value <= _LIMIT else None
+
+
+def number_at(text: str, start: int, end: int, *, counts: bool = False) -> int | None:
+    """Return the whole number from 1 to 1000 that a text gives between two positions.
+
+    It is `None` if there is none, or if it is part of a larger number, an end of a range, or a bound. If it counts
+    things, `at least` and `over` are no bounds.
+    """
+    lead = text[max(0, start - 40) : start]
+    if _GOES_ON.search(lead) or (_BOUNDED_COUNT if counts else _BOUNDED).search(lead):
+        return None
+    return whole_number(text[start:end])

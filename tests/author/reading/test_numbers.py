@@ -1,0 +1,75 @@
+"""Numbers: read whole or not at all."""
+
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.author._reading.numbers import NUMBER, number_at, whole_number
+
+ONES = "zero one two three four five six seven eight nine".split()
+TEENS = "ten eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen nineteen".split()
+TENS = "- - twenty thirty forty fifty sixty seventy eighty ninety".split()
+
+
+def in_words(number, *, joint="-", link=" and "):
+    if number < 10:
+        return ONES[number]
+    if number < 20:
+        return TEENS[number - 10]
+    if number < 100:
+        return TENS[number // 10] + (joint + ONES[number % 10] if number % 10 else "")
+    if number == 1000:
+        return "one thousand"
+    rest = link + in_words(number % 100, joint=joint, link=link) if number % 100 else ""
+    return f"{ONES[number // 100]} hundred{rest}"
+
+
+@given(st.integers(1, 1000), st.sampled_from("- "), st.sampled_from((" and ", " ")))
+def test_every_number_is_read_in_digits_and_in_words(number, joint, link):
+    words = in_words(number, joint=joint, link=link)
+    assert whole_number(words) == whole_number(words.upper()) == number
+    assert whole_number(str(number)) == whole_number(f"{number}.0") == number
+
+
+@given(st.integers(1, 999), st.sampled_from("- "))
+def test_a_number_is_matched_whole(number, joint):
+    for words in (in_words(number, joint=joint), str(number), f"{number}.5", f"{number},000"):
+        assert re.match(NUMBER, f"{words} metres").group(0) == words
+
+
+@pytest.mark.parametrize(
+    "words",
+    "0|00|007|1001|1,001|10,5|12.25|2.500|1.000|0.5|half|zero|hundred|٥٠|fifty hundred|two thousand"
+    "|one two|twenty ten|and|a|".split("|"),
+)
+def test_what_is_no_whole_number_up_to_a_thousand_is_none(words):
+    assert whole_number(words) is None
+
+
+@pytest.mark.parametrize(
+    "lead",
+    [
+        "50 to",
+        "50 or",
+        "fifty to",
+        "50 -",
+        "between",
+        "less than",
+        "more than",
+        "over",
+        "within",
+        "up to",
+        "not even",
+    ],
+)
+def test_a_bound_and_an_end_of_a_range_are_none(lead):
+    text = f"It is {lead} 60"
+    assert number_at(text, len(text) - 2, len(text)) is None
+
+
+@pytest.mark.parametrize("lead", ["about", "some", "a good", "the lane is one of two;", "At noon,"])
+def test_other_words_before_a_number_leave_it(lead):
+    text = f"{lead} 60"
+    assert number_at(text, len(text) - 2, len(text)) == 60
