@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from oodscen._cli.completion import ComponentName
 from oodscen._cli.numbers import FiniteRange
 from oodscen._cli.options import json_option
 from oodscen._cli.output import say
@@ -26,6 +27,7 @@ _SHOWN = 5
 @click.option(
     "--driver",
     "drivers",
+    type=ComponentName("driver"),
     multiple=True,
     help="Driver: rule-based, r157 (the careful human driver of UN Regulation 157), rss, the id of an "
     "action (stop), or a module:attr that creates one; repeatable.  [default: rule-based]",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from oodscen._cli.completion import ComponentName
 from oodscen._cli.options import (
     json_option,
     judging_options,
@@ -33,7 +34,13 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
-@click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
+@click.option(
+    "--vlm",
+    "vlms",
+    type=ComponentName("llm"),
+    multiple=True,
+    help="Vision-language model to judge; repeatable.",
+)
 @click.option(
     "--drop",
     "dropped",

@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from oodscen._cli.completion import ComponentName
 from oodscen._cli.numbers import FINITE
 from oodscen._cli.options import json_option, refuse_idle, refuse_idle_server, seed_option
 from oodscen._cli.paths import READABLE
@@ -17,7 +18,13 @@ from oodscen.errors import UsageError
 @click.option(
     "--baseline", type=READABLE, help="Texts of ordinary driving.  [default: the shipped corpus]"
 )
-@click.option("--encoder", default=DEFAULT_ENCODER, show_default=True, help="Text encoder.")
+@click.option(
+    "--encoder",
+    type=ComponentName("encoder"),
+    default=DEFAULT_ENCODER,
+    show_default=True,
+    help="Text encoder.",
+)
 @click.option(
     "--band",
     nargs=2,
@@ -28,7 +35,11 @@ from oodscen.errors import UsageError
 @click.option(
     "--table", is_flag=True, help="Print the paper's table, with all definitions side by side."
 )
-@click.option("--llm", help="Model that estimates rarity.  [default: the shipped offline head]")
+@click.option(
+    "--llm",
+    type=ComponentName("llm"),
+    help="Model that estimates rarity.  [default: the shipped offline head]",
+)
 @click.option("--api-base", help="Address of an OpenAI-compatible server.")
 @click.option(
     "--anchors",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from oodscen import _paper as paper
+from oodscen._cli.completion import ComponentName
 from oodscen._cli.numbers import FINITE
 from oodscen._cli.options import (
     extras_options,
@@ -83,6 +84,7 @@ def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None
 @click.option("--budget", type=click.IntRange(min=0), help="Maximum number of model calls.")
 @click.option(
     "--encoder",
+    type=ComponentName("encoder"),
     default=DEFAULT_ENCODER,
     show_default=True,
     help="Text encoder that detects near duplicates; `none` detects literal repetitions only.",

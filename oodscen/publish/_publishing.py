@@ -28,7 +28,10 @@ FORMS: tuple[Form, ...] = get_args(Form)
 """Forms for other tools beside the Parquet files."""
 
 LICENCE = "cc-by-4.0"
-_LICENCE = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+-]{0,60}")
+_LICENCE = re.compile(
+    r"(?!(?i:yes|no?|y|true|false|on|off|null|[\d.+-]+(e\d+)?)$)[A-Za-z0-9][A-Za-z0-9.+-]{0,60}"
+)
+"""Matches identifiers of licences that the card's YAML reads as texts."""
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,9 @@ def test_commands_options_and_names_are_completed():
     assert "--red-llm" in completed("oodscen run", "--red-")
     assert "flat" in completed("oodscen run --simulator")
     assert "hash" in completed("oodscen run --encoder", "ha")
+    assert "hash" in completed("oodscen score --encoder", "ha")
+    assert "builtin" in completed("oodscen evaluate out --vlm", "b")
+    assert completed("oodscen drive out --driver", "r1") == ["r157"]
     assert completed("oodscen run --style", "t") == ["terse"]
 
 

@@ -235,7 +235,9 @@ def test_a_cell_of_the_card_is_one_line_without_markup(text):
     assert not re.search(r"[<>]|(?<!\\)(?:\\\\)*[`|\[\]]", said)
 
 
-@pytest.mark.parametrize("licence", ["", "mit\n---\ninjected: true", "mit other"])
+@pytest.mark.parametrize(
+    "licence", ["", "mit\n---\ninjected: true", "mit other", "no", "Yes", "null", "1.0", "2"]
+)
 def test_a_licence_is_one_identifier(study, tmp_path, licence):
     with pytest.raises(UsageError, match="licence"):
         publish(study, tmp_path / "set", licence=licence)
