@@ -31,7 +31,7 @@ from oodscen.metrics._comparison import Comparison, SetDistance, compare, distan
 from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
-from oodscen.metrics._rarity.anchors import PublishedRate, load_rates, published_rates
+from oodscen.metrics._rarity.anchors import PublishedRate, chosen_rates
 from oodscen.metrics._rarity.asking import ask_rarity
 from oodscen.metrics._rarity.estimates import Rarity, estimate_rarity
 from oodscen.metrics._rarity.exposure import Exposure, exposure
@@ -115,7 +115,7 @@ class Metrics(Brief):
             LLMError: If the model cannot be reached; answers without a figure are flagged instead.
         """
         plain = check_texts(texts)
-        rates = _rates(anchors)
+        rates = chosen_rates(anchors)
         if llm is None:
             return estimate_rarity(self._space, plain, rates)
         model = conforming("llm", llm)
@@ -417,7 +417,7 @@ class Metrics(Brief):
             UsageError: If no text lies inside the band.
             EncoderError: If the encoder fails.
         """
-        rates = _rates(anchors)
+        rates = chosen_rates(anchors)
         records = read_records(path)
         kept = None
         if band is not None:
@@ -499,18 +499,3 @@ def _paths(texts: Texts) -> tuple[str, ...] | None:
 def _groups(records: Sequence[Record]) -> tuple[str, ...] | None:
     labels = tuple(record.group for record in records if record.group is not None)
     return labels if len(labels) == len(records) else None
-
-
-def _rates(
-    anchors: Sequence[PublishedRate] | str | Path | None,
-) -> tuple[PublishedRate, ...] | None:
-    if anchors is None:
-        return None
-    if anchors == "published":
-        return published_rates()
-    if isinstance(anchors, str | Path):
-        return load_rates(anchors)
-    instances_of("anchors", anchors, PublishedRate)
-    if not anchors:
-        raise DataError("rates", [Issue("", "there is none")])
-    return tuple(anchors)

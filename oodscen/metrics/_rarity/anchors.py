@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from oodscen._arguments import instances_of
 from oodscen._files import read_utf8
 from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
@@ -87,6 +88,27 @@ def load_rates(path: str | Path) -> tuple[PublishedRate, ...]:
         DataError: If the file cannot be read or holds no valid rates.
     """
     return _rates(read_utf8(path, "file of rates"), str(path))
+
+
+def chosen_rates(
+    anchors: Sequence[PublishedRate] | str | Path | None,
+) -> tuple[PublishedRate, ...] | None:
+    """Return the rates that a caller names: `published` for the shipped ones, a file, or the rates themselves.
+
+    Raises:
+        DataError: If there is none, or the file holds no valid rates.
+        UsageError: If they are no rates.
+    """
+    if anchors is None:
+        return None
+    if anchors == "published":
+        return published_rates()
+    if isinstance(anchors, str | Path):
+        return load_rates(anchors)
+    instances_of("anchors", anchors, PublishedRate)
+    if not anchors:
+        raise DataError("rates", [Issue("", "there is none")])
+    return tuple(anchors)
 
 
 def _rates(content: str, source: str) -> tuple[PublishedRate, ...]:

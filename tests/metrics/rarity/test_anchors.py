@@ -4,10 +4,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.errors import DataError
+from oodscen.errors import DataError, UsageError
 from oodscen.metrics._rarity.anchors import (
     PublishedRate,
     calibrate,
+    chosen_rates,
     left_out,
     load_rates,
     published_rates,
@@ -76,3 +77,16 @@ def test_rates_from_a_file(tmp_path):
     (found,) = load_rates(file)
     assert found.kind == "met"
     assert found.log10_km == pytest.approx(5.30103)
+
+
+def test_rates_are_named_given_or_in_a_file(tmp_path):
+    assert chosen_rates(None) is None
+    assert chosen_rates("published") == published_rates()
+    assert chosen_rates(list(published_rates())) == published_rates()
+    with pytest.raises(DataError):
+        chosen_rates([])
+    with pytest.raises(DataError):
+        chosen_rates(tmp_path / "missing.toml")
+    for other in (["x"], 5, {"rate": 1.0}):
+        with pytest.raises(UsageError, match="anchors"):
+            chosen_rates(other)
