@@ -94,7 +94,7 @@ class SceneUses:
             seed: Seed of the draws.
 
         Returns:
-            The variants, `<scene>.v001` and so on; fewer than asked for if too many draws fail the checks.
+            The variants, `<scene>.v001` and so on, `<scene>.v001~demand` for a demand; fewer than asked for if too many draws fail the checks.
         """
         from oodscen.interchange._ranges import vary
 

@@ -76,6 +76,7 @@ def vary(
     """Draw checked variants of a scene; `Scene.vary` tells arguments and result."""
     whole_number("count", count, 1, _MOST)
     parameters = ranges(scene, catalogue, claims)
+    own, mark, kind = scene.id.partition("~")  # The mark of an ordinary drive stays at the end.
     draws = stream(seed_number(seed), "vary", scene.id)
     found: list[Scene] = []
     for _ in range(count * _TRIES):
@@ -84,7 +85,7 @@ def vary(
         values = {
             one.path: round(float(draws.uniform(one.low, one.high)), _DIGITS) for one in parameters
         }
-        variant = changed(scene, values, f"{scene.id}.v{len(found) + 1:03d}")
+        variant = changed(scene, values, f"{own}.v{len(found) + 1:03d}{mark}{kind}")
         if is_sound(variant, catalogue, claims):
             assert variant is not None
             found.append(variant)

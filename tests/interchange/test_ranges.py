@@ -36,6 +36,13 @@ def test_variants_are_within_the_ranges_and_the_same_for_a_seed():
             assert one.low - 1e-9 <= value <= one.high + 1e-9
 
 
+def test_an_ordinary_drive_has_variants_that_are_ordinary():
+    twin = SCENE.twin(2.0)
+    one = next(iter(vary(twin, catalogue(), 1)))
+    assert one.id == f"{SCENE.id}.v001~twin"
+    assert one.is_ordinary
+
+
 def test_a_scene_that_fails_itself_has_no_ranges_and_tells_a_hundred_overlaps_at_most():
     one, *others = SCENE.actors
     heap = [one.model_copy(update={"id": f"copy-{index}"}) for index in range(30)]
