@@ -98,7 +98,7 @@ def test_trees_tell_origin_fate_and_what_is_missing(study: Study) -> None:
 
 def test_leaderboard_marks_references_and_has_intervals(make_study: Callable[..., Study]) -> None:
     models = section(page(make_study(with_twins=True)), "models")
-    assert "constant: stop floor to beat 100 % 4 of 4 51 to 100 %" in models
+    assert "constant: stop floor to beat 100 % 4 of 4 44 to 100 %" in models
     assert "gpt-4o 67 % 2 of 3" in models
     assert "1 not in time" in models
     assert "Notices that something is unusual better than not looking" not in models

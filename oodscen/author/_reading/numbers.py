@@ -39,7 +39,7 @@ _GOES_ON = re.compile(
     rf"|\b(?:{_TEN}|{_SCALE}),? $|[0-9.,:'’/+*^–−<>≤≥±½¼¾-]$",
     re.IGNORECASE,
 )
-"""What stands before a number that is the end of a larger one, or of a range."""
+"""Matches text before a number that is the end of a larger one, or of a range."""
 _MORE = r"(?: (?:the|an?|some|about|around|roughly|next|first|last))* $|[<>≤≥] ?$"
 _BOUNDED = re.compile(
     r"\b(?:than|over|under|below|above|beyond|within|up to|upwards? of|at (?:most|least)|between|maximum of|minimum of"
