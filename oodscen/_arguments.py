@@ -51,7 +51,7 @@ def instances_of(name: str, values: Any, *kinds: type) -> None:
     Raises:
         UsageError: If it is not.
     """
-    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Collection):
+    if not _is_many(values, Collection):
         raise UsageError(f"{name} must be a list, not {said(values, 80)}")
     for value in values:
         instance_of(f"each element of {name}", value, *kinds)

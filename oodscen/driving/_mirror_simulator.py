@@ -86,9 +86,9 @@ class MirrorSimulator(BaseSimulator):
     def gaps(self, rows: Sequence[int]) -> list[float]:
         """Return the distances between the ego's box (row 0) and the boxes of these rows, m.
 
-        Called only for rows near the ego that do not touch it and stand upright; infinity is farther than it looked. The catalogue's boxes decide contact, as well as
-        time to collision and all other measures. Override this method only to let the simulator's own engine
-        measure the gaps.
+        Called only for rows near the ego that do not touch it and stand upright; infinity is farther than it looked.
+        The catalogue's boxes decide contact, as well as time to collision and all other measures. Override this method
+        only to let the simulator's own engine measure the gaps.
         """
         assert self._measured is not None, "called in reset, step and restore only"
         return [float(self._measured[row]) for row in rows]
