@@ -1,16 +1,25 @@
 """Land enclosed by roads: the centre of a roundabout, refuges between lanes."""
 
-from collections import deque
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._types import Array, Ints, Mask
 
-_CELL = 1.0
-_MARGIN = 24.0
+_CELL_M = 1.0
+"""Side of a square of the grid, m."""
+_MARGIN_M = 24.0
+"""Land searched around the meeting points, m."""
+_MOST_CELLS = 400 * 400
+_REFUGE_M = 3.5
+"""Largest radius of a refuge: nothing is planted on it, m."""
 _LARGEST_M = 60.0
+"""Radius from which enclosed land is no island but countryside, m."""
+
+Circle = tuple[float, float, float]
+"""x, y and radius, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,11 +30,11 @@ class Islands:
     """x and y of the grid's corner, m."""
     cells: Mask
     """[columns, rows] True where a square lies on an island."""
-    middles: tuple[tuple[float, float, float], ...]
-    """x, y and radius of the largest circle on each island bigger than a refuge, m."""
+    middles: tuple[Circle, ...]
+    """The largest circle on each island bigger than a refuge."""
 
     @classmethod
-    def of(cls, ground: Ground, meeting: Array) -> "Islands":
+    def of(cls, ground: Ground, meeting: Array) -> Self:
         """Find the land that cannot be reached without crossing asphalt.
 
         Args:
@@ -33,56 +42,50 @@ class Islands:
             meeting: [n, 2] points around which to look for islands, m.
         """
         if not len(meeting):
-            return cls((0.0, 0.0), np.zeros((0, 0), bool), ())
-        low, high = meeting.min(axis=0) - _MARGIN, meeting.max(axis=0) + _MARGIN
-        columns, rows = (int(n) for n in np.ceil((high - low) / _CELL))
-        if columns * rows > 400 * 400:
-            return cls((0.0, 0.0), np.zeros((0, 0), bool), ())
-        x = low[0] + (np.arange(columns) + 0.5) * _CELL
-        y = low[1] + (np.arange(rows) + 0.5) * _CELL
+            return cls._none()
+        low, high = meeting.min(axis=0) - _MARGIN_M, meeting.max(axis=0) + _MARGIN_M
+        columns, rows = (int(n) for n in np.ceil((high - low) / _CELL_M))
+        if columns * rows > _MOST_CELLS:
+            return cls._none()
+        x = low[0] + (np.arange(columns) + 0.5) * _CELL_M
+        y = low[1] + (np.arange(rows) + 0.5) * _CELL_M
         grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
         away = ground.near(grid[:, 0], grid[:, 1]).asphalt.reshape(columns, rows)
-        land = away > 0.0
-        names = np.zeros((columns, rows), np.int64)
-        outer: set[int] = set()
-        count = 0
-        for i, j in np.argwhere(land).tolist():
-            if names[i, j] == 0:
-                count += 1
-                if _fill(land, names, i, j, count):
-                    outer.add(count)
-        cells = land & ~np.isin(names, list(outer))
+        labels, enclosed = _enclosed(away > 0.0)
         middles = []
-        for name in range(1, count + 1):
-            inside = np.where((names == name) & cells, away, -1.0)
-            best = float(inside.max())
-            if name not in outer and 3.5 < best < _LARGEST_M:
+        for label in enclosed:
+            inside = np.where(labels == label, away, -1.0)
+            radius = float(inside.max())
+            if _REFUGE_M < radius < _LARGEST_M:
                 i, j = divmod(int(inside.argmax()), rows)
-                middles.append((float(x[i]), float(y[j]), best))
-        return cls((float(low[0]), float(low[1])), cells, tuple(middles))
+                middles.append((float(x[i]), float(y[j]), radius))
+        return cls((float(low[0]), float(low[1])), np.isin(labels, enclosed), tuple(middles))
+
+    @classmethod
+    def _none(cls) -> Self:
+        return cls((0.0, 0.0), np.zeros((0, 0), bool), ())
 
     def covers(self, points: Array) -> Mask:
         """Return which points, [n, 2], lie on an island."""
         if not self.cells.size:
             return np.zeros(len(points), bool)
-        place = np.floor((points - np.array(self.corner)) / _CELL).astype(np.int64)
+        place = np.floor((points - np.array(self.corner)) / _CELL_M).astype(np.int64)
         limit = np.array(self.cells.shape)
         inside = ((place >= 0) & (place < limit)).all(axis=1)
         place = np.clip(place, 0, limit - 1)
         return np.asarray(inside & self.cells[place[:, 0], place[:, 1]])
 
 
-def _fill(land: Mask, names: Ints, i: int, j: int, name: int) -> bool:
-    """Label a connected piece of land and return whether it reaches the edge of the grid."""
-    columns, rows = land.shape
-    names[i, j] = name
-    queue = deque([(i, j)])
-    is_outer = False
-    while queue:
-        a, b = queue.popleft()
-        is_outer |= a in (0, columns - 1) or b in (0, rows - 1)
-        for p, q in ((a + 1, b), (a - 1, b), (a, b + 1), (a, b - 1)):
-            if 0 <= p < columns and 0 <= q < rows and land[p, q] and not names[p, q]:
-                names[p, q] = name
-                queue.append((p, q))
-    return is_outer
+def _enclosed(land: Mask) -> tuple[Ints, list[int]]:
+    """Return the label of every square's piece of land, and the labels of pieces that miss the grid's edge.
+
+    Pieces are connected by whole sides and listed in the order of their first square; asphalt has the label 0.
+    """
+    import cv2
+
+    _, labels = cv2.connectedComponents(land.astype(np.uint8), connectivity=4)
+    found, first = np.unique(labels, return_index=True)
+    rim = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
+    outer = {0, *rim.tolist()}
+    ordered = found[np.argsort(first)].tolist()
+    return labels.astype(np.int64), [label for label in ordered if label not in outer]

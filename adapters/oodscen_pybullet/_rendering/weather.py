@@ -6,6 +6,7 @@ Fog follows Koschmieder's law: contrast falls to 5 % at the visual range.
 import math
 from collections.abc import Mapping
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,12 +20,12 @@ from oodscen_pybullet._rendering.postprocess import beam, fade
 from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import SHELTERED
 from oodscen_pybullet._rendering.view import CameraView
-from oodscen_pybullet._types import F32, U8
+from oodscen_pybullet._types import F32, U8, Array
 
 Colour = tuple[float, float, float]
 
 SKY_M = 6_000.0
-"""Distance of the sky for the fog, m."""
+"""Distance at which fog hides the sky as it hides things, m."""
 SHEET = (256, 1024)
 """Rows by height and columns by heading of the cloud sheet."""
 _EYE_M = 1.3
@@ -36,6 +37,52 @@ _GREY: Mapping[Precipitation, Colour] = {
     "snow": (208.0, 212.0, 219.0),
 }
 """Colours of the air by day, 0 to 255."""
+
+
+class _Sky(NamedTuple):
+    """Colours of a clear sky, 0 to 255."""
+
+    horizon: Colour
+    zenith: Colour
+
+
+_DAY = _Sky(horizon=(204.0, 222.0, 240.0), zenith=(92.0, 148.0, 222.0))
+_NIGHT = _Sky(horizon=(26.0, 30.0, 44.0), zenith=(7.0, 9.0, 20.0))
+_GLOW: Colour = (248.0, 186.0, 128.0)
+"""Colour of the horizon under a low sun."""
+_GLOW_BELOW_DEG = 14.0
+"""Elevation of the sun below which the horizon glows, degrees."""
+_GLOW_ENDS_DEG = -8.0
+"""Elevation of the sun at which the glow is gone, degrees."""
+_GLOW_SHARE = 0.6
+_RISE = 1.6
+"""Share of the way from horizon to zenith colour per unit of upward slope."""
+_CLOUD_ROWS = 420.0
+"""Rows of the cloud sheet per unit of upward slope."""
+
+
+class _Layer(NamedTuple):
+    """Raindrops at one range of distances; lengths and widths in pixels of a picture of 480 rows."""
+
+    share: float
+    """Number of drops, relative to the first layer."""
+    length: float
+    thick: float
+    bright: float
+    near_m: float
+    far_m: float
+
+
+_RAIN = (
+    _Layer(share=1.0, length=18.0, thick=0.7, bright=76.0, near_m=5.0, far_m=22.0),
+    _Layer(share=0.35, length=42.0, thick=1.0, bright=92.0, near_m=2.2, far_m=6.0),
+    _Layer(share=0.05, length=84.0, thick=1.8, bright=70.0, near_m=1.3, far_m=2.5),
+)
+_DOWNPOUR_MM_H = 50.0
+"""Precipitation at which rain has its full density of drops, mm/h."""
+_SNOWSTORM_MM_H = 12.0
+"""Precipitation, as water, at which snow has its full density of flakes, mm/h."""
+_SNOW: Colour = (248.0, 250.0, 254.0)
 
 
 def air_colour(weather: Weather, light: Light) -> Colour:
@@ -57,20 +104,17 @@ def heaven(view: CameraView, weather: Weather, light: Light) -> F32:
     """
     _, upwards = view.slopes()
     rise = upwards * np.float32(view.up[2]) + np.float32(view.forward[2])
-    high = np.clip(rise * np.float32(1.6), 0.0, 1.0).astype(np.float32)
-    horizon, zenith = (204.0, 222.0, 240.0), (92.0, 148.0, 222.0)
-    night_horizon, night_zenith = (26.0, 30.0, 44.0), (7.0, 9.0, 20.0)
-    low = 1.0 - min(1.0, max(0.0, weather.sun_elevation_deg) / 14.0)
-    dusk = 0.6 * low * max(0.0, min(1.0, (weather.sun_elevation_deg + 8.0) / 8.0))
-    day = light.daylight
-    glow = (248.0, 186.0, 128.0)
+    high = np.clip(rise * np.float32(_RISE), 0.0, 1.0).astype(np.float32)
+    sun, day = weather.sun_elevation_deg, light.daylight
+    low = 1.0 - min(1.0, max(0.0, sun) / _GLOW_BELOW_DEG)
+    glow = _GLOW_SHARE * low * max(0.0, min(1.0, (sun - _GLOW_ENDS_DEG) / -_GLOW_ENDS_DEG))
     rows = np.empty((view.height, 5), np.float32)
     for e in range(3):
-        bottom = night_horizon[e] + (horizon[e] - night_horizon[e]) * day
-        bottom += (glow[e] * max(day, 0.5) - bottom) * dusk
-        top = night_zenith[e] + (zenith[e] - night_zenith[e]) * day
+        bottom = _NIGHT.horizon[e] + (_DAY.horizon[e] - _NIGHT.horizon[e]) * day
+        bottom += (_GLOW[e] * max(day, 0.5) - bottom) * glow
+        top = _NIGHT.zenith[e] + (_DAY.zenith[e] - _NIGHT.zenith[e]) * day
         rows[:, e] = np.float32(bottom) + np.float32(top - bottom) * high
-    place = np.clip(rise * np.float32(420.0), 0.0, np.float32(SHEET[0] - 1.001))
+    place = np.clip(rise * np.float32(_CLOUD_ROWS), 0.0, np.float32(SHEET[0] - 1.001))
     rows[:, 3] = np.floor(place)
     rows[:, 4] = place - rows[:, 3]
     return rows
@@ -130,22 +174,18 @@ def add_rain(image: U8, picture: RawPicture, kinds: U8) -> None:
     view, weather = picture.view, picture.weather
     rng = stream(picture.seed, "rain", round(picture.time, 3))
     area = view.width * view.height / (640 * 480)
-    intensity = math.sqrt(weather.precipitation_mm_h / 50.0)
+    intensity = math.sqrt(weather.precipitation_mm_h / _DOWNPOUR_MM_H)
     scale = view.height / 480 * (0.75 + 0.5 * intensity)
     shine = 0.3 + 0.45 * picture.light.daylight
     layers = []
-    for share, length, thick, bright, near, far in (
-        (1.0, 18.0, 0.7, 76.0, 5.0, 22.0),
-        (0.35, 42.0, 1.0, 92.0, 2.2, 6.0),
-        (0.05, 84.0, 1.8, 70.0, 1.3, 2.5),
-    ):
-        count = int(area * share * (160 + 760 * intensity))
+    for layer in _RAIN:
+        count = int(area * layer.share * (160 + 760 * intensity))
         x = rng.uniform(-20, view.width + 20, count)
-        size = rng.uniform(0.6, 1.3, count) * length * scale
+        size = rng.uniform(0.6, 1.3, count) * layer.length * scale
         y = rng.uniform(-40, view.height, count)
-        shade = rng.uniform(0.4, 1.0, count) * bright * shine
-        ahead = rng.uniform(near, far, count)
-        width = np.full(count, max(thick * scale, 0.6))
+        shade = rng.uniform(0.4, 1.0, count) * layer.bright * shine
+        ahead = rng.uniform(layer.near_m, layer.far_m, count)
+        width = np.full(count, max(layer.thick * scale, 0.6))
         layers.append(np.stack([x, y, size, shade, width, ahead, np.zeros(count)], axis=1))
     streaks = np.concatenate(layers).astype(np.float32)
     across = (streaks[:, 0] - np.float32(view.width / 2)) * np.float32(1.0 / view.focal)
@@ -208,9 +248,9 @@ def draw_streaks(image: U8, depth: F32, kinds: U8, streaks: F32) -> None:
 
 def add_snow(image: U8, picture: RawPicture, kinds: U8) -> None:
     """Add falling flakes, in place, where nothing occludes them; see `add_rain`."""
-    view, weather, light = picture.view, picture.weather, picture.light
+    view, weather = picture.view, picture.weather
     rng = stream(picture.seed, "snow", round(picture.time, 3))
-    intensity = min(1.0, weather.precipitation_mm_h / 12.0)
+    intensity = min(1.0, weather.precipitation_mm_h / _SNOWSTORM_MM_H)
     count = int(700 + 5200 * intensity)
     share = rng.uniform(0.0, 1.0, count)
     ahead = 0.9 + 26.0 * share * np.sqrt(np.sqrt(share))
@@ -219,19 +259,24 @@ def add_snow(image: U8, picture: RawPicture, kinds: U8) -> None:
     column = view.width / 2 + view.focal * across / ahead
     row = view.height / 2 - view.focal * upwards / ahead
     radius = np.maximum(view.focal * 0.0055 / ahead, 0.5)
-    aside = np.asarray(across / ahead * np.float32(1.0 / 0.5), np.float32)
-    spread = fade(np.minimum(aside * aside, np.float32(40.0)))
-    near = ahead.astype(np.float32)
-    height = upwards.astype(np.float32)
-    strength = np.float32(2.6 * (1.0 - light.daylight) if view.is_lit else 0.0)
-    shine = beam(near, height + np.float32(_EYE_M), spread, strength)
-    bright = np.minimum(np.float32(0.34 + 0.66 * light.daylight) + shine, np.float32(1.0))
+    bright = _flake_brightness(picture, ahead, across, upwards)
     columns = [column, row, radius, ahead, bright, np.zeros(count)]
     flakes = np.stack(columns, axis=1).astype(np.float32)
     slopes = (across / ahead).astype(np.float32), (upwards / ahead).astype(np.float32)
     flakes = _outside(flakes, flakes[:, 3], *slopes, picture.portal)
-    white = np.array([248.0, 250.0, 254.0], np.float32)
-    draw_flakes(image, picture.shot.reach, kinds, flakes, white)
+    draw_flakes(image, picture.shot.reach, kinds, flakes, np.array(_SNOW, np.float32))
+
+
+def _flake_brightness(picture: RawPicture, ahead: Array, across: Array, upwards: Array) -> F32:
+    """Return the brightness of flakes in daylight and headlamps, 0 to 1; places relative to the camera, m."""
+    daylight = picture.light.daylight
+    aside = np.asarray(across / ahead * np.float32(1.0 / 0.5), np.float32)
+    spread = fade(np.minimum(aside * aside, np.float32(40.0)))
+    strength = np.float32(2.6 * (1.0 - daylight) if picture.view.is_lit else 0.0)
+    height = upwards.astype(np.float32) + np.float32(_EYE_M)
+    shine = beam(ahead.astype(np.float32), height, spread, strength)
+    bright = np.float32(0.34 + 0.66 * daylight) + shine
+    return np.asarray(np.minimum(bright, np.float32(1.0)))
 
 
 @Kernel

@@ -237,8 +237,7 @@ class _ReactionWriter:
         self, maneuver: Element, actor: Actor, entity: Entity, step: int, poses: Floats
     ) -> None:
         time = self.run.nominal.time[step:] - self.run.nominal.time[step]
-        moves = actor.behaviour.name in MOVES_BEFORE_TRIGGER or actor.behaviour.name == "fall"
-        moves = moves or actor.behaviour.name in self.coming
+        is_placed = self._moves_before(actor.behaviour.name)
         opening = f"react_{entity.name}_0"
         for number, (first, last) in enumerate(phases(poses)):
             first = 0 if number == 0 else first
@@ -251,7 +250,7 @@ class _ReactionWriter:
                 time[part] - time[first],
                 poses[part],
                 relative=True,
-                place=own_position(entity.name, poses[first]) if moves else None,
+                place=own_position(entity.name, poses[first]) if is_placed else None,
             )
             if number == 0:
                 trigger = actor.behaviour.trigger
@@ -266,6 +265,10 @@ class _ReactionWriter:
                 resting, action = event(maneuver, f"end_{entity.name}_{number}")
                 write_speed(child(action, "PrivateAction"), 0.0)
                 after_event(resting, f"done_{label}", label)
+
+    def _moves_before(self, behaviour: str) -> bool:
+        """Return whether an actor has left its initial pose when its reaction starts."""
+        return behaviour in MOVES_BEFORE_TRIGGER or behaviour == "fall" or behaviour in self.coming
 
 
 def strip_ego(root: Element) -> None:

@@ -1,8 +1,8 @@
 """The audit: how well every known shortcut separates rare from ordinary drives without understanding them."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -135,15 +135,12 @@ def audit(
         raise StudyError("an audit needs scenes with ordinary drives on two paths")
     ran = [items.episodes[row] for row in rows]
     task = _Task(items.is_scene[there], folds_of(clusters), seed)
-    guesses = _guesses(task, ran, {scene.id: scene for scene in scenes}, folder)
+    shortcuts = list(_shortcuts(task, ran, {scene.id: scene for scene in scenes}, folder))
     resampler = Resampler(clusters, seed=seed)
     kinds = np.array([items.kinds[row] for row in rows])
-    table = [
-        _score(guess, needs, method, task.is_rare, kinds, resampler)
-        for guess, needs, method in guesses
-    ]
+    table = [_score(one, task.is_rare, kinds, resampler) for one in shortcuts]
     best = max(
-        (guess for guess, needs, _ in guesses if needs in _FLOOR),
+        (one.guess for one in shortcuts if one.needs in _FLOOR),
         key=lambda guess: guess.balanced(task.is_rare),
     )
     place = {row: at for at, row in enumerate(rows)}
@@ -171,39 +168,48 @@ def _rank(row: ShortcutScore) -> tuple[bool, bool, float]:
     )
 
 
-Made = tuple[Guess, Needs, str]
-"""The calls of a shortcut, what it needs, and its method."""
+class _Shortcut(NamedTuple):
+    guess: Guess
+    needs: Needs
+    method: str
 
 
-def _guesses(
+def _shortcuts(
     task: "_Task", ran: Sequence[Episode], scenes: Mapping[str, Scene], folder: Path
-) -> list[Made]:
-    """Return the calls of every shortcut."""
-    known = facts.ground_truth(ran)
-    found: list[Made] = [
-        (task.rule(n, values), "ground truth", "rule") for n, values in known.items()
-    ]
-    together = np.stack(list(known.values()), axis=1)
-    name = "distances, counts and pixels together"
-    found.append((task.boosted(name, together), "ground truth", "gradient boosting"))
-    places = np.array([facts.nearest_places(one.sketch) for one in ran], np.float64)
-    name = "exact places of the nearest bodies"
-    found.append((task.boosted(name, places), "exact places", "gradient boosting"))
-    fails = np.array([facts.keeping_fails(one) for one in ran], np.float64)
-    found.append((task.rule("keeping the speed fails", fails), "outcomes", "rule"))
+) -> Iterator[_Shortcut]:
+    """Return every shortcut with its calls."""
+    yield from _on_bodies(task, ran)
     for name, columns in facts.settings(ran, scenes).items():
-        found.append((task.linear(name, columns), "settings", "logistic regression"))
+        yield _Shortcut(task.linear(name, columns), "settings", "logistic regression")
     for moment in ("last", "first"):
-        files = [folder / one.frames.get(moment, "missing") for one in ran]
-        for name, columns in facts.pictures(files).items():
-            label = f"{name}, {moment} frame"
-            if columns.shape[1] == 1:
-                found.append((task.rule(label, columns[:, 0]), "pictures", "rule"))
-                continue
-            found.append((task.boosted(label, columns), "pictures", "gradient boosting"))
-            if moment == "last":
-                found.append((task.linear(label, columns), "pictures", "logistic regression"))
-    return found
+        yield from _on_pictures(task, ran, folder, moment)
+
+
+def _on_bodies(task: "_Task", ran: Sequence[Episode]) -> Iterator[_Shortcut]:
+    known = facts.ground_truth(ran)
+    for name, values in known.items():
+        yield _Shortcut(task.rule(name, values), "ground truth", "rule")
+    name, together = "distances, counts and pixels together", np.stack(list(known.values()), axis=1)
+    yield _Shortcut(task.boosted(name, together), "ground truth", "gradient boosting")
+    name = "exact places of the nearest bodies"
+    places = np.array([facts.nearest_places(one.sketch) for one in ran], np.float64)
+    yield _Shortcut(task.boosted(name, places), "exact places", "gradient boosting")
+    fails = np.array([facts.keeping_fails(one) for one in ran], np.float64)
+    yield _Shortcut(task.rule("keeping the speed fails", fails), "outcomes", "rule")
+
+
+def _on_pictures(
+    task: "_Task", ran: Sequence[Episode], folder: Path, moment: str
+) -> Iterator[_Shortcut]:
+    files = [folder / one.frames.get(moment, "missing") for one in ran]
+    for name, columns in facts.pictures(files).items():
+        label = f"{name}, {moment} frame"
+        if columns.shape[1] == 1:
+            yield _Shortcut(task.rule(label, columns[:, 0]), "pictures", "rule")
+            continue
+        yield _Shortcut(task.boosted(label, columns), "pictures", "gradient boosting")
+        if moment == "last":
+            yield _Shortcut(task.linear(label, columns), "pictures", "logistic regression")
 
 
 class _Task:
@@ -263,13 +269,9 @@ def _sklearn() -> Any:
 
 
 def _score(
-    guess: Guess,
-    needs: Needs,
-    method: str,
-    is_rare: Mask,
-    kinds: np.ndarray[Any, Any],
-    resampler: Resampler,
+    shortcut: _Shortcut, is_rare: Mask, kinds: np.ndarray[Any, Any], resampler: Resampler
 ) -> ShortcutScore:
+    guess = shortcut.guess
     area = auroc_of_items(guess.score, is_rare, resampler)
     calls: Floats = guess.is_called.astype(np.float64)
     sides = [Ratio(calls, is_rare), Ratio(1.0 - calls, ~is_rare)]
@@ -279,8 +281,8 @@ def _score(
     spread = resampler.ratios(above, below).mean(axis=1)
     return ShortcutScore(
         name=guess.name,
-        needs=needs,
-        method=method,
+        needs=shortcut.needs,
+        method=shortcut.method,
         auroc=Estimate(
             value=area[0] if area else None,
             n=len(calls),
