@@ -5,7 +5,7 @@ import os
 import sys
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -38,9 +38,6 @@ from oodscen._cli.progress import bars
 from oodscen._cli.summaries import estimated, exit_code, graded, left_out, summary
 from oodscen._files import is_written_through
 from oodscen._registry import DEFAULT_ENCODER, is_builtin
-
-if TYPE_CHECKING:
-    pass
 
 
 @click.command(cls=SectionedCommand, sections=RUN_SECTIONS)

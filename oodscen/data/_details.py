@@ -31,6 +31,7 @@ HELD_KG = 60.0
 """Greatest mass of a thing made to order that a person can hold, kg."""
 LOADABLE: frozenset[Category] = frozenset({"object", "work_zone", "vegetation"})
 """Categories of what can be held or loaded; what moves by itself is an actor of its own."""
+_LOADABLE_WORDS = "things that do not move by themselves"
 _LOW_M = 0.12
 """Least height of a held thing above the ground, m."""
 _TALL_M = 1.0
@@ -204,24 +205,14 @@ def shown_as(
         kinds: The poses and parts of the simulator.
     """
     offers = asset.offers or AssetDetails()
-    sizes = [(asset.length, asset.width, asset.height)]
     pose = kinds.pose(posed(details))
-    if pose is not None and pose.id in offers.poses:
-        sizes = [offers.poses[pose.id]]
-    sizes += [offers.parts[name] for name in details.parts if name in offers.parts]
-    length, width, height = (max(size[axis] for size in sizes) for axis in range(3))
+    size = _own_size(asset, offers, details, pose)
     held, load = things.get(details.holds), things.get(details.cargo)
     if held is not None and pose is not None and pose.grip is not None:
-        size = (held.length, held.width, held.height)
-        place = held_place(pose.grip, offers.scale, size)
-        x, y, z = place.at
-        deep, wide = (size[1], size[0]) if place.is_turned else size[:2]
-        length = max(length / 2, x + deep / 2) + max(length / 2, deep / 2 - x)
-        width = 2 * max(width / 2, abs(y) + wide / 2)
-        height = max(height, z + size[2])
+        size = _with_held(size, held, pose.grip, offers.scale)
     if load is not None and offers.bed is not None:
-        width = max(width, min(load.length, load.width))
-        height = max(height, offers.bed.at[1] + load.height)
+        size = _with_load(size, load, offers.bed)
+    length, width, height = size
     told = [] if pose is None else [pose.id, *pose.tags]
     for part in kinds.parts:
         if part.id in details.parts:
@@ -234,6 +225,41 @@ def shown_as(
             "tags": tuple(dict.fromkeys((*asset.tags, *told))),
             "description": described(asset.description, details, things, kinds),
         }
+    )
+
+
+def _own_size(
+    asset: "Asset", offers: AssetDetails, details: Details, pose: PoseKind | None
+) -> Size:
+    """Return the size of an actor in its pose, with its parts in their states."""
+    sizes = [(asset.length, asset.width, asset.height)]
+    if pose is not None and pose.id in offers.poses:
+        sizes = [offers.poses[pose.id]]
+    sizes += [offers.parts[name] for name in details.parts if name in offers.parts]
+    length, width, height = map(max, zip(*sizes, strict=True))
+    return length, width, height
+
+
+def _with_held(size: Size, held: "Asset", grip: Grip, scale: float) -> Size:
+    """Return the size of a person's box, grown around a thing in the hands."""
+    length, width, height = size
+    place = held_place(grip, scale, (held.length, held.width, held.height))
+    x, y, z = place.at
+    deep, wide = (held.width, held.length) if place.is_turned else (held.length, held.width)
+    return (
+        max(length / 2, x + deep / 2) + max(length / 2, deep / 2 - x),
+        2 * max(width / 2, abs(y) + wide / 2),
+        max(height, z + held.height),
+    )
+
+
+def _with_load(size: Size, load: "Asset", bed: Bed) -> Size:
+    """Return the size of a vehicle with a load on its bed."""
+    length, width, height = size
+    return (
+        length,
+        max(width, min(load.length, load.width)),
+        max(height, bed.at[1] + load.height),
     )
 
 
@@ -338,7 +364,9 @@ def _thing_issues(
         yield Issue(path, unknown_words("asset", name, things))
         return
     if thing.category not in LOADABLE:
-        message = f"{name!r} is a {thing.category} and an actor of its own; this is for {_LOADS}"
+        message = (
+            f"{name!r} is a {thing.category} and an actor of its own; this is for {_LOADABLE_WORDS}"
+        )
         yield Issue(path, message)
     ends = sorted((thing.length, thing.width))
     if any(size > most + 1e-9 for size, most in zip((*ends, thing.height), room, strict=True)):
@@ -348,9 +376,6 @@ def _thing_issues(
     prop = made.get(name)
     if prop is not None and prop.mass_kg > HELD_KG:
         yield Issue(path, f"{name!r} has {prop.mass_kg:g} kg, and a person holds {HELD_KG:g} kg")
-
-
-_LOADS = "things that do not move by themselves"
 
 
 def _able(able: Mapping[str, bool]) -> str:

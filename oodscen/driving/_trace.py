@@ -307,7 +307,7 @@ def _rates(bodies: _BodyTracks) -> tuple[Floats, Floats, Floats, Floats]:
         vx[1:], vy[1:] = np.diff(bodies.x, axis=0) * rate, np.diff(bodies.y, axis=0) * rate
         acceleration[1:] = np.diff(speed, axis=0) * rate
         turned = np.diff(bodies.yaw, axis=0)
-        turned -= TAU * np.rint(turned * 0.15915494309189535)
+        turned -= TAU * np.rint(turned * (1.0 / TAU))
         turning[1:] = turned * rate
     return vx, vy, acceleration, turning
 

@@ -1,6 +1,7 @@
 """The light of a scene from the sun, the sky and lamps."""
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -10,7 +11,7 @@ from oodscen.data._scene import Weather
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._types import F32, Point
 
-_DEGREE = 0.017453292519943295
+_DEGREE = math.radians(1.0)
 
 _DAYLIGHT = ((-18.0, 0.06), (-6.0, 0.14), (0.0, 0.42), (8.0, 0.92), (15.0, 1.0))
 """Sun elevation, degrees, and brightness of the day."""

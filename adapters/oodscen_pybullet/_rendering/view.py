@@ -1,5 +1,6 @@
 """The pose of a camera on the ego and the projection of points onto its picture."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,7 @@ from oodscen.numerics import _exact as exact
 from oodscen.protocols import Camera
 from oodscen_pybullet._types import F32, Point
 
-_DEGREE = 0.017453292519943295
+_DEGREE = math.radians(1.0)
 NEAR = 0.2
 """Distance of the near plane, m."""
 FAR = 420.0

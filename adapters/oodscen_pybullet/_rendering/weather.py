@@ -30,7 +30,6 @@ SHEET = (256, 1024)
 """Rows by height and columns by heading of the cloud sheet."""
 _EYE_M = 1.3
 """Height of a camera above the road for the cut-off of the beams, m."""
-_TAU = 6.283185307179586
 _GREY: Mapping[Precipitation, Colour] = {
     "none": (196.0, 201.0, 207.0),
     "rain": (158.0, 164.0, 171.0),
@@ -123,8 +122,8 @@ def heaven(view: CameraView, weather: Weather, light: Light) -> F32:
 def cloud_columns(view: CameraView) -> F32:
     """Return the column of the cloud sheet for each column of pixels: [width] float32."""
     across, _ = view.slopes()
-    turn = exact.atan2(view.forward[1], view.forward[0]) / _TAU
-    columns = np.float32(turn * SHEET[1]) - across * np.float32(SHEET[1] / _TAU)
+    turn = exact.atan2(view.forward[1], view.forward[0]) / exact.TAU
+    columns = np.float32(turn * SHEET[1]) - across * np.float32(SHEET[1] / exact.TAU)
     columns -= np.floor(columns * np.float32(1 / SHEET[1])) * np.float32(SHEET[1])
     return np.asarray(np.clip(columns, 0.0, np.float32(SHEET[1] - 0.001)), np.float32)
 

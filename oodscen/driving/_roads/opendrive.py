@@ -37,6 +37,7 @@ _MAX_LANES = 64
 _WIDTHS = (-1.0, 60.0)
 _OFFSETS = (-200.0, 200.0)
 _HEIGHTS = (-10_000.0, 10_000.0)
+_SHAPES = ("line", "arc", "spiral", "poly3", "paramPoly3")
 _GAP = 0.1
 """Distance between two pieces of a plan view above which the road is broken, m."""
 _KINK = 0.05
@@ -324,9 +325,6 @@ def _lane(node: XmlNode, sign: int, length: float) -> Lane | None:
         successor=after.lane_id() if after else None,
         reversed=node.get("direction") == "reversed",
     )
-
-
-_SHAPES = ("line", "arc", "spiral", "poly3", "paramPoly3")
 
 
 # ---------------------------------------------------------------------- junctions
