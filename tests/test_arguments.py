@@ -46,7 +46,6 @@ from oodscen.llm._replay import RecordingLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Camera, Control, Image
 from oodscen.publish import publish
-from oodscen.stages import annotate, birds_eye
 from oodscen.testing import ScriptedLLM, example_scene
 from oodscen.testing._flat import FlatSimulator
 from oodscen.tree._edit_log import TreeEdit
@@ -332,8 +331,8 @@ OTHERS = {
     "a model's name": lambda: RedTeamer("builtin"),
     "a file descriptor": lambda: ScenarioTree.load(0),
     "no simulator": lambda: drive([SCENE], RuleBasedDriver, None),
-    "the state of another scene": lambda: birds_eye(ALONE, SCENE, FLAT),
-    "an annotated state of another scene": lambda: annotate(FRAME, ALONE, SCENE, FLAT),
+    "the state of another scene": lambda: SCENE.birds_eye(ALONE, FLAT),
+    "an annotated state of another scene": lambda: SCENE.annotate(FRAME, ALONE, FLAT),
     "an observed state of another scene": lambda: StagedScene(SCENE, FLAT).observation(ALONE),
 }
 FLAT_SIMULATOR = FlatSimulator()

@@ -33,7 +33,6 @@ from oodscen.llm._replay import RecordingLLM
 from oodscen.metrics._metrics import Metrics
 from oodscen.prompts._tree.give_examples import GiveExamples
 from oodscen.protocols import Camera, Frame, Request
-from oodscen.stages import birds_eye
 from oodscen.stages._options import RedTeamOptions
 from oodscen.study._config import StudyConfig
 from oodscen.study._store import Store
@@ -211,7 +210,7 @@ def test_an_episode_escapes_names_and_errors(simulated):
 
 def test_pictures_are_png(simulated):
     with FlatSimulator() as flat:
-        above = birds_eye(flat.reset(example_scene(), 0), example_scene(), flat.catalogue())
+        above = example_scene().birds_eye(flat.reset(example_scene(), 0), flat.catalogue())
     for picture in (above, simulated.frames["last"]):
         assert picture._repr_png_().startswith(b"\x89PNG")
     assert is_short(repr(above))

@@ -10,6 +10,9 @@ from oodscen.data._claim import Claim
 from oodscen.errors import Issue
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from oodscen._progress import Progress
     from oodscen.claims._checking import ClaimFinding
     from oodscen.data._catalogue import Catalogue
     from oodscen.data._scene import Scene
@@ -17,11 +20,14 @@ if TYPE_CHECKING:
     from oodscen.interchange._traces.osi_writing import Container
     from oodscen.interchange._writing.files import ScenarioFile
     from oodscen.interchange._writing.scenario import Mode, Target
-    from oodscen.protocols import Encoder, Simulator
+    from oodscen.protocols import Camera, Driver, Encoder, Frame, Simulator, State
+    from oodscen.stages._annotations import FrameAnnotations
+    from oodscen.stages._birds_eye import Picture
+    from oodscen.stages._video import View
 
 
 class SceneUses:
-    """Checks, variants and files of a scene."""
+    """Checks, variants, pictures and files of a scene."""
 
     def check(self, catalogue: "Catalogue") -> list[Issue]:
         """Return the reasons why the scene, or its ordinary twin, cannot be staged.
@@ -156,6 +162,104 @@ class SceneUses:
             simulator=simulator,
             claims=claims,
         )
+
+    def record(
+        self,
+        simulator: "Simulator",
+        path: "str | Path",
+        *,
+        driver: "Driver | str | None" = None,
+        view: "View" = "both",
+        seed: int = 0,
+        camera: "Camera | None" = None,
+        fps: float = 10.0,
+        progress: "Progress | bool | None" = None,
+    ) -> "Path":
+        """Run the scene and write a video of it.
+
+        The video continues to the scene's horizon after the decision, or until shortly after a collision or
+        leaving the road.
+
+        Args:
+            simulator: The simulator to run it in.
+            path: Path of the MP4 file.
+            driver: Drives from the start, and is shown what it asks for, as in `drive`: a driver, or a name that
+                `make_driver` takes. An action by its id is executed from the decision on, after a driver that is blind
+                to the hazard, which also drives if this is left out.
+            view: The ego's camera (`ego`), a bird's-eye view (`bird`), or both side by side (`both`).
+            seed: Seed of the simulator's random streams.
+            camera: By default the ego's dash camera.
+            fps: Frames per second of the scene's time.
+            progress: True for a progress bar, or a callable; it counts the steps of the simulator.
+
+        Raises:
+            UnknownComponent: When the view or the driver is unknown.
+            MissingExtra: When OpenCV is not installed.
+            SceneError: When the simulator refuses the scene.
+            UsageError: When another thread uses the simulator; `driver` is not a driver, or returns no control; `fps`
+                or `path` is invalid.
+            OodscenError: When the file cannot be written. An earlier file of that name stays then.
+        """
+        from oodscen.stages._video import record
+
+        return record(
+            _scene(self),
+            simulator,
+            path,
+            driver=driver,
+            view=view,
+            seed=seed,
+            camera=camera,
+            fps=fps,
+            progress=progress,
+        )
+
+    def birds_eye(
+        self, state: "State", catalogue: "Catalogue", *, size: int = 480, span_m: float = 72.0
+    ) -> "Picture":
+        """Draw the road and all actors from above, with the ego heading upwards.
+
+        As in the report, the ego is blue, the actors that make the scene OOD are amber, and what the ego touches is
+        red.
+
+        Args:
+            state: State of the world in this scene.
+            catalogue: The simulator's catalogue.
+            size: Side of the square image, in pixels.
+            span_m: Side of the shown area, in metres.
+
+        Returns:
+            uint8 [size, size, 3], red first; a notebook shows it as a picture.
+
+        Raises:
+            UsageError: If the state is one of another scene.
+            MissingExtra: When OpenCV is not installed.
+        """
+        from oodscen.stages._birds_eye import birds_eye
+
+        return birds_eye(state, _scene(self), catalogue, size=size, span_m=span_m)
+
+    def annotate(
+        self,
+        frame: "Frame",
+        state: "State",
+        catalogue: "Catalogue",
+        camera: "Camera | None" = None,
+    ) -> "FrameAnnotations":
+        """Return the ground truth of a frame: boxes, places, occlusion and truncation of every actor.
+
+        Args:
+            frame: A frame of this scene.
+            state: State of the world at that moment.
+            catalogue: The simulator's catalogue.
+            camera: The camera that rendered the frame; by default the ego's dash camera.
+
+        Raises:
+            UsageError: If the state is one of another scene.
+        """
+        from oodscen.stages._annotations import annotate
+
+        return annotate(frame, state, _scene(self), catalogue, camera)
 
     def to_openlabel(self, catalogue: "Catalogue") -> dict[str, Any]:
         """Return the scene's tags as an ASAM OpenLABEL 1.0 document."""

@@ -188,18 +188,7 @@ class FrameAnnotations(Data):
 def annotate(
     frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
 ) -> FrameAnnotations:
-    """Annotate a frame.
-
-    Args:
-        frame: The rendered frame.
-        state: State of the world at that moment.
-        scene: The scene they belong to.
-        catalogue: The simulator's catalogue.
-        camera: The camera that rendered the frame; by default the ego's dash camera.
-
-    Raises:
-        UsageError: If the state is one of another scene.
-    """
+    """Annotate a frame; `Scene.annotate` tells arguments and errors."""
     state_of(scene, state)
     camera = camera_for(catalogue, camera)
     cast = bodies(scene, catalogue, state.poses)

@@ -72,24 +72,7 @@ def birds_eye(
     size: int = SIZE,
     span_m: float = _SPAN_M,
 ) -> "Picture":
-    """Draw the road and all actors from above, with the ego heading upwards.
-
-    As in the report, the ego is blue, the actors that make the scene OOD are amber, and what the ego touches is red.
-
-    Args:
-        state: State of the world.
-        scene: The scene it belongs to.
-        catalogue: The simulator's catalogue.
-        size: Side of the square image, in pixels.
-        span_m: Side of the shown area, in metres.
-
-    Returns:
-        uint8 [size, size, 3], red first; a notebook shows it as a picture.
-
-    Raises:
-        UsageError: If the state is one of another scene.
-        MissingExtra: When OpenCV is not installed.
-    """
+    """Draw the road and all actors from above; `Scene.birds_eye` tells arguments and errors."""
     whole_number("size", size, 1, MAX_SIZE)
     finite_number("span_m", span_m, 1.0, 10_000.0)
     state_of(scene, state)

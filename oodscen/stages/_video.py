@@ -117,31 +117,7 @@ def record(
     fps: float = FRAMES_PER_SECOND,
     progress: Progress | bool | None = None,
 ) -> Path:
-    """Run a scene and write a video of it.
-
-    The video continues to the scene's horizon after the decision, or until shortly after a collision or
-    leaving the road.
-
-    Args:
-        scene: The scene to run.
-        simulator: The simulator to run it in.
-        path: Path of the MP4 file.
-        driver: Drives from the start, and is shown what it asks for, as in `drive`: a driver, or a name that
-            `make_driver` takes. An action by its id is executed from the decision on, after a driver that is blind
-            to the hazard, which also drives if this is left out.
-        view: The ego's camera, a bird's-eye view, or both side by side.
-        seed: Seed of the simulator's random streams.
-        camera: By default the ego's dash camera.
-        fps: Frames per second of the scene's time.
-        progress: True for a progress bar, or a callable; it counts the steps of the simulator.
-
-    Raises:
-        UnknownComponent: When the view or the driver is unknown.
-        MissingExtra: When OpenCV is not installed.
-        SceneError: When the simulator refuses the scene.
-        UsageError: When another thread uses the simulator; `driver` is not a driver, or returns no control; `fps` or `path` is invalid.
-        OodscenError: When the file cannot be written. An earlier file of that name stays then.
-    """
+    """Run a scene and write a video of it; `Scene.record` tells arguments and errors."""
     if view not in VIEWS:
         raise UnknownComponent("view", view, VIEWS)
     now: Driver = Cruise()

@@ -25,6 +25,7 @@ UNLISTED = {
         "inspect",
         "metrics",
         "numerics",
+        "stages",
         "statistics",
         "study",
         "tree",

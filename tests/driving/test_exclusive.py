@@ -9,7 +9,6 @@ from oodscen import drive, simulate
 from oodscen.driving._exclusive import exclusive
 from oodscen.errors import UsageError
 from oodscen.protocols import Control
-from oodscen.stages import record
 from oodscen.testing import example_scene
 from oodscen.testing._flat import FlatSimulator
 
@@ -44,7 +43,7 @@ def test_a_second_thread_is_refused_and_the_first_goes_on(driven, tmp_path):
     for use in (
         lambda: simulate(scene, driven, render=False),
         lambda: drive([scene], Waits, driven),
-        lambda: record(scene, driven, tmp_path / "a.mp4"),
+        lambda: scene.record(driven, tmp_path / "a.mp4"),
     ):
         with pytest.raises(UsageError, match="another thread"):
             use()

@@ -12,7 +12,6 @@ import oodscen.pytest_plugin._fixtures  # noqa: F401  # Sessions in this process
 from oodscen import Scenario, Study, make_driver, make_simulator, simulate
 from oodscen._display import png
 from oodscen.protocols import Camera
-from oodscen.stages import birds_eye
 from oodscen.stages._drive import NEEDLESS_BRAKING, DrivePlan
 from oodscen.testing import example_scene
 
@@ -204,7 +203,7 @@ def test_needless_braking_in_a_twin_fails_with_pictures_of_where_it_begins(sessi
             braking = (speed - state.speeds[0]) / simulator.dt <= NEEDLESS_BRAKING
         frame, plan_view = (
             simulator.render(camera).rgb,
-            birds_eye(state, plan.twin, simulator.catalogue()),
+            plan.twin.birds_eye(state, simulator.catalogue()),
         )
     result.stdout.fnmatch_lines(
         [

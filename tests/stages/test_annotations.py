@@ -10,7 +10,6 @@ from oodscen.protocols import Camera, Frame
 from oodscen.stages._annotations import (
     CLASSES,
     FrameAnnotations,
-    annotate,
 )
 from oodscen.testing._flat import FlatSimulator
 
@@ -50,7 +49,7 @@ def seen():
 @pytest.fixture(scope="module")
 def notes(seen):
     frame, state, catalogue = seen
-    return annotate(frame, state, SCENE, catalogue, CAMERA)
+    return SCENE.annotate(frame, state, catalogue, CAMERA)
 
 
 def by_id(notes):
@@ -97,7 +96,7 @@ def test_visibility_needs_to_know_what_is_unhidden(seen, notes):
     counts = np.array([0, 0, 40, 0, 0, 0], np.int32)
     counts[1] = 2 * (frame.ids == 2).sum()
     told = Frame(frame.rgb, frame.depth, frame.ids, counts)
-    found = by_id(annotate(told, state, SCENE, catalogue, CAMERA))
+    found = by_id(SCENE.annotate(told, state, catalogue, CAMERA))
     assert found["bus"].visible_share == pytest.approx(0.5)
     assert found["bus"].occlusion == pytest.approx(0.5)
     assert found["hidden"].occlusion == 1.0

@@ -7,7 +7,6 @@ import pytest
 
 from oodscen.data._scene import Ego, Hazard, Scene, Trigger, Weather
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
-from oodscen.stages._birds_eye import birds_eye
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
@@ -30,7 +29,7 @@ def test_the_ego_is_on_a_grey_road_on_every_map(flat, road):
         hazard=Hazard(weather=Weather(cloud_cover=1.0)),
         decision=Trigger(value=1.0),
     )
-    picture = birds_eye(flat.reset(scene, 0), scene, flat.catalogue(), size=320)
+    picture = scene.birds_eye(flat.reset(scene, 0), flat.catalogue(), size=320)
     assert picture.shape == (320, 320, 3)
     ego = np.argwhere((picture == BLUE).all(axis=2))
     assert 20 < len(ego) < 400
@@ -47,13 +46,13 @@ def count(picture, colour):
 def test_the_hazard_is_amber_and_red_once_it_is_hit(flat):
     scene = example_scene()
     state = flat.reset(scene, 0)
-    picture = birds_eye(state, scene, flat.catalogue(), span_m=150)
+    picture = scene.birds_eye(state, flat.catalogue(), span_m=150)
     assert count(picture, AMBER) >= 4
     assert count(picture, RED) == 0
     hit = dataclasses.replace(state, gaps=np.array([np.inf, 0.0]))
-    picture = birds_eye(hit, scene, flat.catalogue(), span_m=150)
+    picture = scene.birds_eye(hit, flat.catalogue(), span_m=150)
     assert count(picture, AMBER) == 0
     assert count(picture, RED) >= 4
     twin = scene.twin(1.0)
-    picture = birds_eye(flat.reset(twin, 0), twin, flat.catalogue(), span_m=150)
+    picture = twin.birds_eye(flat.reset(twin, 0), flat.catalogue(), span_m=150)
     assert count(picture, AMBER) == 0

@@ -10,7 +10,7 @@ from oodscen.driving._motion.actions import Cruise
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Control
 from oodscen.stages._drive import drive
-from oodscen.stages._video import Video, record
+from oodscen.stages._video import Video
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
@@ -39,8 +39,7 @@ def frames(path):
 def test_a_video_has_the_views_that_are_asked_for(flat, tmp_path, view, size):
     scene = example_scene().model_copy(update={"horizon_s": 1.0})
     steps = []
-    path = record(
-        scene,
+    path = scene.record(
         flat,
         tmp_path / "new" / "a.mp4",
         driver="stop",
@@ -60,9 +59,9 @@ def test_a_video_has_the_views_that_are_asked_for(flat, tmp_path, view, size):
 
 
 def test_a_video_ends_soon_after_a_collision(flat, tmp_path):
-    record(example_scene(), flat, tmp_path / "a.mp4", view="bird", fps=2)
+    example_scene().record(flat, tmp_path / "a.mp4", view="bird", fps=2)
     hit = flat.state().time
-    record(example_scene(), flat, tmp_path / "b.mp4", driver="emergency_brake", view="bird", fps=2)
+    example_scene().record(flat, tmp_path / "b.mp4", driver="emergency_brake", view="bird", fps=2)
     assert hit < flat.state().time
 
 
@@ -72,7 +71,7 @@ def test_a_driver_of_one_s_own_drives_from_the_start(flat, tmp_path):
             return Control(-8.0)
 
     short = example_scene().model_copy(update={"decision": Trigger(value=2.0), "horizon_s": 1.0})
-    record(short, flat, tmp_path / "a.mp4", driver=Standing(), view="bird", fps=5)
+    short.record(flat, tmp_path / "a.mp4", driver=Standing(), view="bird", fps=5)
     assert flat.state().speeds[0] == 0.0
     assert flat.state().time == pytest.approx(3.0)
 
@@ -90,7 +89,7 @@ def test_a_driver_is_shown_what_it_asks_for_as_in_a_drive(flat, tmp_path):
 
     (driven,) = drive([example_scene()], RuleBasedDriver, flat, twins=False)
     assert driven.passed
-    record(example_scene(), flat, tmp_path / "a.mp4", driver=Seeing(), view="bird", fps=2)
+    example_scene().record(flat, tmp_path / "a.mp4", driver=Seeing(), view="bird", fps=2)
     assert not flat.state().contacts
     assert pictures == {(64, 96, 3)}
 
@@ -116,7 +115,7 @@ def test_a_driver_that_fails_leaves_the_earlier_video(flat, tmp_path, control):
     earlier.write_text("earlier")
     for path in (earlier, new):
         with pytest.raises(ValueError if isinstance(control, Exception) else UsageError):
-            record(example_scene(), flat, path, driver=Failing(control), view="bird", fps=20)
+            example_scene().record(flat, path, driver=Failing(control), view="bird", fps=20)
     assert earlier.read_text() == "earlier"
     assert list(tmp_path.iterdir()) == [earlier]
 
@@ -124,7 +123,7 @@ def test_a_driver_that_fails_leaves_the_earlier_video(flat, tmp_path, control):
 def test_what_is_no_driver_is_refused_before_anything_is_written(flat, tmp_path):
     for driver in (3, lambda: None, Cruise):
         with pytest.raises(UsageError, match="driver"):
-            record(example_scene(), flat, tmp_path / "a.mp4", driver=driver, view="bird")
+            example_scene().record(flat, tmp_path / "a.mp4", driver=driver, view="bird")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -133,19 +132,19 @@ def test_a_video_follows_a_link_and_goes_through_a_device(flat, tmp_path):
     (tmp_path / "b.mp4").write_text("earlier")
     for name, other in (("a.mp4", "b.mp4"), ("null.mp4", "/dev/null")):
         (tmp_path / name).symlink_to(other)
-        record(scene, flat, tmp_path / name, view="bird", fps=5)
+        scene.record(flat, tmp_path / name, view="bird", fps=5)
         assert (tmp_path / name).is_symlink()
     assert frames(tmp_path / "b.mp4")[0]
     (tmp_path / "file").write_text("")
     with pytest.raises(OodscenError, match="cannot write"):
-        record(scene, flat, tmp_path / "file" / "a.mp4", view="bird", fps=5)
+        scene.record(flat, tmp_path / "file" / "a.mp4", view="bird", fps=5)
 
 
 def test_unknown_views_and_actions_are_refused(flat, tmp_path):
     with pytest.raises(UnknownComponent):
-        record(example_scene(), flat, tmp_path / "a.mp4", view="side")
+        example_scene().record(flat, tmp_path / "a.mp4", view="side")
     with pytest.raises(UnknownComponent):
-        record(example_scene(), flat, tmp_path / "a.mp4", driver="fly")
+        example_scene().record(flat, tmp_path / "a.mp4", driver="fly")
 
 
 def test_a_video_that_cannot_be_written_says_so(tmp_path):
