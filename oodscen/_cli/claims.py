@@ -108,7 +108,9 @@ def _once(
         if not isinstance(value, tuple):
             if value.id in known:
                 if value != known[value.id]:
-                    raise UsageError(f"{scenes}, line {number}: there is another scene {value.id!r}")
+                    raise UsageError(
+                        f"{scenes}, line {number}: there is another scene {value.id!r}"
+                    )
                 continue
             known[value.id] = value
         kept.append((number, value))

@@ -107,7 +107,9 @@ def _plain_lines(content: str) -> Iterator[tuple[str, Any]]:
     for number, line in _lines(content):
         where = f"line {number}"
         if line.lstrip().startswith("{") and _is_json(line):
-            fault = "is a JSON object in a file whose first line is none; write every line in one form"
+            fault = (
+                "is a JSON object in a file whose first line is none; write every line in one form"
+            )
             yield where, Issue(where, fault)
         else:
             yield where, line

@@ -103,7 +103,9 @@ def sign_flip(
     If two answerers are equally good, swapping their names within a path changes nothing. With up to 12
     clusters that have a difference, all patterns are enumerated; with more, `replicates` random ones are drawn.
     """
-    sums = np.bincount(members(len(gaps), clusters), weights=gaps) if len(gaps) else np.zeros(0)
+    sums: Floats = np.zeros(0)
+    if len(gaps):
+        sums = np.bincount(members(len(gaps), clusters), weights=gaps).astype(np.float64)
     sums = np.sort(sums[np.abs(sums) > 1e-12])
     if not len(sums):
         return 1.0

@@ -233,7 +233,7 @@ def test_a_card_that_was_changed_by_hand_is_kept(study, tmp_path):
     first, card = content(folder), folder / "README.md"
     card.write_text(f"{card.read_text()}\nOur note.\n")
     before = content(folder)
-    with pytest.raises(UsageError, match="README.md was changed since it was published"):
+    with pytest.raises(UsageError, match=r"README\.md was changed since it was published"):
         publish(study, folder, forms=())
     assert content(folder) == before
     card.unlink()
