@@ -23,6 +23,18 @@ def whole(text: str) -> str:
     return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "replace")
 
 
+def clean_surrogates(text: str) -> str:
+    """Replace lone surrogates, escaped or not."""
+    return _ESCAPE.sub(lambda found: "\\ufffd" if found[1] else found[0], whole(text))
+
+
+_ESCAPE = re.compile(
+    r"\\(?:u[dD][89abAB][0-9a-fA-F]{2}\\u[dD][c-fC-F][0-9a-fA-F]{2}|u([dD][89a-fA-F][0-9a-fA-F]{2})|.)",
+    re.DOTALL,
+)
+"""An escape in a JSON string; its group matches a lone surrogate."""
+
+
 def text_fault(word: str) -> str:
     """Return the reason why a word from the command line or a terminal is no text, with the word; empty if it is.
 

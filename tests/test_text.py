@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._text import is_visible, one_line, plain, stem, text_fault, whole
+from oodscen._text import clean_surrogates, is_visible, one_line, plain, stem, text_fault, whole
 
 halves = st.text(st.characters(categories=["Cs", "Cc", "Cf", "Lo", "So"]), max_size=8)
 
@@ -93,3 +93,9 @@ def test_a_name_that_the_locale_cannot_hold_is_not_called_wrong():
     )
     assert "'st udy \\xe9' has characters that the locale's encoding, ascii, cannot" in done.stdout
     assert "UTF-8" not in done.stdout.partition("set LC_ALL=C.UTF-8")[0]
+
+
+def test_lone_surrogates_are_replaced_and_pairs_kept():
+    assert clean_surrogates("a\ud800b\\ud800c\\ude00d") == "a\ufffdb\\ufffdc\\ufffdd"
+    for kept in ("\\ud83d\\ude00", "\\\\ud800", "\\n\\u00e9", "\U0001f600"):
+        assert clean_surrogates(kept) == kept

@@ -1,6 +1,6 @@
 """Asking a language model one typed question for a typed answer."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar, cast
 
 from pydantic import BaseModel, ValidationError
@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 from oodscen._arguments import checked
 from oodscen._json import is_object
 from oodscen._numbers import whole_number
+from oodscen._prose import without_thoughts
 from oodscen._redaction import redact_keys
 from oodscen._seeding import MAX_SEED
 from oodscen._text import whole
@@ -15,7 +16,7 @@ from oodscen.data._base import issues_of
 from oodscen.data._messages import Message
 from oodscen.errors import AnswerError, Issue
 from oodscen.llm._check import complete
-from oodscen.llm._json_objects import find_objects, is_cut_off
+from oodscen.llm._json_objects import Found, find_objects, is_cut_off
 from oodscen.prompts._base import Prompt
 from oodscen.protocols import LLM, Request
 
@@ -101,34 +102,67 @@ def read_answer(
 ) -> tuple[Answer | None, list[Issue]]:
     """Find the answer in a model's text.
 
-    The last valid JSON object in the text wins, since models that think aloud answer at the end.
+    Objects in reasoning that has ended (`<think> ... </think>`) are drafts. Among the others, one must be an answer,
+    and no other may be a different one: which of two is meant, nobody can tell.
 
     Returns:
         The answer and no issues, or `None` and the faults of the object that came closest.
     """
     if len(raw) > MAX_ANSWER:
         return None, [Issue("", f"the answer has {len(raw):,} characters; {MAX_ANSWER:,} at most")]
+    said = without_thoughts(raw)
+    answers: list[Answer] = []
+    faulty: list[Issue] = []
     misshapen: list[tuple[int, list[Issue]]] = []
-    refused: list[Issue] = []
-    for found in find_objects(raw):
-        try:
-            answer = kind.model_validate(found.value)
-        except ValidationError as error:
-            misshapen.append((found.width, issues_of(error)))
-            continue
-        if not found.is_complete and not kind.model_fields.keys() <= found.value.keys():
-            continue
-        issues = [issue for check in checks for issue in check(answer)]
-        if not issues:
-            return answer, []
-        refused = refused or issues
-    if refused:
-        return None, refused
-    if is_cut_off(raw):
+    for candidates in find_objects(said):
+        for found in candidates:
+            try:
+                answer = kind.model_validate(found.value)
+            except ValidationError as error:
+                misshapen.append((found.width, issues_of(error)))
+                continue
+            if not found.is_complete and not kind.model_fields.keys() <= found.value.keys():
+                continue
+            faulty += _faults(found, answer)
+            if answer not in answers:
+                answers.append(answer)
+            break
+    if faulty:
+        return None, faulty
+    if len(answers) > 1:
+        return None, [Issue("", f"it holds {len(answers)} different answers; give one")]
+    if answers:
+        issues = [issue for check in checks for issue in check(answers[0])]
+        return (None, issues) if issues else (answers[0], [])
+    if is_cut_off(said):
         return None, [_CUT_OFF]
     if misshapen:
         return None, max(misshapen, key=lambda item: item[0])[1]
     return None, [Issue("", "no JSON object was found in the answer")]
+
+
+def _faults(found: Found, answer: BaseModel) -> list[Issue]:
+    """Return the reasons why an object of the right shape may say something else than what was read."""
+    issues = [Issue(name[:80], "is given twice with different values") for name in found.repeated]
+    if found.is_altered:
+        issues.append(Issue("", "it is not valid JSON; quote every text, and write plain numbers"))
+    return issues + [
+        Issue(path, "must be a number, not true or false")
+        for path in _truths_as_numbers(found.value, answer.model_dump())
+    ]
+
+
+def _truths_as_numbers(given: object, read: object, path: str = "") -> Iterator[str]:
+    """Yield the places at which `true` or `false` was read as a number."""
+    if isinstance(given, bool):
+        if isinstance(read, int | float) and not isinstance(read, bool):
+            yield path
+    elif isinstance(given, dict) and isinstance(read, dict):
+        for name in given.keys() & read.keys():
+            yield from _truths_as_numbers(given[name], read[name], f"{path}.{name}".strip("."))
+    elif isinstance(given, list) and isinstance(read, list | tuple):
+        for index, (one, other) in enumerate(zip(given, read, strict=False)):
+            yield from _truths_as_numbers(one, other, f"{path}[{index}]")
 
 
 def repair(raw: str, issues: Sequence[Issue]) -> tuple[Message, Message]:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import json_repair
 
-from oodscen._text import whole
+from oodscen._text import clean_surrogates
 
 
 class Members(dict[str, Any]):
@@ -27,50 +27,51 @@ class Found(NamedTuple):
     """False if the closing brace is missing, so that members may be missing too."""
     start: int = 0
     """Offset of its first character, set by `scan`."""
-    is_mended: bool = False
-    """True if it had faults, in which case the repair may have dropped words."""
+    is_altered: bool = False
+    """True if repairing its faults dropped or changed more than punctuation and comments: its values may be others."""
+    has_comments: bool = False
+
+    @property
+    def repeated(self) -> frozenset[str]:
+        """Names of the members, in it or in what it holds, that repeat with different values."""
+        return frozenset(_repeated(self.value))
 
 
-def find_objects(text: str) -> Iterator[Found]:
-    """Yield the JSON objects in a text, likeliest answer first: from the last to the first.
+def find_objects(text: str) -> list[tuple[Found, ...]]:
+    """Return the JSON objects in a text from the first to the last, each followed by the one that it wraps.
 
-    Objects may stand in a code fence, in prose, after a chain of thought, inside one wrapping key or a JSON
-    string. Small faults are repaired: trailing commas, single quotes, bare keys, comments, line breaks in
-    strings. The closing brace may be missing, but an object cut off within a string, a number, a list or an
-    inner object is skipped. Lone surrogates are replaced.
+    Objects may stand in a code fence, in prose, inside one wrapping key or a JSON string. Small faults are
+    repaired: trailing commas, single quotes, bare keys, comments, line breaks in strings. The closing brace may be
+    missing, but an object cut off within a string, a number, a list or an inner object is skipped. Lone surrogates
+    are replaced.
     """
     text = clean_surrogates(text)
-    tail = text.rpartition("</think>")[2]
-    for part in dict.fromkeys((tail, text)):
-        closed, broken_off = scan(part)
-        for found in reversed(closed):
-            yield found
-            if len(found.value) == 1 and isinstance(
-                inner := next(iter(found.value.values())), dict
-            ):
-                yield Found(inner, 0)
-        quoted = _strict(part)
-        if isinstance(quoted, str):
-            yield from (Found(value, 0) for value, *_ in reversed(scan(quoted)[0]))
-        if broken_off is not None and (value := _ended(part[broken_off:])) is not None:
-            yield Found(value, len(part) - broken_off, is_complete=False)
+    quoted = _strict(text)
+    if isinstance(quoted, str):
+        return [(Found(one.value, 0, is_altered=one.is_altered),) for one in scan(quoted)[0]]
+    closed, broken_off = scan(text)
+    if broken_off is not None and (ended := _ended(text[broken_off:])) is not None:
+        closed = [*(one for one in closed if one.start < broken_off), ended]
+    return [(one, *_wrapped(one)) for one in closed]
+
+
+def _wrapped(outer: Found) -> Iterator[Found]:
+    """Yield the object that an object of one member holds."""
+    if len(outer.value) == 1 and isinstance(inner := next(iter(outer.value.values())), dict):
+        yield Found(inner, 0, is_altered=outer.is_altered)
+
+
+def _repeated(value: object) -> Iterator[str]:
+    if isinstance(value, Members):
+        yield from value.repeated
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    for one in inner:
+        yield from _repeated(one)
 
 
 def is_cut_off(text: str) -> bool:
     """Return whether the text ends in the middle of an object."""
     return scan(text)[1] is not None
-
-
-def clean_surrogates(text: str) -> str:
-    """Replace lone surrogates, escaped or not."""
-    return _ESCAPE.sub(lambda found: "\\ufffd" if found[1] else found[0], whole(text))
-
-
-_ESCAPE = re.compile(
-    r"\\(?:u[dD][89abAB][0-9a-fA-F]{2}\\u[dD][c-fC-F][0-9a-fA-F]{2}|u([dD][89a-fA-F][0-9a-fA-F]{2})|.)",
-    re.DOTALL,
-)
-"""An escape in a JSON string; its group matches a lone surrogate."""
 
 
 def _members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -113,18 +114,18 @@ def scan(text: str) -> tuple[list[Found], int | None]:
     while failed < _STARTS and mended < _MENDED and (start := _OBJECT.search(text, position)):
         position = start.start()
         value, end = _strict_at(text, position)
-        is_mended = not isinstance(value, dict)
-        if is_mended:
+        one = Found(value, end - position) if isinstance(value, dict) else None
+        if one is None:
             end = _matching_brace(text, position)
-            value = _mend(text[position:end]) if end else None
+            one = _mended(text[position:end]) if end else None
             broken_off = position if broken_off is None and not end else broken_off
-        if isinstance(value, dict):
-            found.append(Found(value, end - position, True, position, is_mended))
-            mended += is_mended
-            position = end
-        else:
+            mended += one is not None
+        if one is None:
             position += 1
             failed += 1
+        else:
+            found.append(one._replace(start=position))
+            position = end
     return found, broken_off
 
 
@@ -141,23 +142,37 @@ def _matching_brace(text: str, position: int) -> int:
     return 0
 
 
-def _ended(text: str) -> dict[str, Any] | None:
+def _ended(text: str) -> Found | None:
     """Return the object that a text ends in, if only its closing brace is missing."""
-    text = re.sub(r"\s*(?:```)?\s*$", "", text)
-    if text.endswith("}") and re.match(r"\{\s*'", text):
-        # Quotation marks inside single-quoted strings make brackets uncountable.
-        return _mend(text)
-    marks = [token.group() for token in _TOKEN.finditer(text)]
-    is_missing_a_brace = (
-        text.endswith(('"', "]", "}"))
-        and '"' not in marks
-        and marks.count("{") == marks.count("}") + 1
-        and marks.count("[") == marks.count("]")
-    )
-    return _mend(text + "}") if is_missing_a_brace else None
+    part = re.sub(r"\s*(?:```)?\s*$", "", text)
+    if not (part.endswith("}") and re.match(r"\{\s*'", part)):
+        marks = [token.group() for token in _TOKEN.finditer(part)]
+        is_missing_a_brace = (
+            part.endswith(('"', "]", "}"))
+            and '"' not in marks
+            and marks.count("{") == marks.count("}") + 1
+            and marks.count("[") == marks.count("]")
+        )
+        if not is_missing_a_brace:
+            return None
+        part += "}"
+    # Quotation marks inside single-quoted strings make brackets uncountable.
+    found = _mended(part)
+    return found and found._replace(width=len(text), is_complete=False)
 
 
-def _mend(text: str) -> dict[str, Any] | None:
+def _mended(text: str) -> Found | None:
+    """Return a faulty object, repaired."""
+    value = _repaired(text)
+    if value is None:
+        return None
+    plain = _COMMENT.sub(lambda match: match[1] or "", text)
+    kept = json.dumps(value, ensure_ascii=False, separators=(",", ":"), default=str)
+    is_altered = _essence(plain) != _essence(kept)
+    return Found(value, len(text), is_altered=is_altered, has_comments=plain != text)
+
+
+def _repaired(text: str) -> dict[str, Any] | None:
     if len(text) > _MENDABLE:
         return None
     plain = _TRAILING_COMMA.sub(lambda match: match[1] or "", text)
@@ -183,3 +198,13 @@ def _strict_at(text: str, position: int) -> tuple[Any, int]:
         return _DECODER.raw_decode(text, position)
     except (ValueError, RecursionError):
         return None, 0
+
+
+def _essence(text: str) -> str:
+    """Return the characters of an object that carry its values; commas between digits may be part of a number."""
+    return _FORM.sub("", _COMMA.sub(",", text.casefold().replace("none", "null")))
+
+
+_COMMENT = re.compile(r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|//[^\n]*|/\*.*?\*/""", re.DOTALL)
+_COMMA = re.compile(r"\s*,\s*")
+_FORM = re.compile(r"""[\s"'\\\u201c\u201d{}\[\]:]|(?<!\d),|,(?!\d)""")

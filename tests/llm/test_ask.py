@@ -35,7 +35,7 @@ NOISE = {
     "fence": "{before}\n```json\n{answer}\n```\n{after}",
     "bare fence": "```\n{answer}\n```",
     "thoughts": "<think>{before} {draft} {after}</think>\n{answer}",
-    "draft": "First: {draft}. No, better:\n{answer}",
+    "twice": "{answer}\nIn a fence:\n```json\n{answer}\n```",
     "key": '{{"answer": {answer}}}',
     "comma": "{before}{comma}{after}",
     "string": "{string}",
@@ -65,6 +65,44 @@ def test_every_valid_answer_hidden_in_noise_is_found(answer, noise, before, afte
         string=json.dumps(text),
     )
     assert read_answer(raw, type(answer)) == (answer, [])
+
+
+@given(
+    answers,
+    st.data(),
+    st.sampled_from(["{answer}\n\nThe form: {other}", "{other} {answer}", "[{answer}, {other}]"]),
+)
+def test_of_two_different_answers_none_is_taken(answer, data, shape):
+    other = data.draw(st.from_type(type(answer)).filter(lambda one: one != answer))
+    found, issues = read_answer(
+        shape.format(answer=dumped(answer), other=dumped(other)), type(answer)
+    )
+    assert found is None
+    assert "different" in issues[0].message
+
+
+@pytest.mark.parametrize(
+    ("told", "fault"),
+    [
+        ("10^6", "not valid JSON"),
+        ("1 000 000", "not valid JSON"),
+        ("60 or 100", "not valid JSON"),
+        ("60%", "not valid JSON"),
+        ("<60", "not valid JSON"),
+        ("true", "must be a number"),
+        ('60, "once_in_km": 70', "twice"),
+    ],
+)
+def test_a_number_is_read_as_it_is_said_or_asked_again(told, fault):
+    raw = json.dumps(GOOD)[:-1] + f', "once_in_km": {told}}}'
+    found, issues = read_answer(raw, ImaginedScenario)
+    assert found is None
+    assert fault in issues[0].message
+
+
+def test_reasoning_without_an_end_holds_no_answer():
+    assert read_answer(f"<think>perhaps {json.dumps(GOOD)}", ImaginedScenario)[0] is None
+    assert read_answer(f"<think>perhaps</think>{json.dumps(GOOD)}", ImaginedScenario)[0] is not None
 
 
 @pytest.mark.parametrize(

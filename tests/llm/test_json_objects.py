@@ -3,11 +3,12 @@
 import json
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from oodscen.llm._json_objects import (
     Found,
     Members,
-    clean_surrogates,
     find_objects,
     is_cut_off,
     scan,
@@ -17,42 +18,69 @@ ONE = '{"a": 1}'
 
 
 def values(text: str) -> list[object]:
-    return [found.value for found in find_objects(text)]
+    return [found.value for found, *_ in find_objects(text)]
 
 
 def test_an_object_is_found_where_it_stands() -> None:
     assert scan(f"so {ONE}, and {{b: 2,}}") == (
-        [Found({"a": 1}, 8, True, 3, False), Found({"b": 2}, 7, True, 17, True)],
+        [Found({"a": 1}, 8, True, 3), Found({"b": 2}, 7, True, 17)],
         None,
     )
-    assert scan('{"a": "x\ny"}')[0] == [Found({"a": "x\ny"}, 12, True, 0, False)]
-    assert Found({}, 3) == Found({}, 3, is_complete=True, start=0, is_mended=False)
+    assert scan('{"a": "x\ny"}')[0] == [Found({"a": "x\ny"}, 12, True, 0)]
+    assert Found({}, 3) == Found({}, 3, is_complete=True, start=0, is_altered=False)
 
 
-def test_the_last_object_comes_first_and_what_it_wraps_after_it() -> None:
+def test_what_an_object_wraps_comes_after_it() -> None:
     wrapped = '{"answer": {"a": 2}}'
-    assert list(find_objects(f"{ONE} {wrapped}")) == [
-        Found({"answer": {"a": 2}}, 20, True, 9),
-        Found({"a": 2}, 0),
-        Found({"a": 1}, 8, True, 0),
+    assert find_objects(f"{ONE} {wrapped}") == [
+        (Found({"a": 1}, 8),),
+        (Found({"answer": {"a": 2}}, 20, start=9), Found({"a": 2}, 0)),
     ]
-    assert list(find_objects('{"b": {"a": 2}, "c": 1}')) == [
-        Found({"b": {"a": 2}, "c": 1}, 23, True, 0)
-    ]
-    assert values(f"{ONE}</think>{{'b': 2}}") == [{"b": 2}, {"b": 2}, {"a": 1}]
+    both = '{"b": {"a": 2}, "c": 1}'
+    assert find_objects(both) == [(Found({"b": {"a": 2}, "c": 1}, 23),)]
 
 
 def test_objects_in_a_json_string_have_no_width() -> None:
-    assert list(find_objects(json.dumps(f'{ONE} {{"b": 2}}')))[-2:] == [
-        Found({"b": 2}, 0),
-        Found({"a": 1}, 0),
+    assert find_objects(json.dumps(f'{ONE} {{"b": 2}}')) == [
+        (Found({"a": 1}, 0),),
+        (Found({"b": 2}, 0),),
     ]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{a: 1,}", "{'a': 'it is'}", '{"a": "x",\n}', '{"a": [1, 2,],}', '{"a": True, "b": None}', '{"a":1 "b":[1,2]}'],
+)  # fmt: skip
+def test_mending_punctuation_alters_nothing(text: str) -> None:
+    ((found, *_),) = find_objects(text)
+    assert not found.is_altered
+
+
+@given(
+    st.dictionaries(st.from_regex("[a-z]{1,4}", fullmatch=True), st.integers() | st.booleans()),
+    st.sampled_from("!~<>%$^|/&?*+"),
+    st.data(),
+)
+def test_a_sign_beside_a_value_is_never_dropped_without_a_word(value, sign, data) -> None:
+    name = data.draw(st.sampled_from([*value, "x"]))
+    faulty = {one: said for one, said in value.items() if one != name}
+    told = json.dumps({**faulty, name: 0})[:-2]
+    for said in (f"{sign}7", f"7{sign}", f"7{sign}8", "7 8", "7,8", "7 or 8", "1_0 0"):
+        for found, *_ in find_objects(f"{told}{said}}}"):
+            assert found.is_altered or str(found.value.get(name)).replace(" ", "") == said.replace(
+                " ", ""
+            )
+
+
+def test_comments_are_told() -> None:
+    ((found, *_),) = find_objects('{"a": 1, // or 2\n "b": "//"}')
+    assert (found.value, found.is_altered, found.has_comments) == ({"a": 1, "b": "//"}, False, True)
 
 
 @pytest.mark.parametrize("text", ['{"a": "x"', '{"a": [1, 2]', '{"a": {"b": 1}', "{'a': {'b': 'x'}"])  # fmt: skip
 def test_only_the_closing_brace_may_be_missing(text: str) -> None:
     assert is_cut_off(text)
-    *_, found = find_objects(f"so {text}")
+    ((found, *_),) = find_objects(f"so {text}")
     assert (found.width, found.is_complete, list(found.value)) == (len(text), False, ["a"])
     assert not is_cut_off(text + "}")
 
@@ -70,18 +98,14 @@ def test_what_is_whole_or_no_object_is_not_cut_off() -> None:
     assert scan("{// nothing\n}") == ([], None)
 
 
-def test_lone_surrogates_are_replaced_and_pairs_kept() -> None:
-    assert clean_surrogates("a\ud800b\\ud800c\\ude00d") == "a\ufffdb\\ufffdc\\ufffdd"
-    for kept in ("\\ud83d\\ude00", "\\\\ud800", "\\n\\u00e9", "\U0001f600"):
-        assert clean_surrogates(kept) == kept
-
-
 def test_members_that_repeat_with_other_values_are_remembered() -> None:
-    ((value, *_),) = scan('{"a": 1, "b": 2, "a": 3, "b": 2}')[0]
-    assert isinstance(value, Members)
-    assert (value, value.repeated) == ({"a": 3, "b": 2}, {"a"})
-    ((value, *_),) = scan('{"a": 1, "a": 1}')[0]
-    assert type(value) is dict
+    (found,) = scan('{"a": 1, "b": 2, "a": 3, "b": 2}')[0]
+    assert isinstance(found.value, Members)
+    assert (found.value, found.repeated) == ({"a": 3, "b": 2}, {"a"})
+    (found,) = scan('{"c": [{"a": 1, "a": 2}]}')[0]
+    assert found.repeated == {"a"}
+    (found,) = scan('{"a": 1, "a": 1}')[0]
+    assert type(found.value) is dict
 
 
 def test_commas_are_dropped_before_a_bracket_and_nowhere_else() -> None:

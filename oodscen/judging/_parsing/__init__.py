@@ -4,10 +4,11 @@ The parser never guesses. An answer that two people could read differently is `u
 once more.
 """
 
+from oodscen._prose import is_refusal
 from oodscen.judging._parsing.aspects import Detected, names_nothing, read_aspect, read_named_aspect
 from oodscen.judging._parsing.choices import contradiction, read_action, read_choice
 from oodscen.judging._parsing.descriptions import read_description
-from oodscen.judging._parsing.reading import ParsedAnswer, is_refusal, reasoning_in
+from oodscen.judging._parsing.reading import ParsedAnswer, reasoning_in
 
 __all__ = [
     "Detected",

@@ -5,17 +5,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from oodscen._prose import fold, is_refusal
 from oodscen.judging._parsing.reading import (
     ParsedAnswer,
     Question,
     is_placeholder,
-    is_refusal,
     members,
     read,
     words_in,
 )
 from oodscen.judging._parsing.stating import is_against
-from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, fold
+from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
 
 LONGEST_ASPECT = 300
 """The longest prose that can be the name of an aspect, in characters."""

@@ -6,18 +6,18 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen._arguments import checked
+from oodscen._prose import fold, is_refusal, tidy
 from oodscen.data._episode import ACTIONS
 from oodscen.errors import UsageError
 from oodscen.judging._parsing.reading import (
     ParsedAnswer,
     Question,
-    is_refusal,
     members,
     read,
     unwrap,
 )
 from oodscen.judging._parsing.stating import FIRST, GERUNDS, OPTION, is_against, stated_option
-from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, fold, tidy
+from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
 
 Marking = Callable[[str], str]
 """Replaces every option that folded prose names with a character of `stating.OPTION`."""

@@ -4,16 +4,16 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from oodscen._prose import fold, is_refusal
 from oodscen.judging._parsing.reading import (
     ParsedAnswer,
     Question,
     is_placeholder,
-    is_refusal,
     members,
     read,
     words_in,
 )
-from oodscen.judging._parsing.text import UnusableError, fold
+from oodscen.judging._parsing.unusable import UnusableError
 
 _DESCRIPTION = re.compile(r"(?:\w*description|answer|text|summary|caption)")
 _ANY = re.compile(r".*")

@@ -7,21 +7,15 @@ members it has reasons and a confidence. Lines such as `Action: stop` are parsed
 
 import json
 import re
-from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar
 
 from oodscen._arguments import instance_of
-from oodscen.judging._parsing.text import (
-    LONGEST,
-    TWO_ANSWERS,
-    UnusableError,
-    after_reasoning,
-    fold,
-    tidy,
-)
-from oodscen.llm._json_objects import Found, clean_surrogates, scan
+from oodscen._prose import after_reasoning, fold, is_refusal, tidy
+from oodscen._text import clean_surrogates
+from oodscen.judging._parsing.unusable import LONGEST, TWO_ANSWERS, UnusableError
+from oodscen.llm._json_objects import scan
 
 Value = TypeVar("Value")
 
@@ -123,7 +117,7 @@ def _only_object(said: str) -> dict[str, Any] | None:
     if len(found) > 1:
         raise UnusableError(f"it has {len(found)} JSON objects")
     (one,) = found
-    if one.is_mended and _lost_words(one, said):
+    if one.is_altered or one.has_comments:
         raise UnusableError("the JSON object has faults")
     before, after = said[: one.start], said[one.start + one.width :]
     lead = fold(tidy(_OPENS.sub("", before)))
@@ -153,17 +147,6 @@ _COURTESY = re.compile(
     r"|(?:please )?let me know if you (?:need|have|want) (?:anything else|(?:any )?(?:more|further questions|questions))[.!]?)?"
 )
 """Matches the phrases, in folded prose, that may follow an object."""
-
-
-def _lost_words(one: Found, said: str) -> bool:
-    """Return whether repairing an object dropped some of its words, such as one of two values, or a fence."""
-    source = said[one.start : one.start + one.width]
-    kept = json.dumps(one.value, ensure_ascii=False, default=str)
-    return "```" in source or bool(_words(source) - _words(kept))
-
-
-def _words(text: str) -> Counter[str]:
-    return Counter(re.findall(r"\w+|[!~-]", text.casefold().replace("none", "null")))
 
 
 def _labelled(prose: str, asked: re.Pattern[str]) -> dict[str, Any] | None:
@@ -287,24 +270,3 @@ def reasoning_in(text: str) -> str:
             words_in(one.value[name]) for name in one.value if spelt(name) == "reasoning"
         )
     return said
-
-
-# ------------------------------------------------------------------ refusals
-
-
-def is_refusal(text: str) -> bool:
-    """Return whether a model declines to answer, or cannot see the picture."""
-    return bool(_REFUSAL.search(fold(tidy(after_reasoning(text[:20_000])))))
-
-
-_CANNOT = (
-    r"\bi(?:'m| am| have decided)? (?:\w+ )?(?:can ?not|can't|won't|will not|do not|don't|unable to|not able to"
-    r"|not (?:allowed|permitted|comfortable) to|not to|decline to|refuse to)"
-)
-_PICTURES = r"(?:image|picture|frame|photo|video|attachment)s?"
-_REFUSAL = re.compile(
-    rf"{_CANNOT} (?:(?!know |have |think )\w+ ){{0,2}}(?:assist|help|comply|answer|respond|feel comfortable)\b(?! but\b)"
-    rf"|{_CANNOT} (?:choose|provide|give|make|tell|offer) (?:an?|any|you|driving|guidance|real)\b"
-    rf"|{_CANNOT} (?:\w+ )?(?:view|see|access|describe|analy[sz]e|identify) (?:\w+ ){{0,4}}{_PICTURES}\b(?! (?:well|clearly)\b)"
-    rf"|\bi have no access to (?:\w+ )?{_PICTURES}|\bi (?:must|have to) decline\b|\bas an? (?:ai )?language model\b"
-)

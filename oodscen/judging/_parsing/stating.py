@@ -7,7 +7,7 @@ observation: a sentence about the road and what is on it, which says nothing of 
 
 import re
 
-from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError
+from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
 
 FIRST, GERUNDS = 0xE000, 0x800
 """The character of the first option, and the offset of an option named as a gerund ("stopping", not "stop")."""

@@ -31,7 +31,7 @@ from oodscen.judging._parsing.reading import (
     unwrap,
     words_in,
 )
-from oodscen.judging._parsing.text import LONGEST, UnusableError
+from oodscen.judging._parsing.unusable import LONGEST, UnusableError
 from oodscen.llm._json_objects import Members
 from tests.judging.parsing.shapes import LEAVES
 

@@ -1,18 +1,20 @@
-"""Removes reasoning, control tokens and markup from a model's answer."""
+"""A model's prose without reasoning, control tokens and markup, and the refusals in it."""
 
 import re
 import unicodedata
 
-from oodscen.llm._json_objects import clean_surrogates
-
-LONGEST = 200_000
-"""The longest answer that is parsed, in characters."""
-
-TWO_ANSWERS = "two answers"
+from oodscen._text import clean_surrogates
 
 
-class UnusableError(ValueError):
-    """An answer that must not be read, with the reason."""
+def without_thoughts(text: str) -> str:
+    """Return what stands after reasoning that has ended; empty if it begins with reasoning that has not."""
+    text = _FINAL_CHANNEL.sub("</think>", text)
+    marks = list(_THINKING.finditer(text))
+    ends = [mark.end() for mark in marks if mark["ends"]]
+    if ends:
+        return text[ends[-1] :]
+    is_open = bool(marks) and "{" not in text[: marks[0].start()]
+    return "" if is_open else text
 
 
 def after_reasoning(text: str) -> str:
@@ -66,3 +68,21 @@ def fold(tidy: str) -> str:
 
 
 _CAMEL_CASE = re.compile(r"(?<=[a-z])(?=[A-Z])")
+
+
+def is_refusal(text: str) -> bool:
+    """Return whether a model declines to answer, or cannot see the picture."""
+    return bool(_REFUSAL.search(fold(tidy(after_reasoning(text[:20_000])))))
+
+
+_CANNOT = (
+    r"\bi(?:'m| am| have decided)? (?:\w+ )?(?:can ?not|can't|won't|will not|do not|don't|unable to|not able to"
+    r"|not (?:allowed|permitted|comfortable) to|not to|decline to|refuse to)"
+)
+_PICTURES = r"(?:image|picture|frame|photo|video|attachment)s?"
+_REFUSAL = re.compile(
+    rf"{_CANNOT} (?:(?!know |have |think )\w+ ){{0,2}}(?:assist|help|comply|answer|respond|feel comfortable)\b(?! but\b)"
+    rf"|{_CANNOT} (?:choose|provide|give|make|tell|offer) (?:an?|any|you|driving|guidance|real)\b"
+    rf"|{_CANNOT} (?:\w+ )?(?:view|see|access|describe|analy[sz]e|identify) (?:\w+ ){{0,4}}{_PICTURES}\b(?! (?:well|clearly)\b)"
+    rf"|\bi have no access to (?:\w+ )?{_PICTURES}|\bi (?:must|have to) decline\b|\bas an? (?:ai )?language model\b"
+)
