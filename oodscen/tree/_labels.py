@@ -103,27 +103,27 @@ def label_fault(label: str) -> str:
         return "the label is empty"
     if len(label) > MAX_LABEL:
         return f"the label has {len(label)} characters, at most {MAX_LABEL} are allowed"
-    return _wording_fault(label)
+    return wording_fault(label, "the label")
 
 
 @lru_cache(maxsize=16_384)
-def _wording_fault(label: str) -> str:
-    """Return why a visible text of permitted length cannot be a label; every edit of a tree asks again."""
-    if label.isascii() and label.isprintable():
-        text = label
+def wording_fault(words: str, noun: str) -> str:
+    """Return why visible words, named by a noun, are no plain words; every edit of a tree asks again."""
+    if words.isascii() and words.isprintable():
+        text = words
     else:
-        if any(unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") for char in label):
-            return "the label contains line breaks, control characters or halves of characters"
-        if _has_unseen(label):
-            return "the label contains characters that do not show or turn the direction of writing"
-        text = _seen(label)
+        if any(unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") for char in words):
+            return f"{noun} contains line breaks, control characters or halves of characters"
+        if _has_unseen(words):
+            return f"{noun} contains characters that do not show or turn the direction of writing"
+        text = _seen(words)
     if _MARKUP.search(text) or ("&" in text and html.unescape(text) != text):
-        return "the label contains markup or code: plain words are wanted"
-    if not label.isascii() and _is_disguised(text):
-        return "the label mixes alphabets so that words pass for others: use one alphabet per word"
+        return f"{noun} contains markup or code: plain words are wanted"
+    if not words.isascii() and _is_disguised(text):
+        return f"{noun} mixes alphabets so that words pass for others: use one alphabet per word"
     plain = one_line(text.translate(_LOOKALIKES))
     if _ADDRESSED.search(plain) or _ADDRESSED.search(re.sub(r"[-_/*~]+", " ", plain)):
-        return "the label speaks to a model: plain words for a kind of scenario are wanted"
+        return f"{noun} speaks to a model: plain words about a scenario are wanted"
     return ""
 
 

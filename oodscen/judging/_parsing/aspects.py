@@ -133,7 +133,7 @@ def _truth(value: object) -> bool | None:
         value = value[0]
     if isinstance(value, (bool, int, float)):
         return bool(value) if value in (0, 1) else None
-    return _TRUTHS.get(value.strip(" .!").casefold()) if isinstance(value, str) else None
+    return _TRUTHS.get(value.strip().rstrip(" .!").casefold()) if isinstance(value, str) else None
 
 
 _TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}

@@ -8,6 +8,7 @@ from oodscen._display import Brief
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._scenario.describe_path import plain
+from oodscen.prompts._wording import text_fault
 
 
 class OrdinaryText(Brief, BaseModel):
@@ -33,10 +34,11 @@ class DescribeOrdinary(Prompt[OrdinaryText]):
     """Labels from the root down to the leaf, if the text has one."""
 
     def check(self, answer: OrdinaryText) -> list[Issue]:
-        """Return a fault if the answer is the same text or differs much in length."""
+        """Return a fault if the answer is the same text, differs much in length, or is not in plain words."""
         words, own = len(plain(answer.text).split()), len(plain(self.text).split())
         if plain(answer.text) == plain(self.text):
             return [Issue("text", "is the same text; replace the unusual event")]
         if not 0.5 * own - 4 <= words <= 1.5 * own + 4:
             return [Issue("text", f"has {words} words; keep about the {own} of the original")]
-        return []
+        fault = text_fault(answer.text)
+        return [Issue("text", fault)] if fault else []

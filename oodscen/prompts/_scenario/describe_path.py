@@ -9,6 +9,7 @@ from oodscen._display import Brief
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._wording import text_fault
 
 Style = Literal["natural", "paper", "terse", "verbose", "first-person"]
 """Register of a text: varied everyday prose, two sentences as in the paper, a line of a test
@@ -55,7 +56,7 @@ class DescribePath(Prompt[Descriptions]):
         }
 
     def check(self, answer: Descriptions) -> list[Issue]:
-        """Return faults if there are too many texts, texts of unreasonable length, or duplicates.
+        """Return faults if there are too many texts, texts of unreasonable length or wording, or duplicates.
 
         Fewer texts than asked for say that the kind bears no more; none at all, only if some exist.
         """
@@ -67,6 +68,8 @@ class DescribePath(Prompt[Descriptions]):
         for index, text in enumerate(answer.texts):
             if not 20 <= len(text.strip()) <= 600:
                 issues.append(Issue(f"texts[{index}]", "use 20 to 600 characters"))
+            if fault := text_fault(text):
+                issues.append(Issue(f"texts[{index}]", fault))
             if plain(text) in seen:
                 issues.append(Issue(f"texts[{index}]", "says the same as an earlier text"))
             seen.add(plain(text))

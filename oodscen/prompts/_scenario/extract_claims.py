@@ -12,6 +12,10 @@ from oodscen.prompts._scenario.describe_path import plain
 
 MOST_CLAIMS = 60
 """Largest number of claims in an answer."""
+_SMALL = frozenset(
+    "a an and as at by for from in into is it its of on or that the there this to with".split()
+)
+"""Words that make no claim by themselves."""
 
 
 class Claims(Brief, BaseModel):
@@ -49,7 +53,8 @@ class ExtractClaims(Prompt[Claims]):
         seen: set[tuple[str, str, str]] = set()
         for index, claim in enumerate(answer.claims):
             path = f"claims[{index}]"
-            if not plain(claim.quote) or f" {plain(claim.quote)} " not in words:
+            quote = plain(claim.quote)
+            if not set(quote.split()) - _SMALL or f" {quote} " not in words:
                 issues.append(Issue(f"{path}.quote", "copy the words of the text that say so"))
             key = (claim.kind, claim.value, claim.subject)
             if key in seen:

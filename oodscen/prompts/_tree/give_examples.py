@@ -7,6 +7,7 @@ from pydantic import BaseModel, Field
 from oodscen._display import Brief
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
+from oodscen.prompts._wording import text_fault
 
 
 class Examples(Brief, BaseModel):
@@ -28,8 +29,12 @@ class GiveExamples(Prompt[Examples]):
     """Number of new examples to give."""
 
     def check(self, answer: Examples) -> list[Issue]:
-        """Return faults if there are too few examples, or empty ones."""
+        """Return faults if there are too few examples, empty ones, or some not in plain words."""
         filled = [text for text in answer.examples if text.strip()]
         if len(filled) < self.count:
             return [Issue("examples", f"give {self.count}, not {len(filled)}")]
-        return []
+        return [
+            Issue(f"examples[{index}]", fault)
+            for index, text in enumerate(answer.examples)
+            if text.strip() and (fault := text_fault(text))
+        ]

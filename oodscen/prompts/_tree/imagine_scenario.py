@@ -8,6 +8,7 @@ from oodscen._display import Brief
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._wording import text_fault
 
 
 class ImaginedScenario(Brief, BaseModel):
@@ -50,7 +51,8 @@ class ImagineScenario(Prompt[ImaginedScenario]):
     """Label of the group to look at, while others look at others."""
 
     def check(self, answer: ImaginedScenario) -> list[Issue]:
-        """Return a fault unless the text is one short paragraph."""
+        """Return a fault unless the text is one short paragraph of plain words."""
         if not 20 <= len(answer.text.strip()) <= 600:
             return [Issue("text", "write one or two sentences, 20 to 600 characters")]
-        return []
+        fault = text_fault(answer.text)
+        return [Issue("text", fault)] if fault else []

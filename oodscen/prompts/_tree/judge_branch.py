@@ -13,6 +13,7 @@ from oodscen.prompts._base import Prompt, without_blanks
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.tree._labels import label_fault, same_words
 
+_NOTHING = frozenset({"none", "nothing", "n/a", "null", "no", "-"})
 _MOST = 40
 """Largest number of entries of one kind."""
 
@@ -87,13 +88,29 @@ class JudgeBranch(Prompt[BranchJudgement]):
         for index, one in enumerate(answer.substitutes):
             issues += _unknown(f"substitutes[{index}].asset", one.asset, known["assets"])
         for index, addition in enumerate(answer.missing):
+            if addition.name.casefold() in _NOTHING:
+                issues.append(
+                    Issue(f"missing[{index}]", "leave the list empty if nothing is missing")
+                )
             if self._has(addition):
                 message = f"{addition.words} is in the list: it is not missing"
                 issues.append(Issue(f"missing[{index}]", message))
-        if not answer.simulatable and not answer.missing:
-            issues.append(Issue("missing", "say what would have to be added"))
+        issues += self._contradictions(answer)
         if answer.label and answer.simulatable:
             issues += self._check_label(answer)
+        return issues
+
+    def _contradictions(self, answer: BranchJudgement) -> list[Issue]:
+        """Return faults if the means of a judgement do not go with its yes or no."""
+        if not answer.simulatable:
+            return [] if answer.missing else [Issue("missing", "say what would have to be added")]
+        issues = []
+        if answer.missing and not (answer.label or answer.substitutes):
+            message = "nothing is missing where all can be shown; where only a part can, name it in `label`"
+            issues.append(Issue("missing", message))
+        means = (answer.assets, answer.states, answer.behaviours, answer.weather, answer.traits)
+        if not any((*means, answer.substitutes)):
+            issues.append(Issue("assets", "name what shows it"))
         return issues
 
     def _check_label(self, answer: BranchJudgement) -> list[Issue]:

@@ -240,11 +240,36 @@ def test_every_node_has_a_reason_even_where_the_model_gives_none():
         ({"simulatable": False, "missing": ["deer"]}, "missing[0]"),
         ({"simulatable": False, "missing": ["weather: rain"]}, "missing[0]"),
         ({"simulatable": False}, "missing"),
-        ({"simulatable": True, "label": "deer", "missing": ["a moose"]}, "label"),
-        ({"simulatable": True, "label": "x" * 10_000, "missing": ["a moose"]}, "label"),
-        ({"simulatable": True, "label": "a\nb", "missing": ["a moose"]}, "label"),
-        ({"simulatable": True, "label": "<b>stag</b>", "missing": ["a moose"]}, "label"),
-        ({"simulatable": True, "label": "Stag"}, "missing"),
+        (
+            {"simulatable": True, "assets": ["deer"], "label": "deer", "missing": ["a moose"]},
+            "label",
+        ),
+        (
+            {
+                "simulatable": True,
+                "assets": ["deer"],
+                "label": "x" * 10_000,
+                "missing": ["a moose"],
+            },
+            "label",
+        ),
+        (
+            {"simulatable": True, "assets": ["deer"], "label": "a\nb", "missing": ["a moose"]},
+            "label",
+        ),
+        (
+            {
+                "simulatable": True,
+                "assets": ["deer"],
+                "label": "<b>stag</b>",
+                "missing": ["a moose"],
+            },
+            "label",
+        ),
+        ({"simulatable": True, "assets": ["deer"], "label": "Stag"}, "missing"),
+        ({"simulatable": True, "assets": ["deer"], "missing": ["a moose"]}, "missing"),
+        ({"simulatable": True}, "assets"),
+        ({"simulatable": False, "missing": ["None"]}, "missing[0]"),
     ],
 )
 def test_an_answer_that_names_what_is_not_there_is_refused(answer, path):
