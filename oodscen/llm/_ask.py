@@ -103,7 +103,7 @@ def read_answer(
     """Find the answer in a model's text.
 
     Objects in reasoning that has ended (`<think> ... </think>`) are drafts. Among the others, one must be an answer,
-    and no other may be a different one: which of two is meant, nobody can tell.
+    and none may be a different one, since nothing tells which of two is meant.
 
     Returns:
         The answer and no issues, or `None` and the faults of the object that came closest.
