@@ -118,6 +118,6 @@ def audit(out: Path, as_json: bool) -> None:
         study.store.write(FILE, canonical_json(found.model_dump(mode="json")) + "\n")
     write_report(study)
     if as_json:
-        click.echo(found.model_dump_json(indent=2))
+        say(found.model_dump_json(indent=2))
     else:
         say(str(found))
