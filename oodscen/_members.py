@@ -28,6 +28,8 @@ SHORTEST_DT, LONGEST_DT = 0.001, 0.1
 _MOST_SAID = 500
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 """A place in memory, which differs from run to run."""
+_FROM_CALLER = "_oodscen_is_of_the_caller"
+"""Attribute of exceptions that no component raised."""
 _CANCELLING = ("asyncio", "trio", "_pytest")
 """Packages whose exceptions outside `Exception` cancel work from outside."""
 
@@ -135,7 +137,8 @@ def working(kind: str, label: str) -> Iterator[None]:
 
     Raises:
         OodscenError: Passed through unchanged, except for a model's own malformed data. Any other exception
-            becomes an `LLMError`, `EncoderError` or `SimulatorCrash`, or a `UsageError` for other kinds.
+            becomes an `LLMError`, `EncoderError` or `SimulatorCrash`, or a `UsageError` for other kinds, except
+            for what `of_the_caller` lets pass.
     """
     try:
         yield
@@ -144,9 +147,19 @@ def working(kind: str, label: str) -> Iterator[None]:
             raise _broken(kind, label, error) from error
         raise
     except BaseException as error:
-        if is_interruption(error):
+        if is_interruption(error) or getattr(error, _FROM_CALLER, False):
             raise
         raise _broken(kind, label, error) from error
+
+
+@contextmanager
+def of_the_caller() -> Iterator[None]:
+    """Let what a function of the caller's raises pass through the components around it as it is."""
+    try:
+        yield
+    except BaseException as error:
+        setattr(error, _FROM_CALLER, True)
+        raise
 
 
 def is_interruption(error: BaseException) -> bool:

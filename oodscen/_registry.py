@@ -258,7 +258,8 @@ def make_llm(
         api_base: The address of a server, for models behind litellm; other models ignore it.
         limits: The run's caps, prices and endpoints. The built-in author, reference answerers and recordings
             count for nothing.
-        log: Called with every call of the model, failed ones included, never from two threads at a time.
+        log: Called with every call of the model, failed ones included, never from two threads at a time. What it
+            raises is no failure of the model, and ends the work.
         record: A file that records every answer; recorded questions are answered from it. See `replay:FILE`.
         **settings: Further settings of a named model, e.g. `temperature=0.7` for models behind litellm.
 
