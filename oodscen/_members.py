@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from oodscen._numbers import finite_number
 from oodscen._redaction import redact
 from oodscen._text import one_line, plain, whole
+from oodscen.data._catalogue import Catalogue
 from oodscen.errors import (
     DataError,
     EncoderError,
@@ -124,6 +125,17 @@ def _fault(kind: str, made: Any, name: str) -> str:
     return (
         f"has a {name} of {value!r:.40}, not of a number from {SHORTEST_DT:g} to {LONGEST_DT:g} s"
     )
+
+
+def as_catalogue(made: object, name: str) -> Catalogue:
+    """Return the catalogue that a simulator of this name told.
+
+    Raises:
+        UsageError: If it is something else.
+    """
+    if not isinstance(made, Catalogue):
+        raise UsageError(f"the catalogue of {name!r} is {described(made)}, not a Catalogue")
+    return made
 
 
 def described(value: object) -> str:
