@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from oodscen._numbers import finite_number
 from oodscen._redaction import redact
 from oodscen._text import one_line, plain, whole
+from oodscen.data._catalogue import Catalogue
 from oodscen.errors import (
     DataError,
     EncoderError,
@@ -28,6 +29,8 @@ SHORTEST_DT, LONGEST_DT = 0.001, 0.1
 _MOST_SAID = 500
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 """A place in memory, which differs from run to run."""
+_FROM_CALLER = "_oodscen_is_of_the_caller"
+"""Attribute of exceptions that no component raised."""
 _CANCELLING = ("asyncio", "trio", "_pytest")
 """Packages whose exceptions outside `Exception` cancel work from outside."""
 
@@ -124,6 +127,17 @@ def _fault(kind: str, made: Any, name: str) -> str:
     )
 
 
+def as_catalogue(made: object, name: str) -> Catalogue:
+    """Return the catalogue that a simulator of this name told.
+
+    Raises:
+        UsageError: If it is something else.
+    """
+    if not isinstance(made, Catalogue):
+        raise UsageError(f"the catalogue of {name!r} is {described(made)}, not a Catalogue")
+    return made
+
+
 def described(value: object) -> str:
     """Return the type of a value in words, for an error message."""
     return "None" if value is None else f"of type {type(value).__name__}"
@@ -135,7 +149,8 @@ def working(kind: str, label: str) -> Iterator[None]:
 
     Raises:
         OodscenError: Passed through unchanged, except for a model's own malformed data. Any other exception
-            becomes an `LLMError`, `EncoderError` or `SimulatorCrash`, or a `UsageError` for other kinds.
+            becomes an `LLMError`, `EncoderError` or `SimulatorCrash`, or a `UsageError` for other kinds, except
+            for what `of_the_caller` lets pass.
     """
     try:
         yield
@@ -144,9 +159,19 @@ def working(kind: str, label: str) -> Iterator[None]:
             raise _broken(kind, label, error) from error
         raise
     except BaseException as error:
-        if is_interruption(error):
+        if is_interruption(error) or getattr(error, _FROM_CALLER, False):
             raise
         raise _broken(kind, label, error) from error
+
+
+@contextmanager
+def of_the_caller() -> Iterator[None]:
+    """Let what a function of the caller's raises pass through the components around it as it is."""
+    try:
+        yield
+    except BaseException as error:
+        setattr(error, _FROM_CALLER, True)
+        raise
 
 
 def is_interruption(error: BaseException) -> bool:

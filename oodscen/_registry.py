@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from oodscen._arguments import checked
-from oodscen._members import conforming, described, is_interruption, reason, using, working
+from oodscen._members import as_catalogue, conforming, is_interruption, reason, using, working
 from oodscen._numbers import seed_number
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import ACTIONS
@@ -127,7 +127,7 @@ def make_simulator(simulator: str | Simulator) -> Simulator:
     made = cast(Simulator, conforming("simulator", _made("simulator", simulator), simulator))
     with working("simulator", simulator):
         catalogue = made.catalogue()
-    _as_catalogue(catalogue, simulator)
+    as_catalogue(catalogue, simulator)
     return made
 
 
@@ -153,13 +153,7 @@ def make_catalogue(catalogue: str | Path | Catalogue) -> Catalogue:
         simulator = make_simulator(name)
         with working("simulator", name), using(simulator):
             return simulator.catalogue()
-    return _as_catalogue(_made("catalogue", name), name)
-
-
-def _as_catalogue(made: object, name: str) -> Catalogue:
-    if not isinstance(made, Catalogue):
-        raise UsageError(f"the catalogue of {name!r} is {described(made)}, not a Catalogue")
-    return made
+    return as_catalogue(_made("catalogue", name), name)
 
 
 @checked
@@ -258,7 +252,8 @@ def make_llm(
         api_base: The address of a server, for models behind litellm; other models ignore it.
         limits: The run's caps, prices and endpoints. The built-in author, reference answerers and recordings
             count for nothing.
-        log: Called with every call of the model, failed ones included, never from two threads at a time.
+        log: Called with every call of the model, failed ones included, never from two threads at a time. What it
+            raises is no failure of the model, and ends the work.
         record: A file that records every answer; recorded questions are answered from it. See `replay:FILE`.
         **settings: Further settings of a named model, e.g. `temperature=0.7` for models behind litellm.
 

@@ -1,5 +1,6 @@
 """Laws of text from outside: it can be written, and steers no terminal."""
 
+import json
 import os
 import subprocess
 import sys
@@ -99,3 +100,9 @@ def test_lone_surrogates_are_replaced_and_pairs_kept():
     assert clean_surrogates("a\ud800b\\ud800c\\ude00d") == "a\ufffdb\\ufffdc\\ufffdd"
     for kept in ("\\ud83d\\ude00", "\\\\ud800", "\\n\\u00e9", "\U0001f600"):
         assert clean_surrogates(kept) == kept
+
+
+@given(st.dictionaries(st.text(), st.text() | st.just("gnp.\u202eexe")))
+def test_json_means_the_same_after_its_escapes(value):
+    value = json.loads(whole(json.dumps(value, ensure_ascii=False)))
+    assert json.loads(plain(json.dumps(value, ensure_ascii=False))) == value

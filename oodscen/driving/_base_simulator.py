@@ -6,6 +6,7 @@ from typing import ClassVar, Self
 
 from oodscen._abilities import ChecksScenes
 from oodscen._display import Brief
+from oodscen._members import as_catalogue
 from oodscen.data._catalogue import BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import Scene
 from oodscen.driving._frames import own_frame
@@ -117,7 +118,7 @@ class BaseSimulator(Brief, ABC):
     def _opened(self, scene: Scene) -> tuple[Corridor, Catalogue]:
         """Forget the last scene, and return the road and the catalogue of one that can be staged."""
         self._world = self._state = None
-        catalogue = self.catalogue()
+        catalogue = as_catalogue(self.catalogue(), self.name)
         issues = staging_issues(scene, catalogue)
         if scene.motions and not self.plays_motions:
             fault = f"{self.name} moves bodies by itself and cannot play motions made to order"

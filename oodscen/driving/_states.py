@@ -8,6 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from oodscen._abilities import Rehearses, Snapshots
+from oodscen._members import as_catalogue
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import BaseSimulator
@@ -68,7 +69,7 @@ class Watched:
 
     def catalogue(self) -> Catalogue:
         """Return the simulator's vocabulary."""
-        return self._simulator.catalogue()
+        return as_catalogue(self._simulator.catalogue(), self.name)
 
     def reset(self, scene: Scene, seed: int) -> State:
         """Load a scene and return its first state, at time 0."""

@@ -10,6 +10,7 @@ import threading
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,10 @@ class CachedEncoder(Brief):
         self._vectors: dict[bytes, NDArray[np.float32]] = {}
         self._is_loaded = self._folder is None
         self._unsaved = 0
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the encoder and the folder, without the vectors."""
+        return type(self), (self._encoder, self._folder)
 
     @property
     def name(self) -> str:

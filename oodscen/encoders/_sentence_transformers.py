@@ -50,6 +50,13 @@ class SentenceTransformerEncoder(Brief):
         self._name: str | None = None
         self._lock = threading.Lock()
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle what the model is loaded from, not the model."""
+        return {**vars(self), "_model": None, "_lock": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state, _lock=threading.Lock())
+
     @property
     def name(self) -> str:
         """The folder's name with the hash of its weights, or the hub's name with the revision."""

@@ -15,6 +15,8 @@ _ROWS = 4096
 _COLUMNS = 1024
 _MOST_COLUMNS = 16_384
 _GROUP = 64
+_TIE = np.float32(5e-7)
+"""Cosines that differ by less are equally near: their last bits depend on what else is multiplied with them."""
 
 Vectors = NDArray[np.float32]
 """[n, d] float32."""
@@ -90,7 +92,8 @@ def largest(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return the cosines and the rows of the k nearest references, nearest first: [n, k] each.
 
-    Ties keep the order of the rows. `skip` [n] is the one reference that each query ignores, negative for none.
+    Of references as near as the last one that is returned, within `_TIE`, the first ones are: the last bits of a cosine
+    depend on the other queries. `skip` [n] is the one reference that each query ignores, negative for none.
     """
     values = np.full((len(queries), k), -np.inf, np.float32)
     places = np.full((len(queries), k), -1, np.int64)
@@ -99,14 +102,29 @@ def largest(
             own = skip[rows] - first
             here = np.flatnonzero((own >= 0) & (own < cosines.shape[1]))
             cosines[here, own[here]] = -np.inf
-        some = min(k, cosines.shape[1])
-        chosen = np.argpartition(-cosines, some - 1, axis=1)[:, :some]
+        chosen = _first_largest(cosines, min(k, cosines.shape[1]))
         both = np.hstack([values[rows], np.take_along_axis(cosines, chosen, axis=1)])
         where = np.hstack([places[rows], chosen + first])
-        order = np.lexsort((where, -both), axis=1)[:, :k]
+        by_row = np.argsort(where, axis=1)
+        kept = np.take_along_axis(
+            by_row, _first_largest(np.take_along_axis(both, by_row, axis=1), k), axis=1
+        )
+        both = np.take_along_axis(both, kept, axis=1)
+        where = np.take_along_axis(where, kept, axis=1)
+        order = np.lexsort((where, -both), axis=1)
         values[rows] = np.take_along_axis(both, order, axis=1)
         places[rows] = np.take_along_axis(where, order, axis=1)
     return np.clip(values.astype(np.float64), -1.0, 1.0), places
+
+
+def _first_largest(values: NDArray[np.float32], k: int) -> NDArray[np.int64]:
+    """Return the columns of the k largest values of each row in order, of ties for the last one the first: [n, k]."""
+    chosen = np.argpartition(-values, k - 1, axis=1)[:, :k]
+    least = np.take_along_axis(values, chosen, axis=1).min(axis=1, keepdims=True)
+    tied = np.flatnonzero((values >= least - _TIE).sum(axis=1) > k)
+    rank = (values[tied] <= least[tied] + _TIE) + 1 * (values[tied] < least[tied] - _TIE)
+    chosen[tied] = np.argsort(rank, axis=1, kind="stable")[:, :k]
+    return np.sort(chosen, axis=1)
 
 
 class _Best:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import ClassVar, Literal
 
+from oodscen._members import of_the_caller
 from oodscen._redaction import redact
 from oodscen.data._base import Data
 from oodscen.llm._check import complete
@@ -54,7 +55,7 @@ class LoggedLLM(Wrapper):
 
     Args:
         llm: The wrapped model; its other attributes are reachable through this object.
-        log: Called once per call, never from two threads at a time.
+        log: Called once per call, never from two threads at a time. What it raises is raised by the call.
     """
 
     def __init__(self, llm: LLM, log: Callable[[Call], None]) -> None:
@@ -75,7 +76,7 @@ class LoggedLLM(Wrapper):
         finally:
             call = self._account(request, completion, failure, time.perf_counter() - started)
             call = call.model_copy(update={"time": asked.isoformat(timespec="seconds")})
-            with self._lock:
+            with self._lock, of_the_caller():
                 self._log(call)
         return completion
 

@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +79,14 @@ class Metrics(Brief):
         self.baseline = _as_baseline(baseline, self.encoder)
         self.seed = seed_number(seed)
         self._space = Space(self.encoder, self.baseline, seed, device)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what it was made of; vectors are computed again, and embeddings on disk read from there."""
+        baseline: Baseline | EmbeddedBaseline | Path = self.baseline
+        if isinstance(baseline, EmbeddedBaseline):
+            baseline = baseline.path.absolute()
+        make = partial(type(self), seed=self.seed, device=self._space.device)
+        return make, (self.encoder, baseline)
 
     def oodness(self, texts: Texts, definition: Measure = "tabulated") -> Oodness:
         """Return the distance of texts from the baseline: `-max_i cos(e_b,i, e_o,j)` and its mean.

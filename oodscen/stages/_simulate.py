@@ -11,7 +11,7 @@ import numpy as np
 from oodscen._abilities import Snapshots
 from oodscen._arguments import checked
 from oodscen._display import Brief, picture, png
-from oodscen._members import conforming, working
+from oodscen._members import as_catalogue, conforming, working
 from oodscen._numbers import finite_number, seed_number
 from oodscen.data._bird_sketch import sketch
 from oodscen.data._catalogue import Catalogue
@@ -156,7 +156,8 @@ def simulate(
         seconds = finite_number("horizon", horizon, 0.1, LONGEST_HORIZON_S)
         scene = scene.model_copy(update={"horizon_s": seconds})
     with working("simulator", simulator.name), exclusive(simulator):
-        shown = camera_for(simulator.catalogue(), camera) if render else None
+        catalogue = as_catalogue(simulator.catalogue(), simulator.name)
+        shown = camera_for(catalogue, camera) if render else None
         return _Run(scene, watched(simulator), seed, shown, moments, trials).simulated(
             actions, traces
         )

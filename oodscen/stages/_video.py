@@ -8,7 +8,7 @@ import numpy as np
 
 from oodscen._arguments import checked
 from oodscen._files import read_bytes, temporary_folder, write_named, writing
-from oodscen._members import conforming
+from oodscen._members import as_catalogue, conforming
 from oodscen._numbers import finite_number, seed_number
 from oodscen._progress import Progress, reporting
 from oodscen._registry import make_driver
@@ -128,7 +128,7 @@ def record(
         now = make_driver(driver)
     used_alone = exclusive(conforming("simulator", simulator))
     simulator = watched(simulator)
-    catalogue = simulator.catalogue()
+    catalogue = as_catalogue(simulator.catalogue(), simulator.name)
     corridor = load_corridor(scene.map, catalogue)
     camera = camera_for(catalogue, camera)
     steering = Steering(now, simulator, camera_for(catalogue, own_camera(now)))

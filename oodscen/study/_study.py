@@ -95,6 +95,10 @@ class Study(Brief):
         _ = study.info
         return study
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the folder alone, from the root down: another process may work elsewhere."""
+        return type(self), (self.folder.absolute(),)
+
     def _repr_html_(self) -> str:
         """Return the counts of the study and a link to its report, for notebooks."""
         try:

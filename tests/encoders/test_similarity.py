@@ -87,6 +87,25 @@ def test_of_equals_the_first_is_named(blocks):
     assert nearest_other(many).index.tolist() == [1] + [0] * 10
 
 
+@laws
+@given(st.integers(0, 2**32 - 1), sizes, st.integers(2, 9), st.booleans(), st.data())
+def test_the_nearest_of_a_query_do_not_depend_on_the_other_queries(seed, m, d, small, data):
+    draws = np.random.default_rng(seed)
+    a, b = (unit(draws.integers(-1, 2, (n, d)).astype(np.float32)) for n in (70, m))
+    k = data.draw(st.integers(1, m))
+    some = data.draw(st.lists(st.integers(0, 69), min_size=1, max_size=5))
+    with pytest.MonkeyPatch.context() as patch:
+        if small:
+            patch.setattr(similarity, "_COLUMNS", 3)
+            patch.setattr(similarity, "_MOST_COLUMNS", 4)
+        together = np.sort(largest(a, b, k)[1], axis=1)
+        alone = np.sort(largest(a[some], b, k)[1], axis=1)
+    assert together[some].tolist() == alone.tolist()
+    cosines = exact(a) @ exact(b).T
+    first = np.sort(np.argsort(-np.round(cosines, 5), axis=1, kind="stable")[:, :k], axis=1)
+    assert together.tolist() == first.tolist()
+
+
 def test_a_zero_vector_has_the_cosine_0_to_everything(blocks):
     rows = unit(np.vstack([np.zeros((1, 4), np.float32), vectors(2, 9, 4)]))
     assert nearest(rows[:1], rows[1:]).cosine.tolist() == [0.0]

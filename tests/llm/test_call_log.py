@@ -5,6 +5,7 @@ from datetime import datetime, timedelta
 
 import pytest
 
+from oodscen import make_llm
 from oodscen._concurrency import as_finished
 from oodscen.errors import LLMError
 from oodscen.judging._constant_answerers import ConstantAnswerer
@@ -72,6 +73,20 @@ def test_an_error_that_is_no_typed_one_is_logged_and_costs_the_question():
     with pytest.raises(LLMError, match="failed: KeyError: 'bug'"):
         ask(LoggedLLM(ScriptedLLM([KeyError("bug")]), calls.append), QUESTION)
     assert [call.error for call in calls] == ["LLMError: scripted failed: KeyError: 'bug'"]
+
+
+@pytest.mark.parametrize("answer", [GOOD, LLMError("gone", model="m"), KeyError("bug")])
+@pytest.mark.parametrize(
+    "error", [KeyError("mine"), OSError(28, "full"), TimeoutError(), SystemExit(3)]
+)
+def test_what_the_log_raises_is_not_the_models_fault(tmp_path, answer, error):
+    def log(call):
+        raise error
+
+    llm = make_llm(ScriptedLLM([answer]), log=log, record=tmp_path / "answers.jsonl")
+    with pytest.raises(type(error)) as caught:
+        ask(llm, QUESTION)
+    assert caught.value is error
 
 
 def test_what_the_model_is_shows_through():

@@ -1,5 +1,7 @@
+import copy
 import json
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -369,3 +371,28 @@ def test_whole_paths_are_exchanged_in_a_test_of_two_sets():
 def test_the_spread_of_batches_is_that_of_a_sample():
     found = Metrics(ENCODER, [f"b{i}" for i in range(9)]).baseline_batch(3, 4)
     assert found.spread == pytest.approx(np.std(found.per_repeat, ddof=1))
+
+
+@pytest.mark.parametrize("is_on_disk", [False, True])
+@given(st.integers(0, 9), st.integers(2, 40), st.booleans())
+@settings(max_examples=5)
+def test_a_pickled_copy_gives_the_same_figures(tmp_path_factory, is_on_disk, seed, size, is_cached):
+    encoder = HashEncoder(size)
+    baseline = ["a car waits", "the road is dry", "a bus stops"]
+    if is_on_disk:
+        file = tmp_path_factory.mktemp("pickled") / "rows.npy"
+        Metrics(encoder, baseline).write_embeddings(file, baseline)
+        baseline = file
+    metrics = Metrics(CachedEncoder(encoder) if is_cached else encoder, baseline, seed=seed)
+    texts = ["a deer runs", "a car waits in fog", "the road is gone"]
+    found = metrics.oodness(texts)
+    assert pickle.loads(pickle.dumps(metrics)).oodness(texts) == found
+    assert copy.deepcopy(metrics).diversity(texts) == metrics.diversity(texts)
+
+
+def test_the_default_metrics_are_pickled_without_their_model():
+    metrics = Metrics()
+    metrics.oodness(["A deer runs."])
+    data = pickle.dumps(metrics)
+    assert len(data) < 5_000_000
+    assert pickle.loads(data).oodness(["A deer runs."]) == metrics.oodness(["A deer runs."])

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from oodscen import simulate
+from oodscen import drive, simulate
 from oodscen.data._catalogue import Asset
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode
 from oodscen.data._scene import Actor, Behaviour, Demand, Hazard, Placement, Scene, Trigger
@@ -322,3 +322,17 @@ def test_a_light_counts_while_it_is_red_and_where_it_is_the_demand():
 def test_a_drive_without_a_stop_line_says_nothing_of_one(result):
     assert "stop_line" not in result.episode.model_dump_json()
     assert "ran_red" not in result.episode.model_dump_json()
+
+
+@pytest.mark.parametrize("made", [None, {}, "flat"])
+def test_what_is_no_catalogue_is_told_as_such(made):
+    class Without(FlatSimulator):
+        def catalogue(self):
+            return made
+
+    said = f"the catalogue of 'flat' is {'None' if made is None else 'of type'}"
+    for render in (False, True):
+        with pytest.raises(UsageError, match=said):
+            simulate(example_scene(), Without(), render=render)
+    (failed, *_) = drive([example_scene()], "rule-based", Without())
+    assert said in failed.error

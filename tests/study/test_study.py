@@ -1,6 +1,7 @@
 """Reading a study: every table in one call, clear errors where something is missing."""
 
 import os
+import pickle
 
 import pytest
 
@@ -138,3 +139,10 @@ def test_a_comparison_has_one_decision_for_each_catalogue():
     line = {"id": "n1", "path": ["a", "b"], "sides": [side]}
     with pytest.raises(DataError, match="one entry for each catalogue"):
         CatalogueComparison.parse({"catalogues": [], "tallies": [], "lines": [line]})
+
+
+def test_a_pickled_study_is_its_folder(study, monkeypatch, tmp_path):
+    monkeypatch.chdir(study.folder.parent)
+    data = pickle.dumps(Study.open(study.folder.name))
+    monkeypatch.chdir(tmp_path)
+    assert pickle.loads(data).scenarios == study.scenarios

@@ -224,6 +224,7 @@ _ACTION_WORDS = {
         rf"(?:keep|maintain|hold)(?:ing)? {_THE}(?:lane and (?:the )?)?speed(?: and lane)?(?! (?:low|down|slow|under(?! any)|below|of)\b)"
         rf"|(?:keep (?:going|driving)|continue(?: driving| straight| ahead)?)(?: at {_THE}speed)(?! of\b)"
         r"|keep(?:ing)? (?:going|driving)|continu(?:e|ing) (?:driving|straight|ahead)"
+        r"|continue(?= ?(?:[.!]|$|because\b|since\b))|(?<![^\n])keeps (?:its|the) (?:lane and (?:the )?)?speed(?= ?(?:[.!\n]|$))"
     ),
 }
 """Names of each action as a pattern over folded prose; if two start together, the first one wins."""

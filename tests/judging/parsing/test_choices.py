@@ -2,6 +2,7 @@
 
 import json
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -56,3 +57,30 @@ def test_reasons_contradict_only_another_action(actions):
 def test_a_refusal_in_the_member_is_no_choice(action):
     said = f"I cannot help with that. {action}"
     assert read_action(json.dumps({"action": said}), ACTIONS).value is None
+
+
+@given(
+    st.sampled_from(
+        ["Continue", "continue", "I would continue", "We should continue", "Keeps its speed"]
+    ),
+    st.sampled_from(["", ".", "!", ". The road ahead is clear."]),
+)
+def test_going_on_is_keeping_the_speed(said: str, end: str) -> None:
+    assert read_action(f"{said}{end}").value == "keep_speed"
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "The truck should continue.",
+        "Do not continue.",
+        "I would stop and then continue.",
+        "I would continue to brake.",
+        "Continue?",
+        "I cannot continue.",
+        "The car ahead keeps its speed.",
+        "The lorry will continue. I would stop.",
+    ],
+)
+def test_going_on_is_no_answer_of_others_or_in_doubt(said: str) -> None:
+    assert read_action(said).value is None
