@@ -3,7 +3,7 @@
 import base64
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from html.entities import html5
 from itertools import groupby
@@ -58,8 +58,8 @@ def redact_keys(text: str, known: Iterable[str] = ()) -> str:
 
     Known are the given values, the values passed to `hide`, and the values of environment variables with KEY,
     TOKEN, SECRET, PASSWORD, CREDENTIALS, JWT, BEARER or PAT as a word in their names. They are also found when
-    any of their characters are escaped, as in JSON, HTML, an address or quoted-printable text, and in Base64,
-    as hexadecimal digits and as a list of numbers. Values shorter than `SHORTEST` characters are kept.
+    any of their characters are escaped, as in JSON, HTML, an address or quoted-printable text, in Base64, also twice,
+    as hexadecimal digits and as a list of numbers, decimal or octal. Values shorter than `SHORTEST` characters are kept.
     """
     return _any_of(_known(known)).sub(HIDDEN, text)
 
@@ -185,7 +185,9 @@ _BREAK = rf"(?:\s|{_SLASHES}[rn]|%(?:25)?0[aAdD])"
 """A line break or a space, also escaped."""
 _SOFT_BREAK = rf"(?:={_BREAK}{{1,2}})?"
 """A line break that quoted-printable text adds."""
-_BETWEEN = rf"(?:[\s,;:._-]{{0,3}}(?:0x|{_SLASHES}x|U\+|00)?)"
+_QUOTE = rf"(?:(?:{_SLASHES})?[\"'])?"
+"""A quotation mark, also escaped, or nothing."""
+_BETWEEN = rf"(?:{_QUOTE}(?:[\s,;:._-]{{1,3}}{_QUOTE})?(?:0x|{_SLASHES}x|U\+|00)?)"
 """The characters between two bytes in hexadecimal digits."""
 _MARGIN = 20_000
 """Characters that are searched beyond those that are shown."""
@@ -194,25 +196,41 @@ _WIDEST = 40
 
 
 def _base64(value: str) -> set[str]:
-    """Return patterns of a value in Base64 at every alignment, without characters shared with its neighbours."""
-    forms, data = set(), value.encode("utf-8", "replace")
-    for before in range(3):
-        first, end = -(-8 * before // 6), 8 * (before + len(data)) // 6
-        for encode in (base64.b64encode, base64.urlsafe_b64encode):
-            coded = encode(b"\0" * before + data).decode("ascii")[first:end]
-            marks = (one if one.isalnum() else f"(?:{_character(one)})" for one in coded)
-            forms.add(f"{_BREAK}{{0,2}}".join(marks))
-    return forms
+    """Return patterns of a value in Base64, once and twice, at every alignment."""
+    once = _aligned(value.encode("utf-8", "replace"), base64.b64encode, base64.urlsafe_b64encode)
+    twice = {two for one in once for two in _aligned(one.encode("ascii"), base64.b64encode)}
+    return {
+        f"{_BREAK}{{0,2}}".join(
+            mark if mark.isalnum() else f"(?:{_character(mark)})" for mark in coded
+        )
+        for coded in once | twice
+    }
+
+
+def _aligned(data: bytes, *encoders: Callable[[bytes], bytes]) -> set[str]:
+    """Return bytes in Base64 at every alignment, without characters shared with their neighbours."""
+    return {
+        encode(b"\0" * before + data).decode("ascii")[
+            -(-8 * before // 6) : 8 * (before + len(data)) // 6
+        ]
+        for before in range(3)
+        for encode in encoders
+    }
 
 
 def _digits(value: str) -> set[str]:
-    """Return patterns of a value whose bytes are written as numbers, hexadecimal or decimal."""
+    """Return patterns of a value whose bytes are written as numbers: hexadecimal, decimal or octal, also in quotes."""
     data = value.encode("utf-8", "replace")
+    listed = rf"{_QUOTE}(?:[,;]|{_BREAK}){{1,3}}{_QUOTE}"
     return {
         _BETWEEN.join(f"(?i:{byte:02x})" for byte in data),
-        r"(?<!\d)"
-        + rf"(?:[,;]|{_BREAK}){{1,3}}".join(f"0{{0,2}}{byte}" for byte in data)
-        + r"(?!\d)",
+        *(
+            rf"(?<!\d){listed.join(numbers)}(?!\d)"
+            for numbers in (
+                [f"0{{0,2}}{byte}" for byte in data],
+                [f"(?:0[oO])?0{{0,2}}{byte:o}" for byte in data],
+            )
+        ),
     }
 
 

@@ -3,6 +3,8 @@
 import json
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -12,6 +14,8 @@ from oodscen._cli import main
 from oodscen.judging._constant_answerers import RandomAnswerer
 from oodscen.testing._scenes import example_scene
 from tests.pipeline.quick import ORDINARY
+
+PROJECT = Path(__file__).parent.parent / "pyproject.toml"
 
 QUICK = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "1"]
 QUICK += ["--baseline", str(ORDINARY), "--width", "160", "--height", "120", "--max-paths", "1"]
@@ -54,6 +58,29 @@ def test_python_dash_m_is_the_same_program():
     command = [sys.executable, "-m", "oodscen", "--version"]
     printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert printed == f"oodscen, version {__version__}\n"
+
+
+@pytest.mark.parametrize("module", ["click", "oodscen._cli", "oodscen._cli.tree"])
+def test_an_interruption_while_modules_are_imported_is_one_line(module):
+    code = f"""
+import sys
+from oodscen.__main__ import main
+
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            raise KeyboardInterrupt
+
+sys.meta_path.insert(0, Interrupting())
+main()
+"""
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (found.returncode, found.stdout, found.stderr) == (130, "", "oodscen: interrupted\n")
+
+
+def test_the_command_and_python_dash_m_have_one_entry():
+    scripts = tomllib.loads(PROJECT.read_text())["project"]["scripts"]
+    assert scripts == {"oodscen": "oodscen.__main__:main"}
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ import importlib, pkgutil
 from contextlib import suppress
 from oodscen.errors import MissingExtra
 for found in pkgutil.walk_packages(oodscen.__path__, "oodscen."):
-    if found.name != "oodscen.__main__" and not found.name.startswith("oodscen.inspect."):
+    if not found.name.startswith("oodscen.inspect."):
         with suppress(MissingExtra):
             importlib.import_module(found.name)
 """

@@ -39,6 +39,17 @@ def test_a_known_value_is_hidden_however_it_is_written(key, before, after):
 
 
 @settings(max_examples=20)
+@given(
+    keys.filter(lambda key: key not in HIDDEN),
+    *(st.binary(max_size=4) for _ in range(4)),
+)
+def test_a_known_value_is_hidden_in_base64_of_base64(key, before, after, first, last):
+    once = base64.b64encode(before + key.encode() + after)
+    shown = redact_keys(f"so {base64.b64encode(first + once + last).decode()} it is", [key])
+    assert HIDDEN in shown
+
+
+@settings(max_examples=20)
 @given(keys)
 def test_hiding_twice_is_hiding_once(key):
     once = redact(f"so {key} it is", [key])
@@ -212,6 +223,16 @@ def spaced(data, width):
     yield from ("".join(f"\\x{two}" for two in digits), ", ".join(f"0x{two}" for two in digits))
     yield repr("\n".join(map(str, data)))
     yield from (str(list(data)), json.dumps({"type": "Buffer", "data": list(data)}))
+    for listed in (
+        list(map(str, data)),
+        [hex(byte) for byte in data],
+        [f"{byte:o}" for byte in data],
+    ):
+        yield from (str(listed), json.dumps(listed), json.dumps(json.dumps(listed)))
+    yield from (
+        str([oct(byte) for byte in data]).replace("'", ""),
+        " ".join(f"{byte:03o}" for byte in data),
+    )
     yield "\n".join(data.hex()[at : at + width] for at in range(0, 2 * len(data), width))
     lines = base64.b64encode(data).decode()
     lines = "\n".join(lines[at : at + width] for at in range(0, len(lines), width))

@@ -1,5 +1,6 @@
 """Laws of text from outside: it can be written, and steers no terminal."""
 
+import json
 import os
 import subprocess
 import sys
@@ -93,3 +94,9 @@ def test_a_name_that_the_locale_cannot_hold_is_not_called_wrong():
     )
     assert "'st udy \\xe9' has characters that the locale's encoding, ascii, cannot" in done.stdout
     assert "UTF-8" not in done.stdout.partition("set LC_ALL=C.UTF-8")[0]
+
+
+@given(st.dictionaries(st.text(), st.text() | st.just("gnp.\u202eexe")))
+def test_json_means_the_same_after_its_escapes(value):
+    value = json.loads(whole(json.dumps(value, ensure_ascii=False)))
+    assert json.loads(plain(json.dumps(value, ensure_ascii=False))) == value

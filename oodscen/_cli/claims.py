@@ -1,7 +1,7 @@
 """The command that compares scenes with their texts."""
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -25,6 +25,7 @@ from oodscen.errors import AnswerError, DataError, Issue, LLMError, UsageError
 
 if TYPE_CHECKING:
     from oodscen.claims._faithfulness import Faithfulness, Unjudged
+    from oodscen.data._scene import Scene
 
 Value = TypeVar("Value", bound=Data)
 
@@ -51,7 +52,7 @@ def check_claims(
 ) -> None:
     """Check every scene of the file SCENES against the claims of its text.
 
-    Scenes from any source are accepted. An ordinary demand is compared with its own text. Malformed lines, scenes
+    Scenes from any source are accepted; one that is given twice counts once. An ordinary demand is compared with its own text. Malformed lines, scenes
     without a text and scenes that cannot be staged are reported and counted, not checked. The exit code is 1 if
     there are any, or if a scene contradicts its text.
     """
@@ -74,7 +75,7 @@ def check_claims(
     catalogue = make_simulator(simulator).catalogue()
     measure = things_encoder(encoder)
     rows: list[Faithfulness | Unjudged] = [*faulty]
-    staged = list(_values(Scene, scenes))
+    staged = _once(_values(Scene, scenes), scenes)
     for number, scene in tracked(staged, "check-claims", len(staged), ledger):
         if not isinstance(scene, Scene):
             rows.append(Unjudged(id=f"{scenes.name}:{number}", faults=scene))
@@ -91,6 +92,29 @@ def check_claims(
         except (AnswerError, LLMError) as error:
             rows.append(Unjudged(id=scene.id, faults=(str(error),)))
     sys.exit(bool(_print(rows, as_json=as_json)))
+
+
+def _once(
+    values: "Iterable[tuple[int, Scene | tuple[str, ...]]]", scenes: Path
+) -> "list[tuple[int, Scene | tuple[str, ...]]]":
+    """Return the values without the scenes that repeat an earlier one.
+
+    Raises:
+        UsageError: If two different scenes have one id.
+    """
+    known: dict[str, Scene] = {}
+    kept = []
+    for number, value in values:
+        if not isinstance(value, tuple):
+            if value.id in known:
+                if value != known[value.id]:
+                    raise UsageError(
+                        f"{scenes}, line {number}: there is another scene {value.id!r}"
+                    )
+                continue
+            known[value.id] = value
+        kept.append((number, value))
+    return kept
 
 
 def _print(rows: "Sequence[Faithfulness | Unjudged]", *, as_json: bool) -> int:

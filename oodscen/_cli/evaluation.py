@@ -229,7 +229,7 @@ def _show_board(
         shown = board.model_dump(mode="json")
         if grades is not None:
             shown["requirements"] = [one.model_dump(mode="json") for one in grades]
-        click.echo(json.dumps(shown, indent=2, ensure_ascii=False))
+        say(json.dumps(shown, indent=2, ensure_ascii=False))
     else:
         say("\n".join(filter(None, (standings(board), agreement_in_words(study.info)))))
         if grades is not None:

@@ -269,7 +269,7 @@ def import_(
             say(str(error), err=True)
             failed += 1
             continue
-        click.echo(found.scene.to_json())
+        say(found.scene.to_json())
         for issue in found.omissions:
             say(f"{path}: {issue}", err=True)
     sys.exit(bool(failed))
@@ -400,7 +400,7 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
     for scene in tracked(scenes, "vary", len(scenes)):
         variants = scene.vary(catalogue, count, claims=known.claims(scene), seed=seed)
         for one in variants:
-            click.echo(one.to_json())
+            say(one.to_json())
         if len(variants) < count:
             if faults := scene.check(catalogue):
                 say(f"{scene.id}: cannot be staged itself: {faults[0]}", err=True)

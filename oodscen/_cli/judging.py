@@ -62,7 +62,7 @@ def power(
     as_json: bool,
 ) -> None:
     """Print the number of scenes needed to tell the success rates FIRST and SECOND apart, e.g. 0.66 0.51."""
-    from oodscen.judging._leaderboard.power import power_of, scenes_needed
+    from oodscen.judging._leaderboard.power import power_of, scenes_needed, told_apart
 
     source = click.get_current_context().get_parameter_source("wanted")
     if scenes is not None and source is ParameterSource.COMMANDLINE:
@@ -86,7 +86,8 @@ def power(
         click.echo(json.dumps({"scenes": scenes, "power": found}))
         return
     effect = f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
-    click.echo(f"{scenes} scenes{effect} detect that difference with a power of {found:.0%}")
+    (chance,) = told_apart(found)
+    click.echo(f"{scenes} scenes{effect} detect that difference with a power of {chance}")
 
 
 @click.command()
@@ -117,6 +118,6 @@ def audit(out: Path, as_json: bool) -> None:
         study.store.write(FILE, canonical_json(found.model_dump(mode="json")) + "\n")
     write_report(study)
     if as_json:
-        click.echo(found.model_dump_json(indent=2))
+        say(found.model_dump_json(indent=2))
     else:
         say(str(found))

@@ -8,6 +8,7 @@ import click
 from oodscen._cli.completion import ComponentName
 from oodscen._cli.numbers import FINITE
 from oodscen._cli.options import json_option, refuse_idle, refuse_idle_server, seed_option
+from oodscen._cli.output import say
 from oodscen._cli.paths import READABLE
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.errors import UsageError
@@ -79,4 +80,4 @@ def score(
     else:
         model = make_llm(llm, seed=seed, api_base=api_base) if llm else None
         report = metrics.score_file(texts, band=band, llm=model, anchors=anchors)
-    click.echo(report.model_dump_json(indent=2) if as_json else str(report))
+    say(report.model_dump_json(indent=2) if as_json else str(report))

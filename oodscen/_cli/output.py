@@ -56,7 +56,8 @@ def write(out: Path | None, text: str) -> None:
         OodscenError: When the file cannot be written.
     """
     if out is None:
-        click.echo(text)
+        # A terminal obeys what it is sent; a file or another program gets the document as it is.
+        click.echo(plain(text) if sys.stdout.isatty() else text)
         return
     write_bytes(out, f"{text}\n".encode())
 

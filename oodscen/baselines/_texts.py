@@ -66,7 +66,7 @@ def read_records(path: str | Path, noun: str = "text file") -> list[Record]:
     """Return the texts in a file.
 
     Plain lines; JSON lines (strings, or objects with `text`); a JSON list of the same; CSV or TSV
-    with a column `text`, recognised by the suffix. Objects and rows may have `path`, `leaf` or `group`.
+    with a column `text`, recognised by the suffix. Otherwise the first line tells the form. Objects and rows may have `path`, `leaf` or `group`.
     Blank lines are skipped, and white space around a text is dropped.
 
     Raises:
@@ -99,8 +99,28 @@ def _values(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
     elif start == "{" or suffix in (".jsonl", ".ndjson"):
         yield from _json_lines(content, suffix)
     else:
-        for number, line in _lines(content):
-            yield f"line {number}", line
+        yield from _plain_lines(content)
+
+
+def _plain_lines(content: str) -> Iterator[tuple[str, Any]]:
+    """Yield the lines as texts; a JSON object among them belongs to another file, or to a heading above it."""
+    for number, line in _lines(content):
+        where = f"line {number}"
+        if line.lstrip().startswith("{") and _is_json(line):
+            fault = (
+                "is a JSON object in a file whose first line is none; write every line in one form"
+            )
+            yield where, Issue(where, fault)
+        else:
+            yield where, line
+
+
+def _is_json(line: str) -> bool:
+    try:
+        parse_json(line)
+    except (ValueError, RecursionError):
+        return False
+    return True
 
 
 def _lines(content: str) -> Iterator[tuple[int, str]]:

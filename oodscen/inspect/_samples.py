@@ -33,23 +33,29 @@ class _Asked(NamedTuple):
     """Files, or addresses that hold the data."""
 
 
-def samples(folder: str | Path, purpose: str, *, split: str, is_paired: bool) -> list[Sample]:
+def samples(
+    folder: str | Path, purpose: str, *, split: str | None, is_paired: bool
+) -> list[Sample]:
     """Return the questions of one purpose as samples.
 
     Args:
         folder: Folder of a study, or of a data set that `oodscen publish` wrote.
         purpose: Purpose of the question.
-        split: Split of the data set; a study has none.
+        split: Split of the data set, by default `test`; a study has none.
         is_paired: Whether the ordinary drives are asked about as well.
 
     Raises:
-        UsageError: If the folder is neither, or holds no such question.
+        UsageError: If the folder is neither, is a study though a split is named, or holds no such question.
     """
     place = Path(folder).resolve()
     if (place / "study.json").is_file():
+        if split is not None:
+            raise UsageError(
+                f"{place} is a study, which has no splits: leave -T split={split} out, or publish it"
+            )
         found = _of_study(place, purpose)
     elif (place / "data" / "questions").is_dir():
-        found = _of_data_set(place, purpose, split)
+        found = _of_data_set(place, purpose, split or "test")
     else:
         raise UsageError(
             f"{place} holds neither a study nor a published data set: give one with -T study=FOLDER"

@@ -1,13 +1,18 @@
 """The tasks of inspect_ai, with their solver and scorers."""
 
+from collections.abc import Callable
+from functools import partial
+
 import anyio.to_thread
 from inspect_ai import Task, task
+from inspect_ai._util.error import PrerequisiteError
 from inspect_ai.model import ChatMessageAssistant, ChatMessageUser
 from inspect_ai.scorer import Score, Scorer, Target, scorer
 from inspect_ai.solver import Generate, Solver, TaskState, solver
+from rich.markup import escape
 
 from oodscen._registry import make_llm
-from oodscen.errors import AnswerError
+from oodscen.errors import AnswerError, OodscenError, UsageError
 from oodscen.inspect._figures import figure
 from oodscen.inspect._samples import samples
 from oodscen.judging._items import answer_values
@@ -20,56 +25,71 @@ from oodscen.prompts._judging.name_aspect import NameAspect
 
 
 @task
-def notice(study: str = ".", split: str = "test") -> Task:
+def notice(study: str = ".", split: str | None = None) -> Task:
     """Say whether anything is out of the ordinary. Asked about scenes and their ordinary drives.
 
     Args:
         study: Folder of a study, or of a data set that `oodscen publish` wrote.
-        split: Split of the data set.
+        split: Split of the data set, by default `test`; a study has none.
     """
-    return _task(NameAspect.purpose, study, split, _noticed())
+    return _task(NameAspect.purpose, study, split, _noticed)
 
 
 @task
-def name(study: str = ".", split: str = "test", judge: str | None = None) -> Task:
+def name(study: str = ".", split: str | None = None, judge: str | None = None) -> Task:
     """Name what is out of the ordinary, in the model's own words. Asked about scenes.
 
     Args:
         study: Folder of a study, or of a data set that `oodscen publish` wrote.
-        split: Split of the data set.
+        split: Split of the data set, by default `test`; a study has none.
         judge: Model that scores the words, by a name that `oodscen evaluate --judge` takes, in place of the matcher.
     """
-    return _task(NameAspect.purpose, study, split, _named(judge), is_paired=False)
+    return _task(NameAspect.purpose, study, split, partial(_named, judge), is_paired=False)
 
 
 @task
-def choose(study: str = ".", split: str = "test") -> Task:
+def choose(study: str = ".", split: str | None = None) -> Task:
     """Choose the kind of situation from a list. Asked about scenes and their ordinary drives.
 
     Args:
         study: Folder of a study, or of a data set that `oodscen publish` wrote.
-        split: Split of the data set.
+        split: Split of the data set, by default `test`; a study has none.
     """
-    return _task(ChooseAspect.purpose, study, split, _chosen())
+    return _task(ChooseAspect.purpose, study, split, _chosen)
 
 
 @task
-def act(study: str = ".", split: str = "test") -> Task:
+def act(study: str = ".", split: str | None = None) -> Task:
     """Choose the vehicle's action. Asked about scenes and their ordinary drives.
 
     Args:
         study: Folder of a study, or of a data set that `oodscen publish` wrote.
-        split: Split of the data set.
+        split: Split of the data set, by default `test`; a study has none.
     """
-    return _task(ChooseAction.purpose, study, split, _acted())
+    return _task(ChooseAction.purpose, study, split, _acted)
 
 
-def _task(purpose: str, study: str, split: str, scorer: Scorer, *, is_paired: bool = True) -> Task:
-    return Task(
-        dataset=samples(study, purpose, split=split, is_paired=is_paired),
-        solver=asked(),
-        scorer=scorer,
-    )
+class Refused(UsageError, PrerequisiteError):  # type: ignore[misc]  # inspect_ai is untyped here.
+    """A task that cannot be made; inspect_ai shows a `PrerequisiteError` as one line, without a traceback."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message)
+        self.message = escape(message)
+
+
+def _task(
+    purpose: str,
+    study: str,
+    split: str | None,
+    scorer: Callable[[], Scorer],
+    *,
+    is_paired: bool = True,
+) -> Task:
+    try:
+        found = samples(study, purpose, split=split, is_paired=is_paired)
+        return Task(dataset=found, solver=asked(), scorer=scorer())
+    except OodscenError as error:
+        raise Refused(str(error)) from error
 
 
 @solver

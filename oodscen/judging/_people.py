@@ -32,16 +32,16 @@ Name = Annotated[
 
 
 class QuizAnswer(Data):
-    """A person's answers about one drive."""
+    """A person's answers about one drive; the quiz goes on only when all three questions have one."""
 
     item: str = Field(max_length=64)
     """The drive's token; see `token`."""
     is_ood: StrictBool
     confidence: float | None = Field(default=None, ge=0.5, le=1.0, strict=True)
     aspect: str = Field(default="", max_length=500)
-    choice: str | None = Field(default=None, max_length=200)
+    choice: str = Field(max_length=200)
     """Id of the chosen option."""
-    action: Literal[ACTIONS] | None = None  # type: ignore[valid-type]  # The ids are listed once.
+    action: Literal[ACTIONS]  # type: ignore[valid-type]  # The ids are listed once.
 
 
 class QuizAnswers(Data):

@@ -16,7 +16,7 @@ from oodscen.publish._drivelm import write_drivelm
 from oodscen.publish._lmms_eval.tasks import write_tasks
 from oodscen.publish._parquet import write_drives, write_questions
 from oodscen.publish._question_rows import PublishedDrive, published_drives
-from oodscen.publish._replacing import SUMS, names, replacing
+from oodscen.publish._replacing import CARD, SUMS, names, replacing
 from oodscen.publish._splits import SPLITS, VALIDATION, splits
 from oodscen.publish._vlmevalkit import write_tsv
 from oodscen.study._asked import asked_drives
@@ -83,7 +83,8 @@ def publish(
         InUse: If another process writes the folder.
         MissingExtra: If pyarrow is not installed.
         StudyError: If a file cannot be written.
-        UsageError: If `validation`, `licence` or `out` is invalid, or a scene or its text has changed since it was run.
+        UsageError: If `validation`, `licence` or `out` is invalid, a scene or its text has changed since it was run, or the card
+            of the earlier data set was changed since it was published.
     """
     finite_number("validation", validation, 0.0, 0.9)
     check_name(out)
@@ -99,7 +100,7 @@ def publish(
     with writing(folder, StudyError), replacing(folder) as part:
         questions = _write(part, study, drives, forms)
         hashes = {name: file_sha256(part / name).hex() for name in names(part)}
-        readme = part / "README.md"
+        readme = part / CARD
         readme.write_text(card(study, drives, licence, hashes), encoding="utf-8")
         hashes[readme.name] = file_sha256(readme).hex()
         sums = "".join(f"{hashes[name]}  {name}\n" for name in sorted(hashes))

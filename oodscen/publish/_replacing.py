@@ -6,13 +6,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from oodscen._files import inside, read_regular
+from oodscen._files import file_sha256, inside, read_regular
 from oodscen._lock import NAME as LOCK
 from oodscen._lock import locked
-from oodscen.errors import FolderTaken
+from oodscen.errors import FolderTaken, UsageError
 
 SUMS = "SHA256SUMS"
 """File with the SHA-256 of every other file."""
+
+CARD = "README.md"
+"""The card, which people complete by hand."""
 
 _PART = ".oodscen-part"
 """Folder, inside that of the data set, in which the new one is written."""
@@ -30,6 +33,7 @@ def replacing(folder: Path) -> Iterator[Path]:
         FolderTaken: If the folder holds other files.
         InUse: If another process writes the folder.
         OSError: If a file cannot be written.
+        UsageError: If the card was changed since the data set was written.
     """
     made = [path for path in (folder, *folder.parents) if not path.exists()]
     part = folder / _PART
@@ -39,6 +43,7 @@ def replacing(folder: Path) -> Iterator[Path]:
             earlier = _known(folder)
             if others := sorted(set(names(folder)) - earlier):
                 raise FolderTaken(str(folder), others[:5])
+            _refuse_changed_card(folder)
             shutil.rmtree(part, ignore_errors=True)
             part.mkdir()
             try:
@@ -73,6 +78,20 @@ def _known(folder: Path) -> set[str]:
             lines = read_regular(sums, "data set").decode("utf-8", "replace").splitlines()
             known |= {SUMS, *(line.partition("  ")[2] for line in lines)}
     return known
+
+
+def _refuse_changed_card(folder: Path) -> None:
+    """Refuse to replace a card that is not the one of the sums."""
+    if not os.path.lexists(folder / CARD) or not (folder / SUMS).exists():
+        return
+    lines = read_regular(folder / SUMS, "data set").decode("utf-8", "replace").splitlines()
+    told = {name: digest for digest, _, name in (line.partition("  ") for line in lines)}
+    is_link = (folder / CARD).is_symlink()
+    if is_link or file_sha256(folder / CARD).hex() != told.get(CARD):
+        raise UsageError(
+            f"{folder / CARD} was changed since it was published; nothing is overwritten: move it away, "
+            "or choose another folder"
+        )
 
 
 def _move(part: Path, folder: Path, earlier: set[str]) -> None:

@@ -48,7 +48,13 @@ def auroc_interval(
     """Return the AUROC of [m] ordinary and [n] OOD scores with its interval.
 
     OOD texts of one cluster are resampled together; if `is_paired`, so are the i-th scores of both sets.
+    The order of the scores, or of the pairs, changes nothing.
     """
+    if is_paired and clusters is None:
+        order = np.lexsort((ordinary, ood))
+        ordinary, ood = ordinary[order], ood[order]
+    elif not is_paired:
+        ordinary, ood = np.sort(ordinary), np.sort(ood) if clusters is None else ood
     drawn = Resampler(
         len(ood) if clusters is None else clusters, seed=seed, replicates=replicates, purpose="ood"
     )

@@ -28,18 +28,21 @@ def blocks(replicates: int, units: int) -> Iterator[int]:
 
 
 def members(n: int, clusters: Sequence[str] | None) -> NDArray[np.int64]:
-    """Return the cluster number of each of n values, in order of appearance; without clusters, 0 to n - 1."""
+    """Return the cluster number of each of n values, in the order of the labels; without clusters, 0 to n - 1."""
     if clusters is None:
         return np.arange(n)
-    order: dict[str, int] = {}
-    return np.array([order.setdefault(label, len(order)) for label in clusters], np.int64)
+    order = {label: number for number, label in enumerate(sorted(set(clusters)))}
+    return np.array([order[label] for label in clusters], np.int64)
 
 
 class Resampler:
     """Draws whole clusters with replacement, with the same draws for every figure.
 
+    Clusters are drawn in the order of their labels, so that the order of the items changes no interval.
+
     Args:
-        clusters: [n] label of every item; or n, if every item is a cluster of its own.
+        clusters: [n] label of every item; or n, if every item is a cluster of its own. Items without labels
+            have to come in an order that depends on their values only.
         seed: Seed of the draws; the same seed gives the same intervals.
         replicates: Number of resampled sets.
         purpose: Name of the stream of draws; resamplers of different purposes draw independently.
@@ -112,6 +115,8 @@ def bootstrap_mean(
     if drawn.units < 2:
         return None
     column = np.asarray(values, np.float64)[:, None]
+    if clusters is None:
+        column = np.sort(column, axis=0)
     found = drawn.ratios(column, np.ones_like(column))[:, 0]
     return percentile_interval(found, drawn.units, is_clustered=drawn.is_clustered)
 
@@ -136,6 +141,8 @@ def bootstrap_pairwise(
     if drawn.units < 2:
         return None
     wide = vectors.astype(np.float64)
+    if clusters is None:
+        wide = wide[np.lexsort(wide.T[::-1])]
     sums = drawn.summed(wide)
     sizes = np.bincount(drawn.member, minlength=drawn.units).astype(np.float64)
     lengths = np.square(sums).sum(axis=1)

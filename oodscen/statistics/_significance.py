@@ -1,7 +1,8 @@
 """Tests of a difference: paired answers on the same items, and two sets of scores.
 
 Everything here that takes `clusters` treats the path, not the scene, as the unit that is exchanged. A p-value
-from random draws is (1 + count) / (1 + draws), never 0.
+from random draws is (1 + count) / (1 + draws), never 0. The order of the items changes no p-value: clusters are
+sorted by their sums.
 """
 
 import math
@@ -102,8 +103,10 @@ def sign_flip(
     If two answerers are equally good, swapping their names within a path changes nothing. With up to 12
     clusters that have a difference, all patterns are enumerated; with more, `replicates` random ones are drawn.
     """
-    sums = np.bincount(members(len(gaps), clusters), weights=gaps) if len(gaps) else np.zeros(0)
-    sums = sums[np.abs(sums) > 1e-12]
+    sums: Floats = np.zeros(0)
+    if len(gaps):
+        sums = np.bincount(members(len(gaps), clusters), weights=gaps).astype(np.float64)
+    sums = np.sort(sums[np.abs(sums) > 1e-12])
     if not len(sums):
         return 1.0
     seen = abs(float(sums.sum())) - 1e-9
@@ -133,7 +136,9 @@ def permutation_test(
     parts = []
     for values, labels in ((a, clusters[0]), (b, clusters[1])):
         member = members(len(values), labels)
-        parts.append((np.bincount(member, weights=values), np.bincount(member)))
+        own, items = np.bincount(member, weights=values), np.bincount(member)
+        order = np.lexsort((items, own))
+        parts.append((own[order], items[order]))
     sums, sizes = (np.concatenate(column).astype(np.float64) for column in zip(*parts, strict=True))
     first = len(parts[0][0])
     seen = abs(float(a.mean() - b.mean()))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
+from oodscen._numbers import whole_number
 
 _WORD = re.compile(r"\w+")
 
@@ -20,16 +21,19 @@ class HashEncoder(Brief):
     not comparable with those of a trained encoder. A text without words gives a zero row.
 
     Args:
-        dimension: Length of a vector, at least 1.
+        dimension: Length of a vector, at least 1; as text, too, as in the name `hash:64`.
+
+    Raises:
+        UsageError: If it is anything else.
     """
 
     _repr_fields = ("dimension",)
 
-    def __init__(self, dimension: int = 256) -> None:
-        if dimension < 1:
-            raise ValueError(f"dimension must be at least 1, not {dimension}")
-        self.dimension = dimension
-        self.name = f"hash-{dimension}"
+    def __init__(self, dimension: int | str = 256) -> None:
+        if isinstance(dimension, str) and re.fullmatch("[0-9]{1,9}", dimension):
+            dimension = int(dimension)
+        self.dimension = whole_number("the dimension of the hash encoder", dimension, 1)
+        self.name = f"hash-{self.dimension}"
 
     def encode(self, texts: Sequence[str]) -> NDArray[np.float32]:
         """Return one row per text, in order: [n, dimension] float32."""

@@ -6,6 +6,7 @@ from html import escape
 from itertools import accumulate
 from typing import TYPE_CHECKING, Literal
 
+from oodscen._text import plain
 from oodscen.tree._edit_log import Node, TreeEdit
 from oodscen.tree._provenance import origin_words
 
@@ -196,5 +197,5 @@ def _reason(edit: TreeEdit) -> str:
     parts = [edit.stage, "" if edit.round is None else f"round {edit.round}", edit.model]
     who = ", ".join(filter(None, parts))
     text = f"{edit.op} ({who})" if who else edit.op
-    text += f": {edit.reason}" if edit.reason else ""
+    text = plain(f"{text}: {edit.reason}" if edit.reason else text)
     return text if len(text) <= 300 else f"{text[:297]}..."

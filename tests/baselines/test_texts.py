@@ -178,3 +178,17 @@ def test_what_is_no_text_is_refused_with_its_line(tmp_path, content, line):
     with pytest.raises(DataError) as caught:
         read_records(tmp_path / "t.txt")
     assert caught.value.issues[0].path == line
+
+
+@given(
+    st.lists(st.text("abc ", min_size=1).filter(str.strip), min_size=1, max_size=4),
+    st.dictionaries(st.sampled_from(["text", "id"]), st.text("ab", min_size=1)),
+)
+def test_a_json_object_below_a_plain_line_is_no_text(tmp_path_factory, lines, value):
+    path = tmp_path_factory.mktemp("lines") / "texts.txt"
+    path.write_text("\n".join([*lines, json.dumps(value)]))
+    with pytest.raises(DataError) as caught:
+        read_records(path)
+    (issue,) = caught.value.issues
+    assert issue.path == f"line {len(lines) + 1}"
+    assert "JSON object" in issue.message

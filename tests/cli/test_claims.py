@@ -4,6 +4,8 @@ import json
 
 import pytest
 from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from oodscen import make_encoder
 from oodscen._cli import main
@@ -114,3 +116,30 @@ def test_the_encoder_of_a_run_compares_things_with_actors(tmp_path, monkeypatch,
     monkeypatch.setattr("oodscen.claims._faithfulness.compare_text", check)
     assert call(tmp_path, example_scene(), TEXT, *option).exit_code == 0
     assert [one and one.name for one in used] == [name and make_encoder(name).name]
+
+
+@given(st.lists(st.sampled_from("abc"), min_size=1, max_size=6))
+@settings(max_examples=6)
+def test_a_scene_that_is_given_again_counts_once(tmp_path_factory, ids):
+    folder = tmp_path_factory.mktemp("twice")
+    scene = example_scene()
+    call(folder, scene, TEXT)
+    lines = [scene.model_copy(update={"id": one}).to_json() for one in ids]
+    (folder / "scenes.jsonl").write_text("\n".join(lines))
+    files = (str(folder / "scenes.jsonl"), "--scenarios", str(folder / "texts.jsonl"))
+    simulator = ("--simulator", "oodscen.testing._flat:FlatSimulator")
+    done = CliRunner().invoke(main, ["check-claims", *files, *simulator, "--json"])
+    found = json.loads(done.stdout)
+    assert [row["id"] for row in found["scenes"]] == list(dict.fromkeys(ids))
+    assert found["claims"] == sum(len(row["findings"]) for row in found["scenes"])
+
+
+def test_two_different_scenes_of_one_id_are_refused(tmp_path):
+    scene = example_scene()
+    call(tmp_path, scene, TEXT)
+    lines = [scene.to_json(), scene.model_copy(update={"horizon_s": 5.0}).to_json()]
+    (tmp_path / "scenes.jsonl").write_text("\n".join(lines))
+    files = (str(tmp_path / "scenes.jsonl"), "--scenarios", str(tmp_path / "texts.jsonl"))
+    done = CliRunner().invoke(main, ["check-claims", *files])
+    assert done.exit_code == 2
+    assert f"scenes.jsonl, line 2: there is another scene {scene.id!r}" in done.stderr

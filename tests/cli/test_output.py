@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import stat
+import sys
 import threading
 from contextlib import suppress
 
@@ -232,3 +233,15 @@ def test_a_study_s_file_is_refused_before_the_work(tmp_path, words):
     assert (found.exit_code, found.output.count("\n")) == (2, 1)
     assert f"holds {last} already" in found.output
     assert "nobody" not in found.output
+
+
+@pytest.mark.parametrize("is_terminal", [True, False])
+def test_a_document_steers_no_terminal_and_is_kept_as_it_is_elsewhere(
+    monkeypatch, capsys, is_terminal
+):
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: is_terminal)
+    text = json.dumps({"model": "gnp.\u202eexe"}, ensure_ascii=False)
+    write(None, text)
+    shown = capsys.readouterr().out
+    assert ("\u202e" in shown) == (not is_terminal)
+    assert json.loads(shown) == json.loads(text)

@@ -4,6 +4,7 @@ import base64
 import gc
 import hashlib
 import json
+import sys
 import warnings
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,10 @@ inspect_ai = pytest.importorskip("inspect_ai")
 pytest.importorskip("pyarrow")
 
 from inspect_ai import Epochs, task_with  # noqa: E402
+from inspect_ai._util.error import PrerequisiteError, exception_hook  # noqa: E402
 from inspect_ai.log import EvalLog  # noqa: E402
 from inspect_ai.model import ModelOutput, ModelUsage, get_model  # noqa: E402
+from rich.text import Text  # noqa: E402
 
 from oodscen import Study, evaluate  # noqa: E402
 from oodscen.errors import UsageError  # noqa: E402
@@ -219,6 +222,23 @@ def test_epochs_are_averaged_by_answer(logs):
     assert shares(logs["act"]) != values
 
 
-def test_a_folder_that_is_neither_is_refused(tmp_path):
-    with pytest.raises(UsageError):
-        tasks.act(study=str(tmp_path))
+@pytest.mark.parametrize("task", [tasks.notice, tasks.name, tasks.choose, tasks.act])
+def test_what_cannot_be_asked_is_refused_in_one_line(task, tmp_path, monkeypatch, study):
+    tracebacks = []
+    monkeypatch.setattr(sys, "excepthook", lambda *unused: tracebacks.append(unused))
+    (tmp_path / "[red] neither").mkdir()
+    neither = {"study": str(tmp_path / "[red] neither")}
+    named = {"study": str(study.folder), "split": "test"}
+    for options, said in ((neither, "[red] neither holds neither"), (named, "has no splits")):
+        with pytest.raises(UsageError) as caught:
+            task(**options)
+        exception_hook()(caught.type, caught.value, caught.tb)
+        assert said in str(caught.value)
+        assert Text.from_markup(caught.value.message).plain == str(caught.value)
+    assert not tracebacks
+
+
+def test_a_judge_that_does_not_exist_is_refused_in_one_line(study):
+    with pytest.raises(UsageError) as caught:
+        tasks.name(study=str(study.folder), judge="nobody:nothing")
+    assert isinstance(caught.value, PrerequisiteError)

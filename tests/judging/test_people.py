@@ -25,12 +25,20 @@ EPISODES = (episode("deer-001"), episode("deer-001~twin"))
 
 
 def given(*items: str, name: str = "Ada", **more: object) -> QuizAnswers:
-    said = {"is_ood": True, "confidence": 0.8, "aspect": "a deer", "action": "stop", **more}
+    said = {
+        "is_ood": True,
+        "confidence": 0.8,
+        "aspect": "a deer",
+        "choice": "deer",
+        "action": "stop",
+        **more,
+    }
+    said = {name: value for name, value in said.items() if value is not ...}
     return QuizAnswers.parse({"id": name, "answers": [{"item": item, **said} for item in items]})
 
 
 def test_a_person_is_judged_like_a_model():
-    answers = PersonAnswers.matched(given(token(EPISODES[0]), choice="deer"), EPISODES)
+    answers = PersonAnswers.matched(given(token(EPISODES[0])), EPISODES)
     assert set(answers.items) == {"deer-001"}
     options = (AspectOption(id="deer", label="Deer on the road"),)
     path = ("OOD", "Animals", "Deer on the road")
@@ -61,6 +69,10 @@ def test_answers_about_no_drive_of_the_study_or_twice_about_one_are_refused(item
         {"name": "Ada without pictures"},
         {"name": ""},
         {"action": "fly"},
+        {"action": None},
+        {"action": ...},
+        {"choice": None},
+        {"choice": ...},
         {"confidence": 0.1},
         {"confidence": True},
         {"confidence": "0.8"},

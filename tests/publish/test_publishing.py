@@ -142,7 +142,8 @@ def fill(folder: Path, names: Iterable[str], content: str) -> None:
     for name in names:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(content)
-    (folder / SUMS).write_text("".join(f"{'0' * 64}  {name}\n" for name in names))
+    digest = hashlib.sha256(content.encode()).hexdigest()
+    (folder / SUMS).write_text("".join(f"{digest}  {name}\n" for name in names))
 
 
 def content(folder: Path) -> dict[str, bytes]:
@@ -219,13 +220,25 @@ def test_no_link_in_the_folder_is_followed(study, tmp_path, place):
     if place == "data":
         rmtree(folder / place)
         (folder / place).symlink_to(tmp_path / "mine")
-        with pytest.raises(FolderTaken):
-            publish(study, folder, forms=())
     else:
         (folder / place).unlink()
         (folder / place).symlink_to(tmp_path / "mine" / "kept")
+    with pytest.raises(UsageError, match="nothing is overwritten"):
         publish(study, folder, forms=())
     assert content(tmp_path / "mine") == {"kept": b"kept"}
+
+
+def test_a_card_that_was_changed_by_hand_is_kept(study, tmp_path):
+    folder = publish(study, tmp_path / "set", forms=()).folder
+    first, card = content(folder), folder / "README.md"
+    card.write_text(f"{card.read_text()}\nOur note.\n")
+    before = content(folder)
+    with pytest.raises(UsageError, match=r"README\.md was changed since it was published"):
+        publish(study, folder, forms=())
+    assert content(folder) == before
+    card.unlink()
+    publish(study, folder, forms=())
+    assert content(folder) == first
 
 
 @given(st.text())

@@ -88,7 +88,13 @@ def test_the_file_that_it_saves_is_taken_once_per_name(study: Study, page: str, 
     file = tmp_path / "answers.json"
     for action in ("stop", "keep_speed"):
         answers = [
-            {"item": one["item"], "is_ood": False, "confidence": 0.7, "action": action}
+            {
+                "item": one["item"],
+                "is_ood": False,
+                "confidence": 0.7,
+                "choice": one["options"][0][0],
+                "action": action,
+            }
             for one in payload(page)["items"]
         ]
         file.write_text(json.dumps({"schema_version": 1, "id": "Ada", "answers": answers}))

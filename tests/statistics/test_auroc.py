@@ -35,7 +35,7 @@ def test_the_interval_holds_the_value_and_repeats():
 
 def test_the_replicates_draw_each_set_by_itself_or_pairs_together():
     draws = np.random.default_rng(4)
-    a, b = draws.integers(0, 9, 9).astype(float), draws.integers(1, 10, 9).astype(float)
+    a, b = (np.sort(draws.integers(low, low + 9, 9)).astype(float) for low in (0, 1))
     ood = Resampler(9, seed=5, replicates=50, purpose="ood").weights.astype(int)
     others = Resampler(9, seed=5, replicates=50, purpose="ordinary").weights.astype(int)
     assert (ood != others).any()
@@ -47,6 +47,20 @@ def test_the_replicates_draw_each_set_by_itself_or_pairs_together():
         found = auroc_interval(a, b, is_paired=paired, seed=5, replicates=50).interval
         expected = np.quantile(areas, [0.025, 0.975])
         assert (found.low, found.high) == pytest.approx(tuple(expected), abs=1e-6)
+
+
+@given(scores, scores, st.booleans(), st.data())
+def test_the_order_of_the_texts_changes_no_interval(a, b, is_paired, data):
+    if is_paired:
+        a, b = a[: len(b)], b[: len(a)]
+    order = data.draw(st.permutations(range(len(b))))
+    first = order if is_paired else data.draw(st.permutations(range(len(a))))
+    labels = [str(place % 4) for place in range(len(b))]
+    moved = [labels[place] for place in order]
+    for one, other in ((None, None), (labels, moved)):
+        assert auroc_interval(a, b, one, is_paired=is_paired, replicates=50) == auroc_interval(
+            a[first], b[order], other, is_paired=is_paired, replicates=50
+        )
 
 
 @given(

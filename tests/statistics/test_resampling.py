@@ -42,13 +42,33 @@ def test_texts_that_resemble_one_another_widen_it():
 
 
 def test_clusters_of_one_are_no_clusters():
+    labels = list("abcdefghijkl")
     values = np.arange(12.0)
-    alone, together = bootstrap_mean(values), bootstrap_mean(values, list(map(str, range(12))))
+    alone, together = bootstrap_mean(values), bootstrap_mean(values, labels)
     assert (alone.low, alone.high) == (together.low, together.high)
     rows = unit(np.random.default_rng(0).normal(size=(12, 3)).astype(np.float32))
+    rows = rows[np.argsort(rows[:, 0])]
     alone = bootstrap_pairwise(rows)
-    together = bootstrap_pairwise(rows, list(map(str, range(12))))
+    together = bootstrap_pairwise(rows, labels)
     assert (alone.low, alone.high) == (together.low, together.high)
+
+
+@given(st.lists(st.sampled_from("abcde"), min_size=2, max_size=12), st.booleans(), st.data())
+def test_the_order_of_the_items_changes_no_interval(labels, is_clustered, data):
+    n = len(labels)
+    values = np.array(data.draw(st.lists(st.floats(0, 1), min_size=n, max_size=n)))
+    rows = unit(np.stack([values, np.square(values), 1 - values], axis=1).astype(np.float32))
+    order = data.draw(st.permutations(range(n)))
+    clusters = labels if is_clustered else None
+    moved = [labels[place] for place in order] if is_clustered else None
+    for one, other in (
+        (bootstrap_mean(values, clusters), bootstrap_mean(values[order], moved)),
+        (bootstrap_pairwise(rows, clusters), bootstrap_pairwise(rows[order], moved)),
+    ):
+        assert (one is None) == (other is None)
+        if one is not None:
+            assert (one.low, one.high) == pytest.approx((other.low, other.high), abs=2e-6)
+            assert one.units == other.units
 
 
 def test_two_units_have_an_interval():
@@ -148,7 +168,7 @@ def test_clusters_are_counted_and_summed(clusters: list[str], data: st.DataObjec
     there = {one for one, kept in zip(clusters, mask, strict=True) if kept}
     assert resampler.count(mask) == len(there)
     values = np.arange(float(len(clusters)))
-    sums = {c: values[[one == c for one in clusters]].sum() for c in dict.fromkeys(clusters)}
+    sums = {c: values[[one == c for one in clusters]].sum() for c in sorted(set(clusters))}
     assert resampler.summed(values[:, None])[:, 0].tolist() == list(sums.values())
 
 

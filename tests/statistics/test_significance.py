@@ -57,6 +57,21 @@ def test_swapping_two_answerers_changes_the_sign_only() -> None:
     assert one.p_clustered == pytest.approx(two.p_clustered)
 
 
+@settings(max_examples=30)
+@given(st.lists(st.integers(-2, 9), min_size=4, max_size=18), st.booleans(), st.data())
+def test_the_order_of_the_items_changes_no_p(gaps: list[int], clustered: bool, data) -> None:
+    values = np.array(gaps, float)
+    order = data.draw(st.permutations(range(len(gaps))))
+    labels = [str(place // 2) for place in range(len(gaps))] if clustered else None
+    moved = [labels[place] for place in order] if labels else None
+    assert sign_flip(values, labels, replicates=99) == sign_flip(
+        values[order], moved, replicates=99
+    )
+    zero = np.zeros(3)
+    one = permutation_test(values, zero, (labels, None), replicates=99)
+    assert one == permutation_test(values[order], zero, (moved, None), replicates=99)
+
+
 def test_flipping_single_items_is_mcnemars_exact_test() -> None:
     gaps = np.array([1.0] * 8 + [-1.0] * 2 + [0.0] * 30)
     assert sign_flip(gaps) == pytest.approx(mcnemar(8, 2)[0])

@@ -6,6 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen import make_encoder
+from oodscen.errors import UsageError
 from oodscen.protocols import Encoder
 from oodscen.testing._encoder import HashEncoder
 
@@ -34,8 +36,17 @@ def test_texts_that_share_words_are_near():
 def test_it_is_an_encoder_with_a_name():
     assert isinstance(HashEncoder(), Encoder)
     assert HashEncoder().name == "hash-256"
-    with pytest.raises(ValueError):
-        HashEncoder(0)
+
+
+@given(st.integers(1, 4096))
+def test_its_name_may_carry_the_dimension(dimension):
+    assert make_encoder(f"hash:{dimension}").name == HashEncoder(dimension).name
+
+
+@given(st.text().filter(lambda text: not text.isdecimal()) | st.integers(max_value=0))
+def test_another_dimension_is_told_in_words(dimension):
+    with pytest.raises(UsageError, match=r"^the dimension of the hash encoder must be a whole"):
+        make_encoder(f"hash:{dimension}")
 
 
 def test_another_process_gives_the_same_bytes():

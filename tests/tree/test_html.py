@@ -92,3 +92,13 @@ def test_a_page_shows_every_node():
 def test_an_empty_tree_is_an_empty_list():
     assert Reader(notebook_html(ScenarioTree())).labels == []
     assert "An empty tree" in to_page(ScenarioTree())
+
+
+def test_who_decided_turns_no_text_of_the_page_around():
+    edits = [
+        one.model_copy(update={"model": "gnp.\u202eexe", "reason": "\u2066so"})
+        for one in chain(3).edits
+    ]
+    page = to_page(ScenarioTree(edits))
+    assert "\\u202eexe" in page
+    assert not {"\u202e", "\u2066"} & set(page)

@@ -16,6 +16,7 @@ from oodscen.author._reading.numbers import number_at
 from oodscen.author._reading.phrases import Pattern
 from oodscen.author._reading.stationarity import usual_motion
 from oodscen.author._reading.subjects import nouns_of
+from oodscen.claims._taken_back import ENDED, IN_A_NAME
 from oodscen.claims._things import Thing, mentions
 from oodscen.data._claim import Claim, Kind
 
@@ -421,7 +422,7 @@ class _ClaimReading:
         if phrases.DENIED.search(lead) or self._is_in_a_name(kind, end):
             return True
         if kind == "weather" and (
-            phrases.ENDED.match(after) or phrases.PAST.search(lead) or phrases.TO_COME.search(lead)
+            ENDED.match(after) or phrases.PAST.search(lead) or phrases.TO_COME.search(lead)
         ):
             return True
         if kind not in ("weather", "time"):
@@ -432,7 +433,7 @@ class _ClaimReading:
         """Return whether the words up to a position only describe the noun that follows: `night bus`."""
         if kind not in ("weather", "time", "road"):
             return False
-        if phrases.IN_A_NAME.match(self.text[end:]):
+        if IN_A_NAME.match(self.text[end:]):
             return True
         noun = next((one for one in self.mentioned if one.start > end), None)
         if noun is None or noun.is_plural or (kind == "road" and not _gets_about(noun.thing)):

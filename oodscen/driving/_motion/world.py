@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from oodscen._arguments import checked
 from oodscen._display import Brief, brief
-from oodscen._numbers import finite_number, seed_number
+from oodscen._numbers import finite_number, said, seed_number, whole_number
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._motion import actions
@@ -27,10 +27,13 @@ from oodscen.driving._motion.stepping import (
 from oodscen.driving._motion.tilting import tilts
 from oodscen.driving._motion.triggers import CODES
 from oodscen.driving._roads.corridor import Corridor
+from oodscen.errors import UnknownComponent, UsageError
 from oodscen.numerics._exact import quantised, wrapped
 from oodscen.numerics._kernels import seen
 from oodscen.protocols import Control, Observation, State
 
+_SLIPPERIEST, _GRIPPIEST = 0.001, 1.5
+"""Limits of the scale of the road's friction; a scene's lies between 0 and the same upper one."""
 _NEAR_M = 5.0
 """Distance of a measured pose from the last one up to which its place is searched around the last, m."""
 
@@ -167,8 +170,8 @@ class KinematicWorld(Brief):
         return tilts(self._state, self._traits)
 
     def motion(self, body: str) -> BodyMotion:
-        """Return the motion of one body by its id."""
-        return BodyMotion(*self._state[self._rows[body], : col.TRIGGERED + 1].tolist())
+        """Return the motion of one body by its id; an unknown one is an `UnknownComponent`."""
+        return BodyMotion(*self._state[self._row(body), : col.TRIGGERED + 1].tolist())
 
     @property
     def ego(self) -> BodyMotion:
@@ -177,7 +180,7 @@ class KinematicWorld(Brief):
 
     def lanes(self, body: str) -> tuple[int, int]:
         """Return the strip where an actor is placed, and the strip that it may move to."""
-        row = self._rows[body]
+        row = self._row(body)
         return int(self._codes[row, col.LANE]), int(self._codes[row, col.TARGET])
 
     def observe(self) -> Observation:
@@ -208,9 +211,12 @@ class KinematicWorld(Brief):
         Args:
             trigger: A trigger of a decision or an actor.
             owner: Id of the actor to measure to if the trigger names none.
+
+        Raises:
+            UnknownComponent: If there is no such actor.
         """
         name = trigger.actor or owner
-        row = 0 if trigger.kind == "time" or name is None else self._rows[name]
+        row = 0 if trigger.kind == "time" or name is None else self._row(name)
         code = CODES[trigger.kind]
         return bool(is_pulled(self._situation, code, trigger.value, row, self.time))
 
@@ -220,8 +226,14 @@ class KinematicWorld(Brief):
         The values are from the beginning of the last step. The gap is infinite if nothing is ahead within the
         visual range: that of fog, rain and snow, and at night that of headlamps for bodies without lamps.
         """
-        gap, away = free_road(self._situation, self._rows[body], -math.inf)
+        gap, away = free_road(self._situation, self._row(body), -math.inf)
         return float(gap), float(away)
+
+    def _row(self, body: str) -> int:
+        try:
+            return self._rows[body]
+        except (KeyError, TypeError):
+            raise UnknownComponent("body", str(body), self.ids) from None
 
     # ------------------------------------------------------------------ motion
 
@@ -233,12 +245,22 @@ class KinematicWorld(Brief):
         self.step_count += 1
 
     def alter(self, *, friction: float | None = None, speed: float | None = None) -> None:
-        """Change the road's friction or the ego's speed, m/s, from now on; snapshots keep the speed only."""
+        """Change the road's friction or the ego's speed, m/s, from now on; snapshots keep the speed only.
+
+        Args:
+            friction: Scale of the road's friction, from 0.001 to 1.5; 1 is dry asphalt.
+            speed: The ego's speed; a negative one is 0.
+
+        Raises:
+            UsageError: If a value is not a finite number, or the friction is out of range.
+        """
+        if friction is not None:
+            friction = finite_number("friction", friction, _SLIPPERIEST, _GRIPPIEST)
+        if speed is not None:
+            self._state[0, col.SPEED] = quantised(max(0.0, finite_number("speed", speed)))
         if friction is not None:
             self.friction = friction
             self._situation = self._situation._replace(friction=friction)
-        if speed is not None:
-            self._state[0, col.SPEED] = quantised(max(0.0, speed))
 
     def snapshot(self) -> WorldSnapshot:
         """Return all changing state."""
@@ -283,6 +305,9 @@ class KinematicWorld(Brief):
         Args:
             poses: [n, 4] x, y, z and yaw, rows as in `ids`.
             speeds: [n] along the headings, m/s.
+
+        Raises:
+            UsageError: If an array has another shape or holds a value that is not a finite number.
         """
         before = self.speeds()
         self.set_poses(poses, speeds)
@@ -291,14 +316,19 @@ class KinematicWorld(Brief):
         pull_triggers(self._situation, self.time)
 
     def set_poses(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
-        """Move all bodies to measured poses.
+        """Move all bodies to measured poses, or none if there is a fault.
 
         Args:
             poses: [n, 4] x, y, z and yaw, rows as in `ids`.
             speeds: [n] along the headings, m/s.
+
+        Raises:
+            UsageError: If an array has another shape or holds a value that is not a finite number.
         """
-        for row in range(len(poses)):
-            self.set_pose(row, poses[row], float(speeds[row]))
+        count = len(self.ids)
+        poses, speeds = _finite("poses", poses, (count, 4)), _finite("speeds", speeds, (count,))
+        for row in range(count):
+            self._move(row, poses[row], float(speeds[row]))
 
     def set_pose(self, row: int, pose: NDArray[np.float64], speed: float) -> None:
         """Move one body to a measured pose.
@@ -307,7 +337,14 @@ class KinematicWorld(Brief):
             row: The body's row, as in `ids`.
             pose: x, y, z and yaw.
             speed: Its speed along the heading, m/s.
+
+        Raises:
+            UsageError: If there is no such row, or a value is not a finite number.
         """
+        row = whole_number("row", row, 0, len(self.ids) - 1)
+        self._move(row, _finite("pose", pose, (4,)), finite_number("speed", speed))
+
+    def _move(self, row: int, pose: NDArray[np.float64], speed: float) -> None:
         x, y, z, yaw = pose.tolist()
         state = self._state[row]
         is_near = np.abs(state[[col.X, col.Y]] - (x, y)).max() < _NEAR_M
@@ -316,3 +353,16 @@ class KinematicWorld(Brief):
         state[col.X], state[col.Y], state[col.YAW] = x, y, wrapped(yaw)
         state[col.S], state[col.T], state[col.HEADING] = s, t, wrapped(yaw - road)
         state[col.SPEED], state[col.LIFT] = speed, max(0.0, z - ground)
+
+
+def _finite(name: str, values: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return an array of finite numbers of this shape, or raise a `UsageError` that names it."""
+    try:
+        found = np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name} must be numbers, not {said(values)}") from None
+    if found.shape != shape:
+        raise UsageError(f"{name} must be of shape {shape}, not {found.shape}")
+    if not np.isfinite(found).all():
+        raise UsageError(f"{name} must be finite numbers, not {said(found.tolist())}")
+    return found

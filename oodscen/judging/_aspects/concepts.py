@@ -8,6 +8,8 @@ from functools import cache, lru_cache
 from importlib import resources
 from typing import Any, Literal, get_args
 
+from oodscen.claims._taken_back import ENDED, IN_A_NAME
+
 Kind = Literal["odd", "ordinary", "state", "act", "place", "aside"]
 """The kinds of concept; `concepts.toml` explains them."""
 
@@ -117,7 +119,7 @@ def with_broader(name: str) -> frozenset[str]:
 @lru_cache(maxsize=4096)
 def naming_of(text: str) -> Naming:
     """Return what a text names; if several expressions start at the same word, the longest wins."""
-    words, parts = _split(text)
+    words, parts = _split(_without_past_weather(text))
     found: list[tuple[int, Concept]] = []
     used: set[int] = set()
     for start in range(len(words)):
@@ -207,6 +209,26 @@ _LINKS = frozenset(
 )
 
 # ------------------------------------------------------------------ words
+
+
+def _without_past_weather(text: str) -> str:
+    """Return a text without weather that is over, or that only describes a thing: a snow plough."""
+    return _weather().sub(
+        lambda one: "-" if _is_taken_back(text[one.end() :]) else one.group(0), text
+    )
+
+
+def _is_taken_back(after: str) -> bool:
+    return bool(ENDED.match(after) or IN_A_NAME.match(after))
+
+
+@cache
+def _weather() -> re.Pattern[str]:
+    words = {word for name in _WEATHER for word in concepts()[name].expressions if word.isalpha()}
+    return re.compile(rf"\b(?:{'|'.join(sorted(words, key=len, reverse=True))})\b", re.IGNORECASE)
+
+
+_WEATHER = ("fog", "dust storm", "snow", "rain", "hail", "ice")
 
 
 def _split(text: str) -> tuple[list[str], list[int]]:

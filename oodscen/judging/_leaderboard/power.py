@@ -12,6 +12,8 @@ from oodscen.errors import UsageError
 _NORMAL = NormalDist()
 _LEAST = 1e-9
 """The smallest usable distance of a rate or level from 0 or 1, and of two rates from each other."""
+_MOST_DIGITS = 9
+"""Digits of a percentage that tell any two usable rates apart."""
 _ROUNDING = 1e-9
 """Excess over a whole number of scenes that counts as an error of rounding."""
 
@@ -56,8 +58,10 @@ class SampleSize(Data):
             if self.is_paired
             else "each model on scenes of its own"
         )
+        first, second = told_apart(self.first, self.second, digits=1)
+        (power,) = told_apart(self.power)
         lines = [
-            f"To tell {self.first:.1%} from {self.second:.1%}, {how}, with power {self.power:.0%} at "
+            f"To tell {first} from {second}, {how}, with power {power} at "
             f"alpha {self.alpha:g}"
             + (f" over {self.comparisons} comparisons" if self.comparisons > 1 else "")
             + ":",
@@ -69,6 +73,21 @@ class SampleSize(Data):
                 f"(design effect {self.design_effect:.2f} at an intraclass correlation of {self.icc:g})"
             )
         return "\n".join(lines)
+
+
+def told_apart(*shares: float, digits: int = 0) -> list[str]:
+    """Return shares as percentages with as many digits as tell them from each other, from 0 and from 100 %.
+
+    Args:
+        shares: Shares in [0, 1].
+        digits: The fewest digits after the point.
+    """
+    told: list[str] = []
+    for count in range(digits, _MOST_DIGITS + 1):
+        told = [f"{share:.{count}%}" for share in shares]
+        if len({*told, *(f"{end:.{count}%}" for end in (0, 1))}) == len({*shares, 0.0, 1.0}):
+            break
+    return told
 
 
 @checked

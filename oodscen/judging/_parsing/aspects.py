@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from oodscen.judging._parsing.reading import (
@@ -29,11 +29,21 @@ class Detected:
     aspect: str = ""
     confidence: float | None = None
     """Confidence in `is_ood`, 0 to 1."""
+    beside: str = field(default="", compare=False)
+    """The words of an aspect that does not go with `is_ood`: a thing beside false, "none" beside true."""
 
 
 def read_aspect(text: str) -> ParsedAnswer[Detected]:
-    """Return whether something was called out of the ordinary, the aspect and the confidence."""
-    return read(text, Question(_detection, _detected_in_prose, _DETECTION, _disowns))
+    """Return whether something was called out of the ordinary, the aspect and the confidence.
+
+    `is_ood` counts where the aspect does not go with it; the note then says so.
+    """
+    found = read(text, Question(_detection, _detected_in_prose, _DETECTION, _disowns))
+    if found.value is None or not found.value.beside:
+        return found
+    said = "true" if found.value.is_ood else "false"
+    note = f"{found.note}, which says {said} beside the aspect {found.value.beside[:80]!r}"
+    return replace(found, note=note)
 
 
 def read_named_aspect(text: str) -> ParsedAnswer[str]:
@@ -79,13 +89,26 @@ def _detection(value: Mapping[str, Any]) -> Detected | None:
     if is_ood is None:
         raise UnusableError(f"{str(held[0])[:80]!r} is neither true nor false")
     sure = members(value, _CONFIDENCE)
+    said = _words_of_aspect(value)
+    is_odd = names_nothing(said) if is_ood else not (names_nothing(said) or _says_usual(said))
     return Detected(
-        is_ood, _aspect(value) if is_ood else "", probability(sure[0]) if sure else None
+        is_ood,
+        _aspect(said) if is_ood else "",
+        probability(sure[0]) if sure else None,
+        said if is_odd else "",
     )
 
 
-def _aspect(value: Mapping[str, Any]) -> str:
-    said = next((words for one in members(value, _ASPECT) if (words := words_in(one))), "")
+def _words_of_aspect(value: Mapping[str, Any]) -> str:
+    return next((words for one in members(value, _ASPECT) if (words := words_in(one))), "")
+
+
+def _says_usual(said: str) -> bool:
+    """Return whether words of an aspect name nothing, or call it ordinary."""
+    return not re.search(r"\w", said) or bool(_USUAL.search(fold(said)))
+
+
+def _aspect(said: str) -> str:
     if said and not re.search(r"\w", said):
         raise UnusableError("the aspect is not named")
     return said

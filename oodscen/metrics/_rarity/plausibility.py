@@ -19,6 +19,7 @@ _GROUND: Final = (
     r"(?:cars?|trucks?|lorr(?:y|ies)|bus(?:es)?|vans?|vehicles?|trams?|bicycles?|pedestrians?|houses?|bridges?|trees?|"
     r"cows?|horses?|elephants?|traffic lights?|road|street|lane|buildings?|people|man|woman|child|ego)"
 )
+_HEAVY: Final = r"(?:cars?|trucks?|lorr(?:y|ies)|bus(?:es)?|vans?|vehicles?|trams?|trains?|bicycles?|pedestrians?|houses?|cows?|horses?|elephants?)"
 _ROOTED: Final = (
     r"(?:trees?|traffic lights?|houses?|buildings?|lamp posts?|bridges?|hydrants?|walls?)"
 )
@@ -29,6 +30,7 @@ _IMPOSSIBLE = tuple(
         r"\b(?:teleport|levitat|dematerial|antigravit|time ?warp|time[- ]travel)\w*",
         rf"\b{_GROUND} (?:\w+ )?(?:flies|is flying|hovers|floats) (?:\w+ ){{0,2}}(?:over|above|through|in) (?:the |mid-?)?"
         r"(?:air|sky|clouds?|roofs?|city|rooftops?)\b",
+        rf"\b(?:flying|hovering) {_HEAVY}\b(?! (?:bod(?:y|ies)|doors?|bonnets?|hoods?|parts?|pieces?|tyres?|tires?|wheels?|debris|stunts?))",
         rf"\b{_GROUND} (?:\w+ )?(?:vanish(?:es)?|disappears?|dissolves?|evaporates?) (?:into (?:thin air|nothing)|in mid-?air)\b",
         r"\b(?:passes|walks|drives|goes|runs) (?:straight |right )?through (?:a |the )?(?:solid |brick |concrete )?"
         r"(?:walls?|other cars?|the truck|solid rock)\b(?! opening| gap)",

@@ -26,6 +26,8 @@ _NUMBERS: Final = frozenset(
     "and a about once in every per point half minus km kilometre kilometres kilometer kilometers mile miles metre metres".split()
 )
 
+_EMPHATIC: Final = frozenset("far long many no really so too very".split())
+
 
 def is_number(text: str) -> bool:
     """Return whether a text says nothing but numbers and units of length, or has more numbers than words."""
@@ -35,9 +37,12 @@ def is_number(text: str) -> bool:
 
 
 def repeats_word(text: str) -> bool:
-    """Return whether a text of three words or more repeats a single one."""
+    """Return whether a text has one word three times in a row, as no sentence does but for emphasis."""
     found = _WORD.findall(text[:1_000].lower())
-    return len(found) > 2 and len(set(found)) == 1
+    thrice = {
+        one for one, *rest in zip(found, found[1:], found[2:], strict=False) if {*rest} == {one}
+    }
+    return bool(thrice - _EMPHATIC) or (bool(thrice) and len(set(found)) == 1)
 
 
 def names_road(text: str) -> bool:

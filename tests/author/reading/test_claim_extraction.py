@@ -447,3 +447,14 @@ def test_every_text_of_the_author_names_what_its_scene_must_show(knowledge):
         if not any(claim.kind == "thing" for claim in read_claims(text)):
             without.append(text)
     assert len(without) <= 0.04 * len(staged[::3]), without
+
+
+@pytest.mark.parametrize(("weather", "real"), [("fog", "thick fog"), ("snow", "heavy snow")])
+@pytest.mark.parametrize("thing", ["plough", "lamps", "chains", "light"])
+def test_weather_that_only_describes_a_thing_is_no_weather(weather, real, thing):
+    told = [
+        one for one in read_claims(f"A {weather} {thing} stands ahead.") if one.kind == "weather"
+    ]
+    assert not told
+    told = read_claims(f"A {weather} {thing} stands ahead in {real}.")
+    assert [one.value for one in told if one.kind == "weather"] == [real.replace(" ", "_")]

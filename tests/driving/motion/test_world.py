@@ -14,6 +14,7 @@ from oodscen.driving import KinematicWorld
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.columns import SPEED, YAW, X, Y
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
+from oodscen.errors import UnknownComponent, UsageError
 from oodscen.protocols import Control
 from tests.driving.staging import actor, scene, world
 
@@ -181,3 +182,62 @@ def test_actors_that_tow_each_other_in_a_ring_are_refused() -> None:
     ]
     with pytest.raises(ValueError, match="in a ring"):
         world(scene(*ring))
+
+
+NOT_NUMBERS = st.sampled_from([math.nan, math.inf, -math.inf])
+
+
+@given(NOT_NUMBERS, st.integers(0, 6), st.integers(0, 4))
+def test_measured_poses_that_are_no_numbers_move_nothing(value: float, row: int, column: int):
+    busy = world(BUSY)
+    before = busy.snapshot()
+    poses, speeds = busy.poses(), busy.speeds()
+    if column < 4:
+        poses[row, column] = value
+    else:
+        speeds[row] = value
+    for call in (
+        lambda: busy.set_poses(poses, speeds),
+        lambda: busy.follow(poses, speeds),
+        lambda: busy.set_pose(row, poses[row], speeds[row]),
+        lambda: busy.alter(speed=value),
+        lambda: busy.alter(friction=value, speed=1.0),
+    ):
+        with pytest.raises(UsageError, match="finite"):
+            call()
+    assert busy.snapshot() == before
+
+
+@given(st.integers(0, 9), st.integers(0, 6))
+def test_measured_poses_have_a_row_for_every_body(count: int, width: int):
+    busy = world(BUSY)
+    poses, before = np.zeros((count, width)), busy.snapshot()
+    if (count, width) != (len(busy.ids), 4):
+        with pytest.raises(UsageError, match="shape"):
+            busy.set_poses(poses, np.zeros(count))
+    if width != 4:
+        with pytest.raises(UsageError, match="shape"):
+            busy.set_pose(0, np.zeros(width), 0.0)
+    for row in (-1, len(busy.ids) + count):
+        with pytest.raises(UsageError, match="row"):
+            busy.set_pose(row, np.zeros(4), 0.0)
+    with pytest.raises(UsageError, match="numbers"):
+        busy.set_pose(0, "here", 0.0)
+    assert busy.snapshot() == before
+
+
+@given(st.text())
+def test_an_unknown_body_is_named(name: str):
+    busy = world(BUSY)
+    for call in (busy.motion, busy.lanes, busy.free_road):
+        if name not in busy.ids:
+            with pytest.raises(UnknownComponent, match="unknown body"):
+                call(name)
+
+
+@given(st.floats(max_value=0.0) | st.floats(min_value=1.6))
+def test_a_friction_is_one_of_a_road(friction: float):
+    busy = world(BUSY)
+    with pytest.raises(UsageError, match="friction"):
+        busy.alter(friction=friction)
+    assert busy.friction == world(BUSY).friction

@@ -173,3 +173,41 @@ def test_a_label_that_denies_something_is_right_too():
 )
 def test_a_state_of_something_unknown_is_not_taken_for_that_of_the_thing_it_implies(aspect, label):
     assert not names_aspect(aspect, ("OOD", label))
+
+
+WEATHER = {
+    "fog": "Thick fog at night",
+    "snow": "Heavy snowfall covering the road",
+    "rain": "Torrential rain",
+}
+
+
+@given(
+    st.sampled_from(sorted(WEATHER)),
+    st.sampled_from(
+        [
+            "the {} has cleared",
+            "the {} is gone",
+            "{} has just stopped",
+            "a {} plough",
+            "the {}-lamps of a car",
+        ]
+    ),
+)
+def test_weather_that_is_over_or_in_a_name_is_not_named(said, wording):
+    label = ("OOD", WEATHER[said])
+    assert names_aspect(f"the {said} is thick", label)
+    assert not names_aspect(wording.format(said), label)
+    assert names_aspect(f"{wording.format(said)} in {said}", label)
+
+
+@pytest.mark.parametrize(
+    ("aspect", "label"),
+    [
+        ("a child seat in the car", "Child running onto the road"),
+        ("a booster seat with a child's seat", "Child running onto the road"),
+        ("a dog trailer", "Dog on the road"),
+    ],
+)
+def test_a_thing_that_another_is_named_after_is_not_named(aspect, label):
+    assert not names_aspect(aspect, ("OOD", label))

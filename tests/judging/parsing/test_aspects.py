@@ -151,3 +151,27 @@ def test_what_is_neither_yes_nor_no_is_asked_again(said):
 
 def test_an_ordinary_scene_has_no_aspect():
     assert read_aspect('{"is_ood": false, "aspect": "a deer"}').value == Detected(False)
+
+
+SAID = {
+    "cardboard box in the lane": True,
+    "overturned lorry": True,
+    "none": False,
+    "Nothing unusual.": False,
+}
+
+
+@given(st.booleans(), st.sampled_from(sorted(SAID)), st.sampled_from(["aspect", "what"]))
+def test_an_aspect_that_does_not_go_with_the_yes_or_no_is_noted(
+    is_ood: bool, said: str, name: str
+) -> None:
+    found = read_aspect(json.dumps({"is_ood": is_ood, name: said}))
+    assert found.value is not None
+    assert (found.value.is_ood, found.value.aspect) == (is_ood, said if is_ood else "")
+    assert (found.note == "JSON") == (is_ood == SAID[said])
+    assert (repr(said) in found.note) == (is_ood != SAID[said])
+
+
+@given(st.sampled_from(["", "...", "ordinary traffic", "The road is clear."]))
+def test_an_ordinary_aspect_goes_with_no(said: str) -> None:
+    assert read_aspect(json.dumps({"is_ood": False, "aspect": said})).note == "JSON"

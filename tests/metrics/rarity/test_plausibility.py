@@ -21,6 +21,8 @@ from oodscen.metrics._rarity.plausibility import is_impossible, names_event, par
         "The road becomes lava ahead.",
         "A bus overtakes at 2,000 km/h.",
         "A car drives at 900 mph past us.",
+        "a flying car passes",
+        "Two hovering trucks queue at the light.",
     ],
 )
 def test_impossible_things_acts_and_speeds(text):
@@ -36,6 +38,9 @@ def test_impossible_things_acts_and_speeds(text):
         "The van ahead turns into a side street.",
         "A truck disappears into the fog.",
         "A drone flies over the road.",
+        "Flying car parts hit the windscreen.",
+        "Flying debris hits the car.",
+        "Gulls flying past cars at the quay.",
         "A car drives at 130 km/h.",
         "The man walks through the wall opening.",
         "The setting sun falls on a red signal.",

@@ -23,10 +23,17 @@ def test_a_text_is_a_number_if_it_has_more_numbers_than_words(words, numbers):
     assert is_number(text) == (len(other) < len(numbers) or not other)
 
 
-@given(_PLAIN, st.integers(3, 9))
-def test_a_word_alone_is_repeated_until_another_joins(word, times):
-    assert repeats_word(f"{word} " * times)
-    assert not repeats_word(f"{word} " * times + "lorry")
+@given(st.lists(_PLAIN, max_size=5), _PLAIN, st.integers(3, 9))
+def test_a_word_three_times_in_a_row_is_repeated_until_others_stand_between(others, word, times):
+    said = " ".join([*others, *[word] * times, *others])
+    assert repeats_word(said)
+    assert not repeats_word(f"{word} lorry bus " * times)
+    assert not repeats_word(f"{word} {word} lorry " * times)
+
+
+@given(st.sampled_from(["very", "far", "so"]), st.integers(3, 5))
+def test_emphasis_may_be_repeated(word, times):
+    assert not repeats_word(f"{word} " * times + "slow lorry")
 
 
 @given(st.lists(_PLAIN, min_size=6, max_size=40))
