@@ -20,9 +20,7 @@ from oodscen.judging._aspects.opinions import (
 )
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.llm._remote.rate_limit import JUDGING
-
-OPINIONS = "opinions.jsonl"
-"""File with one line per distinct pair of open aspect and path that a judge model was asked about."""
+from oodscen.study._stale_verdicts import OPINIONS
 
 
 def judge_aspects(
