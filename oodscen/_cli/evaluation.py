@@ -102,7 +102,7 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     for name, count in drop_models(before, asked.dropped).items() if asked.dropped else ():
         kept = "its answers stay in answers.jsonl, and judging it again uses them unless --retry-failed is given"
         say(f"{name} is taken out with {count} verdicts; {kept}", err=True)
-    known = {verdict.model for verdict in before.verdicts}
+    known = {verdict.model for verdict in before.stored_verdicts}
     wanted, study = asked.configuration(before), before
     limits, ledger = limits_from(choices), Ledger()
     if asked.dry_run:

@@ -1,7 +1,7 @@
 """The context that the stages of one run share: its folder, components and stored items."""
 
 import time
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cached_property
 from pathlib import Path
@@ -86,6 +86,7 @@ class Context:
         *,
         made_from: Callable[[str], str] | None = None,
         is_whole: Callable[[Mapping[str, Any]], bool] = lambda line: True,
+        others: Sequence[Mapping[str, Any]] = (),
     ) -> list[dict[str, Any]]:
         """Append a line for every item without a valid one, then sort the file in the items' order.
 
@@ -99,6 +100,7 @@ class Context:
             work: Yields the lines of the given items, in any order.
             made_from: Returns the digest of the inputs of an id's line; lines keep it as `made_from`.
             is_whole: Returns whether everything that belongs to a line exists.
+            others: Lines of the file that are about none of the items, and stay before theirs.
 
         Returns:
             The lines of all items, in their order.
@@ -106,7 +108,7 @@ class Context:
         before = self.fitting(file, items, made_from, is_whole)
         done = {name: line for name, line in before.items() if not self.is_again(line)}
         if len(done) < len(items):
-            self.store.write_lines(file, done.values())
+            self.store.write_lines(file, [*others, *done.values()])
         try:
             self.progress(stage, len(done), len(items))
             for result in work({name: item for name, item in items.items() if name not in done}):
@@ -120,10 +122,11 @@ class Context:
             if not before.keys() <= done.keys():
                 kept = before | done
                 with suppress(StudyError):
-                    self.store.write_lines(file, [kept[name] for name in items if name in kept])
+                    lines = [kept[name] for name in items if name in kept]
+                    self.store.write_lines(file, [*others, *lines])
             raise
         rows = [done[name] for name in items]
-        self.store.write_lines(file, rows)
+        self.store.write_lines(file, [*others, *rows])
         return rows
 
     def fitting(

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Sequence
 from typing import Any
 
-from oodscen._pipeline.steps.aspects import OPINIONS, judged
+from oodscen._pipeline.steps.aspects import judged
 from oodscen._pipeline.steps.judge import outcomes
 from oodscen._registry import make_llm
 from oodscen.data._base import canonical_json
@@ -14,6 +14,7 @@ from oodscen.judging._people import person
 from oodscen.judging._references import ALWAYS
 from oodscen.report._render import write_report
 from oodscen.study._config import StudyConfig
+from oodscen.study._stale_verdicts import OPINIONS, refuse_stale_verdicts
 from oodscen.study._study import Study
 
 
@@ -33,6 +34,7 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
 
     Raises:
         UnknownComponent: When a name was never judged, with close matches.
+        UsageError: When a verdict of another model does not belong to its drive as it is now.
         InUse: When another process writes the study.
     """
     with study.store.writing():
@@ -40,7 +42,7 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
 
 
 def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
-    config, verdicts = study.config, study.verdicts
+    config, verdicts = study.config, study.stored_verdicts
     names_by_entry = {name: _name_in_verdicts(name, config) for name in config.vlms}
     names_by_entry |= {
         without_pictures(name): called and without_pictures(called)
@@ -63,6 +65,7 @@ def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
         models |= {one.model for one in verdicts} - judging
     models -= {*ALWAYS}
     kept = [one for one in verdicts if one.model not in models]
+    refuse_stale_verdicts(study, kept)
     counts = {
         name: sum(one.model in models and one.model == called.get(name, name) for one in verdicts)
         for name in names

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from oodscen._members import reason
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
-from oodscen._pipeline.steps.aspects import OPINIONS, judged
+from oodscen._pipeline.steps.aspects import judged
 from oodscen._pipeline.steps.compare import compare_catalogues
 from oodscen._pipeline.steps.judge import evaluate, outcomes
 from oodscen._pipeline.steps.measure import measure
@@ -27,6 +27,7 @@ from oodscen.llm._accounting import accounts
 from oodscen.report._render import write_report
 from oodscen.study._config import JUDGING, Status, StudyConfig
 from oodscen.study._record import record
+from oodscen.study._stale_verdicts import OPINIONS
 from oodscen.study._study import Study
 from oodscen.tree._scenario_tree import ScenarioTree
 

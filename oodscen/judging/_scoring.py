@@ -11,7 +11,13 @@ from oodscen.data._scene import Visible
 from oodscen.data._verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
 from oodscen.errors import AnswerError, ContentFiltered, LLMTimeout, ModelSkipped, OodscenError
 from oodscen.judging._aspects.matching import score_naming
-from oodscen.judging._aspects.opinions import is_open, opinion, rescore_verdict
+from oodscen.judging._aspects.opinions import (
+    Opinion,
+    is_open,
+    opinion,
+    opinion_id,
+    rescore_verdict,
+)
 from oodscen.judging._items import Items
 from oodscen.judging._parsing import is_refusal
 from oodscen.judging._questions import AnswerReader, acting_reader, choosing_reader, naming_reader
@@ -174,6 +180,34 @@ def rescored(verdict: Verdict, key: AnswerKey, given: GivenAnswers) -> Verdict:
         is_missing = outcome is not None and outcome.unavailable
         scores["outcome"] = "unavailable" if is_missing else "answered"
     return verdict.model_copy(update=scores | _scores(key, given))
+
+
+def is_scored(verdict: Verdict, key: AnswerKey, opinions: Mapping[str, Opinion]) -> bool:
+    """Return whether a stored verdict is scored as its answers are, by the truth or its judge's opinion.
+
+    `opinions` are those of judges, by id.
+    """
+    said = {name: getattr(verdict, name) for name in ("is_ood", "aspect", "choice", "action")}
+    said = {name: value for name, value in said.items() if value is not None}
+    is_judged = is_open(verdict) and bool(verdict.judge)
+    scoring = {**said, "is_ood": None} if is_judged else said
+    given = GivenAnswers(verdict.model, scoring, protocol=verdict.protocol)
+    scores = {"thing_is_right": None, "aspect_is_right": None} | _scores(key, given)
+    if is_judged:
+        name = opinion_id(verdict.judge, verdict.aspect, key.path, key.visible)
+        found = opinions.get(name)
+        if found is None or found.is_same is None:
+            return False
+        scores |= {"thing_is_right": found.is_thing, "aspect_is_right": found.is_same}
+    if "choice" not in said and verdict.choice_is_right is False:
+        # A person who chose none of the options is wrong.
+        scores["choice_is_right"] = False
+    if verdict.status == "ok":
+        outcome = key.actions.get(verdict.action or "")
+        is_missing = outcome is not None and outcome.unavailable
+        scores["outcome"] = "unavailable" if is_missing else "answered"
+    scores["is_ordinary"] = is_ordinary(key.item)
+    return all(getattr(verdict, name) == value for name, value in scores.items())
 
 
 def _scores(key: AnswerKey, given: GivenAnswers) -> dict[str, Any]:

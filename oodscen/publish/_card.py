@@ -12,6 +12,7 @@ from oodscen._text import one_line, plain
 from oodscen._version import __version__
 from oodscen.data._base import canonical_json
 from oodscen.judging._kinds import merge_kinds
+from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.requirements import FIGURES
 from oodscen.judging._leaderboard.rows import Rate
 from oodscen.judging._people import person
@@ -27,11 +28,15 @@ _LISTED = 24
 
 
 def card(
-    study: Study, drives: Sequence[PublishedDrive], licence: str, hashes: Mapping[str, str]
+    study: Study,
+    board: Leaderboard | None,
+    drives: Sequence[PublishedDrive],
+    licence: str,
+    hashes: Mapping[str, str],
 ) -> str:
     """Return the card as Markdown with the front matter that the Hub reads.
 
-    `licence` is a name that the Hub knows, `hashes` the SHA-256 of the files by name.
+    `board` is the study's leaderboard, if models were judged; `licence` is a name that the Hub knows, `hashes` the SHA-256 of the files by name.
     """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("oodscen", "publish"),
@@ -49,7 +54,7 @@ def card(
         configuration=canonical_json(study.config.model_dump(mode="json", exclude=_PRIVATE)),
         splits=[_split(name, drives) for name in SPLITS if any(d.split == name for d in drives)],
         figures=FIGURES,
-        rows=_rows(study),
+        rows=_rows(board),
         tasks=TASKS,
         unanswerable=sum(row.best is None for drive in drives for row in question_rows(drive)),
         size=_size(len(drives) * len(TASKS)),
@@ -76,11 +81,9 @@ def _split(name: str, drives: Sequence[PublishedDrive]) -> dict[str, Any]:
     }
 
 
-def _rows(study: Study) -> list[dict[str, Any]]:
+def _rows(board: Leaderboard | None) -> list[dict[str, Any]]:
     """Return the figures of judged models and references, by the names of requirements."""
-    if not study.store.has("verdicts.jsonl"):
-        return []
-    own = [row for row in study.leaderboard().standings if row.protocol == "ours"]
+    own = [row for row in (board.standings if board else ()) if row.protocol == "ours"]
     return [
         {
             "model": "a person" if row.model.startswith(person("")) else row.model,

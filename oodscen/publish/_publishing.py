@@ -83,8 +83,8 @@ def publish(
         InUse: If another process writes the folder.
         MissingExtra: If pyarrow is not installed.
         StudyError: If a file cannot be written.
-        UsageError: If `validation`, `licence` or `out` is invalid, a scene or its text has changed since it was run, or the card
-            of the earlier data set was changed since it was published.
+        UsageError: If `validation`, `licence` or `out` is invalid, a scene or its text has changed since it was run, a
+            verdict does not belong to its drive, or the card of the earlier data set was changed since it was published.
     """
     finite_number("validation", validation, 0.0, 0.9)
     check_name(out)
@@ -93,6 +93,7 @@ def publish(
     folder = Path(out)
     refuse_inside(folder)
     asked = asked_drives(study)
+    board = study.leaderboard() if study.store.has("verdicts.jsonl") else None
     labels = {one.truth.leaf: one.truth.path[-1] for one in asked if one.truth.path}
     drives = published_drives(asked, splits(labels, share=validation, seed=study.config.seed))
     if not drives:
@@ -101,7 +102,7 @@ def publish(
         questions = _write(part, study, drives, forms)
         hashes = {name: file_sha256(part / name).hex() for name in names(part)}
         readme = part / CARD
-        readme.write_text(card(study, drives, licence, hashes), encoding="utf-8")
+        readme.write_text(card(study, board, drives, licence, hashes), encoding="utf-8")
         hashes[readme.name] = file_sha256(readme).hex()
         sums = "".join(f"{hashes[name]}  {name}\n" for name in sorted(hashes))
         (part / SUMS).write_text(sums, encoding="utf-8")

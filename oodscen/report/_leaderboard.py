@@ -69,7 +69,7 @@ def context(found: Material, board: Leaderboard, bars: Sequence[Bar] = ()) -> di
         "grades": requirements(
             found.verdicts, found.episodes, found.scenarios, bars, seed=board.seed
         )
-        if bars
+        if bars and found.are_verdicts_whole
         else [],
         "alpha": ALPHA,
         "both": [_line(row, board.shortcut, _best_blind(board)) for row in rows],

@@ -24,8 +24,10 @@ from oodscen.stages._making.making import MadeProp
 from oodscen.stages._making.motions import MOTIONS, MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
+from oodscen.study._config import StudyConfig
 from oodscen.study._files import TABLES, TREES
 from oodscen.study._stale import changed_texts, in_words, stale_scenes
+from oodscen.study._stale_verdicts import Tables, stale_in_words
 from oodscen.study._store import Store
 from oodscen.study._study import Study
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -65,6 +67,8 @@ class Material:
     whole: list[Episode] = field(default_factory=list)
     """Episodes of the paper's protocol, if it was used."""
     verdicts: list[Verdict] = field(default_factory=list)
+    are_verdicts_whole: bool = True
+    """False if verdicts were left out, so that no model can be graded."""
     drives: list[DriveResult] = field(default_factory=list)
     restagings: list[dict[str, Any]] = field(default_factory=list)
     """Lines of `restaged.jsonl`."""
@@ -113,6 +117,7 @@ def read(study: Study) -> Material:
         note = f"{lost} results in drives.jsonl are of scenes that have changed since, and left out"
         _note(found, "drives.jsonl", note)
     _note_stale(study, found)
+    _leave_out_stale(store, found)
     if store.has("restaged.jsonl"):
         found.restagings = list(_lines(store, "restaged.jsonl", found))
     found.calls = list(_lines(store, TABLES["calls"], found))
@@ -134,6 +139,34 @@ def _note_stale(study: Study, found: Material) -> None:
         changed = changed_texts(study)
     if stale := stale_scenes(found.episodes, [*found.scenes, *found.demands], staged, changed):
         _note(found, "episodes.jsonl", in_words(stale))
+
+
+def _leave_out_stale(store: Store, found: Material) -> None:
+    """Leave out the verdicts that do not belong to their drives as they are now, and note them."""
+    if not found.verdicts:
+        return
+    stored = _stored(store, TABLES["verdicts"], Verdict)
+    scenes = _stored(store, TABLES["scenes"], Scene)
+    try:
+        tables = Tables(
+            store,
+            StudyConfig.parse(found.config),
+            episodes=_stored(store, TABLES["episodes"], Episode),
+            whole=_stored(store, "episodes.paper.jsonl", Episode),
+            scenarios=_stored(store, TABLES["scenarios"], Scenario),
+            scenes=[one for one in scenes if not one.is_ordinary],
+        )
+        stale = tables.stale(stored)
+    except OodscenError as error:
+        found.verdicts = []
+        why = make_printable(str(error))
+        _note(found, "verdicts.jsonl", f"verdicts cannot be compared with their drives: {why}")
+        return
+    if stale:
+        ids = {make_printable(one.id) for one in stale}
+        found.verdicts = [one for one in found.verdicts if one.id not in ids]
+        found.are_verdicts_whole = False
+        _note(found, "verdicts.jsonl", f"{make_printable(stale_in_words(stale))}; left out here")
 
 
 def mapping(value: object) -> Mapping[str, Any]:
@@ -213,6 +246,20 @@ def _rows(store: Store, table: str, kind: type[Row], found: Material) -> list[Ro
             name = getattr(line, "id", None) if isinstance(line, Data) else line.get("id")
             label = f"round {line.round}" if isinstance(line, Round) else str(name or "?")
             found.failures.append(FailedItem(table, label, str(error or "no reason was recorded")))
+    return rows
+
+
+def _stored(store: Store, name: str, kind: type[Row]) -> list[Row]:
+    """Return the sound rows of a file character by character, as digests cover them."""
+    rows = []
+    try:
+        content = read_bytes(store.path(name))
+    except OSError:
+        return []
+    for _, line in object_lines(content):
+        with suppress(DataError):
+            if not isinstance(line, ValueError):
+                rows.append(kind.parse(line))
     return rows
 
 

@@ -54,6 +54,7 @@ from oodscen.study._files import (
 )
 from oodscen.study._record import Info
 from oodscen.study._rounds import rounds_on
+from oodscen.study._stale_verdicts import refuse_stale_verdicts
 from oodscen.study._store import Store
 from oodscen.tree._coverage import Coverage, study_coverage
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -267,8 +268,25 @@ class Study(Brief):
         return self._rows(Episode, "episodes.jsonl")
 
     @property
+    def whole(self) -> list[Episode]:
+        """Every episode of the paper's protocol, including failed ones."""
+        return self._rows(Episode, "episodes.paper.jsonl")
+
+    @property
     def verdicts(self) -> list[Verdict]:
-        """Every verdict, including failed ones."""
+        """Every verdict, including failed ones.
+
+        Raises:
+            UsageError: If one does not belong to its drive as it is now, or was edited. The same run makes it again;
+                `stored_verdicts` has it as it is.
+        """
+        found = self.stored_verdicts
+        refuse_stale_verdicts(self, found)
+        return found
+
+    @property
+    def stored_verdicts(self) -> list[Verdict]:
+        """Every verdict of the file, even if it does not belong to its drive as it is now."""
         return self._rows(Verdict, "verdicts.jsonl")
 
     @property
@@ -277,13 +295,16 @@ class Study(Brief):
         return self._rows(DriveResult, "drives.jsonl")
 
     def leaderboard(self) -> Leaderboard:
-        """Return the leaderboard of the study's verdicts."""
-        whole = self._rows(Episode, "episodes.paper.jsonl")
+        """Return the leaderboard of the study's verdicts.
+
+        Raises:
+            UsageError: If a verdict does not belong to its drive as it is now.
+        """
         return leaderboard(
             self.verdicts,
             self.episodes,
             self.scenarios,
-            whole=whole,
+            whole=self.whole,
             audit=self.audit,
             seed=self.config.seed,
         )
@@ -298,7 +319,8 @@ class Study(Brief):
         """Return the grade of every model against a requirement such as `safe>=0.9,needless<=0.05`.
 
         Raises:
-            UsageError: If the text is malformed, or names an unknown figure.
+            UsageError: If the text is malformed, or names an unknown figure, or if a verdict does not belong to its
+                drive as it is now.
         """
         return requirements(
             self.verdicts,

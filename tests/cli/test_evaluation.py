@@ -9,10 +9,11 @@ from click.testing import CliRunner
 from oodscen import Study
 from oodscen._cli import main
 from oodscen._pipeline import run_study
+from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
 from oodscen.llm._recording import Exchange
 from oodscen.testing import ScriptedLLM
-from tests.pipeline.quick import SMALL
+from tests.pipeline.quick import SMALL, as_made
 
 
 def invoke(*order):
@@ -126,10 +127,11 @@ def test_a_requirement_is_graded_by_the_exit_code(study) -> None:
     file = study / "verdicts.jsonl"
     rows = [json.loads(line) for line in file.read_text().splitlines()]
     mine = [
-        {**row, "model": "mine", "kind": "model", "id": f"{row['scene_id']}@mine"}
+        Verdict.parse({**row, "model": "mine", "kind": "model", "id": f"{row['scene_id']}@mine"})
         for row in rows
         if row["model"] == "oracle"
     ]
+    mine = [one.model_dump(mode="json") for one in as_made(Study.open(study), mine)]
     file.write_text("".join(json.dumps(row) + "\n" for row in [*rows, *mine]))
     for text, code, word in (("safe>=0", 0, "meets"), ("safe>=0.9", 5, "more scenes")):
         for command in ("evaluate", "report"):

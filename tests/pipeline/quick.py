@@ -1,5 +1,6 @@
 """The small studies that tests make variants of: small flat pictures, hashes for vectors, fifty texts as baseline."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from filelock import FileLock
@@ -7,7 +8,11 @@ from filelock import FileLock
 from oodscen import Study, StudyConfig
 from oodscen._pipeline import run_study
 from oodscen.data._episode import Episode
+from oodscen.data._verdict import Verdict
+from oodscen.judging._aspects.opinions import rescore_verdict
+from oodscen.judging._scoring import GivenAnswers, rescored
 from oodscen.judging._selection import choose_items
+from oodscen.study._stale_verdicts import Tables
 
 ORDINARY = Path(__file__).with_name("ordinary.txt")
 QUICK = StudyConfig.quick(
@@ -37,3 +42,22 @@ def finished(config: StudyConfig, folder: Path) -> Path:
 def asked_about(study: Study) -> list[Episode]:
     """Return the episodes that answerers are asked about: every scene with one of its ordinary drives."""
     return choose_items(study.episodes, count=study.config.ordinary, seed=study.config.seed)
+
+
+def as_made(study: Study, verdicts: Iterable[Verdict]) -> list[Verdict]:
+    """Return made-up verdicts with the inputs and the scores that a run of the study would have given them."""
+    tables = Tables.of(study)
+    rule = tables.rule()
+    episodes = {("ours", one.scene_id): one for one in tables.episodes}
+    episodes |= {("paper", one.scene_id): one for one in tables.whole}
+    found = []
+    for one in verdicts:
+        item, name, protocol = one.scene_id, one.model, one.protocol
+        made_from = rule.made_from(item, name, protocol, is_reference=one.kind == "reference")
+        said = {field: getattr(one, field) for field in ("is_ood", "aspect", "choice", "action")}
+        said = {field: value for field, value in said.items() if value is not None}
+        key = rule.keys.of(episodes[protocol, item], protocol)
+        scored = rescored(one, key, GivenAnswers(name, said, protocol=protocol))
+        scored = rescore_verdict(scored, key.path, {}, "", key.visible)
+        found.append(scored.model_copy(update={"kind": one.kind, "made_from": made_from}))
+    return found

@@ -34,6 +34,7 @@ from oodscen.stages._redteam.red_teamer import Round
 from oodscen.statistics._auroc import Auroc
 from oodscen.statistics._intervals import Interval
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
+from tests.pipeline.quick import as_made
 
 LEAVES = {
     "thick-fog-at-night": ("environmental", "Thick fog at night with a vehicle ahead"),
@@ -380,7 +381,6 @@ def build_study(
     for index, episode in enumerate(episodes[:frames]):
         for number, name in enumerate(episode.frames.values()):
             store.write(name, frame(index, number))
-    store.write_lines("verdicts.jsonl", _verdicts([*episodes, *twins]))
     store.write_lines(
         "calls.jsonl",
         [
@@ -411,6 +411,7 @@ def build_study(
             }
         ),
     )
+    store.write_lines("verdicts.jsonl", as_made(study, _verdicts([*episodes, *twins])))
     return study
 
 

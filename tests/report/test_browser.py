@@ -14,6 +14,7 @@ from oodscen import Study, write_report
 from oodscen.report import _page as pages
 from oodscen.report._load import read
 from oodscen.report._render import render
+from tests.pipeline.quick import as_made
 from tests.report.conftest import build_study
 from tests.report.test_render import HOSTILE
 
@@ -259,13 +260,13 @@ def test_what_models_wrote_stays_text(
             update={
                 "model": f"{bad}m", "id": f"{one.scene_id}@{bad}m", "aspect": bad, "reasoning": link,
                 "descriptions": (bad, link, "\u202egnp.exe"), "notes": (bad,), "contradiction": bad,
-                "choice": bad, "action": bad, "error": bad,
+                "choice": bad, "error": bad,
             }
         )
         if one.kind == "model" else one
         for one in study.verdicts
     ]  # fmt: skip
-    study.store.write_lines("verdicts.jsonl", verdicts)
+    study.store.write_lines("verdicts.jsonl", as_made(study, verdicts))
     scenarios = [one.model_copy(update={"text": bad, "ordinary": bad}) for one in study.scenarios]
     study.store.write_lines("scenarios.jsonl", scenarios)
     lines = (study.folder / "verdicts.jsonl").read_text("utf-8")

@@ -10,8 +10,10 @@ from lxml import html
 
 from oodscen import Study, write_report
 from oodscen.data._drive_result import DriveResult
+from oodscen.data._verdict import verdict_id
 from oodscen.errors import StudyError
 from oodscen.study._files import TABLES
+from tests.pipeline.quick import as_made
 
 HOSTILE = (
     '<script>alert("x")</script><img src=x onerror=alert(1)>"\'><a href="javascript:alert(2)">'
@@ -321,6 +323,13 @@ def test_what_models_wrote_is_escaped(study: Study) -> None:
         lambda text: re.sub(r'"text":"[^"]+"', lambda _: f'"text":"{quoted}"', text),
     )
     edit(study, "study.json", lambda text: text.replace('"builtin"', f'"{quoted}{NUL}"'))
+    said = [
+        one.model_copy(
+            update={"id": verdict_id(one.scene_id, one.model), "action": one.action and "stop"}
+        )
+        for one in study.stored_verdicts
+    ]
+    study.store.write_lines("verdicts.jsonl", as_made(study, said))
     source = write_report(study).read_text(encoding="utf-8")
     document: Any = html.document_fromstring(source)
     assert document.xpath("//script/@type") == ["application/json"]

@@ -20,9 +20,7 @@ from oodscen.judging._aspects.opinions import (
 )
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.llm._remote.rate_limit import JUDGING
-
-OPINIONS = "opinions.jsonl"
-"""File with one line per distinct pair of open aspect and path that a judge model was asked about."""
+from oodscen.study._stale_verdicts import OPINIONS
 
 
 def judge_aspects(
@@ -43,15 +41,9 @@ def judge_aspects(
     if run.config.judge:
         judge = CircuitBreakerLLM(run.models.get(run.config.judge))
         label = judge_label(judge)
-        items = {
-            opinion_id(label, one.aspect, *truth(one)): (one.aspect, *truth(one))
-            for one in verdicts
-            if is_open(one)
-        }
-        items |= {
-            opinion_id(label, one.answer, one.path): (one.answer, one.path, ())
-            for one in labelled_answers()
-        }
+        asked = [(one.aspect, *truth(one)) for one in verdicts if is_open(one)]
+        asked += [(one.answer, one.path, ()) for one in labelled_answers()]
+        items = {opinion_id(label, *one): one for one in asked}
 
         def work(
             todo: Mapping[str, tuple[str, tuple[str, ...], tuple[Visible, ...]]],
@@ -67,10 +59,23 @@ def judge_aspects(
                 ):
                     yield found
 
-        rows = run.each("judge", OPINIONS, items, work)
+        others = _of_others(run, label, asked)
+        rows = run.each("judge", OPINIONS, items, work, others=others)
         opinions = {row["id"]: Opinion.parse(row) for row in rows}
     rescore = [(verdict, *truth(verdict)) for verdict in verdicts]
     return [rescore_verdict(one, path, opinions, label, visible) for one, path, visible in rescore]
+
+
+def _of_others(
+    run: Context, label: str, asked: Iterable[tuple[str, tuple[str, ...], tuple[Visible, ...]]]
+) -> list[dict[str, Any]]:
+    """Return the lines of other judges about what is asked, which they need not be asked again."""
+    lines = [one for one in run.store.lines(OPINIONS) if one.get("judge") != label]
+    labels = {str(one.get("judge")) for one in lines}
+    known = {opinion_id(other, *one) for one in asked for other in labels}
+    return sorted(
+        (one for one in lines if one["id"] in known), key=lambda one: (one["judge"], one["id"])
+    )
 
 
 def judged(

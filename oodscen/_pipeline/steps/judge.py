@@ -12,9 +12,9 @@ from oodscen._pipeline.models import is_asked
 from oodscen._pipeline.steps.aspects import judge_aspects
 from oodscen._pipeline.steps.questioner import Item, Questioner
 from oodscen._pipeline.steps.scenes import simulate_behind, simulate_whole
-from oodscen.data._base import canonical_json, digest
+from oodscen.data._base import canonical_json
 from oodscen.data._episode import Episode
-from oodscen.data._pairing import demand_id, scene_of, twin_id
+from oodscen.data._pairing import demand_id, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._verdict import (
@@ -35,7 +35,6 @@ from oodscen.judging._references import (
     is_reference,
     takes_cases,
 )
-from oodscen.judging._selection import choose_items
 from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
@@ -43,7 +42,7 @@ from oodscen.llm._remote.rate_limit import JUDGING
 from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._versions import prompt_versions
 from oodscen.protocols import LLM
-from oodscen.study._config import StudyConfig
+from oodscen.study._stale_verdicts import Judged, VerdictRule
 
 _VERDICTS = "verdicts.jsonl"
 
@@ -74,10 +73,7 @@ def evaluate(
     items left by a model that was given up, and last items that failed before; these keep their old verdict
     if they are not asked again.
     """
-    unseen = {episode.scene_id for episode in episodes if episode.is_below_floor}
-    episodes = [episode for episode in episodes if scene_of(episode.scene_id) not in unseen]
-    judged_ones = choose_items(episodes, count=run.config.ordinary, seed=run.config.seed)
-    scenes = [scene for scene in scenes if scene.id not in unseen]
+    episodes, judged_ones, scenes = Judged.of(episodes, scenes, run.config)
     answerers = _answerers(run, episodes, scenarios, scenes)
     shown: dict[Protocol, Sequence[Episode]] = {"ours": judged_ones}
     if "paper" in run.config.protocols:
@@ -85,21 +81,27 @@ def evaluate(
     items = _items(run, answerers, shown)
     is_rear = run.config.rear_view and bool(run.config.vlms)
     rears = simulate_behind(run, judged_ones) if is_rear else {}
-    questioner = Questioner(run, scenarios, scenes, episodes, rears)
-    truths = _truths(shown, scenarios, scenes, run.config)
+    people = [one.model for one in answerers.values() if isinstance(one.model, PersonAnswers)]
+    rule = VerdictRule(shown, scenarios, scenes, run.config, people)
+    questioner = Questioner(run, rule.keys, episodes, rears)
 
     def made_from(key: str) -> str:
         episode, _, model, protocol, _ = items[key]
-        truth = truths[protocol, "" if is_reference(model) else episode.scene_id]
-        return digest([truth, model.sha256]) if isinstance(model, PersonAnswers) else truth
+        name, is_own = model.name, is_reference(model)
+        return rule.made_from(episode.scene_id, name, protocol, is_reference=is_own)
 
-    earlier = run.fitting(_VERDICTS, items, made_from)
+    def is_whole(line: Mapping[str, Any]) -> bool:
+        item = items[line["id"]]
+        said = {"scene_id": item.episode.scene_id, "protocol": item.protocol}
+        return rule.is_possible(Verdict.parse({**line, **said}))
+
+    earlier = run.fitting(_VERDICTS, items, made_from, is_whole)
     _count_kept(run, answerers, items, earlier)
 
     def work(todo: Mapping[str, Item]) -> Iterator[Verdict]:
         return _asked(run, questioner, answerers, todo, earlier)
 
-    rows = run.each("evaluate", _VERDICTS, items, work, made_from=made_from)
+    rows = run.each("evaluate", _VERDICTS, items, work, made_from=made_from, is_whole=is_whole)
     kept = [Verdict.parse(row) for row in rows]
     anew = [questioner.rescored(verdict, items[verdict.id]) for verdict in kept]
     verdicts = [_mark_outdated(verdict) for verdict in judge_aspects(run, anew, scenarios, scenes)]
@@ -167,41 +169,6 @@ def _items(
                     key = verdict_id(episode.scene_id, called, protocol)
                     items[key] = Item(episode, name, model, protocol, is_withheld)
     return items
-
-
-def _truths(
-    shown: Mapping[Protocol, Sequence[Episode]],
-    scenarios: Sequence[Scenario],
-    scenes: Sequence[Scene],
-    config: StudyConfig,
-) -> dict[tuple[Protocol, str], str]:
-    """Return the digests of everything that verdicts depend on, by protocol and item.
-
-    The empty item covers all items of this protocol and of those before it, since references may look at
-    every episode.
-    """
-    texts = {one.id: [one.leaf, one.path] for one in scenarios}
-    leaves = sorted({(one.leaf, *one.path[-1:]) for one in scenarios})
-    maps = sorted((one.id, one.map) for one in scenes)
-    visible = {one.id: [seen.model_dump() for seen in one.visible] for one in scenes}
-    found: dict[tuple[Protocol, str], str] = {}
-    for protocol, episodes in shown.items():
-        for one in episodes:
-            # The pixels count, not the bytes that hold them.
-            content = one.model_dump(mode="json", exclude={"file_sha256"})
-            scene = scene_of(one.scene_id)
-            truth = [
-                digest(content),
-                texts.get(scene),
-                leaves,
-                maps,
-                visible.get(scene),
-                config.chain,
-            ]
-            truth += ["rear view"] if config.rear_view and protocol == "ours" else []
-            found[protocol, one.scene_id] = digest(truth)
-        found[protocol, ""] = digest(list(found.values()))
-    return found
 
 
 def _turn(line: Mapping[str, Any] | None) -> str:

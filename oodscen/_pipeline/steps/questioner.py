@@ -6,19 +6,16 @@ from typing import NamedTuple
 from oodscen._pipeline.context import Context
 from oodscen.data._episode import MOMENTS, Episode, moments
 from oodscen.data._messages import Image
-from oodscen.data._pairing import scene_of
-from oodscen.data._scenario import Scenario
-from oodscen.data._scene import Scene
 from oodscen.data._verdict import Protocol, Verdict, without_pictures
 from oodscen.errors import DataError, Issue
-from oodscen.judging._kinds import Kinds
-from oodscen.judging._questions import Shown, aspect_options
+from oodscen.judging._questions import Shown
 from oodscen.judging._references import Case, takes_cases
-from oodscen.judging._scoring import AnswerKey, GivenAnswers, Truth, kind_of_answerer, rescored
+from oodscen.judging._scoring import GivenAnswers, kind_of_answerer, rescored
 from oodscen.protocols import LLM
 from oodscen.stages._evaluate import answers_of_reference, unjudged_verdict
 from oodscen.stages._evaluate import evaluate as judge_episode
 from oodscen.study._frames import frames_of
+from oodscen.study._stale_verdicts import AnswerKeys
 
 
 class Item(NamedTuple):
@@ -39,8 +36,7 @@ class Questioner:
     def __init__(
         self,
         run: Context,
-        scenarios: Sequence[Scenario],
-        scenes: Sequence[Scene],
+        keys: AnswerKeys,
         episodes: Sequence[Episode],
         rears: Mapping[str, str],
     ) -> None:
@@ -48,19 +44,13 @@ class Questioner:
 
         Args:
             run: The run, with its configuration and files.
-            scenarios: The texts.
-            scenes: The scenes of the texts.
+            keys: The keys to the answers.
             episodes: All drives up to the decision.
             rears: Files of the views to the rear, by drive.
         """
-        self._config, self._store = run.config, run.store
-        self._scenarios = {scenario.id: scenario for scenario in scenarios}
-        self._scenes = {scene.id: scene for scene in scenes}
+        self._config, self._store, self._keys = run.config, run.store, keys
         self._up_to_decision = {episode.scene_id: episode for episode in episodes}
         self._rears = rears
-        self._keys: dict[tuple[str, Protocol], AnswerKey] = {}
-        maps = {scene.id: scene.map for scene in scenes}
-        self._kinds = Kinds.of(scenarios, maps, seed=run.config.seed)
 
     def verdict(self, item: Item) -> Verdict:
         """Return the answerer's verdict on an item; a failed one if there is nothing to show."""
@@ -83,7 +73,7 @@ class Questioner:
                 return unjudged_verdict(
                     episode, model, why, kind, protocol, withheld=item.is_withheld
                 )
-        key = self._key(episode, protocol)
+        key = self._keys.of(episode, protocol)
         return judge_episode(
             episode,
             frames,
@@ -107,7 +97,7 @@ class Questioner:
         episode, model, protocol = item.episode, item.model, item.protocol
         if episode.status == "failed" or not episode.frames:
             return verdict
-        key = self._key(episode, protocol)
+        key = self._keys.of(episode, protocol)
         if takes_cases(model):
             case = Case(episode, key.path, key.leaf, key.options, episode.frames)
             return rescored(verdict, key, answers_of_reference(model, case, protocol))
@@ -116,20 +106,6 @@ class Questioner:
         name = without_pictures(model.name) if item.is_withheld else model.name
         given = GivenAnswers(name, said, protocol=protocol, kind=kind_of_answerer(model))
         return rescored(verdict, key, given)
-
-    def _key(self, episode: Episode, protocol: Protocol) -> AnswerKey:
-        """Return the key to the answers about an episode, with the options of the closed question."""
-        name = scene_of(episode.scene_id)
-        if (known := self._keys.get((episode.scene_id, protocol))) is not None:
-            return known
-        scenario, scene = self._scenarios.get(name), self._scenes.get(name)
-        leaf = scenario.leaf if scenario else ""
-        kinds = self._kinds.offered(leaf, scene.map if scene else "")
-        options = aspect_options(kinds, seed=self._config.seed, item=episode.scene_id)
-        truth = Truth(scenario.path if scenario else (), leaf, scene.visible if scene else ())
-        key = AnswerKey.of(episode, truth, () if protocol == "paper" else options)
-        self._keys[episode.scene_id, protocol] = key
-        return key
 
     def _images(self, episode: Episode, protocol: Protocol = "ours") -> dict[str, Image]:
         """Return the frames; raises `DataError` if one cannot be shown."""

@@ -14,7 +14,6 @@ from oodscen._pipeline import RunOptions, run_study
 from oodscen._pipeline.answering import rear_views
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.dropping import drop_models
-from oodscen._pipeline.steps.aspects import OPINIONS
 from oodscen.data._episode import ACTIONS
 from oodscen.data._pairing import scene_of
 from oodscen.errors import BudgetExceeded, DataError, LLMError, UsageError
@@ -22,6 +21,7 @@ from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.llm._remote.limits import Limits
 from oodscen.report._quiz import drawn, write_quiz
+from oodscen.study._stale_verdicts import OPINIONS
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.pipeline.quick import QUICK, asked_about
 

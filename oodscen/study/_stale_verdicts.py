@@ -1,0 +1,283 @@
+"""Verdicts that do not belong to the drives of a study as they are now: the one rule for everything that reads them."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+from oodscen._text import one_line
+from oodscen.data._base import digest
+from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._pairing import scene_of
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.data._verdict import Protocol, Verdict, verdict_id
+from oodscen.errors import UsageError
+from oodscen.judging._aspects.opinions import Opinion
+from oodscen.judging._kinds import Kinds
+from oodscen.judging._people import PersonAnswers
+from oodscen.judging._questions import aspect_options
+from oodscen.judging._references import AspectOption
+from oodscen.judging._scoring import AnswerKey, Truth, is_scored
+from oodscen.judging._selection import choose_items
+from oodscen.study._config import StudyConfig
+
+if TYPE_CHECKING:
+    from oodscen.study._store import Store
+    from oodscen.study._study import Study
+
+OPINIONS = "opinions.jsonl"
+"""File with one line per judge model and distinct pair of open aspect and path that it was asked about."""
+
+_SHOWN = 5
+"""Answerers that are named."""
+_SCORES = ("success", "action_is_safe", "choice_is_right", "thing_is_right", "aspect_is_right")
+_ENDED = ("answered", "unavailable")
+"""Outcomes of a drive of which every question was answered."""
+
+
+class AnswerKeys:
+    """The keys to the answers about the drives of a study.
+
+    Args:
+        scenarios: The texts.
+        scenes: The scenes of the texts.
+        seed: The study's seed.
+    """
+
+    def __init__(
+        self, scenarios: Sequence[Scenario], scenes: Sequence[Scene], *, seed: int
+    ) -> None:
+        self._scenarios = {scenario.id: scenario for scenario in scenarios}
+        self._scenes = {scene.id: scene for scene in scenes}
+        self._seed = seed
+        self._keys: dict[tuple[str, Protocol], AnswerKey] = {}
+        self._kinds = Kinds.of(scenarios, {scene.id: scene.map for scene in scenes}, seed=seed)
+
+    def of(self, episode: Episode, protocol: Protocol) -> AnswerKey:
+        """Return the key to the answers about an episode, with the options of the closed question."""
+        known = self._keys.get((episode.scene_id, protocol))
+        if known is not None:
+            return known
+        name = scene_of(episode.scene_id)
+        scenario, scene = self._scenarios.get(name), self._scenes.get(name)
+        leaf = scenario.leaf if scenario else ""
+        truth = Truth(scenario.path if scenario else (), leaf, scene.visible if scene else ())
+        options: tuple[AspectOption, ...] = ()
+        if protocol == "ours":
+            kinds = self._kinds.offered(leaf, scene.map if scene else "")
+            options = aspect_options(kinds, seed=self._seed, item=episode.scene_id)
+        key = AnswerKey.of(episode, truth, options)
+        self._keys[episode.scene_id, protocol] = key
+        return key
+
+
+class VerdictRule:
+    """Tells the verdicts that belong to the drives of a study from all others.
+
+    A verdict belongs if it was made from its drive and the truth about it as they are now, holds answers that can have
+    been given, and is scored as these answers are. The run makes verdicts again by this rule, and readers refuse or
+    leave out the others.
+
+    Args:
+        shown: The episodes that answerers are asked about, by protocol.
+        scenarios: The texts.
+        scenes: The scenes of the texts.
+        config: The study's configuration.
+        people: The people whose answers count.
+    """
+
+    def __init__(
+        self,
+        shown: Mapping[Protocol, Sequence[Episode]],
+        scenarios: Sequence[Scenario],
+        scenes: Sequence[Scene],
+        config: StudyConfig,
+        people: Iterable[PersonAnswers] = (),
+    ) -> None:
+        self._shown = {(name, one.scene_id): one for name, found in shown.items() for one in found}
+        self._truths = _truths(shown, scenarios, scenes, config)
+        self._people = {one.name: one.sha256 for one in people}
+        self._sources = scenarios, scenes, config.seed
+
+    @cached_property
+    def keys(self) -> AnswerKeys:
+        """The keys to the answers."""
+        scenarios, scenes, seed = self._sources
+        return AnswerKeys(scenarios, scenes, seed=seed)
+
+    def made_from(self, item: str, answerer: str, protocol: Protocol, *, is_reference: bool) -> str:
+        """Return the digest of what a verdict on an item is made from; empty if nobody is asked about it."""
+        if (protocol, item) not in self._shown:
+            return ""
+        truth = self._truths[protocol, "" if is_reference else item]
+        sha256 = self._people.get(answerer)
+        return digest([truth, sha256]) if sha256 else truth
+
+    def is_possible(self, verdict: Verdict) -> bool:
+        """Return whether a verdict holds answers that can have been given about its drive."""
+        episode = self._shown.get((verdict.protocol, verdict.scene_id))
+        has_all = verdict.is_ood is not None and verdict.action is not None
+        if (verdict.status == "ok") != (verdict.outcome in _ENDED):
+            return False
+        if verdict.status == "ok" and not has_all:
+            return False
+        if episode is None or not _is_shown(episode):
+            return verdict.status == "failed" and all(
+                getattr(verdict, name) is None for name in _SCORES
+            )
+        return verdict.action is None or verdict.action in (episode.actions or ACTIONS)
+
+    def belongs(self, verdict: Verdict, opinions: Mapping[str, Opinion]) -> bool:
+        """Return whether a verdict belongs to its drive and is scored as its answers are.
+
+        `opinions` are those of the judges, by id.
+        """
+        item, model, protocol = verdict.scene_id, verdict.model, verdict.protocol
+        is_reference = verdict.kind == "reference"
+        if verdict.id != verdict_id(item, model, protocol) or not verdict.made_from:
+            return False
+        if verdict.made_from != self.made_from(item, model, protocol, is_reference=is_reference):
+            return False
+        if not self.is_possible(verdict):
+            return False
+        episode = self._shown[protocol, item]
+        return not _is_shown(episode) or is_scored(
+            verdict, self.keys.of(episode, protocol), opinions
+        )
+
+
+def _is_shown(episode: Episode) -> bool:
+    """Return whether there is something to show of an episode."""
+    return episode.status == "ok" and bool(episode.frames)
+
+
+def _truths(
+    shown: Mapping[Protocol, Sequence[Episode]],
+    scenarios: Sequence[Scenario],
+    scenes: Sequence[Scene],
+    config: StudyConfig,
+) -> dict[tuple[Protocol, str], str]:
+    """Return the digests of everything that verdicts depend on, by protocol and item.
+
+    The empty item covers all items of this protocol and of those before it, since references may look at
+    every episode.
+    """
+    texts = {one.id: [one.leaf, one.path] for one in scenarios}
+    leaves = sorted({(one.leaf, *one.path[-1:]) for one in scenarios})
+    maps = sorted((one.id, one.map) for one in scenes)
+    visible = {one.id: [seen.model_dump() for seen in one.visible] for one in scenes}
+    found: dict[tuple[Protocol, str], str] = {}
+    for protocol, episodes in shown.items():
+        for one in episodes:
+            # The pixels count, not the bytes that hold them.
+            content = one.model_dump(mode="json", exclude={"file_sha256"})
+            scene = scene_of(one.scene_id)
+            truth = [
+                digest(content),
+                texts.get(scene),
+                leaves,
+                maps,
+                visible.get(scene),
+                config.chain,
+            ]
+            truth += ["rear view"] if config.rear_view and protocol == "ours" else []
+            found[protocol, one.scene_id] = digest(truth)
+        found[protocol, ""] = digest(list(found.values()))
+    return found
+
+
+class Judged(NamedTuple):
+    """The part of a study that answerers are judged on."""
+
+    episodes: list[Episode]
+    """The episodes without those of scenes whose hazard cannot be named at the decision."""
+    asked: list[Episode]
+    """Those that answerers are asked about."""
+    scenes: list[Scene]
+
+    @classmethod
+    def of(
+        cls, episodes: Sequence[Episode], scenes: Sequence[Scene], config: StudyConfig
+    ) -> "Judged":
+        """Return the part of a study's episodes and scenes that answerers are judged on."""
+        unseen = {one.scene_id for one in episodes if one.is_below_floor}
+        seen = [one for one in episodes if scene_of(one.scene_id) not in unseen]
+        asked = choose_items(seen, count=config.ordinary, seed=config.seed)
+        return cls(seen, asked, [scene for scene in scenes if scene.id not in unseen])
+
+
+class Tables(NamedTuple):
+    """The tables of a study that tell which verdicts belong to it."""
+
+    store: "Store"
+    """The study's files, which hold people's answers and judges' opinions."""
+    config: StudyConfig
+    episodes: Sequence[Episode]
+    """Those of scenes, ordinary drives and demands."""
+    whole: Sequence[Episode]
+    """Those of the paper's protocol."""
+    scenarios: Sequence[Scenario]
+    scenes: Sequence[Scene]
+    """The scenes without the demands."""
+
+    @classmethod
+    def of(cls, study: "Study") -> "Tables":
+        """Return the tables of a study."""
+        return cls(
+            study.store,
+            study.config,
+            study.episodes,
+            study.whole,
+            study.scenarios,
+            study.scenes,
+        )
+
+    def rule(self) -> VerdictRule:
+        """Return the rule by which verdicts belong to these tables."""
+        judged = Judged.of(self.episodes, self.scenes, self.config)
+        shown: dict[Protocol, Sequence[Episode]] = {"ours": judged.asked}
+        if "paper" in self.config.protocols:
+            shown["paper"] = self.whole
+        people = [
+            PersonAnswers.load(self.store, name, judged.episodes) for name in self.config.people
+        ]
+        return VerdictRule(shown, self.scenarios, judged.scenes, self.config, people)
+
+    def stale(self, verdicts: Sequence[Verdict]) -> list[Verdict]:
+        """Return the verdicts that do not belong to the drives of the study.
+
+        Raises:
+            DataError: If a table is malformed.
+        """
+        if not verdicts:
+            return []
+        rule, opinions = self.rule(), dict[str, Opinion]()
+        if any(one.judge for one in verdicts):
+            for line in self.store.lines(OPINIONS):
+                found = Opinion.parse(line, source=str(self.store.path(OPINIONS)))
+                opinions[found.id] = found
+        return [one for one in verdicts if not rule.belongs(one, opinions)]
+
+
+def stale_in_words(stale: Sequence[Verdict]) -> str:
+    """Return the sentence about verdicts that do not belong to the drives of a study."""
+    names = list(Counter(one.model for one in stale if one.kind == "model"))
+    names += [one for one in Counter(one.model for one in stale) if one not in names]
+    told = ", ".join(one_line(one) for one in names[:_SHOWN]) + ", ..." * (len(names) > _SHOWN)
+    do, it = ("do", "they were") if len(stale) > 1 else ("does", "it was")
+    return (
+        f"{len(stale)} verdict{'s' * (len(stale) > 1)} ({told}) {do} not belong to the drives of this "
+        f"study: {it} made from others, or edited; the same `oodscen run OUT` makes them again"
+    )
+
+
+def refuse_stale_verdicts(study: "Study", verdicts: Sequence[Verdict]) -> None:
+    """Refuse verdicts that do not belong to the drives of a study as they are now.
+
+    Raises:
+        UsageError: If one does not.
+        DataError: If a table is malformed.
+    """
+    if stale := Tables.of(study).stale(verdicts):
+        raise UsageError(f"{study.folder}: {stale_in_words(stale)}")
