@@ -14,7 +14,7 @@ from typing import Any
 
 import cv2
 
-from oodscen import Scenario, Scene, Study, make_simulator, simulate, write_report
+from oodscen import Scenario, Scene, Study, make_simulator, simulate
 from oodscen.protocols import Simulator
 
 HERE = Path(__file__).parent
@@ -83,7 +83,7 @@ def main(folder: str = "made", simulator_name: str = "pybullet") -> None:
         (out / f"{name}.jsonl").write_text("".join(f"{row}\n" for row in rows))
     about = {"schema_version": 1, "status": "success", "config": {"simulator": simulator_name}}
     (out / "study.json").write_text(json.dumps(about))
-    print(write_report(Study.open(out)))
+    print(Study.open(out).write_report())
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ from .data._scene import Scene as Scene
 from .data._verdict import Verdict as Verdict
 from .errors import OodscenError as OodscenError
 from .metrics._metrics import Metrics as Metrics
-from .report._render import write_report as write_report
 from .stages._augment import Augmenter as Augmenter
 from .stages._describe import Describer as Describer
 from .stages._drive import drive as drive

@@ -31,7 +31,6 @@ from oodscen import (
     make_llm,
     run_study,
     simulate,
-    write_report,
 )
 from oodscen._arguments import checked
 from oodscen.baselines import load_controls
@@ -45,7 +44,6 @@ from oodscen.llm._call_log import LoggedLLM
 from oodscen.llm._replay import RecordingLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Camera, Control, Image
-from oodscen.publish import publish
 from oodscen.testing import ScriptedLLM, example_scene
 from oodscen.testing._flat import FlatSimulator
 from oodscen.tree._edit_log import TreeEdit
@@ -151,7 +149,7 @@ OWN: dict[str, dict[str, Any]] = {
     "record": {"path": "x.gif"},
     "read_openscenario": {"path": "x.xosc"},
 }
-SKIPPED = {"run_study", "check_simulator", "write_report", "load_controls", "publish"}
+SKIPPED = {"run_study", "check_simulator", "load_controls"}
 """What runs for long, or reads large files, whatever it is given."""
 INNER = {"Control", "Corridor", "Frame", "Observation", "Request", "State"}
 INNER |= {"Drive"}
@@ -308,7 +306,7 @@ EMPTY = Study.__new__(Study)
 NAMES = {
     "a protocol": lambda: simulate(SCENE, FLAT_SIMULATOR, protocol="papr"),
     "a split": lambda: load_controls("tunes"),
-    "a form": lambda: publish(EMPTY, "out", forms=["vlmeval"]),
+    "a form": lambda: EMPTY.publish("out", forms=["vlmeval"]),
     "a node": lambda: ScenarioTree().path("nope"),
 }
 
@@ -320,8 +318,8 @@ def test_an_unknown_name_is_told_with_those_that_are_known(what) -> None:
 
 
 OTHERS = {
-    "one form": lambda: publish(EMPTY, "out", forms="vlmevalkit"),
-    "a study's folder": lambda: write_report("out"),
+    "one form": lambda: EMPTY.publish("out", forms="vlmevalkit"),
+    "a study's folder": lambda: Study(3),
     "a path's text": lambda: names_aspect("deer", "Deer"),
     "an array of nothing": lambda: names_aspect("deer", np.array([])),
     "an array without an axis": lambda: names_aspect("deer", np.array("Deer")),

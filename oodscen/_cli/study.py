@@ -256,13 +256,10 @@ def _tell_outlook(simulator: str) -> None:
 @require_option
 def report(out: Path, required: str | None) -> None:
     """Rewrite the report of the study in the folder OUT, with the grades of a requirement if one is given."""
-    from oodscen.judging._leaderboard.requirements import parse_requirement
-    from oodscen.report._render import write_report
     from oodscen.study._study import Study
 
-    bars = () if required is None else parse_requirement(required)
     study = Study.open(out)
-    click.echo(str(write_report(study, bars, warn=partial(say, err=True)).resolve()))
+    click.echo(str(study.write_report(required, warn=partial(say, err=True)).resolve()))
     if required is not None:
         grades = study.requirements(required)
         say(graded(grades))

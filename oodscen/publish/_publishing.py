@@ -63,29 +63,7 @@ def publish(
     validation: float = VALIDATION,
     licence: str = LICENCE,
 ) -> Publication:
-    """Write a study as a data set for the Hugging Face Hub.
-
-    The Parquet files hold every question of the study with its pictures, and every drive with its scene and the
-    outcomes of all actions. Kinds of situation are split between `validation` and `test`, never a kind between both.
-    Names of drives and pictures tell nothing about what they show.
-
-    Args:
-        study: The study; models that it has judged are named in the card.
-        out: The folder, new or empty, or a data set that this replaces.
-        forms: Forms for other tools to write beside the Parquet files.
-        validation: Share of the kinds in the validation split.
-        licence: Licence of the data as the Hub names it.
-
-    Raises:
-        DataError: If the study has no drives with frames, a frame is not the recorded one or cannot be shown, or a
-            file of it is malformed.
-        FolderTaken: If the folder holds other files, or is a part of a study.
-        InUse: If another process writes the folder.
-        MissingExtra: If pyarrow is not installed.
-        StudyError: If a file cannot be written.
-        UsageError: If `validation`, `licence` or `out` is invalid, a scene or its text has changed since it was run, a
-            verdict does not belong to its drive, or the card of the earlier data set was changed since it was published.
-    """
+    """Write a study as a data set; `Study.publish` tells arguments and errors."""
     finite_number("validation", validation, 0.0, 0.9)
     check_name(out)
     if not _LICENCE.fullmatch(licence):

@@ -33,20 +33,9 @@ FILE = "report.html"
 def write_report(
     study: Study, bars: Sequence[Bar] = (), *, warn: Callable[[str], None] | None = None
 ) -> Path:
-    """Write `report.html` into a study's folder and return its path.
+    """Write `report.html` into a study's folder and return its path; `Study.write_report` tells errors.
 
-    The page needs only itself and, for the pictures, the folder `frames` beside it. Missing or broken
-    parts of the study are replaced by a note. The same study gives the same bytes.
-
-    Args:
-        study: Finished, unfinished or partly broken.
-        bars: A requirement on the judged models, whose grades the page shows.
-        warn: Called with every note on the page about a part that is missing or cannot be read.
-
-    Raises:
-        FolderTaken: If the folder holds no study, but a foreign file of this name.
-        InUse: If another process is writing the study.
-        StudyError: If the page cannot be written.
+    `bars` are a requirement on the judged models, whose grades the page shows.
     """
     if FILE in study.own() and not study.store.has("study.json"):
         raise FolderTaken(str(study.folder), [FILE])

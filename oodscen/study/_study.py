@@ -56,6 +56,7 @@ from oodscen.study._record import Info
 from oodscen.study._rounds import rounds_on
 from oodscen.study._stale_verdicts import refuse_stale_verdicts
 from oodscen.study._store import Store
+from oodscen.study._study_uses import StudyUses
 from oodscen.tree._coverage import Coverage, study_coverage
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -69,7 +70,7 @@ _HASHES = "file_sha256"
 """Field with an entry for every file of an episode."""
 
 
-class Study(Brief):
+class Study(Brief, StudyUses):
     """The folder that `oodscen run` leaves behind."""
 
     _repr_fields = ("folder",)

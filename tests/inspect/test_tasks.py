@@ -26,7 +26,6 @@ from oodscen.inspect import _tasks as tasks  # noqa: E402
 from oodscen.judging import leaderboard  # noqa: E402
 from oodscen.judging._leaderboard.rows import LeaderboardRow  # noqa: E402
 from oodscen.protocols import Completion, Request  # noqa: E402
-from oodscen.publish import publish  # noqa: E402
 from oodscen.study._asked import asked_drives  # noqa: E402
 from tests.report.conftest import build_study  # noqa: E402
 
@@ -150,7 +149,7 @@ def row(study: Study) -> LeaderboardRow:
 def logs(study: Study, tmp_path_factory: pytest.TempPathFactory) -> dict[str, EvalLog]:
     """The logs of all tasks; of `act` also on the published data set, and with three epochs."""
     place = tmp_path_factory.mktemp("inspect-logs")
-    publish(study, place / "data", forms=(), validation=0.0)
+    study.publish(place / "data", forms=(), validation=0.0)
     folder = str(study.folder)
     wanted = {name: getattr(tasks, name)(study=folder) for name in FIGURES}
     wanted["published"] = tasks.act(study=str(place / "data"))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from oodscen import Study, write_report
+from oodscen import Study
 from oodscen._cli import main
 from oodscen._pipeline import estimate, run_study
 from oodscen._pipeline.context import Context
@@ -181,7 +181,7 @@ def test_what_is_in_the_way_is_named_and_stays(tmp_path, name):
 WRITING = {
     "run": lambda out: run_study(out, QUICK),
     "drop": lambda out: drop_models(Study.open(out), ["random"]),
-    "report": lambda out: write_report(Study.open(out)),
+    "report": lambda out: Study.open(out).write_report(),
     "run command": lambda out: call("run", out, "--quick"),
     "evaluate": lambda out: call("evaluate", out, "--vlm", "random"),
     "drive": lambda out: call("drive", out),

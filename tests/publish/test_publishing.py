@@ -26,7 +26,7 @@ from oodscen import Study, evaluate
 from oodscen._lock import locked
 from oodscen.errors import DataError, FolderTaken, InUse, StudyError, UsageError
 from oodscen.judging import leaderboard
-from oodscen.publish import publish, score_answers
+from oodscen.publish import score_answers
 from oodscen.publish._card import _cell
 from oodscen.publish._parquet import DRIVES, QUESTIONS
 from oodscen.publish._question_rows import published_drives, question_rows
@@ -47,7 +47,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 @pytest.fixture(scope="module")
 def data(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return publish(study, tmp_path_factory.mktemp("published") / "data").folder
+    return study.publish(tmp_path_factory.mktemp("published") / "data").folder
 
 
 def rows(data: Path, table: str) -> list[dict[str, Any]]:
@@ -125,15 +125,15 @@ def test_the_sums_are_those_of_the_files_and_the_card_needs_no_other(data):
 
 
 def test_it_is_the_same_again_and_other_files_are_left_alone(study, data, tmp_path):
-    again = publish(study, tmp_path / "again").folder
+    again = study.publish(tmp_path / "again").folder
     assert (again / SUMS).read_bytes() == (data / SUMS).read_bytes()
-    publish(study, again, forms=())
+    study.publish(again, forms=())
     assert not (again / "vlmevalkit" / "oodscen.tsv").exists()
     (again / "mine.txt").write_text("mine")
     with pytest.raises(FolderTaken):
-        publish(study, again)
+        study.publish(again)
     with pytest.raises(FolderTaken):
-        publish(study, study.folder)
+        study.publish(study.folder)
 
 
 def fill(folder: Path, names: Iterable[str], content: str) -> None:
@@ -200,7 +200,7 @@ def test_a_data_set_that_cannot_be_written_leaves_nothing(study, data, tmp_path,
     monkeypatch.setattr("oodscen.publish._publishing.write_tsv", full)
     for folder in (data, tmp_path / "new" / "set"):
         with pytest.raises(StudyError, match="No space left"):
-            publish(study, folder)
+            study.publish(folder)
     assert {path: path.read_bytes() for path in data.rglob("*") if path.is_file()} == before
     assert list(tmp_path.iterdir()) == []
 
@@ -208,7 +208,7 @@ def test_a_data_set_that_cannot_be_written_leaves_nothing(study, data, tmp_path,
 def test_a_folder_that_another_writes_is_left_alone(study, data):
     before = content(data)
     with ThreadPoolExecutor(1) as other, locked(data, "data set"), pytest.raises(InUse):
-        other.submit(publish, study, data).result()
+        other.submit(study.publish, data).result()
     assert content(data) == before
 
 
@@ -216,7 +216,7 @@ def test_a_folder_that_another_writes_is_left_alone(study, data):
 def test_no_link_in_the_folder_is_followed(study, tmp_path, place):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "kept").write_text("kept")
-    folder = publish(study, tmp_path / "set", forms=()).folder
+    folder = study.publish(tmp_path / "set", forms=()).folder
     if place == "data":
         rmtree(folder / place)
         (folder / place).symlink_to(tmp_path / "mine")
@@ -224,20 +224,20 @@ def test_no_link_in_the_folder_is_followed(study, tmp_path, place):
         (folder / place).unlink()
         (folder / place).symlink_to(tmp_path / "mine" / "kept")
     with pytest.raises(UsageError, match="nothing is overwritten"):
-        publish(study, folder, forms=())
+        study.publish(folder, forms=())
     assert content(tmp_path / "mine") == {"kept": b"kept"}
 
 
 def test_a_card_that_was_changed_by_hand_is_kept(study, tmp_path):
-    folder = publish(study, tmp_path / "set", forms=()).folder
+    folder = study.publish(tmp_path / "set", forms=()).folder
     first, card = content(folder), folder / "README.md"
     card.write_text(f"{card.read_text()}\nOur note.\n")
     before = content(folder)
     with pytest.raises(UsageError, match=r"README\.md was changed since it was published"):
-        publish(study, folder, forms=())
+        study.publish(folder, forms=())
     assert content(folder) == before
     card.unlink()
-    publish(study, folder, forms=())
+    study.publish(folder, forms=())
     assert content(folder) == first
 
 
@@ -253,7 +253,7 @@ def test_a_cell_of_the_card_is_one_line_without_markup(text):
 )
 def test_a_licence_is_one_identifier(study, tmp_path, licence):
     with pytest.raises(UsageError, match="licence"):
-        publish(study, tmp_path / "set", licence=licence)
+        study.publish(tmp_path / "set", licence=licence)
     assert not (tmp_path / "set").exists()
 
 
@@ -276,7 +276,7 @@ def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for one in episodes:
         one["file_sha256"] = {name: made.store.digest(name) for name in one["frames"].values()}
     made.store.write_lines("episodes.jsonl", episodes)
-    return publish(made, tmp_path_factory.mktemp("others") / "data", forms=()).folder
+    return made.publish(tmp_path_factory.mktemp("others") / "data", forms=()).folder
 
 
 def acted(data: Path, action: str, *kinds: str) -> list[tuple[dict[str, Any], str]]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from oodscen import Study, write_report
+from oodscen import Study
 from oodscen.report import _page as pages
 from oodscen.report._load import read
 from oodscen.report._render import render
@@ -42,7 +42,7 @@ def browser() -> Iterator[Any]:
 @pytest.fixture(scope="module")
 def judged(tmp_path_factory: pytest.TempPathFactory) -> Study:
     study = build_study(tmp_path_factory.mktemp("judged") / "study", per_path=3, with_twins=True)
-    write_report(study)
+    study.write_report()
     return study
 
 
@@ -271,7 +271,7 @@ def test_what_models_wrote_stays_text(
     study.store.write_lines("scenarios.jsonl", scenarios)
     lines = (study.folder / "verdicts.jsonl").read_text("utf-8")
     (study.folder / "verdicts.jsonl").write_text(lines.replace("gnp.exe", "\\u0000gnp"), "utf-8")
-    write_report(study)
+    study.write_report()
     one = tab()
     page = one.open(report(study))
     for link in ("", f"#scene-{study.scenes[1].id}", f"#scene-{study.scenes[2].id}"):

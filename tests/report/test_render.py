@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from lxml import html
 
-from oodscen import Study, write_report
+from oodscen import Study
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._verdict import verdict_id
 from oodscen.errors import StudyError
@@ -23,7 +23,7 @@ NUL = "\\u0000 nul"
 
 
 def page(study: Study) -> Any:
-    return html.document_fromstring(write_report(study).read_text(encoding="utf-8"))
+    return html.document_fromstring(study.write_report().read_text(encoding="utf-8"))
 
 
 def text_of(element: Any) -> str:
@@ -291,7 +291,7 @@ def test_no_broken_file_stops_the_page(study: Study, name: str) -> None:
     shutil.rmtree(study.folder / "frames")
     for content in BROKEN:
         (study.folder / name).write_bytes(content)
-        assert "</html>" in write_report(study).read_text(encoding="utf-8")
+        assert "</html>" in study.write_report().read_text(encoding="utf-8")
 
 
 def test_what_models_wrote_is_escaped(study: Study) -> None:
@@ -330,7 +330,7 @@ def test_what_models_wrote_is_escaped(study: Study) -> None:
         for one in study.stored_verdicts
     ]
     study.store.write_lines("verdicts.jsonl", as_made(study, said))
-    source = write_report(study).read_text(encoding="utf-8")
+    source = study.write_report().read_text(encoding="utf-8")
     document: Any = html.document_fromstring(source)
     assert document.xpath("//script/@type") == ["application/json"]
     assert len(document.xpath("//script")) == 2
@@ -385,14 +385,14 @@ def test_links_stay_inside_the_page_and_the_folder(study: Study) -> None:
 def test_addresses_lose_their_credentials(make_study: Callable[..., Study]) -> None:
     study = make_study(api_base="http://host/v1")
     edit(study, "study.json", lambda text: text.replace("http://host", "http://me:secret@host"))
-    source = write_report(study).read_text("utf-8")
+    source = study.write_report().read_text("utf-8")
     assert "secret" not in source
     assert "http://host/v1" in source
 
 
 def test_same_study_same_bytes(study: Study) -> None:
-    first = write_report(study).read_bytes()
-    assert write_report(Study(study.folder)).read_bytes() == first
+    first = study.write_report().read_bytes()
+    assert Study(study.folder).write_report().read_bytes() == first
 
 
 def test_ids_are_unique_and_pictures_and_tables_are_accessible(study: Study) -> None:
@@ -409,4 +409,4 @@ def test_ids_are_unique_and_pictures_and_tables_are_accessible(study: Study) -> 
 def test_a_study_that_cannot_be_written_is_an_error(study: Study, tmp_path: Path) -> None:
     (study.folder / "report.html").mkdir()
     with pytest.raises(StudyError):
-        write_report(study)
+        study.write_report()
