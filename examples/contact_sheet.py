@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 
 from oodscen import Study
+from oodscen.errors import OodscenError
 
 TILE = (320, 240)
 LABEL = 22
@@ -19,7 +20,10 @@ COLUMNS = 6
 
 def tile(file: Path, label: str) -> np.ndarray:
     """Return a frame with its label below."""
-    frame = cv2.resize(cv2.imread(str(file)), TILE, interpolation=cv2.INTER_AREA)
+    read = cv2.imread(str(file))
+    if read is None:
+        raise OSError(f"{file} is missing or no picture")
+    frame = cv2.resize(read, TILE, interpolation=cv2.INTER_AREA)
     strip = np.full((LABEL, TILE[0], 3), 255, np.uint8)
     text = label if len(label) <= 50 else label[:48] + " ..."
     cv2.putText(strip, text, (4, 15), cv2.FONT_HERSHEY_SIMPLEX, 0.38, (0, 0, 0), 1, cv2.LINE_AA)
@@ -30,18 +34,27 @@ def main(folder: str = "out", picture: str = "contact_sheet.jpg", moment: str = 
     """Draw the contact sheet."""
     study = Study.open(folder)
     paths = {scenario.id: scenario.path for scenario in study.scenarios}
-    seen, tiles = set(), []
+    seen, tiles, moments = set(), [], dict[str, None]()
     for episode in study.episodes:
         path = paths.get(episode.scene_id)
+        moments |= dict.fromkeys(episode.frames)
         if path is not None and path not in seen and moment in episode.frames:
             seen.add(path)
             tiles.append(tile(Path(folder) / episode.frames[moment], path[-1]))
+    if not tiles:
+        raise OSError(f"no frame of {moment!r} in {folder}; it has {', '.join(moments) or 'none'}")
     blank = np.full((TILE[1] + LABEL, TILE[0], 3), 255, np.uint8)
     tiles += [blank] * (-len(tiles) % COLUMNS)
     rows = [np.hstack(tiles[i : i + COLUMNS]) for i in range(0, len(tiles), COLUMNS)]
-    cv2.imwrite(picture, np.vstack(rows), [cv2.IMWRITE_JPEG_QUALITY, 80])
+    if not cv2.haveImageWriter(picture):
+        raise OSError(f"{picture} has no suffix of a picture, such as .jpg or .png")
+    if not cv2.imwrite(picture, np.vstack(rows), [cv2.IMWRITE_JPEG_QUALITY, 80]):
+        raise OSError(f"{picture} cannot be written; is its folder there?")
     print(f"{len(seen)} paths on {picture}")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    try:
+        main(*sys.argv[1:4])
+    except (OodscenError, OSError) as error:
+        sys.exit(f"contact_sheet: {error}")

@@ -1,7 +1,7 @@
 """Shows scenes with things and movements made to order that are nothing but data.
 
 Run it with `python examples/made_scenes.py [FOLDER [SIMULATOR]]`; it needs OpenCV. The folder becomes a small
-study: texts, scenes, episodes, frames and a report. `examples/made` has the designs of the things,
+study: texts, scenes, episodes, frames and a report; one that holds anything is refused. `examples/made` has the designs of the things,
 `examples/made_scenes.toml` the movements and the scenes. Only PyBullet draws the parts and the poses.
 """
 
@@ -15,6 +15,7 @@ from typing import Any
 import cv2
 
 from oodscen import Scenario, Scene, Study, make_simulator, simulate
+from oodscen.errors import OodscenError
 from oodscen.protocols import Simulator
 
 HERE = Path(__file__).parent
@@ -58,14 +59,23 @@ def run(folder: Path, scene: Scene, simulator: Simulator) -> str:
     for moment, frame in result.frames.items():
         path = folder / files[moment]
         path.parent.mkdir(parents=True, exist_ok=True)
-        cv2.imwrite(str(path), frame.rgb[..., ::-1])
+        if not cv2.imwrite(str(path), frame.rgb[..., ::-1]):
+            raise OSError(f"{path} cannot be written")
     return result.episode.model_copy(update={"frames": files}).to_json()
 
 
 def main(folder: str = "made", simulator_name: str = "pybullet") -> None:
-    """Make the study, and say which actions are safe in every scene."""
+    """Make the study in a new or empty folder, as its only writer."""
     out = Path(folder)
-    out.mkdir(parents=True, exist_ok=True)
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise FileExistsError(f"{folder} is not empty; choose another folder")
+    with Study(out).store.writing():
+        write(out, simulator_name)
+    print(Study.open(out).write_report())
+
+
+def write(out: Path, simulator_name: str) -> None:
+    """Write the study, and say which actions are safe in every scene."""
     lines: dict[str, list[str]] = {"scenarios": [], "scenes": [], "episodes": []}
     with make_simulator(simulator_name) as simulator:
         for scenario, scene in scenes():
@@ -83,8 +93,10 @@ def main(folder: str = "made", simulator_name: str = "pybullet") -> None:
         (out / f"{name}.jsonl").write_text("".join(f"{row}\n" for row in rows))
     about = {"schema_version": 1, "status": "success", "config": {"simulator": simulator_name}}
     (out / "study.json").write_text(json.dumps(about))
-    print(Study.open(out).write_report())
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:3])
+    try:
+        main(*sys.argv[1:3])
+    except (OodscenError, OSError) as error:
+        sys.exit(f"made_scenes: {error}")

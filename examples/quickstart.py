@@ -16,6 +16,7 @@ from oodscen import (
     make_simulator,
     simulate,
 )
+from oodscen.errors import OodscenError
 
 
 def main(simulator_name: str = "flat") -> None:
@@ -39,8 +40,12 @@ def main(simulator_name: str = "flat") -> None:
         import cv2
     except ImportError:
         return
-    cv2.imwrite("quickstart.png", result.frames["last"].rgb[..., ::-1])
+    if not cv2.imwrite("quickstart.png", result.frames["last"].rgb[..., ::-1]):
+        raise OSError("quickstart.png cannot be written")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:2])
+    try:
+        main(*sys.argv[1:2])
+    except (OodscenError, OSError) as error:
+        sys.exit(f"quickstart: {error}")

@@ -29,6 +29,7 @@ _COURSES: list[dict[str, Any]] = [
     {"roll": {"distance": 12, "speed": 3}},
     {"circle": {"radius": 3, "speed": 2}, "then": "repeat", "facing": "along"},
     {"circle": {"radius": 2, "speed": 2, "clockwise": True}},
+    {"circle": {"radius": 9, "speed": 7}, "then": "repeat"},
 ]
 _AIRY: list[dict[str, Any]] = [
     {"drift": {"seconds": 10, "height": 2}},
@@ -43,13 +44,14 @@ def _keys(draw: st.DrawFn) -> dict[str, Any]:
     """Draw key poses with room between them, and an end that fits."""
     is_airy = draw(st.booleans())
     at, pose = 0.0, {"ahead": 0.0, "left": 0.0}
+    wide = draw(st.sampled_from([1 / 3, 1 / 3, 1.0, 3.0]))
     keys: list[dict[str, float]] = [{"at": 0.0}]
     for _ in range(draw(st.integers(1, 8))):
         at += draw(st.sampled_from([1.0, 2.5, 6.0]))
         if draw(st.booleans()):
             pose = {
-                "ahead": pose["ahead"] + draw(_WHOLE) / 3,
-                "left": pose["left"] + draw(_WHOLE) / 3,
+                "ahead": pose["ahead"] + draw(_WHOLE) * wide,
+                "left": pose["left"] + draw(_WHOLE) * wide,
             }
         turn = {"up": draw(st.integers(0, 2)) / 2, "yaw": 15 * draw(_WHOLE)} if is_airy else {}
         tilt = {"pitch": 10 * draw(_WHOLE), "roll": 10 * draw(_WHOLE)} if is_airy else {}

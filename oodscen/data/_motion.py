@@ -25,6 +25,8 @@ FARTHEST_M = 300.0
 """Greatest distance of the ego at a key, m."""
 EGO_MPS = 10.0
 """Speed of the ego for which a motion over its distance is checked before a scene is known, m/s."""
+EASE: dict[str, float] = {"time": 1.0, "ego": 5.0}
+"""Stretch over which a repeated motion gathers pace, s or m of the ego."""
 BACKWARDS = 0.4
 """Share of its speed that a body reaches backwards."""
 NEAR_M = 1e-6
@@ -186,6 +188,12 @@ def motion_faults(motion: Motion, ego_speed: float = EGO_MPS) -> list[Issue]:
         for index in range(len(track.spans))
         if (message := _stretch_fault(motion, track, index, rate, able))
     ]
+    if motion.then == "repeat" and not issues:
+        needed, index = track.set_off(EASE[motion.by])
+        if needed * rate * rate > able.acceleration + 1e-9:
+            message = f"needs {needed * rate * rate:.3g} m/s^2 to get under way from rest"
+            message += f"; {able.words} can {able.acceleration:g}: begin more slowly"
+            issues.append(Issue(_at(motion, index + 1), message))
     issues += [
         Issue(
             _at(motion, index, "up"), f"{able.words} gets {able.height:g} m above the road at most"

@@ -94,6 +94,22 @@ class PoseTrack(NamedTuple):
                 radius = min(radius, pace**3 / turning)
         return Measures(speed, acceleration, climb, spin, radius)
 
+    def set_off(self, ease: float) -> tuple[float, int]:
+        """Return the greatest acceleration with which a repeated motion gets under way, and its stretch.
+
+        Args:
+            ease: Length over which it gathers pace evenly, in units of `at`; it covers half of that.
+        """
+        found = (0.0, 0)
+        for k in range(4 * _SAMPLES + 1):
+            pace = k / (4 * _SAMPLES)
+            place = 0.5 * ease * pace * pace % self.at[-1]
+            index = max(i for i in range(len(self.spans)) if self.at[i] <= place)
+            rates, bends = self._rates(index, (place - self.at[index]) / self.spans[index])
+            parts = [bends[axis] * pace * pace + rates[axis] / ease for axis in (AHEAD, LEFT)]
+            found = max(found, (math.hypot(*parts), index))
+        return found
+
     def _rates(self, index: int, u: float) -> tuple[list[float], list[float]]:
         """Return the first and second derivatives at a share of a stretch."""
         span = self.at[index + 1] - self.at[index]

@@ -78,6 +78,7 @@ _FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"keys": (), "body": "flying", "drift": {"speed": 20, "seconds": 60}}, "drift"),
     ({"keys": (), "roll": {"distance": 9, "speed": 900}}, "roll.speed"),
     ({"keys": (), "circle": {"radius": 1, "speed": 9}}, "circle"),
+    ({"keys": (), "body": "car", "circle": {"radius": 12, "speed": 9.5}, "then": "repeat"}, "circle"),
     ({"keys": (), "swing": {"angle_deg": 400}}, "swing.angle_deg"),
     ({"keys": PAIR, "facing": "against", "body": "person", "by": "ego"}, "keys[1]"),
 ]  # fmt: skip

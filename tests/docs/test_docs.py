@@ -59,6 +59,39 @@ def test_an_example_runs(example, workplace, capsys, monkeypatch):
     assert capsys.readouterr().out.strip()
 
 
+@pytest.mark.parametrize(
+    ("example", "arguments", "said"),
+    [
+        ("made_scenes", ["out", "flat"], "out is not empty"),
+        ("made_scenes", ["file", "flat"], "file is not empty"),
+        ("made_scenes", ["new", "nothing"], "nothing"),
+        ("contact_sheet", ["nothing"], "nothing"),
+        ("contact_sheet", ["out", "nowhere/sheet.jpg"], "nowhere/sheet.jpg cannot be written"),
+        ("contact_sheet", ["out", "sheet.what"], "suffix"),
+        (
+            "contact_sheet",
+            ["out", "sheet.jpg", "later"],
+            "no frame of 'later' in out; it has first",
+        ),
+        ("quickstart", ["nothing"], "nothing"),
+    ],
+)
+def test_an_example_says_what_is_wrong_and_writes_nothing(
+    example, arguments, said, workplace, study, monkeypatch
+):
+    Path("file").touch()
+    before = {path: path.read_bytes() for path in study.rglob("*") if path.is_file()}
+    listed = {*Path().iterdir()}
+    path = ROOT / "examples" / f"{example}.py"
+    monkeypatch.setattr("sys.argv", [str(path), *arguments])
+    with pytest.raises(SystemExit) as stopped:
+        runpy.run_path(str(path), run_name="__main__")
+    assert str(stopped.value).startswith(f"{example}: ")
+    assert said in str(stopped.value)
+    assert {path: path.read_bytes() for path in study.rglob("*") if path.is_file()} == before
+    assert {*Path().iterdir()} == listed
+
+
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(notebook, study, tmp_path, monkeypatch, capsys):
     shutil.copytree(study, tmp_path / "out")

@@ -47,7 +47,9 @@ LET_GO = 16
 """Place in its keys at which it is let go; negative for never."""
 FASTEST, SPINNIEST = 17, 18
 """Greatest speed through key poses, m/s, and rate of turn, rad/s."""
-FIRST = 19
+CLIMB = 19
+"""Greatest speed up or down through key poses, m/s."""
+FIRST = 20
 PARAMETERS = (
     "speed",
     "duration",

@@ -1,7 +1,8 @@
 """Movement through the key poses of motions made to order.
 
 The pose between two keys is that of a cubic, whose slopes are those of `oodscen.data._poses`. A body never moves
-faster than its kind can, whatever its keys and the body that it follows do: it then lags behind.
+faster than its kind can, whatever its keys and the body that it follows do: it then lags behind. What stands on
+another body is carried along at that one's speed; the limit is then that of its own steps.
 """
 
 import math
@@ -9,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from oodscen._seeding import stream
-from oodscen.data._motion import ABILITIES, Motion
+from oodscen.data._motion import ABILITIES, EASE, Motion
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.bodies import Situation
 from oodscen.driving._roads.track import centre, point
@@ -32,7 +33,9 @@ TRAVELLED = col.MEMORY
 """Distance of the ego since the trigger, m."""
 HELD = col.MEMORY + 1
 """First of three columns: its pose relative to the ego when the trigger fired; in the frames of the road and the
-start, how far it has come ahead and to the left before."""
+start, how far it has come ahead and to the left before; in the frame of another body, its place on that one."""
+ABOARD = col.MEMORY + 3
+"""In the frame of another body: 1 while it stands on that one, which carries it."""
 COURSE = col.MEMORY + 4
 """Heading of its way, rad."""
 STAGE = col.MEMORY + 5
@@ -42,10 +45,9 @@ WAITING, MOVING, FREE = 0.0, 1.0, 2.0
 _ROLLING = frozenset({"cyclist", "car", "truck"})
 ROLLING_MPS2 = 0.8
 """Deceleration of what rolls on when it is let go; other things slide, m/s^2."""
-CARRIED_MPS = 90.0
-"""Greatest speed of what another body carries or draws, m/s."""
-_EASE = (1.0, 5.0)
-"""Stretch over which a repeated motion gathers pace, s or m of the ego."""
+_UPON_M = 0.3
+"""Height above another body's box up to which a body stands on it, m."""
+_EASE = (EASE["time"], EASE["ego"])
 _MOVING_MPS = 0.2
 """Speed above which a body turns towards its way, m/s."""
 
@@ -54,28 +56,37 @@ _MOVING_MPS = 0.2
 def follow_keys(w: Situation, i: int, waited: float) -> None:
     """Move the actor in row `i` to its pose at the end of the step; its place on the road follows later."""
     state, frame = w.state, w.codes[i, col.FRAME]
-    if waited < 0.0 and frame != OTHER and not _comes_on(w, i):
+    if frame != OTHER and waited < w.traits[i, col.DELAY] and not _comes_on(w, i, waited):
         return
     u = _argument(w, i, waited)
     place = key_place(w, i, u)
     x0, y0 = state[i, col.X], state[i, col.Y]
     x, y, base = _target(w, i, place)
+    along, aside = 0.0, 0.0
+    if frame == OTHER and state[i, ABOARD] == 1.0:
+        along, aside = _spot(w, i)
+        along -= x0
+        aside -= y0
     dx, dy = x - x0, y - y0
-    far = math.sqrt(dx * dx + dy * dy)
+    far = math.sqrt((dx - along) * (dx - along) + (dy - aside) * (dy - aside))
     most = w.traits[i, col.FASTEST] * w.dt
     if far > most:
-        dx, dy = dx * most / far, dy * most / far
-        far = most
+        dx = along + (dx - along) * most / far
+        dy = aside + (dy - aside) * most / far
+    far = math.sqrt(dx * dx + dy * dy)
     if w.codes[i, col.FACING] != FIXED:
         base = _turned_to(w, i, dx, dy, far)
     state[i, col.X], state[i, col.Y] = quantised(x0 + dx), quantised(y0 + dy)
     state[i, col.YAW] = quantised(wrapped(base + key_value(w, place, YAW)))
-    state[i, col.LIFT] = quantised(key_value(w, place, UP))
+    low, rise = state[i, col.LIFT], w.traits[i, col.CLIMB] * w.dt
+    state[i, col.LIFT] = quantised(min(max(key_value(w, place, UP), low - rise), low + rise))
     if w.codes[i, col.TILTS] == 1:
         state[i, col.PITCH] = quantised(wrapped(key_value(w, place, PITCH)))
         state[i, col.ROLL] = quantised(wrapped(key_value(w, place, ROLL)))
     sine, cosine = sincos(state[i, col.YAW])
     state[i, col.SPEED] = quantised((dx * cosine + dy * sine) / w.dt)
+    if frame == OTHER:
+        _stand_on(w, i)
     if waited < 0.0:
         return
     state[i, STAGE] = MOVING
@@ -185,15 +196,46 @@ def _target(w: Situation, i: int, place: KeyPlace) -> tuple[float, float, float]
 
 
 @part
-def _comes_on(w: Situation, i: int) -> bool:
-    """Move an actor on that is moving before its trigger; return whether it is."""
-    first = w.codes[i, col.KEY]
+def _spot(w: Situation, i: int) -> tuple[float, float]:
+    """Return where in the world the place is now at which an actor stood on another body."""
+    state, other = w.state, w.codes[i, col.OTHER]
+    sine, cosine = sincos(state[other, col.YAW])
+    along, aside = state[i, HELD], state[i, HELD + 1]
+    return (
+        state[other, col.X] + along * cosine - aside * sine,
+        state[other, col.Y] + along * sine + aside * cosine,
+    )
+
+
+@part
+def _stand_on(w: Situation, i: int) -> None:
+    """Keep an actor's place on another body; once it has left that one's box, it is carried no more."""
+    state, traits, other = w.state, w.traits, w.codes[i, col.OTHER]
+    sine, cosine = sincos(state[other, col.YAW])
+    dx, dy = state[i, col.X] - state[other, col.X], state[i, col.Y] - state[other, col.Y]
+    along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
+    state[i, HELD], state[i, HELD + 1] = quantised(along), quantised(aside)
+    top = state[other, col.LIFT] + traits[other, col.HEIGHT] + _UPON_M
+    if (
+        abs(along) > 0.5 * traits[other, col.LENGTH]
+        or abs(aside) > 0.5 * traits[other, col.WIDTH]
+        or state[i, col.LIFT] > top
+    ):
+        state[i, ABOARD] = 0.0
+
+
+@part
+def _comes_on(w: Situation, i: int, waited: float) -> bool:
+    """Move an actor on that is moving before its first key; return whether it is, or its trigger has fired."""
+    first, pace = w.codes[i, col.KEY], w.traits[i, col.PACE]
     ahead, left = w.traits[first, col.SLOPE + AHEAD], w.traits[first, col.SLOPE + LEFT]
     is_moving = w.codes[i, col.FRAME] in (START, LANE) and w.codes[i, col.THEN] != REPEAT
     if not is_moving or (ahead == 0.0 and left == 0.0):
-        return False
-    w.state[i, HELD] = quantised(w.state[i, HELD] + ahead * w.dt)
-    w.state[i, HELD + 1] = quantised(w.state[i, HELD + 1] + left * w.dt)
+        return waited >= 0.0
+    # The part of the step before its first key: it comes on through its delay, and at its own pace.
+    before = w.dt if waited < 0.0 else min(w.dt, w.traits[i, col.DELAY] - waited)
+    w.state[i, HELD] = quantised(w.state[i, HELD] + ahead * pace * before)
+    w.state[i, HELD + 1] = quantised(w.state[i, HELD + 1] + left * pace * before)
     return True
 
 
@@ -262,14 +304,15 @@ def key_traits(motion: Motion, actor: str, seed: int) -> Mapping[int, float]:
         col.DELAY: quantised(motion.delay * delay),
         col.PACE: quantised(1.0 + motion.pace * pace),
         col.LET_GO: -1.0 if motion.let_go is None else motion.let_go,
-        col.FASTEST: CARRIED_MPS if motion.frame == "other" else motion.fastest,
+        col.FASTEST: motion.fastest,
+        col.CLIMB: able.climb,
         col.SPINNIEST: able.spin * TAU / 360.0,
         col.DECELERATION: ROLLING_MPS2 if motion.body in _ROLLING else 0.0,
     }
 
 
 def pose_first(w: Situation, i: int) -> bool:
-    """Put an actor into the first of its key poses, and return whether another body carries it there."""
+    """Put an actor into the first of its key poses, and return whether it goes with another body."""
     state, traits, frame = w.state, w.traits, w.codes[i, col.FRAME]
     if frame in (START, LANE):
         traits[i, col.APART_X], traits[i, col.APART_Y] = state[i, col.X], state[i, col.Y]
@@ -283,7 +326,10 @@ def pose_first(w: Situation, i: int) -> bool:
     if frame in (START, LANE) and w.codes[i, col.THEN] != REPEAT:
         sine, cosine = sincos(values[YAW])
         along, aside = (w.traits[first, col.SLOPE + axis] for axis in (AHEAD, LEFT))
-        state[i, col.SPEED] = quantised(along * cosine + aside * sine)
+        state[i, col.SPEED] = quantised((along * cosine + aside * sine) * traits[i, col.PACE])
     state[i, col.LIFT] = quantised(values[UP])
     state[i, col.PITCH], state[i, col.ROLL] = quantised(values[PITCH]), quantised(values[ROLL])
+    if frame == OTHER:
+        state[i, ABOARD] = 1.0
+        _stand_on(w, i)
     return bool(frame == OTHER)

@@ -14,7 +14,7 @@ from oodscen.driving._motion.behaviour_row import BehaviourRow
 from oodscen.driving._motion.behaviours import ATTACHED, BUILT_IN, QUICKNESS
 from oodscen.driving._motion.bodies import Situation
 from oodscen.driving._motion.car_following import curve_speed, grip
-from oodscen.driving._motion.keyframes import key_codes, key_table, key_traits, pose_first
+from oodscen.driving._motion.keyframes import ABOARD, key_codes, key_table, key_traits, pose_first
 from oodscen.driving._motion.triggers import CODES
 from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
 from oodscen.driving._roads.track import for_kernels
@@ -187,5 +187,7 @@ class PlacedBodies:
         if code == Code.FALL:
             state[col.LIFT] = quantised(float(traits[col.DROP]))
             state[col.MEMORY : col.MEMORY + 2] = speed * cosine, speed * sine
+        if code == Code.KEYED and state[ABOARD] == 0.0:
+            speed = min(speed, float(traits[col.FASTEST]))
         if code != Code.OPEN_DOOR:
             state[col.SPEED] = quantised(speed * cos(askew))
