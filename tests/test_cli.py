@@ -19,6 +19,7 @@ PROJECT = Path(__file__).parent.parent / "pyproject.toml"
 
 QUICK = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "1"]
 QUICK += ["--baseline", str(ORDINARY), "--width", "160", "--height", "120", "--max-paths", "1"]
+QUICK += ["--iterations", "2", "--no-demands"]
 
 
 class Guesser(RandomAnswerer):

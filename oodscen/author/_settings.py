@@ -1,7 +1,7 @@
 """Settings of a text that a catalogue can show: its roads, weather and traffic."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -63,8 +63,8 @@ class Showable:
 
     def lacking_place(self, hazard: HazardKind) -> tuple[str, ...]:
         """Return the traits of a road on which a hazard could be met; none if the catalogue has such a road."""
-        places = places_of(hazard, self.knowledge)
-        if not places or self._shown(hazard):
+        places, roads = places_of(hazard, self.knowledge), roads_for(hazard, self.digest)
+        if not places or any(_phrased(places, roads)) or _described(places, roads):
             return ()
         first = places[0]
         return tuple(trait for trait in first.traits if trait not in {*_OF_LANES, *first.told})
@@ -72,7 +72,7 @@ class Showable:
     def _shown(self, hazard: HazardKind) -> list[RoadKind]:
         """Return the places of a hazard that the catalogue has, in the author's words or else in the catalogue's."""
         places, roads = places_of(hazard, self.knowledge), roads_for(hazard, self.digest)
-        return _phrased(places, roads) or _described(places, roads)
+        return list(_phrased(places, roads)) or _described(places, roads)
 
     @cached_property
     def _traffic(self) -> tuple[BackgroundTraffic, ...]:
@@ -120,16 +120,20 @@ def places_of(hazard: HazardKind, knowledge: Knowledge) -> list[RoadKind]:
     return [place for key in hazard.places for place in knowledge.place_keys.get(key, ())]
 
 
-def _phrased(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> list[RoadKind]:
-    """Return the places that one of the roads is, with the phrases that are true of it."""
-    found = []
+def _phrased(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> Iterator[RoadKind]:
+    """Yield the places that one of the roads is, with the phrases that are true of it."""
+    featured = [(road, frozenset(road.features)) for road in roads]
     for place in places:
-        phrases = tuple(p for p in place.phrases if any(_is_true(p, place, one) for one in roads))
+        told = tuple(place.told.items())
+        phrases = tuple(
+            phrase
+            for phrase in place.phrases
+            if any(_is_true(_said(phrase, place.traits, told), *one) for one in featured)
+        )
         if len(phrases) == len(place.phrases):
-            found.append(place)
+            yield place
         elif phrases:
-            found.append(place.model_copy(update={"phrases": phrases}))
-    return found
+            yield place.model_copy(update={"phrases": phrases})
 
 
 def _described(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> list[RoadKind]:
@@ -144,18 +148,32 @@ def _described(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> list[Roa
     ]
 
 
-def _is_true(phrase: str, place: RoadKind, road: MapLine) -> bool:
-    """Return whether a road is as a phrase of a place tells; one without traits or without a file may be anything."""
-    if not road.traits or not road.layout:
-        return True
+class Said(NamedTuple):
+    """What a phrase of a place tells of its road."""
+
+    traits: frozenset[str]
+    claims: tuple[Claim, ...]
+
+
+@lru_cache(maxsize=2048)
+def _said(
+    phrase: str, traits: tuple[str, ...], told: tuple[tuple[str, tuple[str, ...]], ...]
+) -> Said:
+    """Return what a phrase tells of a road with these traits, some of which it tells by one of their words only."""
     untold = {
         trait
-        for trait, words in place.told.items()
+        for trait, words in told
         if not any(re.search(rf"\b{re.escape(word)}", phrase) for word in words)
     }
-    traits = set(place.traits) - _OF_LANES - untold
-    are_there = all(is_of_kind(trait, road) or trait in road.features for trait in traits)
-    return are_there and all(_holds(claim, road) for claim in _claimed(phrase))
+    return Said(frozenset(traits) - _OF_LANES - untold, _claimed(phrase))
+
+
+def _is_true(said: Said, road: MapLine, features: frozenset[str]) -> bool:
+    """Return whether a road is as a phrase tells; one without traits or without a file may be anything."""
+    if not road.traits or not road.layout:
+        return True
+    are_there = all(trait in features or is_of_kind(trait, road) for trait in said.traits)
+    return are_there and all(_holds(claim, road) for claim in said.claims)
 
 
 def _holds(claim: Claim, road: MapLine) -> bool:

@@ -29,6 +29,18 @@ class Rerunner:
             scene, self.simulator, seed=self.seed, render=False, reaction=self.reaction
         ).episode
 
+    def keep_speed(self, scene: Scene) -> Episode:
+        """Run a scene with the last picture alone, in which only keeping the speed is tried."""
+        return simulate(
+            scene,
+            self.simulator,
+            seed=self.seed,
+            camera=self.camera,
+            reaction=self.reaction,
+            actions=("keep_speed",),
+            moments=("last",),
+        ).episode
+
     def run(self, scene: Scene, before: Simulated) -> Simulated:
         """Run a scene with frames of the same moments as those of an earlier run."""
         return simulate(

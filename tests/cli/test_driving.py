@@ -48,7 +48,8 @@ def test_a_stack_in_the_current_folder_drives(with_stack, tmp_path, capfd) -> No
     page = (tmp_path / "out" / "report.html").read_text()
     assert "Driving stacks" in page
     assert "stack_beside:make" in page
-    broken = run(main, ["drive", "out", "--driver", "stack_beside:Broken"])
+    broken = run(main, ["drive", "out", "--driver", "stack_beside:Broken", "--workers", "0"])
+    del sys.modules["stack_beside"]
     assert broken.exit_code == 1
     assert "stack_beside:Broken, twins: 0 of 1 passed" in broken.output
     assert "1 failed" in broken.output
@@ -74,13 +75,13 @@ def test_a_stack_in_the_current_folder_drives(with_stack, tmp_path, capfd) -> No
         "episodes.jsonl", [one.model_copy(update=made_from) for one in study.episodes]
     )
     study.store.remove("staged.jsonl")
-    ruled = run(main, ["drive", "out"])
+    ruled = run(main, ["drive", "out", "--workers", "0"])
     assert "; needless braking in 0 of 1 [" in ruled.output
     assert "  means: least TTC " in ruled.output
     assert "4 earlier results are dropped" in ruled.output
     drives = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
     assert [json.loads(line)["driver"] for line in drives] == ["rule-based", "rule-based"]
-    run(main, ["drive", "out"])
+    run(main, ["drive", "out", "--workers", "0"])
     assert (tmp_path / "out" / "drives.jsonl").read_text().splitlines() == drives
     assert sys.path == paths
     assert "stack_beside" not in sys.modules

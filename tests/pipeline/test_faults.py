@@ -3,6 +3,7 @@
 import json
 import random
 import threading
+from concurrent.futures import Executor, Future
 from contextlib import suppress
 from urllib.parse import quote
 
@@ -29,6 +30,23 @@ FAULTS = (
 RESULTS = ("tree.simulatable.json", "scenarios.jsonl", "scenes.jsonl", "redteam.jsonl")
 
 
+class Remembering(Executor):
+    """Runs the same scenes once: no server has a say in what they give."""
+
+    def __init__(self):
+        self.results = {}
+
+    def submit(self, function, /, *arguments):
+        order, future = repr(arguments), Future()
+        if order not in self.results:
+            self.results[order] = function(*arguments)
+        future.set_result(self.results[order])
+        return future
+
+
+SIMULATED = Remembering()
+
+
 @pytest.fixture(autouse=True)
 def planted_key(monkeypatch):
     monkeypatch.setenv("OPENAI_API_KEY", KEY)
@@ -44,14 +62,15 @@ def quiet(tmp_path_factory, author):
     """Run undisturbed."""
     out = tmp_path_factory.mktemp("quiet") / "out"
     with AnsweringServer(author) as server:
-        run_study(out, CONFIG, models={"served": server.client(seed=3)})
+        models = {"served": server.client(seed=3)}
+        run_study(out, CONFIG, models=models, executor=SIMULATED)
     return out
 
 
 def run(out, server, limits=None, **settings):
     limits = limits or Limits(concurrency=4)
     llm = server.client(seed=3, limits=limits, **settings)
-    return run_study(out, CONFIG, models={"served": llm}, limits=limits)
+    return run_study(out, CONFIG, models={"served": llm}, limits=limits, executor=SIMULATED)
 
 
 def results(out):
@@ -216,7 +235,7 @@ def test_a_scene_whose_claims_got_no_answer_is_made_when_they_are_read(tmp_path,
 
 def test_a_study_can_be_replayed(tmp_path, quiet):
     config = CONFIG.model_copy(update={"llm": f"replay:{quiet / 'answers.jsonl'}"})
-    study = run_study(tmp_path, config)
+    study = run_study(tmp_path, config, executor=SIMULATED)
     assert study.info["status"] == "success"
     assert results(tmp_path) == results(quiet)
     assert not (tmp_path / "answers.jsonl").exists()

@@ -274,7 +274,9 @@ def test_an_unwritable_folder_is_a_study_error(tmp_path):
 def test_a_band_leaves_only_texts_inside_it(folder, tmp_path, study):
     values = study.metrics["sets"]["simulatable"]["oodness"]["per_text"]
     middle = sorted(values)[len(values) // 2]
-    config = QUICK.model_copy(update={"band": (middle - 1e-6, 1.0)})
+    config = QUICK.model_copy(
+        update={"band": (middle - 1e-6, 1.0), "demands": False, "catalogues": ()}
+    )
     banded = run_study(tmp_path / "band", config)
     kept = [s.id for s, v in zip(study.scenarios, values, strict=True) if v >= middle - 1e-6]
     assert [scene.id for scene in banded.scenes] == kept
@@ -365,7 +367,7 @@ def test_images_arrive_as_jpeg_and_a_model_is_judged(folder, tmp_path):
 def test_a_small_baseline_of_ones_own_is_enough(tmp_path):
     texts = tmp_path / "own.txt"
     texts.write_text("A car waits at a red light.\nA bus stops at its stop.\nEgo follows a van.\n")
-    config = SMALL.model_copy(update={"baseline": str(texts)})
+    config = SMALL.model_copy(update={"baseline": str(texts), "demands": False, "catalogues": ()})
     study = run_study(tmp_path / "out", config)
     assert study.metrics["baseline"]["N"] == 3
     assert study.metrics["baseline_batch"]["size"] == 1

@@ -1,6 +1,6 @@
 import pytest
 
-from oodscen import StudyConfig, run_study, simulate
+from oodscen import run_study, simulate
 from oodscen.data._catalogue import WeatherRange
 from oodscen.errors import UsageError
 from oodscen.protocols import Camera
@@ -9,6 +9,7 @@ from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.testing._kit.samples import plain_scene
 from tests.driving.staging import actor, scene
+from tests.pipeline.quick import SMALL
 
 
 class FromAbove(FlatSimulator):
@@ -49,14 +50,14 @@ def test_an_episode_from_above_has_frames_from_above() -> None:
 
 
 def test_models_are_not_asked_about_a_drivers_view_that_is_none(tmp_path) -> None:
-    config = StudyConfig.quick(simulator=f"{__name__}:FromAbove", encoder="hash", vlms=("gpt-4o",))
+    config = SMALL.model_copy(update={"simulator": f"{__name__}:FromAbove", "vlms": ("gpt-4o",)})
     with pytest.raises(UsageError, match="views from above only"):
         run_study(tmp_path / "out", config)
 
 
 def test_a_study_from_above_says_so_in_its_report(tmp_path) -> None:
-    config = StudyConfig.quick(
-        simulator=f"{__name__}:FromAbove", encoder="hash", iterations=2, max_paths=1
+    config = SMALL.model_copy(
+        update={"simulator": f"{__name__}:FromAbove", "demands": False, "catalogues": ()}
     )
     study = run_study(tmp_path / "out", config)
     assert study.info["camera"] == "top"

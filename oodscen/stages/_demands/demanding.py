@@ -59,26 +59,31 @@ def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> Deman
     """
     catalogue = rerunner.simulator.catalogue()
     at = Setting.of(scene, catalogue, simulated.trace, simulated.episode.sketch)
-    resort: Demanding | None = None
+    resort: Scene | None = None
     calm: set[str] = set()
     ranked = ranked_candidates(scene, at, rerunner.seed, _company(scene))
     for candidate, one in _alike_first(_admitted(scene, at, ranked), simulated, rerunner):
         if candidate.kind.id in calm:
             continue
         try:
-            run = rerunner.run(one, simulated)
+            kept = rerunner.keep_speed(one)
         except SceneError:
             continue
-        if not _is_fair(run.episode, candidate.draft):
+        if not _is_shown(kept, candidate.draft):
             continue
-        if run.episode.label("keep_speed") == "unsafe":
-            return Demanding(one, run)
-        resort = resort or Demanding(one, run)
+        # Most candidates are calm; what else an ego may do there need not be known.
+        if kept.label("keep_speed") != "safe":
+            run = rerunner.run(one, simulated)
+            if not (_is_shown(run.episode, candidate.draft) and run.episode.safe_set):
+                continue
+            if run.episode.label("keep_speed") == "unsafe":
+                return Demanding(one, run)
+        resort = resort or one
         calm.add(candidate.kind.id)
     if resort is None:
         fault = Issue("demand", "no kind of ordinary demand fits the scene")
         raise SceneError(demand_id(scene.id), [fault])
-    return resort
+    return Demanding(resort, rerunner.run(resort, simulated))
 
 
 class _Staged(NamedTuple):
@@ -169,13 +174,12 @@ def _company(scene: Scene) -> tuple[Actor, ...]:
     )
 
 
-def _is_fair(episode: Episode, draft: Draft) -> bool:
-    """Return whether a run is decided, an action is safe, and the demand can be seen."""
+def _is_shown(episode: Episode, draft: Draft) -> bool:
+    """Return whether a run is decided, and the demand can be seen."""
     pixels = episode.visible.get("last", {})
     pixels_of_draft = sum(pixels.get(one.id, 0) for one in draft.actors)
     is_seen = not episode.visible or pixels_of_draft >= _SEEN * VISIBLE_PX
-    is_decided = episode.decision_fired and episode.is_deterministic
-    return is_seen and is_decided and bool(episode.safe_set)
+    return is_seen and episode.decision_fired and episode.is_deterministic
 
 
 _PLACES = (
