@@ -254,6 +254,13 @@ def test_a_cell_of_the_card_is_one_line_without_markup(text):
 def test_a_licence_is_one_identifier(study, tmp_path, licence):
     with pytest.raises(UsageError, match="licence"):
         publish(study, tmp_path / "set", licence=licence)
+
+
+def test_a_licence_that_looks_like_a_key_is_refused(study, tmp_path):
+    with pytest.raises(UsageError, match="looks like a key") as refused:
+        publish(study, tmp_path / "set", licence="sk-proj-AbCdEfGhIjKlMnOpQrSt")
+    assert "AbCdEf" not in str(refused.value)
+    assert not (tmp_path / "set").exists()
     assert not (tmp_path / "set").exists()
 
 
