@@ -21,6 +21,7 @@ from typing import (
 
 from oodscen._members import conforming
 from oodscen._numbers import said
+from oodscen._redaction import redact
 from oodscen.errors import UnknownComponent, UsageError
 
 if TYPE_CHECKING:
@@ -211,3 +212,16 @@ def _worded(kind: Any) -> str:
     name = getattr(origin or kind, "__name__", str(kind)).lstrip("_").partition("[")[0]
     plain = {"str": "text", "bool": "True or False", "Path": "a path"}
     return plain.get(name, f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}")
+
+
+def refuse_key(name: str, value: str) -> None:
+    """Refuse a value that is to be written into a file, if it holds what looks like a credential.
+
+    Raises:
+        UsageError: If it does.
+    """
+    if redact(value) != value:
+        raise UsageError(
+            f"{name}: {redact(value)} holds what looks like a key, and would be written into a file; keys belong into "
+            "environment variables"
+        )

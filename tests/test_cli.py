@@ -246,3 +246,28 @@ def test_doctor_judges_an_adapter(tmp_path, monkeypatch):
     faults = [row["detail"] for row in json.loads(result.stdout)]
     assert "controls: accelerating and braking do not change the speed so" in faults
     assert call("doctor", "pybulet").exit_code == 2
+
+
+@pytest.mark.parametrize("key", ["sk-proj-AbCdEfGhIjKlMnOpQrSt", "kq7ZpWm3xT9bKEYQQ"])
+@pytest.mark.parametrize(
+    "order",
+    [
+        ("{}",),
+        ("--{}",),
+        ("--{}=1", "run"),
+        ("run", "study", "--{}"),
+        ("run", "study", "--seed", "{}"),
+        ("tree", "{}"),
+        ("tree", "show", "--{}"),
+        ("import", "/nowhere/{}.xosc"),
+        ("report", "{}"),
+        ("completion", "{}"),
+        ("completion", "bash", "{}"),
+    ],
+)
+def test_no_message_of_the_command_line_repeats_a_key(monkeypatch, order, key):
+    monkeypatch.setenv("OPENAI_API_KEY", "kq7ZpWm3xT9bKEYQQ")
+    found = CliRunner().invoke(main, [word.format(key) for word in order])
+    assert found.exit_code == 2
+    assert key not in found.output
+    assert "[redacted]" in found.output

@@ -64,7 +64,8 @@ class _CommandGroup(click.Group):
                 raise
             with suppress(OSError):
                 where = f" {error.filename}" if error.filename else ""
-                say(f"oodscen: cannot write the output{where}: {error.strerror or error}", err=True)
+                why = redact(f"cannot write the output{where}: {error.strerror or error}")
+                say(f"oodscen: {why}", err=True)
             drop_output()
             sys.exit(1)
 
@@ -81,7 +82,11 @@ class _CommandGroup(click.Group):
             if fault := text_fault(word):
                 raise click.UsageError(f"{fault}.")
         ctx.meta[_ORDER] = list(args)
-        return super().parse_args(ctx, args)
+        try:
+            return super().parse_args(ctx, args)
+        except click.ClickException as error:
+            _clean(error)
+            raise
 
     def invoke(self, ctx: click.Context) -> Any:
         order = ctx.meta.get(_ORDER, [])
@@ -91,7 +96,7 @@ class _CommandGroup(click.Group):
             with ending_children(), _interruptible():
                 return super().invoke(ctx)
         except click.ClickException as error:
-            vars(error)["message"] = shortened(error.message)  # click declares it final.
+            _clean(error)
             raise
         except KeyboardInterrupt as interrupt:
             again = ""
@@ -113,6 +118,11 @@ class _CommandGroup(click.Group):
             ctx.exit(
                 2 if isinstance(error, UsageError) else 3 if isinstance(error, RunStopped) else 1
             )
+
+
+def _clean(error: click.ClickException) -> None:
+    """Hide credentials in click's own message, which quotes what was typed, and cut very long lines."""
+    vars(error)["message"] = shortened(redact(error.message))  # click declares it final.
 
 
 _AGAIN_S = 0.5

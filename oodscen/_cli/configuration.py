@@ -11,6 +11,7 @@ from typing import Any
 
 import click
 
+from oodscen._arguments import refuse_key
 from oodscen._cli.help import option_key, sections_of
 from oodscen._cli.output import write
 from oodscen._cli.paths import READABLE, FileCommand, OutputName
@@ -215,6 +216,7 @@ def init(
     for named in (llm or "", *vlms):
         if fault := text_fault(named):
             raise UsageError(f"the model {fault}")
+        refuse_key("the model", named)
     chosen: dict[str, Any] = {"llm": llm or DEFAULT_LLM, "quick": bool(quick)}
     if vlms:
         chosen["vlm"] = list(vlms)

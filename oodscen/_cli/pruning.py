@@ -80,6 +80,10 @@ def prune(
         refuse_idle("with --catalogue", "simulator")
     if len(set(catalogues)) < 2:
         refuse_idle("with a single catalogue, for which a tree is written", "as_json")
+    if twice := [name for name in dict.fromkeys(catalogues) if catalogues.count(name) > 1]:
+        raise UsageError(
+            f"--catalogue {twice[0]} is given twice; a comparison needs different catalogues"
+        )
     refuse_idle_server(llm)
     grown = ScenarioTree.load(tree)
     ledger = Ledger()

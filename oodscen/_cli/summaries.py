@@ -150,7 +150,7 @@ def kept_verdicts(vlms: Iterable[str], ledger: "Ledger", asked_at: Mapping[str, 
         asked_at: When each model was last asked before the run, by its name in verdicts; empty if not recorded.
     """
     lines = []
-    for vlm in vlms:
+    for vlm in dict.fromkeys(vlms):
         name, count = ledger.kept.get(vlm, ("", 0))
         if count:
             when = asked_at.get(name, "").replace("T", " ").replace("+00:00", " UTC")

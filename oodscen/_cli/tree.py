@@ -221,7 +221,14 @@ def replay(
         refuse_idle("with --out, which writes a tree", "as_json")
     (found,) = _read(which, place)
     if (edit, round_, stage) != (None, None, None):
+        last = max((step.round for step in found.edits if step.round is not None), default=0)
         found = found.at(edit=edit, round=round_, stage=stage)
+        if round_ is not None and round_ > last:
+            # The log knows no rounds without edits, so this one may have been played.
+            say(
+                f"no edit is of round {round_} or a later one: the last is of round {last}",
+                err=True,
+            )
     for index in undo:
         before, found = found, found.undo(index)
         if len(before) and not len(found):

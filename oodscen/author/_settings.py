@@ -149,7 +149,7 @@ def _described(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> list[Roa
 
 
 class Said(NamedTuple):
-    """What a phrase of a place tells of its road."""
+    """The claims of a phrase about its road."""
 
     traits: frozenset[str]
     claims: tuple[Claim, ...]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
-from oodscen._arguments import checked
+from oodscen._arguments import checked, refuse_key
 from oodscen._files import check_name, file_sha256, writing
 from oodscen._numbers import finite_number
 from oodscen.errors import DataError, Issue, StudyError, UsageError
@@ -66,6 +66,7 @@ def publish(
     """Write a study as a data set; `Study.publish` tells arguments and errors."""
     finite_number("validation", validation, 0.0, 0.9)
     check_name(out)
+    refuse_key("licence", licence)
     if not _LICENCE.fullmatch(licence):
         raise UsageError(f"licence: {licence!r} is not an identifier such as {LICENCE}")
     folder = Path(out)

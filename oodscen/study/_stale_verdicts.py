@@ -107,7 +107,7 @@ class VerdictRule:
         return AnswerKeys(scenarios, scenes, seed=seed)
 
     def made_from(self, item: str, answerer: str, protocol: Protocol, *, is_reference: bool) -> str:
-        """Return the digest of what a verdict on an item is made from; empty if nobody is asked about it."""
+        """Return the digest of what a verdict on an item is made from; empty if the item is not asked about."""
         if (protocol, item) not in self._shown:
             return ""
         truth = self._truths[protocol, "" if is_reference else item]
@@ -193,7 +193,7 @@ class Judged(NamedTuple):
     episodes: list[Episode]
     """The episodes without those of scenes whose hazard cannot be named at the decision."""
     asked: list[Episode]
-    """Those that answerers are asked about."""
+    """The episodes that answerers are asked about."""
     scenes: list[Scene]
 
     @classmethod
@@ -214,9 +214,9 @@ class Tables(NamedTuple):
     """The study's files, which hold people's answers and judges' opinions."""
     config: StudyConfig
     episodes: Sequence[Episode]
-    """Those of scenes, ordinary drives and demands."""
+    """The episodes of scenes, ordinary drives and demands."""
     whole: Sequence[Episode]
-    """Those of the paper's protocol."""
+    """The episodes of the paper's protocol."""
     scenarios: Sequence[Scenario]
     scenes: Sequence[Scene]
     """The scenes without the demands."""

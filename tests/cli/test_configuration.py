@@ -162,3 +162,16 @@ def test_init_asks_three_questions_in_a_terminal(tmp_path, monkeypatch):
         "vlm": ["model-a", "model-b"],
         "quick": True,
     }
+
+
+@pytest.mark.parametrize("option", ["--llm", "--vlm"])
+def test_init_writes_no_key(tmp_path, monkeypatch, option):
+    monkeypatch.setenv("OPENAI_API_KEY", "kq7ZpWm3xT9bKEYQQ")
+    file = tmp_path / "run.toml"
+    for key in ("sk-proj-AbCdEfGhIjKlMnOpQrSt", "kq7ZpWm3xT9bKEYQQ", "openai/kq7ZpWm3xT9bKEYQQ"):
+        found = invoke("init", option, key, "-o", file)
+        assert (found.exit_code, found.output.count("\n")) == (2, 1), found.output
+        assert "looks like a key" in found.output
+        assert key not in found.output
+        assert not file.exists()
+    assert invoke("init", option, "openai/gpt-4o", "-o", file).exit_code == 0

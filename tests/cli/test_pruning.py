@@ -24,6 +24,13 @@ def tree(tmp_path_factory):
     return path
 
 
+def test_a_catalogue_given_twice_is_refused(tree):
+    for more in ((), ("--catalogue", "pybullet")):
+        result = call("prune", tree, "--catalogue", "flat", "--catalogue", "flat", *more)
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert "--catalogue flat is given twice" in result.stderr
+
+
 def test_two_catalogues_are_compared(tree):
     result = call("prune", tree, "--catalogue", "pybullet", "--catalogue", "carla-0.9.16")
     assert result.exit_code == 0, result.output

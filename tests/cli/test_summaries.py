@@ -1,5 +1,6 @@
-from oodscen._cli.summaries import left_out
+from oodscen._cli.summaries import kept_verdicts, left_out
 from oodscen.data._verdict import Verdict
+from oodscen.llm._accounting import Ledger
 
 
 def test_items_without_a_whole_answer_are_told_per_model() -> None:
@@ -19,3 +20,12 @@ def test_items_without_a_whole_answer_are_told_per_model() -> None:
         "m: 1 items failed, e.g. not asked: down; --retry-failed asks them again",
         "m: 1 items got an answer that cannot be read, e.g. not asked: down; --retry-failed asks them again",
     ]
+
+
+def test_a_model_named_twice_is_told_once() -> None:
+    ledger = Ledger()
+    ledger.kept["mm"] = "mm", 8
+    ledger.kept["other"] = "other", 2
+    once = kept_verdicts(("mm", "other"), ledger, {})
+    assert len(once) == 2
+    assert kept_verdicts(("mm", "other", "mm"), ledger, {}) == once

@@ -94,6 +94,13 @@ def test_export_writes_every_format(place, form):
     assert shown.strip() == to_mermaid(AFTER) or form != "mermaid"
 
 
+@pytest.mark.parametrize("number", range(5))
+def test_replay_says_when_no_edit_is_of_the_round(place, number):
+    found = call("replay", place, "--round", number)
+    assert found.exit_code == 0
+    assert ("the last is of round 2" in found.stderr) is (number > 2)
+
+
 def test_replay_prints_the_log_or_writes_an_earlier_tree(place):
     assert len(call("replay", place).stdout.splitlines()) == len(AFTER.edits)
     rows = [

@@ -27,6 +27,7 @@ from oodscen.judging import leaderboard  # noqa: E402
 from oodscen.judging._leaderboard.rows import LeaderboardRow  # noqa: E402
 from oodscen.protocols import Completion, Request  # noqa: E402
 from oodscen.study._asked import asked_drives  # noqa: E402
+from tests.pipeline.quick import as_made  # noqa: E402
 from tests.report.conftest import build_study  # noqa: E402
 
 SAID = {
@@ -118,6 +119,7 @@ def told_apart(folder: Path) -> Study:
         for one in study.episodes
     ]
     study.store.write_lines("episodes.jsonl", episodes)
+    study.store.write_lines("verdicts.jsonl", as_made(study, study.stored_verdicts))
     return study
 
 

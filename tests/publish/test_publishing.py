@@ -257,6 +257,13 @@ def test_a_licence_is_one_identifier(study, tmp_path, licence):
     assert not (tmp_path / "set").exists()
 
 
+def test_a_licence_that_looks_like_a_key_is_refused(study, tmp_path):
+    with pytest.raises(UsageError, match="looks like a key") as refused:
+        study.publish(tmp_path / "set", licence="sk-proj-AbCdEfGhIjKlMnOpQrSt")
+    assert "AbCdEf" not in str(refused.value)
+    assert not (tmp_path / "set").exists()
+
+
 def test_right_answers_are_right_and_are_scored_like_a_study(study, data):
     shares = score_answers([(row, row["answer"]) for row in rows(data, "questions")])
     oracle = next(row for row in study_board(study).standings if row.model == "right")
