@@ -148,8 +148,8 @@ def _described(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> list[Roa
     ]
 
 
-class Said(NamedTuple):
-    """The claims of a phrase about its road."""
+class _Said(NamedTuple):
+    """The traits and claims that a phrase of a place tells of its road."""
 
     traits: frozenset[str]
     claims: tuple[Claim, ...]
@@ -158,17 +158,17 @@ class Said(NamedTuple):
 @lru_cache(maxsize=2048)
 def _said(
     phrase: str, traits: tuple[str, ...], told: tuple[tuple[str, tuple[str, ...]], ...]
-) -> Said:
+) -> _Said:
     """Return what a phrase tells of a road with these traits, some of which it tells by one of their words only."""
     untold = {
         trait
         for trait, words in told
         if not any(re.search(rf"\b{re.escape(word)}", phrase) for word in words)
     }
-    return Said(frozenset(traits) - _OF_LANES - untold, _claimed(phrase))
+    return _Said(frozenset(traits) - _OF_LANES - untold, _claimed(phrase))
 
 
-def _is_true(said: Said, road: MapLine, features: frozenset[str]) -> bool:
+def _is_true(said: _Said, road: MapLine, features: frozenset[str]) -> bool:
     """Return whether a road is as a phrase tells; one without traits or without a file may be anything."""
     if not road.traits or not road.layout:
         return True
