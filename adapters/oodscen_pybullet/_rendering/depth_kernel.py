@@ -12,19 +12,26 @@ from typing import NamedTuple
 import numpy as np
 
 from oodscen.numerics._kernels import Kernel, inlined, part
+from oodscen_pybullet._rendering import records as rec
+from oodscen_pybullet._rendering.records import DrawnTriangles
 from oodscen_pybullet._rendering.triangles import SHELTERED, Triangles
 from oodscen_pybullet._types import F32, I32, Array
 
-RECORD = 19
-"""Numbers stored per drawn triangle: a point on the grid of samples; 1/w, u/w, v/w and light/w there
-with their slopes along columns and rows; red, green, blue; 1 if it is lit unevenly; incidence of
-the sun, 0 (grazing) to 255 (perpendicular)."""
 BLOCK = 16
 """Samples that are drawn together; sample buffers are padded by this length."""
-TUNNEL_AMBIENT, TUNNEL_DIFFUSE = 0.78, 0.22
-"""Fractions of a tunnel's light that are ambient, and from the ceiling."""
-LABELS = 5
-"""Integers stored per drawn triangle: texture, label, surface, kind, semantic class."""
+
+_EVEN = 1e-3
+"""Difference between the corners' cosines with the light below which a triangle is evenly lit."""
+_EYE, _RIGHT, _UP, _FORWARD, _SUN = range(5)
+"""Rows of the table of vectors in an object's frame."""
+
+# Evenly lit surfaces that look alike get one number, in mixed radix: their colour in steps of 1/8, their flags, their
+# body. The largest prime that leaves room for two more values in 32 bits folds it.
+_TONE_STEPS, _TONES, _KINDS, _BODIES = 8.0, 4096, 32, 512
+_STRENGTH_STEPS, _TEXTURES = 255.0, 256
+_TEXTURED = 1 << 40
+"""Keeps the numbers of textures apart from those of colours."""
+_PRIME = 2**31 - 19
 
 
 class Samples(NamedTuple):
@@ -34,15 +41,6 @@ class Samples(NamedTuple):
     """[height * detail * width + BLOCK] 1/w, initially of the far plane."""
     shown: I32
     """[height * detail * width + BLOCK] record, initially -1."""
-
-
-class DrawnTriangles(NamedTuple):
-    """The triangles that were drawn."""
-
-    records: F32
-    """[k, RECORD]"""
-    labels: I32
-    """[k, LABELS]"""
 
 
 class Screen(NamedTuple):
@@ -179,14 +177,14 @@ def _turn(some: Triangles, index: int, camera: Array, sun: Array, turned: Array)
     places = some.places
     c, s = places[index, 3], places[index, 4]
     ex, ey = camera[0] - places[index, 0], camera[1] - places[index, 1]
-    turned[0, 0], turned[0, 1] = c * ex + s * ey, c * ey - s * ex
-    turned[0, 2] = camera[2] - places[index, 2]
+    turned[_EYE, 0], turned[_EYE, 1] = c * ex + s * ey, c * ey - s * ex
+    turned[_EYE, 2] = camera[2] - places[index, 2]
     for axis in range(1, 4):
         x, y = camera[3 * axis], camera[3 * axis + 1]
         turned[axis, 0], turned[axis, 1] = c * x + s * y, c * y - s * x
         turned[axis, 2] = camera[3 * axis + 2]
-    turned[4, 0], turned[4, 1] = c * sun[0] + s * sun[1], c * sun[1] - s * sun[0]
-    turned[4, 2] = sun[2]
+    turned[_SUN, 0], turned[_SUN, 1] = c * sun[0] + s * sun[1], c * sun[1] - s * sun[0]
+    turned[_SUN, 2] = sun[2]
 
 
 @part
@@ -195,17 +193,17 @@ def _is_in_view(
 ) -> bool:
     """Return whether an object's sphere may be in the picture, whose edges have these slopes."""
     spheres = some.spheres
-    x = spheres[index, 0] - turned[0, 0]
-    y = spheres[index, 1] - turned[0, 1]
-    z = spheres[index, 2] - turned[0, 2]
+    x = spheres[index, 0] - turned[_EYE, 0]
+    y = spheres[index, 1] - turned[_EYE, 1]
+    z = spheres[index, 2] - turned[_EYE, 2]
     radius = np.float64(spheres[index, 3])
-    ahead = x * turned[3, 0] + y * turned[3, 1] + z * turned[3, 2]
+    ahead = x * turned[_FORWARD, 0] + y * turned[_FORWARD, 1] + z * turned[_FORWARD, 2]
     if ahead < near - radius or ahead > far + radius:
         return False
-    across = abs(x * turned[1, 0] + y * turned[1, 1] + z * turned[1, 2])
+    across = abs(x * turned[_RIGHT, 0] + y * turned[_RIGHT, 1] + z * turned[_RIGHT, 2])
     if across > ahead * slopes[0] + radius * math.sqrt(1.0 + slopes[0] * slopes[0]):
         return False
-    upwards = abs(x * turned[2, 0] + y * turned[2, 1] + z * turned[2, 2])
+    upwards = abs(x * turned[_UP, 0] + y * turned[_UP, 1] + z * turned[_UP, 2])
     return bool(upwards <= ahead * slopes[1] + radius * math.sqrt(1.0 + slopes[1] * slopes[1]))
 
 
@@ -214,16 +212,16 @@ def _project(some: Triangles, k: int, turned: Array, screen: Screen, outline: Ou
     """Project a triangle, clipped at the near plane; return the number of corners left."""
     planes, corners = some.planes, some.corners
     points, px, py = outline.points, outline.x, outline.y
-    eye_x, eye_y, eye_z = turned[0, 0], turned[0, 1], turned[0, 2]
+    eye_x, eye_y, eye_z = turned[_EYE, 0], turned[_EYE, 1], turned[_EYE, 2]
     if planes[k, 0] * eye_x + planes[k, 1] * eye_y + planes[k, 2] * eye_z <= planes[k, 3]:
         return 0
     near, focal, tall = screen.near, screen.focal, screen.tall
     behind = 0
     for j in range(3):
         dx, dy, dz = corners[k, j, 0] - eye_x, corners[k, j, 1] - eye_y, corners[k, j, 2] - eye_z
-        w = dx * turned[3, 0] + dy * turned[3, 1] + dz * turned[3, 2]
-        points[j, 0] = dx * turned[1, 0] + dy * turned[1, 1] + dz * turned[1, 2]
-        points[j, 1] = dx * turned[2, 0] + dy * turned[2, 1] + dz * turned[2, 2]
+        w = dx * turned[_FORWARD, 0] + dy * turned[_FORWARD, 1] + dz * turned[_FORWARD, 2]
+        points[j, 0] = dx * turned[_RIGHT, 0] + dy * turned[_RIGHT, 1] + dz * turned[_RIGHT, 2]
+        points[j, 1] = dx * turned[_UP, 0] + dy * turned[_UP, 1] + dz * turned[_UP, 2]
         points[j, 2] = w
         if w < near:
             behind += 1
@@ -412,14 +410,14 @@ def _note(
     """Write the record of a drawn triangle."""
     corners, regions, kinds, colours = some.corners, some.regions, some.kinds, some.colours
     record, labels = drawn.records[count], drawn.labels
-    record[0], record[1] = plane.at_x, plane.at_y
-    record[2], record[3], record[4] = depth
-    labels[count, 0] = regions[k]
-    labels[count, 1] = some.spans[index, 2]
-    labels[count, 2] = count
-    labels[count, 3] = kinds[k]
-    labels[count, 4] = some.tags[k]
-    sx, sy, sz = turned[4, 0], turned[4, 1], turned[4, 2]
+    record[rec.COLUMN], record[rec.ROW] = plane.at_x, plane.at_y
+    record[rec.NEARNESS], record[rec.NEARNESS_X], record[rec.NEARNESS_Y] = depth
+    labels[count, rec.TEXTURE] = regions[k]
+    labels[count, rec.BODY] = some.spans[index, 2]
+    labels[count, rec.SURFACE] = count
+    labels[count, rec.KIND] = kinds[k]
+    labels[count, rec.CLASS] = some.tags[k]
+    sx, sy, sz = turned[_SUN, 0], turned[_SUN, 1], turned[_SUN, 2]
     lights = (
         corners[k, 0, 3] * sx + corners[k, 0, 4] * sy + corners[k, 0, 5] * sz,
         corners[k, 1, 3] * sx + corners[k, 1, 4] * sy + corners[k, 1, 5] * sz,
@@ -433,31 +431,35 @@ def _note(
             np.float64(corners[k, 1, 5]),
             np.float64(corners[k, 2, 5]),
         )
-        ambient, diffuse = TUNNEL_AMBIENT, TUNNEL_DIFFUSE
+        ambient, diffuse = rec.TUNNEL_AMBIENT, rec.TUNNEL_DIFFUSE
     brightest, darkest = max(lights[0], lights[1], lights[2]), min(lights[0], lights[1], lights[2])
-    is_uneven = brightest - darkest > 1e-3
+    is_uneven = brightest - darkest > _EVEN
     strength = 1.0
-    record[17] = record[18] = 0.0
+    record[rec.IS_UNEVEN] = record[rec.LIT] = 0.0
     if is_uneven:
-        record[17] = 1.0
-        record[11], record[12], record[13] = _linear(plane, lights[0], lights[1], lights[2])
+        record[rec.IS_UNEVEN] = 1.0
+        record[rec.LIGHT], record[rec.LIGHT_X], record[rec.LIGHT_Y] = _linear(
+            plane, lights[0], lights[1], lights[2]
+        )
     else:
         strength = ambient + diffuse * max(0.0, lights[0])
-        record[18] = 255.0 * min(max(lights[0], 0.0), 1.0)
+        record[rec.LIT] = 255.0 * min(max(lights[0], 0.0), 1.0)
     if regions[k] >= 0:
         for e in range(2):
             t0, t1, t2 = corners[k, 0, 6 + e], corners[k, 1, 6 + e], corners[k, 2, 6 + e]
             u, u_x, u_y = _linear(plane, t0, t1, t2)
-            record[5 + 3 * e], record[6 + 3 * e], record[7 + 3 * e] = u, u_x, u_y
-        record[14] = record[15] = record[16] = strength
+            at = rec.U + 3 * e
+            record[at], record[at + 1], record[at + 2] = u, u_x, u_y
+        record[rec.RED] = record[rec.GREEN] = record[rec.BLUE] = strength
     else:
         for e in range(3):
-            record[14 + e] = colours[k, e] * strength
+            record[rec.RED + e] = colours[k, e] * strength
     if not is_uneven:
         # Surfaces that look alike on both sides of an edge need no smoothing there.
-        tone = int(record[14] * 8.0) * 4096 + int(record[15] * 8.0)
-        tone = tone * 4096 + int(record[16] * 8.0)
+        tone = int(record[rec.RED] * _TONE_STEPS) * _TONES
+        tone += int(record[rec.GREEN] * _TONE_STEPS)
+        tone = tone * _TONES + int(record[rec.BLUE] * _TONE_STEPS)
         if regions[k] >= 0:
-            tone = int(strength * 255.0) * 256 + regions[k] + (1 << 40)
-        tone = ((tone * 32 + kinds[k]) * 512 + some.spans[index, 2] + 1) % 2147483629
-        labels[count, 2] = -2 - np.int32(tone)
+            tone = int(strength * _STRENGTH_STEPS) * _TEXTURES + regions[k] + _TEXTURED
+        tone = ((tone * _KINDS + kinds[k]) * _BODIES + some.spans[index, 2] + 1) % _PRIME
+        labels[count, rec.SURFACE] = -2 - np.int32(tone)

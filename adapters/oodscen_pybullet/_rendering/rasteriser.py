@@ -15,6 +15,7 @@ from oodscen_pybullet._meshes.atlas import Snow, draw_atlas
 from oodscen_pybullet._rendering import depth_kernel as raster
 from oodscen_pybullet._rendering import shading
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
+from oodscen_pybullet._rendering.records import LABELS_WIDTH, RECORD_WIDTH, DrawnTriangles
 from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import Triangles, textures
 from oodscen_pybullet._rendering.view import FAR, NEAR, CameraView
@@ -45,8 +46,8 @@ class Rasteriser:
         self._actors: Triangles | None = None
         self._known: OrderedDict[Look, Triangles] = OrderedDict()
         self._samples: raster.Samples | None = None
-        self._drawn = raster.DrawnTriangles(
-            np.empty((0, raster.RECORD), np.float32), np.empty((0, raster.LABELS), np.int32)
+        self._drawn = DrawnTriangles(
+            np.empty((0, RECORD_WIDTH), np.float32), np.empty((0, LABELS_WIDTH), np.int32)
         )
         self._shadows = ShadowMap()
         self._shelter: Shelter | None = None
@@ -178,12 +179,12 @@ class Rasteriser:
         self._samples.shown.fill(-1)
         return self._samples
 
-    def _reserve(self, count: int) -> raster.DrawnTriangles:
+    def _reserve(self, count: int) -> DrawnTriangles:
         """Return room for the records of some triangles."""
         if len(self._drawn.records) < count:
-            self._drawn = raster.DrawnTriangles(
-                np.empty((count, raster.RECORD), np.float32),
-                np.empty((count, raster.LABELS), np.int32),
+            self._drawn = DrawnTriangles(
+                np.empty((count, RECORD_WIDTH), np.float32),
+                np.empty((count, LABELS_WIDTH), np.int32),
             )
         return self._drawn
 

@@ -2,6 +2,9 @@
 
 Each pixel is shaded once, at its centre, with a texture of matching resolution; where its corners
 show another surface, the colours are mixed.
+
+Functions that run once per pixel or per run are inlined, and unpack their arrays before they loop: numba counts
+references whenever an array leaves a tuple, or enters a function, which here would take longer than the shading.
 """
 
 from typing import NamedTuple
@@ -10,20 +13,43 @@ import numpy as np
 
 from oodscen.numerics._kernels import Kernel, inlined, part
 from oodscen_pybullet._meshes.tags import Tag
-from oodscen_pybullet._rendering.depth_kernel import (
-    TUNNEL_AMBIENT,
-    TUNNEL_DIFFUSE,
-    DrawnTriangles,
-    Samples,
-)
-from oodscen_pybullet._rendering.triangles import Textures
+from oodscen_pybullet._rendering import records as rec
+from oodscen_pybullet._rendering.depth_kernel import Samples
+from oodscen_pybullet._rendering.records import DrawnTriangles
+from oodscen_pybullet._rendering.triangles import BLUE_SHIFT, GREEN_SHIFT, SHELTERED, Textures
 from oodscen_pybullet._types import F32, I32, U8
 
 _SKY = int(Tag.SKY)
+_ZERO, _HALF, _ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
+_FULL = np.float32(255.0)
+"""Largest value of a byte."""
 _RUN = 32
 """Largest number of pixels shaded together."""
-_FINEST = 2.0
-"""Texels per pixel above which the next coarser level is used."""
+_FINEST = np.float32(2.0 * 2.0)
+"""Texels per pixel, by area, above which the next coarser level is used."""
+
+# Textures are mixed in fixed point, all three colours in one number of 64 bits, whose lanes have 21 bits each.
+_PART_BITS, _WEIGHT_BITS = np.uint64(6), np.uint64(12)
+"""Bits of a fraction of a texel, and of the product of two."""
+_PARTS, _WEIGHTS = np.float32(64.0), np.float32(4096.0)
+_WHOLE = np.uint64(4096)
+"""The weight 1."""
+_ROUNDING = np.uint64(0x800 + (0x800 << GREEN_SHIFT) + (0x800 << BLUE_SHIFT))
+"""Half a unit in each lane."""
+_LANES = np.uint64(0xFF + (0xFF << GREEN_SHIFT) + (0xFF << BLUE_SHIFT))
+"""A byte in each lane."""
+_GREEN, _BLUE = np.uint64(GREEN_SHIFT + 12), np.uint64(BLUE_SHIFT + 12)
+"""Positions of a lane whose value is multiplied by a weight."""
+_BYTE, _LIT_BYTE = np.uint64(255), np.uint64(0x1FF)
+"""Largest value of a colour, and of one that light has made too bright."""
+
+# Rows of the work space in which a run of textured pixels is prepared.
+_TEXEL, _PART_U, _PART_V, _STRENGTH, _SLANT = range(5)
+_SCRATCH = 5
+
+# A centre counts as much as the four corners together.
+_CENTRE, _CORNER = np.float32(4.0), np.float32(1.0)
+_ALL_TAPS = np.float32(8.0)
 
 
 class Planes(NamedTuple):
@@ -57,7 +83,7 @@ class Paints(NamedTuple):
     detail: int
     """Rows of samples from one row of pixels to the next."""
     scratch: I32
-    """[5, _RUN] work space."""
+    """[_SCRATCH, _RUN] work space."""
 
 
 class Colours(NamedTuple):
@@ -70,107 +96,169 @@ class Colours(NamedTuple):
     """Incidence of the sun on the surface, 0 (grazing) to 255 (perpendicular)."""
 
 
-@inlined
-def _paint(
-    mark: int, column: np.float32, row: int, count: int, paints: Paints, colours: Colours, at: int
-) -> None:
-    """Shade adjacent pixels of one record that is textured or unevenly lit.
+class Run(NamedTuple):
+    """Adjacent pixels of one record that is textured or unevenly lit."""
 
-    Args:
-        mark: The record.
-        column: Column of the first sample, pixels.
-        row: Row of the samples, counted in samples.
-        count: Number of pixels, small enough for a single texture level.
-        paints: The records, the textures and the light.
-        colours: Receive the pixels from column `at` on.
-        at: Column of the first pixel.
+    mark: int
+    """The record."""
+    column: np.float32
+    """Column of the first sample, pixels."""
+    row: int
+    """Row of the samples, counted in samples."""
+    length: int
+    """Number of pixels, at most `_RUN`: few enough for a single texture level."""
+    first: int
+    """Column of the first pixel among the colours to be filled."""
+
+
+class Slope(NamedTuple):
+    """A value over depth along a run: at its first pixel, and its growth from one pixel to the next."""
+
+    start: np.float32
+    step: np.float32
+
+
+class Shine(NamedTuple):
+    """The light on a run of pixels."""
+
+    slant: Slope
+    """Cosine between the normal and the light, over depth; 0 on an evenly lit triangle."""
+    ambient: np.float32
+    diffuse: np.float32
+
+
+@inlined
+def _paint(run: Run, paints: Paints, colours: Colours) -> None:
+    """Shade a run of pixels."""
+    records, labels = paints.drawn.records, paints.drawn.labels
+    k = np.uint64(run.mark)
+    x, y = run.column - records[k, rec.COLUMN], np.float32(run.row) - records[k, rec.ROW]
+    step = records[k, rec.NEARNESS_X]
+    near = Slope(records[k, rec.NEARNESS] + step * x + records[k, rec.NEARNESS_Y] * y, step)
+    slant, step = _ZERO, _ZERO
+    if records[k, rec.IS_UNEVEN] != _ZERO:
+        step = records[k, rec.LIGHT_X]
+        slant = records[k, rec.LIGHT] + step * x + records[k, rec.LIGHT_Y] * y
+    ambient, diffuse = paints.light[0], paints.light[1]
+    if labels[k, rec.KIND] & SHELTERED:
+        ambient, diffuse = np.float32(rec.TUNNEL_AMBIENT), np.float32(rec.TUNNEL_DIFFUSE)
+    shine = Shine(Slope(slant, step), ambient, diffuse)
+    if labels[k, rec.TEXTURE] < 0:
+        _paint_plain(run, near, shine, records, colours)
+    else:
+        step_u, step_v = records[k, rec.U_X], records[k, rec.V_X]
+        u = Slope(records[k, rec.U] + step_u * x + records[k, rec.U_Y] * y, step_u)
+        v = Slope(records[k, rec.V] + step_v * x + records[k, rec.V_Y] * y, step_v)
+        line = _find_texels(run, near, shine, u, v, paints)
+        _mix_texels(run, line, paints, colours)
+
+
+@inlined
+def _paint_plain(run: Run, near: Slope, shine: Shine, records: F32, colours: Colours) -> None:
+    """Shade unevenly lit pixels of one colour."""
+    k, first = np.uint64(run.mark), np.uint64(run.first)
+    out_r, out_g, out_b, lit = colours.red, colours.green, colours.blue, colours.lit
+    slant_0, slant_x = shine.slant
+    ambient, diffuse = shine.ambient, shine.diffuse
+    red, green, blue = records[k, rec.RED], records[k, rec.GREEN], records[k, rec.BLUE]
+    for i in range(np.uint64(run.length)):
+        t = np.float32(np.int32(i))
+        slant = max((slant_0 + slant_x * t) / (near.start + near.step * t), _ZERO)
+        strength = ambient + diffuse * slant
+        out_r[first + i] = np.uint8(min(red * strength + _HALF, _FULL))
+        out_g[first + i] = np.uint8(min(green * strength + _HALF, _FULL))
+        out_b[first + i] = np.uint8(min(blue * strength + _HALF, _FULL))
+        lit[first + i] = np.uint8(min(slant * _FULL, _FULL))
+
+
+@inlined
+def _texels_per_pixel(run: Run, near: Slope, u: Slope, v: Slope, paints: Paints) -> np.float32:
+    """Return the area of the finest texture that a pixel in the middle of a run covers, texels."""
+    records, k = paints.drawn.records, np.uint64(run.mark)
+    t = np.float32(run.length - 1) * _HALF
+    depth = _ONE / (near.start + near.step * t)
+    column, row = (u.start + u.step * t) * depth, (v.start + v.step * t) * depth
+    along = max(abs((u.step - column * near.step) * depth), abs((v.step - row * near.step) * depth))
+    near_y = records[k, rec.NEARNESS_Y]
+    deep = max(
+        abs((records[k, rec.U_Y] - column * near_y) * depth),
+        abs((records[k, rec.V_Y] - row * near_y) * depth),
+    )
+    return np.float32(along * deep * np.float32(paints.detail))
+
+
+@inlined
+def _find_texels(
+    run: Run, near: Slope, shine: Shine, u: Slope, v: Slope, paints: Paints
+) -> np.int32:
+    """Write the texels, their weights and the light of a run into the work space.
+
+    Fetching a texel would keep this loop from being vectorised, so `_mix_texels` does that.
+
+    Returns:
+        The distance from a texel to the one below it.
     """
     records, labels = paints.drawn.records, paints.drawn.labels
-    texels, sizes = paints.sheet.texels, paints.sheet.sizes
-    light, detail, scratch = paints.light, paints.detail, paints.scratch
-    red, green, blue, lit = colours.red, colours.green, colours.blue, colours.lit
-    k, first = np.uint64(mark), np.uint64(at)
-    zero, half, full = np.float32(0.0), np.float32(0.5), np.float32(255.0)
-    region = labels[k, 0]
-    is_uneven = records[k, 17] != zero
-    across, down = column - records[k, 0], np.float32(row) - records[k, 1]
-    iwx = records[k, 3]
-    iw = records[k, 2] + records[k, 3] * across + records[k, 4] * down
-    shade, shade_x = zero, zero
-    if is_uneven:
-        shade_x = records[k, 12]
-        shade = records[k, 11] + records[k, 12] * across + records[k, 13] * down
-    ambient, diffuse = light[0], light[1]
-    if labels[k, 3] & 8:
-        ambient, diffuse = np.float32(TUNNEL_AMBIENT), np.float32(TUNNEL_DIFFUSE)
-    if region < 0:
-        plain_r, plain_g, plain_b = records[k, 14], records[k, 15], records[k, 16]
-        for i in range(np.uint64(count)):
-            t = np.float32(np.int32(i))
-            slant = max((shade + shade_x * t) / (iw + iwx * t), zero)
-            strength = ambient + diffuse * slant
-            red[first + i] = np.uint8(min(plain_r * strength + half, full))
-            green[first + i] = np.uint8(min(plain_g * strength + half, full))
-            blue[first + i] = np.uint8(min(plain_b * strength + half, full))
-            lit[first + i] = np.uint8(min(slant * full, full))
-        return
-    ux, vx = records[k, 6], records[k, 9]
-    u0 = records[k, 5] + records[k, 6] * across + records[k, 7] * down
-    v0 = records[k, 8] + records[k, 9] * across + records[k, 10] * down
-    t = np.float32(count - 1) * half
-    w = np.float32(1.0) / (iw + iwx * t)
-    u, v = (u0 + ux * t) * w, (v0 + vx * t) * w
-    along = max(abs((ux - u * iwx) * w), abs((vx - v * iwx) * w))
-    iwy = records[k, 4]
-    deep = max(abs((records[k, 7] - u * iwy) * w), abs((records[k, 10] - v * iwy) * w))
-    spread = along * deep * np.float32(detail)
-    size = np.uint64(0)
-    limit = np.float32(_FINEST * _FINEST)
-    shrink = np.float32(1.0)
+    sizes, scratch = paints.sheet.sizes, paints.scratch
+    k = np.uint64(run.mark)
+    region, size = np.uint64(labels[k, rec.TEXTURE]), np.uint64(0)
+    spread, shrink = _texels_per_pixel(run, near, u, v, paints), _ONE
     for _ in range(sizes.shape[1] - 1):
-        if spread <= limit:
+        if spread <= _FINEST:
             break
         spread *= np.float32(0.25)
-        shrink *= half
+        shrink *= _HALF
         size += np.uint64(1)
-    one, picked = np.uint64(1), np.uint64(region)
-    start = sizes[picked, size, 0]
-    wide, tall = sizes[picked, size, one], sizes[picked, size, np.uint64(2)]
+    start = sizes[region, size, 0]
+    wide, tall = sizes[region, size, np.uint64(1)], sizes[region, size, np.uint64(2)]
     most_u, most_v = np.float32(wide - 1), np.float32(tall - 1)
     # Every level has one extra column and row, which repeat the last ones.
     line = np.int32(wide + 1)
-    two, three, four = np.uint64(2), np.uint64(3), np.uint64(4)
-    # Two loops: the first one vectorises, which fetching texels would prevent.
-    for i in range(np.uint64(count)):
+    is_uneven = records[k, rec.IS_UNEVEN] != _ZERO
+    for i in range(np.uint64(run.length)):
         t = np.float32(np.int32(i))
-        w = np.float32(1.0) / (iw + iwx * t)
-        u = min(max((u0 + ux * t) * w * shrink - half, zero), most_u)
-        v = min(max((v0 + vx * t) * w * shrink - half, zero), most_v)
-        x0, y0 = np.int32(u), np.int32(v)
-        scratch[0, i] = start + y0 * line + x0
-        scratch[one, i] = np.int32((u - np.float32(x0)) * np.float32(64.0))
-        scratch[two, i] = np.int32((v - np.float32(y0)) * np.float32(64.0))
-        slant = max((shade + shade_x * t) * w, zero)
-        strength = ambient + diffuse * slant if is_uneven else records[k, 14]
-        scratch[three, i] = np.int32(strength * np.float32(4096.0))
-        scratch[four, i] = np.int32(min(slant * full, full) if is_uneven else records[k, 18])
-    rounding = np.uint64(0x800 + (0x800 << 21) + (0x800 << 42))
-    lanes = np.uint64(0xFF + (0xFF << 21) + (0xFF << 42))
-    most = np.uint64(255)
-    for i in range(np.uint64(count)):
-        fu, fv = np.uint64(np.uint32(scratch[one, i])), np.uint64(np.uint32(scratch[two, i]))
-        a = np.uint64(np.uint32(scratch[0, i]))
-        c = a + np.uint64(np.uint32(line))
-        k11 = fu * fv
-        k10, k01 = (fv << np.uint64(6)) - k11, (fu << np.uint64(6)) - k11
-        k00 = np.uint64(4096) - k01 - k10 - k11
-        texel = texels[a] * k00 + texels[a + one] * k01 + texels[c] * k10 + texels[c + one] * k11
-        texel = ((texel + rounding) >> np.uint64(12)) & lanes
-        texel = texel * np.uint64(np.uint32(scratch[three, i])) + rounding
-        red[first + i] = np.uint8(min((texel >> np.uint64(12)) & np.uint64(0x1FF), most))
-        green[first + i] = np.uint8(min((texel >> np.uint64(33)) & np.uint64(0x1FF), most))
-        blue[first + i] = np.uint8(min((texel >> np.uint64(54)) & np.uint64(0x1FF), most))
-        lit[first + i] = np.uint8(scratch[four, i])
+        depth = _ONE / (near.start + near.step * t)
+        column = min(max((u.start + u.step * t) * depth * shrink - _HALF, _ZERO), most_u)
+        row = min(max((v.start + v.step * t) * depth * shrink - _HALF, _ZERO), most_v)
+        x, y = np.int32(column), np.int32(row)
+        scratch[_TEXEL, i] = start + y * line + x
+        scratch[_PART_U, i] = np.int32((column - np.float32(x)) * _PARTS)
+        scratch[_PART_V, i] = np.int32((row - np.float32(y)) * _PARTS)
+        slant = max((shine.slant.start + shine.slant.step * t) * depth, _ZERO)
+        strength = shine.ambient + shine.diffuse * slant if is_uneven else records[k, rec.RED]
+        scratch[_STRENGTH, i] = np.int32(strength * _WEIGHTS)
+        scratch[_SLANT, i] = np.int32(
+            min(slant * _FULL, _FULL) if is_uneven else records[k, rec.LIT]
+        )
+    return line
+
+
+@inlined
+def _mix_texels(run: Run, line: np.int32, paints: Paints, colours: Colours) -> None:
+    """Mix the four texels around each pixel of a run, and apply the light."""
+    texels, scratch = paints.sheet.texels, paints.scratch
+    out_r, out_g, out_b, lit = colours.red, colours.green, colours.blue, colours.lit
+    first, one = np.uint64(run.first), np.uint64(1)
+    for i in range(np.uint64(run.length)):
+        u = np.uint64(np.uint32(scratch[_PART_U, i]))
+        v = np.uint64(np.uint32(scratch[_PART_V, i]))
+        above = np.uint64(np.uint32(scratch[_TEXEL, i]))
+        below = above + np.uint64(np.uint32(line))
+        k11 = u * v
+        k10, k01 = (v << _PART_BITS) - k11, (u << _PART_BITS) - k11
+        k00 = _WHOLE - k01 - k10 - k11
+        texel = (
+            texels[above] * k00
+            + texels[above + one] * k01
+            + texels[below] * k10
+            + texels[below + one] * k11
+        )
+        texel = ((texel + _ROUNDING) >> _WEIGHT_BITS) & _LANES
+        texel = texel * np.uint64(np.uint32(scratch[_STRENGTH, i])) + _ROUNDING
+        out_r[first + i] = np.uint8(min((texel >> _WEIGHT_BITS) & _LIT_BYTE, _BYTE))
+        out_g[first + i] = np.uint8(min((texel >> _GREEN) & _LIT_BYTE, _BYTE))
+        out_b[first + i] = np.uint8(min((texel >> _BLUE) & _LIT_BYTE, _BYTE))
+        lit[first + i] = np.uint8(scratch[_SLANT, i])
 
 
 @inlined
@@ -180,7 +268,7 @@ def _differs(mark: int, other: int, labels: I32) -> bool:
         return False
     if mark < 0 or other < 0:
         return True
-    return bool(labels[np.uint64(mark), 2] != labels[np.uint64(other), 2])
+    return bool(labels[np.uint64(mark), rec.SURFACE] != labels[np.uint64(other), rec.SURFACE])
 
 
 class Edges(NamedTuple):
@@ -192,6 +280,32 @@ class Edges(NamedTuple):
     """[n, 3] smoothed colours."""
 
 
+class Tap(NamedTuple):
+    """A sample of a pixel: its centre, or one of its corners."""
+
+    y: int
+    x: int
+    """The pixel."""
+    down: int
+    """Half pixels from the centre: -1, 0 or 1."""
+    right: int
+
+
+@inlined
+def _shown_by(surface: int, tap: Tap, shown: I32, labels: I32) -> tuple[int, int]:
+    """Return row and column of a pixel beside a sample whose centre shows its surface; a negative row if none does."""
+    last, wide = shown.shape[0] // 2 - 1, shown.shape[1]
+    row, column = -1, 0
+    for step in range(4):
+        # The pixel's own centre, and those of the others that share the corner, are equally near.
+        y = min(max(tap.y + tap.down, 0), last) if step & 2 else tap.y
+        x = min(max(tap.x + tap.right, 0), wide - 1) if step & 1 else tap.x
+        other = shown[np.uint64(2 * y), np.uint64(x)]
+        if row < 0 and other >= 0 and labels[np.uint64(other), rec.SURFACE] == surface:
+            row, column = y, x
+    return row, column
+
+
 @part
 def _smooth(
     edges: Edges, begin: int, end: int, samples: Samples, paints: Paints, planes: Planes
@@ -201,69 +315,64 @@ def _smooth(
     A surface that a neighbour shows at its centre takes that neighbour's colour; only surfaces too thin
     for that are shaded again.
     """
-    nearness, shown = samples.nearness, samples.shown
-    records, labels = paints.drawn.records, paints.drawn.labels
     spots, mixed = edges.spots, edges.mixed
+    records, labels = paints.drawn.records, paints.drawn.labels
+    nearness, shown = samples.nearness, samples.shown
     rgb, reach, sky = planes.rgb, planes.reach, planes.sky
-    height, width = reach.shape
-    zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
-    paint = np.empty((4, 1), np.uint8)
-    colours = Colours(paint[0], paint[1], paint[2], paint[3])
+    single = np.empty((4, 1), np.uint8)
+    painted = Colours(single[0], single[1], single[2], single[3])
     for n in range(np.uint64(begin), np.uint64(end)):
         y, x = int(spots[n, 0]), int(spots[n, 1])
-        red = green = blue = weight = total = zero
-        one_r = one_g = one_b = zero
-        one, before = -1, np.int32(-1)
-        for tap in range(5):
+        red = green = blue = weight = total = _ZERO
+        tap_r = tap_g = tap_b = _ZERO
+        surface = -1
+        for corner in range(-1, 4):
             # The centre, then the corners from the upper left.
-            part = np.float32(4.0 if tap == 0 else 1.0)
-            i, j = (0, 0) if tap == 0 else (2 * ((tap - 1) & 1) - 1, 2 * ((tap - 1) >> 1) - 1)
-            r = max(2 * y + j, 0)
-            c = max(x - 1, 0) if i < 0 else x
-            mark = shown[np.uint64(r), np.uint64(c)]
+            part, right, down = _CENTRE, 0, 0
+            if corner >= 0:
+                part, right, down = _CORNER, 2 * (corner & 1) - 1, 2 * (corner >> 1) - 1
+            r = np.uint64(max(2 * y + down, 0))
+            c = np.uint64(max(x - 1, 0) if right < 0 else x)
+            mark = shown[r, c]
             if mark < 0:
                 continue
-            if mark != before:
-                before = mark
-                k = np.uint64(mark)
-                surface = labels[k, 2]
-                if surface != one:
-                    one = surface
-                    is_known = False
-                    if labels[k, 0] < 0 and records[k, 17] == zero:
-                        one_r, one_g, one_b = records[k, 14], records[k, 15], records[k, 16]
-                        is_known = True
-                    for step in range(4):
-                        # The pixel's own centre, and those of the others that share the corner, are
-                        # equally near.
-                        if is_known:
-                            break
-                        b = min(max(y + j, 0), height - 1) if step & 2 else y
-                        a = min(max(x + i, 0), width - 1) if step & 1 else x
-                        other = shown[np.uint64(2 * b), np.uint64(a)]
-                        if other >= 0 and labels[np.uint64(other), 2] == surface:
-                            one_r = np.float32(rgb[0, np.uint64(b), np.uint64(a)])
-                            one_g = np.float32(rgb[1, np.uint64(b), np.uint64(a)])
-                            one_b = np.float32(rgb[2, np.uint64(b), np.uint64(a)])
-                            is_known = True
-                    if not is_known:
-                        middle = np.float32(x) + half * np.float32(i)
-                        _paint(mark, middle, 2 * y + j, 1, paints, colours, 0)
-                        one_r = np.float32(paint[0, 0])
-                        one_g = np.float32(paint[1, 0])
-                        one_b = np.float32(paint[2, 0])
-            red += part * one_r
-            green += part * one_g
-            blue += part * one_b
-            total += part * nearness[np.uint64(r), np.uint64(c)]
+            k = np.uint64(mark)
+            if labels[k, rec.SURFACE] != surface:
+                surface = labels[k, rec.SURFACE]
+                b, a = _shown_by(surface, Tap(y, x, down, right), shown, labels)
+                if labels[k, rec.TEXTURE] < 0 and records[k, rec.IS_UNEVEN] == _ZERO:
+                    tap_r, tap_g, tap_b = (
+                        records[k, rec.RED],
+                        records[k, rec.GREEN],
+                        records[k, rec.BLUE],
+                    )
+                elif b >= 0:
+                    i, j = np.uint64(b), np.uint64(a)
+                    tap_r, tap_g, tap_b = (
+                        np.float32(rgb[0, i, j]),
+                        np.float32(rgb[1, i, j]),
+                        np.float32(rgb[2, i, j]),
+                    )
+                else:
+                    column = np.float32(x) + _HALF * np.float32(right)
+                    _paint(Run(mark, column, 2 * y + down, 1, 0), paints, painted)
+                    tap_r, tap_g, tap_b = (
+                        np.float32(single[0, 0]),
+                        np.float32(single[1, 0]),
+                        np.float32(single[2, 0]),
+                    )
+            red += part * tap_r
+            green += part * tap_g
+            blue += part * tap_b
+            total += part * nearness[r, c]
             weight += part
-        scale = np.float32(1.0) / weight
+        scale = _ONE / weight
         reach[np.uint64(y), np.uint64(x)] = weight / total
-        mixed[n, 0] = np.uint8(min(red * scale + half, most))
-        mixed[n, 1] = np.uint8(min(green * scale + half, most))
-        mixed[n, 2] = np.uint8(min(blue * scale + half, most))
+        mixed[n, 0] = np.uint8(min(red * scale + _HALF, _FULL))
+        mixed[n, 1] = np.uint8(min(green * scale + _HALF, _FULL))
+        mixed[n, 2] = np.uint8(min(blue * scale + _HALF, _FULL))
         sky[np.uint64(y), np.uint64(x)] = np.uint8(
-            (np.float32(8.0) - weight) * np.float32(255.0 / 8.0) + half
+            (_ALL_TAPS - weight) * np.float32(255.0 / 8.0) + _HALF
         )
 
 
@@ -284,12 +393,12 @@ def _measure(samples: Samples, labels: I32, planes: Planes, y: int, row: int) ->
     line = np.uint64(y)
     for x in range(np.uint64(depth.shape[1])):
         mark = marks[x]
-        far = np.float32(1.0) / near[x]
+        far = _ONE / near[x]
         depth[line, x] = np.float32(np.inf) if mark < 0 else far
         reach[line, x] = depth[line, x]
         at = np.uint64(mark if mark >= 0 else 0)
-        rows[line, x] = -1 if mark < 0 else labels[at, 1]
-        tags[line, x] = np.uint8(_SKY if mark < 0 else labels[at, 4])
+        rows[line, x] = -1 if mark < 0 else labels[at, rec.BODY]
+        tags[line, x] = np.uint8(_SKY if mark < 0 else labels[at, rec.CLASS])
 
 
 @part
@@ -298,6 +407,7 @@ def _find_edges(shown: I32, labels: I32, y: int, changes: I32, spots: I32, count
     row, one = 2 * y, np.uint64(1)
     wide = np.uint64(shown.shape[1])
     middle, over, under = shown[row], shown[max(row - 1, 0)], shown[row + 1]
+    # Few pixels have a corner of another record: these two loops, which vectorise, find them.
     for i in range(wide):
         changes[i] = (over[i] ^ middle[i]) | (under[i] ^ middle[i])
     for i in range(wide - one):
@@ -322,42 +432,32 @@ def _shade(marks: I32, paints: Paints, planes: Planes, line: int) -> None:
     """Colour the centres of a row of pixels, one run of equal records after another."""
     records, labels = paints.drawn.records, paints.drawn.labels
     rgb, sky, lit, kinds = planes.rgb, planes.sky, planes.lit, planes.kinds
-    zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
-    width, y = marks.shape[0], np.uint64(line)
+    width, y, row = marks.shape[0], np.uint64(line), line * paints.detail
     colours = Colours(rgb[0, y], rgb[1, y], rgb[2, y], lit[y])
     x = 0
     while x < width:
-        at = np.uint64(x)
-        mark = marks[at]
-        stop = x + 1
-        limit = min(x + _RUN, width)
+        mark = marks[np.uint64(x)]
+        stop, limit = x + 1, min(x + _RUN, width)
         while stop < limit and marks[np.uint64(stop)] == mark:
             stop += 1
-        if mark < 0:
-            for i in range(np.uint64(stop - x)):
-                sky[y, at + i] = 255
-                rgb[0, y, at + i] = rgb[1, y, at + i] = rgb[2, y, at + i] = 0
-                lit[y, at + i] = kinds[y, at + i] = 0
-        elif labels[np.uint64(mark), 0] < 0 and records[np.uint64(mark), 17] == zero:
-            k = np.uint64(mark)
-            plain_r = np.uint8(min(records[k, 14] + half, most))
-            plain_g = np.uint8(min(records[k, 15] + half, most))
-            plain_b = np.uint8(min(records[k, 16] + half, most))
-            plain_lit, made = np.uint8(records[k, 18]), np.uint8(labels[k, 3])
-            for i in range(np.uint64(stop - x)):
-                sky[y, at + i] = 0
-                rgb[0, y, at + i] = plain_r
-                rgb[1, y, at + i] = plain_g
-                rgb[2, y, at + i] = plain_b
-                lit[y, at + i] = plain_lit
-                kinds[y, at + i] = made
+        k, is_sky = np.uint64(max(mark, 0)), mark < 0
+        kind = np.uint8(0 if is_sky else labels[k, rec.KIND])
+        for i in range(np.uint64(x), np.uint64(stop)):
+            sky[y, i] = 255 if is_sky else 0
+            kinds[y, i] = kind
+        if is_sky:
+            for i in range(np.uint64(x), np.uint64(stop)):
+                rgb[0, y, i] = rgb[1, y, i] = rgb[2, y, i] = lit[y, i] = 0
+        elif labels[k, rec.TEXTURE] < 0 and records[k, rec.IS_UNEVEN] == _ZERO:
+            red = np.uint8(min(records[k, rec.RED] + _HALF, _FULL))
+            green = np.uint8(min(records[k, rec.GREEN] + _HALF, _FULL))
+            blue = np.uint8(min(records[k, rec.BLUE] + _HALF, _FULL))
+            slant = np.uint8(records[k, rec.LIT])
+            for i in range(np.uint64(x), np.uint64(stop)):
+                rgb[0, y, i], rgb[1, y, i], rgb[2, y, i] = red, green, blue
+                lit[y, i] = slant
         else:
-            row = line * paints.detail
-            _paint(mark, np.float32(x), row, stop - x, paints, colours, x)
-            made = np.uint8(labels[np.uint64(mark), 3])
-            for i in range(np.uint64(stop - x)):
-                sky[y, at + i] = 0
-                kinds[y, at + i] = made
+            _paint(Run(mark, np.float32(x), row, stop - x, x), paints, colours)
         x = stop
 
 
@@ -381,7 +481,7 @@ def gather(
         planes: Filled by the kernel.
     """
     height, width = planes.depth.shape
-    paints = Paints(drawn, sheet, light, detail, np.empty((5, _RUN), np.int32))
+    paints = Paints(drawn, sheet, light, detail, np.empty((_SCRATCH, _RUN), np.int32))
     changes = np.zeros(width, np.int32)
     spots = np.empty((height * width if detail == 2 else 0, 2), np.int32)
     edges = Edges(spots, np.empty((len(spots), 3), np.uint8))

@@ -37,6 +37,8 @@ _LEVEL = 0.6
 """Upward component of the normal above which ground counts as ground, not as a kerb or a bank's side."""
 WATER = frozenset({"water", "water_light", "flood", "flood_light"})
 """Colours of reflective surfaces."""
+GREEN_SHIFT, BLUE_SHIFT = 21, 42
+"""Bits by which green and blue are shifted in a texel."""
 _GRID = 2.0**14
 """Grid lines per metre for the corners: their differences are exact in any chunk."""
 
@@ -45,7 +47,7 @@ class Textures(NamedTuple):
     """The regions of the atlas, each at every level."""
 
     texels: NDArray[np.uint64]
-    """All levels, row by row: red, green and blue 21 bits apart.
+    """All levels, row by row: red, and green and blue by `GREEN_SHIFT` and `BLUE_SHIFT` bits to the left.
 
     Each level has one extra column and row, which repeat the last ones.
     """
@@ -239,7 +241,7 @@ def textures(snow: Snow = Snow.NONE) -> Textures:
             sizes.append((start, image.shape[1], image.shape[0]))
             wide = np.pad(image, ((0, 1), (0, 1), (0, 0)), mode="edge").reshape(-1, 3)
             wide = wide.astype(np.uint64)
-            texels.append(wide[:, 0] + (wide[:, 1] << 21) + (wide[:, 2] << 42))
+            texels.append(wide[:, 0] + (wide[:, 1] << GREEN_SHIFT) + (wide[:, 2] << BLUE_SHIFT))
             start += len(wide)
             image = _halved(image)
     return Textures(np.concatenate(texels), np.array(sizes, np.int32).reshape(-1, LEVELS, 3))
