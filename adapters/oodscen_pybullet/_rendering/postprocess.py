@@ -33,6 +33,28 @@ FARTHEST = np.float32(400.0)
 """Distance beyond which lamps are alike, m."""
 SHADOWS_END = np.float32(78.0)
 """Distance beyond which only the coarse shadow map is used, m."""
+HORIZON = np.float32(1e6)
+"""Distance that stands for none: of the sky, and of a portal that is not ahead, m."""
+OPAQUE = np.float32(40.0)
+"""Optical depth beyond which nothing is seen; the limit of `fade`."""
+CLOUD_GAIN = np.float32(0.22)
+"""Growth of a cloud's brightness with its density."""
+_BEAM_HALVED = np.float32(1.0 / 36.0)
+"""1 / distance at which the ego's beams are half as bright, 1/m."""
+_CUT_OFF, _CUT_SOFT, _CUT_SPREAD = np.float32(0.9), np.float32(0.25), np.float32(0.03)
+"""Height of the beams' cut-off, m; the width of its edge, m, and its growth per metre of distance."""
+_STRAY, _BELOW = np.float32(0.42), np.float32(0.58)
+"""Fractions of the beams that reach above their cut-off, and only below it."""
+_LEVEL_BIAS, _FAR_BIAS = np.float32(0.03), np.float32(0.001)
+"""Height by which a surface must be in shadow, m, and its growth per metre of distance."""
+_UPRIGHT_BIAS, _SLANT_BIAS = np.float32(0.05), np.float32(0.25)
+"""The same in addition for objects, m, and at a grazing sun."""
+_COARSE_BIAS = np.float32(0.3)
+"""The same in addition on the coarse shadow map, m."""
+_ENTERS = np.float32(1.0 / 7.0)
+"""1 / distance at which the daylight in a tunnel has halved, 1/m."""
+_GRAIN = 4
+"""Largest grain, of 255."""
 TINY = np.float32(1.0 / 255.0)
 """One step of a byte as a fraction."""
 
@@ -75,10 +97,10 @@ def lit_share(heights: Any, u: Any, v: Any, z: Any) -> Any:
 @inlined
 def beam(near: Any, height: Any, spread: Any, strength: Any) -> Any:
     """Return the ego's low-beam light on a surface; the beams have a soft cut-off in height."""
-    reach = near * np.float32(1.0 / 36.0)
-    cut = (np.float32(0.9) - height) / (np.float32(0.25) + near * np.float32(0.03))
+    reach = near * _BEAM_HALVED
+    cut = (_CUT_OFF - height) / (_CUT_SOFT + near * _CUT_SPREAD)
     cut = np.minimum(np.maximum(cut, _ZERO), _ONE)
-    return strength * spread / (_ONE + reach * reach) * (np.float32(0.42) + np.float32(0.58) * cut)
+    return strength * spread / (_ONE + reach * reach) * (_STRAY + _BELOW * cut)
 
 
 @inlined
@@ -95,7 +117,7 @@ def grain(number: Any) -> Any:
     mixed = np.uint32(number * np.uint32(2654435761))
     mixed = np.uint32((mixed ^ (mixed >> np.uint32(15))) * np.uint32(2246822519))
     mixed = np.uint32(mixed ^ (mixed >> np.uint32(13)))
-    return np.float32(mixed % np.uint32(9)) - np.float32(4.0)
+    return np.float32(mixed % np.uint32(2 * _GRAIN + 1)) - np.float32(_GRAIN)
 
 
 class Plate(NamedTuple):
@@ -210,7 +232,7 @@ def _far_light(heights: Any, u: Any, v: Any, z: Any) -> Any:
     """Return the fraction of sunlight that reaches a point by the coarse shadow map."""
     cells = np.float32(heights.shape[0] - 1)
     if _ZERO <= u < cells and _ZERO <= v < cells:
-        return lit_share(heights, u, v, z + np.float32(0.3))
+        return lit_share(heights, u, v, z + _COARSE_BIAS)
     return _ONE
 
 
@@ -238,11 +260,11 @@ def _find_shadows(plate: Plate, line: RowBuffers, y: int) -> None:
         if lit[y, x] == 0 or kind & SHINING or (is_sheltered and not is_inside):
             continue
         far = depth[y, x]
-        z = settings[SHADOW_Z] + far * rise + np.float32(0.03) + far * np.float32(0.001)
+        z = settings[SHADOW_Z] + far * rise + _LEVEL_BIAS + far * _FAR_BIAS
         if not kind & GROUND:
             # Objects have faces at all angles and therefore need a larger tolerance.
             slant = _ONE - np.float32(lit[y, x]) * TINY
-            z += np.float32(0.05) + np.float32(0.25) * slant
+            z += _UPRIGHT_BIAS + _SLANT_BIAS * slant
         aside, along = step_x + across[x] * right_x, step_y + across[x] * right_y
         u, v = settings[SHADOW_X] + far * aside, settings[SHADOW_Y] + far * along
         edge = np.minimum(np.minimum(u, cells - u), np.minimum(v, cells - v))
@@ -273,14 +295,14 @@ def _find_tunnel(plate: Plate, line: RowBuffers, y: int) -> None:
         towards = (
             settings[PORTAL_AHEAD] + up * settings[PORTAL_UP] + across[x] * settings[PORTAL_RIGHT]
         )
-        gate[x] = np.float32(1e6)
+        gate[x] = HORIZON
         if towards > np.float32(1e-4):
             gate[x] = settings[PORTAL] / towards
         indoors[x] = _ZERO
         if kinds[y, x] & SHELTERED:
             # Daylight enters for some metres.
             way = np.minimum(reach[y, x], FARTHEST) * towards - settings[PORTAL]
-            way = way * np.float32(1.0 / 7.0)
+            way = way * _ENTERS
             indoors[x] = clear[x]
             clear[x] = clear[x] / (_ONE + way * way)
             sunny[x] = _ZERO
@@ -389,21 +411,21 @@ def _find_veil(plate: Plate, line: RowBuffers, y: int) -> None:
     is_inside = settings[IS_INSIDE] > _ZERO
     for x in range(veil.shape[0]):
         stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
-        far = np.minimum(reach[y, x], np.float32(1e6)) * stretch
+        far = np.minimum(reach[y, x], HORIZON) * stretch
         veil[x] = far * rate
     if settings[HAS_PORTAL] > _ZERO:
         # Rain and snow obscure only what is outside.
         fog = settings[FOG_RATE]
         for x in range(veil.shape[0]):
             stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
-            near = np.minimum(reach[y, x], np.float32(1e6))
+            near = np.minimum(reach[y, x], HORIZON)
             is_sheltered = kinds[y, x] & SHELTERED != 0
             wet = np.minimum(near, gate[x]) if is_sheltered else near
             if is_inside:
                 wet = _ZERO if is_sheltered else np.maximum(near - gate[x], _ZERO)
             veil[x] = (near * fog + wet * (rate - fog)) * stretch
     for x in range(veil.shape[0]):
-        veil[x] = fade(np.minimum(veil[x], np.float32(40.0)))
+        veil[x] = fade(np.minimum(veil[x], OPAQUE))
 
 
 @part
@@ -445,7 +467,7 @@ def _add_sky(plate: Plate, line: RowBuffers, y: int) -> None:
             turn - np.float32(np.int32(turn))
         )
         share = cloud_share(cloud, settings[CLOUD_EDGE], settings[CLOUD_FLOOR])
-        grey = (cloud * np.float32(0.22) + settings[CLOUD_SHADE]) * settings[CLOUD_BRIGHT]
+        grey = (cloud * CLOUD_GAIN + settings[CLOUD_SHADE]) * settings[CLOUD_BRIGHT]
         glow = settings[HALO] * plate.halo[y] * spread[1, x]
         behind = np.float32(sky[y, x]) * TINY
         for c in range(3):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from oodscen_pybullet._rendering import postprocess as d
+from oodscen_pybullet._rendering.triangles import GROUND, SHELTERED, SOFT
 from oodscen_pybullet._types import U8
 
 _ONE, _HALF, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.0)
@@ -20,7 +21,9 @@ def postprocess_arrays(plate: d.Plate) -> U8:
     height, width = reach.shape
     rise = (upwards * axes[1, 2] + axes[2, 2])[:, None]
     near = np.minimum(reach, d.FARTHEST)
-    aloft = np.where((kinds & 20) == 4, _ZERO, settings[d.EYE_HEIGHT] + near * rise)
+    aloft = np.where(
+        (kinds & (GROUND | SOFT)) == GROUND, _ZERO, settings[d.EYE_HEIGHT] + near * rise
+    )
     light = settings[d.DAY_R : d.DAY_B + 1].reshape(3, 1, 1) * np.ones(
         (1, height, width), np.float32
     )
@@ -29,24 +32,24 @@ def postprocess_arrays(plate: d.Plate) -> U8:
         light += bright[None] * np.array([1.0, d.TINT_G, d.TINT_B], np.float32).reshape(3, 1, 1)
     colours = plate.rgb.astype(np.float32) * light
     if settings[d.WET] > 0.0:
-        colours *= np.where((kinds & 28) == 4, settings[d.WET], _ONE)
+        colours *= np.where((kinds & (GROUND | SHELTERED | SOFT)) == GROUND, settings[d.WET], _ONE)
     air = settings[d.AIR_R : d.AIR_B + 1].reshape(3, 1, 1)
     air = air + (settings[d.HALO] * halo[:, None] * spread[1][None, :])[None]
     if settings[d.RATE] > 0.0:
         stretch = np.sqrt(
             _ONE + across[None, :] * across[None, :] + upwards[:, None] * upwards[:, None]
         )
-        far = np.minimum(reach, np.float32(1e6)) * stretch * settings[d.RATE]
-        colours = air + (colours - air) * d.fade(np.minimum(far, np.float32(40.0)))
+        far = np.minimum(reach, d.HORIZON) * stretch * settings[d.RATE]
+        colours = air + (colours - air) * d.fade(np.minimum(far, d.OPAQUE))
     low, between = heaven[:, 3].astype(np.int64), heaven[:, 4:5]
     lines = sheet[low] + (sheet[low + 1] - sheet[low]) * between
     turn = spread[2].astype(np.int64)
     cloud = lines[:, turn] + (lines[:, turn + 1] - lines[:, turn]) * (spread[2] - turn)
     cloud = cloud.astype(np.float32)
     share = d.cloud_share(cloud, settings[d.CLOUD_EDGE], settings[d.CLOUD_FLOOR])
-    grey = (cloud * np.float32(0.22) + settings[d.CLOUD_SHADE]) * settings[d.CLOUD_BRIGHT]
+    grey = (cloud * d.CLOUD_GAIN + settings[d.CLOUD_SHADE]) * settings[d.CLOUD_BRIGHT]
     blue = heaven[:, :3].T[:, :, None]
-    tones = np.array([0.971, 0.984, 1.0], np.float32).reshape(3, 1, 1)
+    tones = np.array(d.CLOUD_TINT, np.float32).reshape(3, 1, 1)
     behind = blue + (grey[None] * tones - blue) * share[None]
     if settings[d.SKY_THROUGH] < _ONE:
         behind = air + (behind - air) * settings[d.SKY_THROUGH]

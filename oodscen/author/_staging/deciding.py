@@ -39,6 +39,22 @@ _SEEN_PX = 120.0
 """Area in the dash camera's image below which an actor is hardly seen, square pixels."""
 _ASIDE_M = 0.4
 """Offset of an obstacle that requires a lane change, towards the far side of its lane, m."""
+_SHORT_M = 2.0
+"""Least distance from the start to the decision, if the text tells a distance, m."""
+_BEYOND_M = 1.0
+"""Room left in front of an actor by the hardest stop, m."""
+_ONCOMING = -1.0
+"""Speed along the road below which an actor comes towards the ego, m/s."""
+_LATEST = 0.8
+"""Greatest share of the distances too short for a stop that a hurried decision uses."""
+_SPARE_LATE, _SPARE_LAST = 0.55, 0.75
+"""Shares of the spare room that a late decision leaves, and at which its actor must be seen."""
+_SPARE_CALM, _SPARE_MORE = 0.9, 0.4
+"""Least share of the spare room that a calm decision leaves, and the range above it."""
+_STOPPED_BY_M, _CHOICE_M = 1.5, 0.5
+"""Distance by which a stop must fail, and least range of distances, if only a lane change helps, m."""
+_SCATTER_M = 0.05
+"""Greatest deviation from the offset of an obstacle that is moved aside, m."""
 _INSIDE_M = 1.2
 """Offset from the lane's centre within which an obstacle is in the way, m."""
 
@@ -84,7 +100,7 @@ def _approached(
     while layout.speed > _LEAST_SPEED and left + _LEAST_APPROACH_S * layout.speed > distance_m:
         layout = _slower(layout)
         left = room(layout.speed)
-    return layout, min(left, max(distance_m - 2.0, 1.0)), distance_m
+    return layout, min(left, max(distance_m - _SHORT_M, 1.0)), distance_m
 
 
 def _hurried(layout: Layout, actor: RecipeActor, seconds: float) -> tuple[Layout, float]:
@@ -98,9 +114,9 @@ def _hurried(layout: Layout, actor: RecipeActor, seconds: float) -> tuple[Layout
     if closing < _LEAST_SPEED:
         return layout, seconds
     reach = layout.reach(actor)
-    hard = timing.braking(closing, friction) + reach + 1.0
+    hard = timing.braking(closing, friction) + reach + _BEYOND_M
     calm = max(timing.calm_braking(closing, friction) + reach, hard)
-    least = _EVADING_S * closing if along < -1.0 else hard
+    least = _EVADING_S * closing if along < _ONCOMING else hard
     away = seconds * closing
     while away > least and layout.pixels(actor, away) < _CLEAR_PX:
         away *= _SLOWER
@@ -109,7 +125,7 @@ def _hurried(layout: Layout, actor: RecipeActor, seconds: float) -> tuple[Layout
     if actor.behaviour in STAYS and not layout.is_followed and draw < _HURRIED:
         late = timing.too_late_to_stop(closing, friction) + reach
         if late > hard:
-            away = min(away, hard + 0.8 * share * (late - hard))
+            away = min(away, hard + _LATEST * share * (late - hard))
     return layout, min(seconds, away / closing)
 
 
@@ -130,7 +146,7 @@ def _room(layout: Layout, actor: RecipeActor) -> tuple[Layout, Room]:
         return layout.pixels(actor, away) < _CLEAR_PX
 
     def is_seen_at_last(speed: float) -> bool:
-        away = timing.braking(speed, friction) + 0.75 * spare
+        away = timing.braking(speed, friction) + _SPARE_LAST * spare
         return layout.pixels(actor, away) >= _SEEN_PX
 
     # Room for a calm stop is left behind a slower ego.
@@ -150,9 +166,16 @@ def _room(layout: Layout, actor: RecipeActor) -> tuple[Layout, Room]:
             window = min(max(_window(layout, layout.speed), 0.0), _MOST_LATE_M)
             return (
                 layout,
-                lambda speed: timing.braking(speed, friction) + 0.55 * spare + share * window,
+                lambda speed: (
+                    timing.braking(speed, friction) + _SPARE_LATE * spare + share * window
+                ),
             )
-    return layout, lambda speed: timing.late_room(speed, friction) + (0.9 + 0.4 * share) * spare
+    return (
+        layout,
+        lambda speed: (
+            timing.late_room(speed, friction) + (_SPARE_CALM + _SPARE_MORE * share) * spare
+        ),
+    )
 
 
 def _evading(layout: Layout, actor: RecipeActor, share: float) -> tuple[Layout, Room] | None:
@@ -161,12 +184,12 @@ def _evading(layout: Layout, actor: RecipeActor, share: float) -> tuple[Layout, 
     if not recipe.width or max(map(abs, actor.offset)) >= _INSIDE_M or road.lanes < 2:
         return None
     low = timing.swerving(layout.speed, recipe.width, _ASIDE_M)
-    high = timing.braking(layout.speed, layout.weather.friction) - 1.5
-    if low + 0.5 > high:
+    high = timing.braking(layout.speed, layout.weather.friction) - _STOPPED_BY_M
+    if low + _CHOICE_M > high:
         return None
     escape = 1 if layout.ego_lane + 1 < road.lanes else -1
     aside = -escape * _ASIDE_M
-    moved = actor.model_copy(update={"offset": (aside - 0.05, aside + 0.05)})
+    moved = actor.model_copy(update={"offset": (aside - _SCATTER_M, aside + _SCATTER_M)})
     actors = tuple(moved if one is actor else one for one in recipe.actors)
     recipe = recipe.model_copy(update={"actors": actors})
     return replace(layout, recipe=recipe, escape=escape), lambda _: low + share * (high - low)
