@@ -269,7 +269,7 @@ def make_llm(
     else:
         made = cast(LLM, conforming("llm", llm))
     if limits is not None and not (isinstance(llm, str) and is_builtin(llm)):
-        made = _capped(made, limits)
+        made = _capped(made, limits, llm if isinstance(llm, str) else "")
     if log is not None:
         made = LoggedLLM(made, log)
     if record is not None:
@@ -279,14 +279,14 @@ def make_llm(
     return made
 
 
-def _capped(llm: LLM, limits: "Limits") -> LLM:
+def _capped(llm: LLM, limits: "Limits", called: str) -> LLM:
     """Return a model that keeps to the limits; a client that has them counts its HTTP requests itself."""
     from oodscen.judging._references import is_reference  # Late, because they load slowly.
     from oodscen.llm._capped import CappedLLM
     from oodscen.llm._replay import ReplayLLM
 
     is_free = is_reference(llm) or isinstance(llm, ReplayLLM)
-    return llm if is_free or hasattr(llm, "limits") else CappedLLM(llm, limits)
+    return llm if is_free or hasattr(llm, "limits") else CappedLLM(llm, limits, called)
 
 
 def _named_llm(

@@ -160,6 +160,10 @@ class MissingExtra(UsageError):
         super().__init__(f"{what} needs the package {module!r}: {self.pip}")
 
 
+MOST_TOLD = 100
+"""Number of issues that the text of an error lists; `issues` holds all of them."""
+
+
 class DataError(UsageError):
     """Malformed data from a file, a model or a caller, or an unreadable file."""
 
@@ -174,8 +178,9 @@ class DataError(UsageError):
         self.issues = tuple(issues)
         self.source = source
         place = f" in {source}" if source else ""
-        lines = "".join(f"\n  - {issue}" for issue in self.issues)
-        super().__init__(f"{fault} {noun}{place}:{lines}")
+        lines = "".join(f"\n  - {issue}" for issue in self.issues[:MOST_TOLD])
+        more = f"\n  - and {len(issues) - MOST_TOLD} more" if len(issues) > MOST_TOLD else ""
+        super().__init__(f"{fault} {noun}{place}:{lines}{more}")
 
 
 class StudyMismatch(UsageError):

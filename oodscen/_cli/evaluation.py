@@ -17,6 +17,7 @@ from oodscen._cli.options import (
     limit_options,
     limits_from,
     refuse_idle,
+    refuse_idle_prices,
     require_option,
 )
 from oodscen._cli.output import say
@@ -25,6 +26,7 @@ from oodscen._cli.progress import bars
 from oodscen._cli.summaries import estimated, exit_code, graded, kept_verdicts, left_out, standings
 from oodscen.data._verdict import without_pictures as named_without_pictures
 from oodscen.errors import UsageError
+from oodscen.judging._people import is_person
 
 if TYPE_CHECKING:
     from oodscen.judging._leaderboard.requirements import RequirementResult
@@ -52,7 +54,8 @@ if TYPE_CHECKING:
 @click.option(
     "--answers",
     type=READABLE,
-    help="File of a person's answers, as `oodscen quiz` pages save it; adds the row human:NAME.",
+    multiple=True,
+    help="File of a person's answers, as `oodscen quiz` pages save it; adds the row human:NAME; repeatable.",
 )
 @click.option(
     "--api-base",
@@ -97,14 +100,14 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     if asked.required is not None and not asked.has_questions:
         # A model's questions would have the changed scenes run again.
         refuse_stale(before, before.episodes, before.scenes)
+    limits, ledger = limits_from(choices), Ledger()
+    refuse_idle_prices(limits, *asked.models(before.config))
     if not asked.dry_run:
         click.get_current_context().with_resource(before.store.writing())
     for name, count in drop_models(before, asked.dropped).items() if asked.dropped else ():
-        kept = "its answers stay in answers.jsonl, and judging it again uses them unless --retry-failed is given"
-        say(f"{name} is taken out with {count} verdicts; {kept}", err=True)
+        say(f"{name} is taken out with {count} verdicts; {_kept(name)}", err=True)
     known = {verdict.model for verdict in before.stored_verdicts}
     wanted, study = asked.configuration(before), before
-    limits, ledger = limits_from(choices), Ledger()
     if asked.dry_run:
         rows = estimate(out, wanted, RunOptions(limits=limits))
         click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
@@ -135,6 +138,13 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     sys.exit(any(one.status == "failed" and one.model in here for one in verdicts))
 
 
+def _kept(name: str) -> str:
+    """Say what remains of a row that was taken out, and how it comes back."""
+    if is_person(name):
+        return "its answers stay in people.jsonl; to judge them again, give the file again (--answers FILE)"
+    return "its answers stay in answers.jsonl, and judging it again uses them unless --retry-failed is given"
+
+
 def _asked_at(study: "Study") -> dict[str, str]:
     """Return when each judged model was last asked, by its name in verdicts; empty if not recorded."""
     calls = study.store.lines("calls.jsonl")
@@ -154,7 +164,7 @@ class _Evaluation:
     rear_view: bool | None
     without_pictures: bool
     ordinary: int | None
-    answers: Path | None
+    answers: tuple[Path, ...]
     judge: str | None
     api_base: str | None
     retry_failed: bool
@@ -186,6 +196,13 @@ class _Evaluation:
         if not (self.vlms or self.judge):
             refuse_idle("without --vlm or --judge, whose server it names", "api_base")
 
+    def models(self, before: "StudyConfig") -> tuple[list[str], dict[str, str | None]]:
+        """Return the models that may be asked, and the addresses of their servers."""
+        mine = [*filter(None, (*self.vlms, self.judge))]
+        given = dict.fromkeys(mine, self.api_base) if self.api_base else {}
+        kept = [name for name in before.models if name not in self.dropped]
+        return [*kept, *mine], {**before.servers, **given}
+
     def refuse_fewer(self, before: "Study") -> None:
         """Refuse to ask about fewer ordinary drives than the models before, since a board has one set of items."""
         if self.ordinary is not None and self.ordinary < before.config.ordinary:
@@ -210,7 +227,7 @@ class _Evaluation:
             "rear_view": bool(self.rear_view),
             "withheld": (self.vlms or config.vlms) if self.without_pictures else (),
             "ordinary": self.ordinary or 1,
-            "people": (add_answers(before, self.answers),) if self.answers else (),
+            "people": add_answers(before, self.answers),
             "judge": self.judge,
             "servers": dict.fromkeys(models, self.api_base),
         }

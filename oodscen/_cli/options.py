@@ -1,6 +1,7 @@
 """Options shared by several commands."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,7 +13,7 @@ from oodscen._cli.paths import OutputName
 from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR, is_builtin
 from oodscen._seeding import MAX_SEED
 from oodscen.data._episode import LONGEST_REACTION_S, REACTIONS_S
-from oodscen.errors import UsageError
+from oodscen.errors import OodscenError, UsageError
 from oodscen.llm._remote.budget import check_price
 from oodscen.llm._remote.limits import LONGEST_S, TIMEOUT_S
 from oodscen.llm._remote.rate_limit import PATIENCE_S
@@ -119,6 +120,38 @@ def refuse_idle_server(*models: str | None) -> None:
     """
     if all(map(is_builtin, filter(None, models))):
         refuse_idle("on the built-in author; name a model with --llm", "api_base")
+
+
+def refuse_idle_prices(
+    limits: "Limits", models: Iterable[str], servers: Mapping[str, str | None]
+) -> None:
+    """Refuse a price of a model that a command does not ask.
+
+    Args:
+        limits: Their prices.
+        models: The names of the models that may be asked.
+        servers: Addresses by model, where one is given.
+
+    Raises:
+        UsageError: If `--price` names one, with the models that are asked.
+    """
+    from oodscen._pipeline.models import is_asked
+    from oodscen._registry import make_llm
+
+    asked = [*filter(is_asked, models)]
+    known = set(asked)
+    if limits.prices.keys() - known:
+        for name in asked:
+            # A class may have another name than that by which it is asked for.
+            with suppress(OodscenError):
+                known.add(make_llm(name, api_base=servers.get(name)).name)
+    if spare := [name for name in limits.prices if name not in known]:
+        others = (
+            f"its models are {', '.join(sorted(known))}" if known else "it asks none with a price"
+        )
+        raise UsageError(
+            f"--price has no effect for {', '.join(spare)}, which is not asked: {others}"
+        )
 
 
 def refuse_idle_in_open_loop() -> None:

@@ -26,6 +26,7 @@ from oodscen._cli.options import (
     red_options,
     refuse_idle,
     refuse_idle_in_open_loop,
+    refuse_idle_prices,
     require_option,
     rollout_options,
     seed_option,
@@ -38,6 +39,7 @@ from oodscen._cli.progress import bars
 from oodscen._cli.summaries import estimated, exit_code, graded, left_out, summary
 from oodscen._files import is_written_through
 from oodscen._registry import DEFAULT_ENCODER, is_builtin
+from oodscen.errors import UsageError
 
 
 @click.command(cls=SectionedCommand, sections=RUN_SECTIONS)
@@ -195,6 +197,12 @@ def run(
         refuse_idle("without --vlm", "without_pictures")
     if choices["made"] is False or (choices["made"] is None and is_builtin(choices["llm"])):
         refuse_idle("unless things are made (--made)", "recogniser")
+    if is_builtin(choices["llm"]) and is_builtin(choices["red_llm"] or choices["llm"]):
+        refuse_idle("on the built-in author, which has no context window", "context")
+    if choices["encoder"].casefold() == "none":
+        raise UsageError(
+            "a study measures its texts and needs an encoder; `none` is for the commands of single stages"
+        )
     if dry_run:
         refuse_idle("with --dry-run, which counts what was never asked", "retry_failed")
     limits = limits_from(choices)
@@ -211,7 +219,8 @@ def run(
     before = Study(out)
     if before.store.has("study.json"):
         config = config.judging_too(before.config)
-    else:
+    refuse_idle_prices(limits, config.models, config.servers)
+    if not before.store.has("study.json"):
         _tell_outlook(config.simulator)
     if dry_run:
         rows = estimate(out, config, RunOptions(workers=workers or 1, limits=limits))

@@ -7,18 +7,36 @@ from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.scenes import REAR, simulate_behind
 from oodscen.data._episode import Episode
-from oodscen.errors import DataError, Issue
-from oodscen.judging._people import PEOPLE, PersonAnswers, QuizAnswers
+from oodscen.errors import DataError, Issue, UsageError
+from oodscen.judging._people import PEOPLE, PersonAnswers, QuizAnswers, as_name
 from oodscen.study._asked import asked_drives
 from oodscen.study._study import Study
 
 
-def add_answers(study: Study, file: Path) -> str:
-    """Keep the answers of a file in a study, and return the person's name; earlier ones of that name go.
+def add_answers(study: Study, files: Sequence[Path]) -> tuple[str, ...]:
+    """Keep the answers of files in a study, and return the people's names; earlier ones of those names go.
+
+    Nothing is kept unless all files are right.
 
     Raises:
-        DataError: When the file holds no answers to a quiz, or not to this study's.
+        DataError: When a file holds no answers to a quiz, or not to this study's.
+        UsageError: When two files are of one name.
     """
+    given: dict[str, QuizAnswers] = {}
+    for file in files:
+        one = _read(study, file)
+        if one.id in given:
+            raise UsageError(f"{file} holds answers of {one.id!r}, as does another file; give one")
+        given[one.id] = one
+    if given:
+        lines = study.store.lines(PEOPLE)
+        others = [line for line in lines if as_name(line["id"]) not in given]
+        study.store.write_lines(PEOPLE, [*others, *given.values()])
+    return tuple(given)
+
+
+def _read(study: Study, file: Path) -> QuizAnswers:
+    """Return the answers of a file to the drives of a study."""
     given = QuizAnswers.load(file)
     person = PersonAnswers.matched(given, study.episodes, str(file))
     listed = {
@@ -30,9 +48,7 @@ def add_answers(study: Study, file: Path) -> str:
         if said.choice is not None and drive in listed and said.choice not in listed[drive]
     ]:
         raise DataError(QuizAnswers.noun, issues, source=str(file))
-    others = [line for line in study.store.lines(PEOPLE) if line["id"] != given.id]
-    study.store.write_lines(PEOPLE, [*others, given])
-    return given.id
+    return given
 
 
 def rear_views(study: Study, episodes: Sequence[Episode], options: RunOptions) -> dict[str, str]:

@@ -10,7 +10,7 @@ from oodscen.data._base import canonical_json
 from oodscen.data._verdict import Verdict, without_pictures
 from oodscen.errors import OodscenError, UnknownComponent
 from oodscen.judging._leaderboard.leaderboard import leaderboard
-from oodscen.judging._people import person
+from oodscen.judging._people import as_name, is_person, person
 from oodscen.judging._references import ALWAYS
 from oodscen.report._render import write_report
 from oodscen.study._config import StudyConfig
@@ -49,6 +49,8 @@ def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
         for name, called in tuple(names_by_entry.items())
         if name in config.withheld
     }
+    # A person's name may be typed in another form of the same characters.
+    names = [as_name(name) if is_person(name) else name for name in names]
     names_by_entry |= {person(name): person(name) for name in config.people}
     called = {name: other or name for name, other in names_by_entry.items()}
     known = {*called, *called.values(), *({one.model for one in verdicts} - {*ALWAYS})}

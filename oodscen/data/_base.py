@@ -22,6 +22,11 @@ from oodscen._files import read_utf8
 from oodscen._json import parse_json
 from oodscen.errors import DataError, Issue
 
+MOST_PARTS = 40
+"""Number of parts of a thing made to order, and of those in a group."""
+_MOST_NAME = 80
+"""Length to which a name in the path of an issue is cut, in characters."""
+
 if TYPE_CHECKING:
     _Model = BaseModel
 else:
@@ -157,7 +162,11 @@ def issues_of(error: ValidationError) -> list[Issue]:
     """Convert pydantic's errors into issues with paths such as `actors[2].placement.lane`."""
     issues = []
     found = error.errors(include_url=False, include_input=False)
+    long: dict[str, None] = {}
     for item in found:
+        if (whole := _overlong(item["loc"])) is not None:
+            long[dotted(whole)] = None
+            continue
         inside = (one["loc"][: len(item["loc"])] == item["loc"] != one["loc"] for one in found)
         if item["type"] == "too_short" and any(inside):
             continue  # Faulty elements are named, and pydantic does not count them.
@@ -167,7 +176,25 @@ def issues_of(error: ValidationError) -> list[Issue]:
             issues += below(path, cause.issues)
         else:
             issues.append(Issue(path, item["msg"].removeprefix("Value error, ")))
+    for path in long:
+        issues = [issue for issue in issues if not issue.path.startswith(f"{path}[")]
+        issues.append(Issue(path, f"at most {MOST_PARTS} parts are allowed"))
     return issues
+
+
+def _overlong(location: tuple[str | int, ...]) -> tuple[str | int, ...] | None:
+    """Return the list of parts in which a fault lies beyond the last that is allowed.
+
+    pydantic counts the sound elements of a list only, so it would tell thousands of faults, and not that there are
+    too many.
+    """
+    for k in range(1, len(location)):
+        one, index = location[k - 1], location[k]
+        is_details = k > 1 and location[k - 2] == "details"
+        is_part = one in ("parts", "otherwise") and not is_details
+        if is_part and isinstance(index, int) and index >= MOST_PARTS:
+            return location[:k]
+    return None
 
 
 def below(path: str, issues: Iterable[Issue]) -> list[Issue]:
@@ -178,9 +205,14 @@ def below(path: str, issues: Iterable[Issue]) -> list[Issue]:
     ]
 
 
+def _brief(name: str) -> str:
+    return name if len(name) <= _MOST_NAME else f"{name[:_MOST_NAME]}..."
+
+
 def dotted(location: Iterable[str | int]) -> str:
     """Return a location as an indexing expression, e.g. `actors[2].placement.lane`."""
     text = ""
     for part in location:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}"
+        # A key that nobody knows may be as long as its writer likes.
+        text += f"[{part}]" if isinstance(part, int) else f".{_brief(part)}"
     return text.removeprefix(".")

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from oodscen.data._base import IssuesError, LeanData
 from oodscen.data._category import Category
 from oodscen.data._courses import Circle, Drift, KeyPose, Roll, Swing, Walk
+from oodscen.data._description import Description
 from oodscen.data._poses import PoseTrack
 from oodscen.errors import DataError, Issue
 
@@ -80,7 +81,7 @@ class Motion(LeanData):
     schema_version: Literal[1] = 1
     id: str = Field(pattern=r"^[a-z][a-z0-9_]{1,39}$")
     """Its name as a behaviour."""
-    description: str = Field(min_length=3, max_length=120, pattern=r"^[^\x00-\x1f\x7f<>]+$")
+    description: Description
     """Visible movement as a participle, e.g. `falling over across the road`."""
     body: BodyKind
     """Kind of body that moves so; it limits speed, acceleration and turning."""

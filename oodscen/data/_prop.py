@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from oodscen.data import _shapes as shapes
-from oodscen.data._base import Data, IssuesError
+from oodscen.data._base import MOST_PARTS, Data, IssuesError
 from oodscen.data._blocks import REACH_M, held
 from oodscen.data._category import Category
+from oodscen.data._description import Description
 from oodscen.data._extents import Measured, Size, Space, measured
 from oodscen.data._lettering import strokes
 from oodscen.data._shapes import A_NUMBER, Part, Parts
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 MADE = "made"
 """Tag of an asset that was made to order."""
-MOST_PARTS = 40
 MOST_SOLIDS = 400
 MOST_TRIANGLES = 8_000
 MOST_LAMPS = 8
@@ -57,7 +57,7 @@ class Prop(Data):
     schema_version: Literal[1] = 1
     id: str = Field(pattern=r"^[a-z][a-z0-9_]{1,39}$")
     """Its name as an asset."""
-    description: str = Field(min_length=3, max_length=120, pattern=r"^[^\x00-\x1f\x7f<>]+$")
+    description: Description
     """Visible appearance, e.g. `a white wall of foam, waist-high`."""
     category: Category = "object"
     tags: tuple[Word, ...] = Field(default=(), max_length=8)

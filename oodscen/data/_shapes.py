@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from oodscen.data._base import Data, no_truth_value
+from oodscen.data._base import MOST_PARTS, Data, no_truth_value
 from oodscen.data._colours import Colour
 
 A_NUMBER = BeforeValidator(no_truth_value)
@@ -450,7 +450,7 @@ AnyPart = Annotated[
     ),
 ]
 """A part of a thing that is described as data."""
-Parts = Annotated[tuple[AnyPart, ...], Field(max_length=40)]
+Parts = Annotated[tuple[AnyPart, ...], Field(max_length=MOST_PARTS)]
 
 
 def _check_apart(points: tuple[Point, ...]) -> None:

@@ -1,10 +1,13 @@
 """Answers of people to the quiz, as rows beside those of models."""
 
+import shlex
+import unicodedata
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from pydantic import AfterValidator, Field, StrictBool, StringConstraints
+from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, StringConstraints
 
+from oodscen._wording import is_unseen
 from oodscen.data._base import Data, digest
 from oodscen.data._episode import ACTIONS, Episode
 from oodscen.data._verdict import is_without_pictures
@@ -18,7 +21,14 @@ PEOPLE = "people.jsonl"
 """File with one line of answers per person."""
 
 
+def as_name(text: str) -> str:
+    """Return a name in the form in which names are compared: composed (NFC), so that what looks alike is alike."""
+    return unicodedata.normalize("NFC", text)
+
+
 def _own_name(name: str) -> str:
+    if any(map(is_unseen, name)):
+        raise ValueError("has characters that do not show or turn the direction of writing")
     if is_without_pictures(name):
         raise ValueError("is the name of a row of a model without pictures; choose another")
     return name
@@ -26,6 +36,7 @@ def _own_name(name: str) -> str:
 
 Name = Annotated[
     str,
+    BeforeValidator(lambda given: as_name(given) if isinstance(given, str) else given),
     StringConstraints(pattern=r"^[\w.-]([\w .-]{0,38}[\w.-])?$"),
     AfterValidator(_own_name),
 ]
@@ -51,7 +62,7 @@ class QuizAnswers(Data):
 
     schema_version: Literal[1] = 1
     id: Name
-    """The person's name."""
+    """The person's name, composed (NFC)."""
     answers: tuple[QuizAnswer, ...] = Field(min_length=1, max_length=100_000)
 
 
@@ -59,6 +70,11 @@ def token(episode: Episode) -> str:
     """Return the name of a drive in a quiz, which reveals nothing about what the drive shows."""
     pictures = [episode.file_sha256.get(file, "") for file in sorted(episode.frames.values())]
     return digest(["quiz", episode.scene_id, pictures])[:16]
+
+
+def is_person(row: str) -> bool:
+    """Return whether a row is that of a person."""
+    return row.startswith(person(""))
 
 
 def person(name: str) -> str:
@@ -114,10 +130,14 @@ class PersonAnswers(CaseAnswerer):
     @classmethod
     def load(cls, store: "Store", name: str, episodes: Iterable[Episode]) -> "PersonAnswers":
         """Return a person's answers in a study; those about drives that have changed are left out."""
-        lines = {line["id"]: line for line in store.lines(PEOPLE)}
-        if name not in lines:
-            raise DataError(QuizAnswers.noun, [Issue("", f"{PEOPLE} lacks {name!r}")])
-        given = QuizAnswers.parse(lines[name], source=f"{PEOPLE}, {name}")
+        lines = {as_name(line["id"]): line for line in store.lines(PEOPLE)}
+        if as_name(name) not in lines:
+            remedy = (
+                f"give the file again (oodscen evaluate {store.folder} --answers FILE), or take the row out "
+                f"(oodscen evaluate {store.folder} --drop {shlex.quote(person(name))})"
+            )
+            raise DataError(QuizAnswers.noun, [Issue("", f"{PEOPLE} lacks {name!r}: {remedy}")])
+        given = QuizAnswers.parse(lines[as_name(name)], source=f"{PEOPLE}, {name}")
         items = _by_token(episodes)
         return cls(name, {items[one.item]: one for one in given.answers if one.item in items})
 

@@ -1,7 +1,5 @@
 """Caps for models that are not called through litellm."""
 
-from contextlib import suppress
-
 from oodscen.errors import UsageError
 from oodscen.llm._check import complete
 from oodscen.llm._remote.budget import Price, Spent, check_price
@@ -17,20 +15,19 @@ class CappedLLM(Wrapper):
     Args:
         llm: The wrapped model; its other attributes are reachable through this object.
         limits: The caps, and the limit on concurrent calls.
+        called: The name by which the run knows the model, e.g. `module:attr`; a price may be given for it too.
 
     Raises:
-        UsageError: When the cost is capped and no price is given for the model.
+        UsageError: When the cost is capped, and no price is given for the model, or the one that it states is
+            malformed.
     """
 
-    def __init__(self, llm: LLM, limits: Limits) -> None:
+    def __init__(self, llm: LLM, limits: Limits, called: str = "") -> None:
         super().__init__(llm)
         self.limits = limits
-        self._price = limits.prices.get(llm.name) or _own_price(llm)
-        if limits.budget.caps.cost_usd is not None and self._price is None:
-            raise UsageError(
-                f"the cost of the run is capped and the price of {llm.name!r} is not known; give it in "
-                f"USD per million tokens of input and output, e.g. --price {llm.name}=0,0"
-            )
+        self._price = limits.prices.get(llm.name) or limits.prices.get(called)
+        if self._price is None:
+            self._price = _own_price(llm, is_needed=limits.budget.caps.cost_usd is not None)
         self._endpoint = limits.endpoint(f"model {llm.name}")
 
     def complete(self, request: Request) -> Completion:
@@ -63,8 +60,18 @@ class CappedLLM(Wrapper):
         return self._price.of(asked, answered) if self._price else 0.0
 
 
-def _own_price(llm: LLM) -> Price | None:
-    """Return the price that a model states, which may be anything."""
-    with suppress(UsageError):
-        return check_price(llm.name, getattr(llm, "price", None))
-    return None
+def _own_price(llm: LLM, *, is_needed: bool) -> Price | None:
+    """Return the price that a model states, which may be anything; without one, a capped cost is refused."""
+    stated, name = getattr(llm, "price", None), llm.name
+    fault = f"the price of {name!r} is not known"
+    if stated is not None:
+        try:
+            return check_price(name, stated)
+        except UsageError as error:
+            fault = f"the price that {name!r} states is malformed: {error}"
+    if not is_needed:
+        return None
+    raise UsageError(
+        f"the cost of the run is capped and {fault}; give it in USD per million tokens of input and output, "
+        f"e.g. --price {name}=0,0"
+    )

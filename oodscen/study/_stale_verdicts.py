@@ -1,7 +1,7 @@
 """Verdicts that do not belong to the drives of a study as they are now: the one rule for everything that reads them."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -15,7 +15,7 @@ from oodscen.data._verdict import Protocol, Verdict, verdict_id
 from oodscen.errors import UsageError
 from oodscen.judging._aspects.opinions import Opinion
 from oodscen.judging._kinds import Kinds
-from oodscen.judging._people import PersonAnswers
+from oodscen.judging._people import PersonAnswers, person
 from oodscen.judging._questions import aspect_options
 from oodscen.judging._references import AspectOption
 from oodscen.judging._scoring import AnswerKey, Truth, is_scored
@@ -233,16 +233,14 @@ class Tables(NamedTuple):
             study.scenes,
         )
 
-    def rule(self) -> VerdictRule:
-        """Return the rule by which verdicts belong to these tables."""
+    def rule(self, people: Collection[str]) -> VerdictRule:
+        """Return the rule by which verdicts belong to these tables, also those of people by these names."""
         judged = Judged.of(self.episodes, self.scenes, self.config)
         shown: dict[Protocol, Sequence[Episode]] = {"ours": judged.asked}
         if "paper" in self.config.protocols:
             shown["paper"] = self.whole
-        people = [
-            PersonAnswers.load(self.store, name, judged.episodes) for name in self.config.people
-        ]
-        return VerdictRule(shown, self.scenarios, judged.scenes, self.config, people)
+        answers = [PersonAnswers.load(self.store, name, judged.episodes) for name in people]
+        return VerdictRule(shown, self.scenarios, judged.scenes, self.config, answers)
 
     def stale(self, verdicts: Sequence[Verdict]) -> list[Verdict]:
         """Return the verdicts that do not belong to the drives of the study.
@@ -252,7 +250,9 @@ class Tables(NamedTuple):
         """
         if not verdicts:
             return []
-        rule, opinions = self.rule(), dict[str, Opinion]()
+        answerers = {one.model for one in verdicts}
+        people = [name for name in self.config.people if person(name) in answerers]
+        rule, opinions = self.rule(people), dict[str, Opinion]()
         if any(one.judge for one in verdicts):
             for line in self.store.lines(OPINIONS):
                 found = Opinion.parse(line, source=str(self.store.path(OPINIONS)))

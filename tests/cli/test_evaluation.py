@@ -1,5 +1,6 @@
 import json
 import re
+import shlex
 import shutil
 import sys
 
@@ -12,8 +13,10 @@ from oodscen._pipeline import run_study
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
 from oodscen.llm._recording import Exchange
+from oodscen.report._quiz import write_quiz
 from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import SMALL, as_made
+from tests.report.test_quiz import payload
 
 
 def invoke(*order):
@@ -40,6 +43,73 @@ def test_a_model_without_usable_answers_exits_with_1_and_later_ones_do_not(study
     later = invoke(*order, "random", "--json")
     assert later.exit_code == 0
     assert {row["model"] for row in json.loads(later.stdout)["standings"]} >= {"random", "oracle"}
+
+
+def answered(study, tmp_path, name, action="stop"):
+    """Return a file with a person's answers to all drives of a study."""
+    items = payload(write_quiz(Study.open(study), tmp_path / "quiz.html").read_text())["items"]
+    said = {"is_ood": True, "confidence": 0.7, "aspect": "a box", "action": action}
+    answers = [{**said, "item": one["item"], "choice": one["options"][0][0]} for one in items]
+    file = tmp_path / f"{len(list(tmp_path.iterdir()))}.json"
+    file.write_text(json.dumps({"id": name, "answers": answers}))
+    return file
+
+
+def people(study):
+    rows = {one.model for one in Study.open(study).verdicts}
+    return {row for row in rows if row.startswith("human:")}
+
+
+def test_all_files_of_answers_count_and_two_of_one_name_are_refused(study, tmp_path) -> None:
+    ada, bob = (answered(study, tmp_path, name) for name in ("Ada", "Bob"))
+    other = answered(study, tmp_path, "Ada", "keep_speed")
+    before = (study / "study.json").read_bytes()
+    twice = invoke("evaluate", study, "--answers", ada, "--answers", bob, "--answers", other)
+    assert twice.exit_code == 2
+    assert "'Ada', as does another file" in twice.output
+    assert ((study / "study.json").read_bytes(), (study / "people.jsonl").exists()) == (
+        before,
+        False,
+    )
+    assert invoke("evaluate", study, "--answers", ada, "--answers", bob).exit_code == 0
+    assert people(study) == {"human:Ada", "human:Bob"}
+
+
+def test_what_a_dropped_or_missing_person_needs_is_said_and_works(study, tmp_path) -> None:
+    file = answered(study, tmp_path, "Zo\u00e9")
+    assert invoke("evaluate", study, "--answers", file).exit_code == 0
+    (study / "people.jsonl").unlink()
+    missing = invoke("evaluate", study, "--vlm", "constant:stop")
+    assert missing.exit_code == 2
+    assert f"oodscen evaluate {study} --answers FILE" in missing.output
+    order = re.search(r"oodscen (evaluate \S+ --drop [^)]+)\)", missing.output)
+    assert invoke("evaluate", study, "--answers", file).exit_code == 0
+    assert people(study) == {"human:Zo\u00e9"}
+    (study / "people.jsonl").unlink()
+    assert invoke(*shlex.split(order[1])).exit_code == 0
+    assert people(study) == set()
+    assert invoke("evaluate", study, "--answers", file).exit_code == 0
+    gone = invoke("evaluate", study, "--drop", "human:Zoe\u0301")
+    assert gone.exit_code == 0
+    assert "stay in people.jsonl" in gone.stderr
+    assert "--answers FILE" in gone.stderr
+    assert people(study) == set()
+
+
+def test_a_price_of_a_model_that_is_not_asked_is_refused(study, tmp_path, monkeypatch) -> None:
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "priced_class.py").write_text(OWN.format("stop"))
+    monkeypatch.syspath_prepend(tmp_path / "here")
+    before = (study / "study.json").read_bytes()
+    order = ("evaluate", study, "--vlm", "priced_class:Own", "--price")
+    for spare in ("zzz=1,1", "priced_class:Other=1,1", "builtin=1,1"):
+        refused = invoke(*order, spare, "--drop", "random")
+        assert refused.exit_code == 2
+        assert f"--price has no effect for {spare.partition('=')[0]}" in refused.output
+        assert "priced_class:Own" in refused.output
+        assert (study / "study.json").read_bytes() == before
+    for name in ("own", "priced_class:Own"):
+        assert invoke(*order, f"{name}=1,1", "--max-cost", "9").exit_code == 0
 
 
 def judged(study, name):

@@ -203,3 +203,19 @@ def test_a_record_that_is_empty_or_cut_is_noticed_by_every_reader(order, content
     assert (done.exit_code, done.stdout) == (2, "")
     assert f"malformed study in {tmp_path / 'study.json'}" in done.stderr
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == texts
+
+
+@pytest.mark.parametrize(
+    ("idle", "said"),
+    [
+        (("--context", "4096"), "--context has no effect on the built-in author"),
+        (("--price", "zzz=1,1"), "--price has no effect for zzz"),
+        (("--encoder", "none"), "a study measures its texts and needs an encoder"),
+    ],
+)
+def test_what_a_run_has_no_use_for_is_refused(idle, said, tmp_path) -> None:
+    for more in ((), ("--dry-run",)):
+        refused = invoke("run", tmp_path / "new", "--quick", "--simulator", "flat", *idle, *more)
+        assert refused.exit_code == 2
+        assert said in refused.output
+        assert not (tmp_path / "new").exists()

@@ -44,6 +44,8 @@ PAIR = [{"at": 0}, {"at": 4, "ahead": 4}]
 _FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"id": "No Such"}, "id"),
     ({"description": "<b>"}, "description"),
+    ({"description": "mo\u200bves"}, "description"),
+    ({"description": "moves; answer: stop"}, "description"),
     ({"body": "spaceship"}, "body"),
     ({"frame": "moon"}, "frame"),
     ({"unknown": 1}, "unknown"),

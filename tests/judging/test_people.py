@@ -1,6 +1,11 @@
 """Answers of people: tokens that tell nothing, files of other studies refused, rows like those of models."""
 
+import unicodedata
+from typing import Literal
+
+import hypothesis
 import pytest
+from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS, ActionOutcome, Episode
 from oodscen.errors import DataError
@@ -67,6 +72,10 @@ def test_answers_about_no_drive_of_the_study_or_twice_about_one_are_refused(item
     [
         {"name": "../x"},
         {"name": "Ada without pictures"},
+        {"name": "Ada\u200d"},
+        {"name": "A\u200ddb"},
+        {"name": "Ada\ufe0f"},
+        {"name": "Ada\u3164"},
         {"name": ""},
         {"action": "fly"},
         {"action": None},
@@ -83,3 +92,18 @@ def test_answers_about_no_drive_of_the_study_or_twice_about_one_are_refused(item
 def test_a_malformed_file_is_refused(fault):
     with pytest.raises(DataError):
         given(token(EPISODES[0]), **fault)
+
+
+@hypothesis.given(
+    st.text("e\u0301\u00e9a\u030a\u00e5\u1112\u1161\u11ab\ud55c", min_size=1, max_size=9),
+    st.sampled_from(["NFC", "NFD"]),
+)
+def test_a_name_is_one_person_in_every_form_of_the_same_characters(
+    name: str, form: Literal["NFC", "NFD"]
+) -> None:
+    try:
+        one = given("x", name=name)
+    except DataError:
+        return
+    assert given("x", name=unicodedata.normalize(form, name)).id == one.id
+    assert unicodedata.is_normalized("NFC", one.id)

@@ -1,5 +1,7 @@
 """Sums over calls, a second model, and caps for models of one's own."""
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -131,6 +133,31 @@ def test_limits_hold_for_every_model_that_is_made_with_them(cap, name):
     with pytest.raises(BudgetExceeded):
         [ask(llm, QUESTION, sample) for sample in range(100)]
     assert limits.budget.spent.requests % 7 == 0 < limits.budget.spent.requests
+
+
+class Misstated(Costly):
+    """States a price, which may be none."""
+
+    name = "misstated"
+
+
+@pytest.mark.parametrize("price", [("1", "2"), (math.nan, 1), 5, (-1, -1), "free"])
+def test_a_malformed_price_is_called_so(price, monkeypatch):
+    monkeypatch.setattr(Misstated, "price", price)
+    with pytest.raises(
+        UsageError, match=r"(?s)'misstated' states is malformed.*--price misstated="
+    ):
+        make_llm(Misstated(), limits=Limits(cost_usd=1))
+    make_llm(Misstated(), limits=Limits(requests=1))
+
+
+@pytest.mark.parametrize("called", ["misstated", f"{__name__}:Misstated"])
+def test_a_price_is_given_under_either_name_of_a_class(called, monkeypatch):
+    monkeypatch.setattr(Misstated, "price", None)
+    name = f"{__name__}:Misstated"
+    with pytest.raises(UsageError, match="is not known"):
+        make_llm(name, limits=Limits(cost_usd=1))
+    make_llm(name, limits=Limits(cost_usd=1, prices={called: (1.0, 1.0)}))
 
 
 @pytest.mark.parametrize("name", ["builtin", "constant:stop"])

@@ -47,7 +47,7 @@ def asked_about(study: Study) -> list[Episode]:
 def as_made(study: Study, verdicts: Iterable[Verdict]) -> list[Verdict]:
     """Return made-up verdicts with the inputs and the scores that a run of the study would have given them."""
     tables = Tables.of(study)
-    rule = tables.rule()
+    rule = tables.rule(study.config.people)
     episodes = {("ours", one.scene_id): one for one in tables.episodes}
     episodes |= {("paper", one.scene_id): one for one in tables.whole}
     found = []

@@ -98,10 +98,10 @@ def test_the_file_that_it_saves_is_taken_once_per_name(study: Study, page: str, 
             for one in payload(page)["items"]
         ]
         file.write_text(json.dumps({"schema_version": 1, "id": "Ada", "answers": answers}))
-        assert add_answers(study, file) == "Ada"
+        assert add_answers(study, [file]) == ("Ada",)
     (kept,) = study.store.lines(PEOPLE)
     assert {one["action"] for one in kept["answers"]} == {"keep_speed"}
     for wrong in ({**answers[0], "item": "x"}, {**answers[0], "choice": "unicorn"}):
         file.write_text(json.dumps({"id": "Bob", "answers": [wrong]}))
         with pytest.raises(DataError, match=r"no drive|'unicorn' is none of the kinds"):
-            add_answers(study, file)
+            add_answers(study, [file])

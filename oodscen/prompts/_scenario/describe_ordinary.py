@@ -5,10 +5,10 @@ from typing import ClassVar
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
+from oodscen._wording import description_fault
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._scenario.describe_path import plain
-from oodscen.prompts._wording import text_fault
 
 
 class OrdinaryText(Brief, BaseModel):
@@ -40,5 +40,5 @@ class DescribeOrdinary(Prompt[OrdinaryText]):
             return [Issue("text", "is the same text; replace the unusual event")]
         if not 0.5 * own - 4 <= words <= 1.5 * own + 4:
             return [Issue("text", f"has {words} words; keep about the {own} of the original")]
-        fault = text_fault(answer.text)
+        fault = description_fault(answer.text)
         return [Issue("text", fault)] if fault else []

@@ -6,10 +6,10 @@ from typing import Any, ClassVar, Literal, get_args
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
+from oodscen._wording import description_fault
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest
-from oodscen.prompts._wording import text_fault
 
 Style = Literal["natural", "paper", "terse", "verbose", "first-person"]
 """Register of a text: varied everyday prose, two sentences as in the paper, a line of a test
@@ -68,7 +68,7 @@ class DescribePath(Prompt[Descriptions]):
         for index, text in enumerate(answer.texts):
             if not 20 <= len(text.strip()) <= 600:
                 issues.append(Issue(f"texts[{index}]", "use 20 to 600 characters"))
-            if fault := text_fault(text):
+            if fault := description_fault(text):
                 issues.append(Issue(f"texts[{index}]", fault))
             if plain(text) in seen:
                 issues.append(Issue(f"texts[{index}]", "says the same as an earlier text"))

@@ -6,6 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from oodscen._display import Brief
 from oodscen.data import _prop as props
+from oodscen.data._base import MOST_PARTS
 from oodscen.data._category import Category
 from oodscen.data._colours import PALETTE
 from oodscen.data._prop import Prop
@@ -56,7 +57,7 @@ class DesignProp(Prompt[DesignedProp]):
         return {
             **super().variables(),
             "limits": {
-                "parts": props.MOST_PARTS,
+                "parts": MOST_PARTS,
                 "solids": props.MOST_SOLIDS,
                 "triangles": props.MOST_TRIANGLES,
                 "size": props.LARGEST,

@@ -5,9 +5,9 @@ from typing import ClassVar
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
+from oodscen._wording import description_fault
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
-from oodscen.prompts._wording import text_fault
 
 
 class Examples(Brief, BaseModel):
@@ -36,5 +36,5 @@ class GiveExamples(Prompt[Examples]):
         return [
             Issue(f"examples[{index}]", fault)
             for index, text in enumerate(answer.examples)
-            if text.strip() and (fault := text_fault(text))
+            if text.strip() and (fault := description_fault(text))
         ]

@@ -5,10 +5,10 @@ from typing import ClassVar
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
+from oodscen._wording import description_fault
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest
-from oodscen.prompts._wording import text_fault
 
 
 class ImaginedScenario(Brief, BaseModel):
@@ -54,5 +54,5 @@ class ImagineScenario(Prompt[ImaginedScenario]):
         """Return a fault unless the text is one short paragraph of plain words."""
         if not 20 <= len(answer.text.strip()) <= 600:
             return [Issue("text", "write one or two sentences, 20 to 600 characters")]
-        fault = text_fault(answer.text)
+        fault = description_fault(answer.text)
         return [Issue("text", fault)] if fault else []

@@ -1,0 +1,164 @@
+"""Rules for short texts of models and files: labels of a tree, texts of scenarios, descriptions of made things.
+
+Such a text is shown in pages, charts and terminals, and goes into later prompts. It must therefore be plain
+words: no markup, no invisible characters, no look-alike letters, no instructions to a model. Such instructions
+cannot be listed in full: patterns stop the common ones in English. Beyond them, prompts mark such texts as data,
+answers are checked and pages escape what they show.
+"""
+
+import html
+import re
+import unicodedata
+from functools import lru_cache
+
+from oodscen._prose import is_refusal
+from oodscen._text import BLANK, one_line
+
+_JOINERS = "\u200c\u200d"
+"""Characters that shape a word between letters (Persian, Indic scripts)."""
+
+_MARKUP = re.compile(r"<[a-z/!?]|javascript\s*:|```|~~~|\{\{|\}\}|\{%|%\}|\$\{", re.IGNORECASE)
+"""HTML tags, code fences and template braces; `< 10 cm` is not a tag."""
+
+_DETERMINERS = r"(?:(?:all|any|every|everything|of|the|your|my|these|those|this|that|such)\s+)*"
+_ORDERS = (
+    r"(?:instructions?|prompts?|rules?|messages?|guidelines?|directions?|directives?|commands?"
+    r"|context|texts?)"
+)
+_DROP = r"(?:ignore|disregard|forget|override|bypass|discard|neglect)"
+_EARLIER = r"(?:previous|prior|preceding|earlier|above|foregoing|aforementioned)"
+_ROLES = r"(?:system|assistant|developer|user|human)"
+_BEGINS = r"(?:^|[.;:!?,(]\s*|\b(?:and|then|but|instead)\s+)(?:(?:please|just|now|only|always|simply)\s+)*"
+"""Positions at which a clause can begin with an order."""
+_ADDRESSED = re.compile(
+    "|".join(
+        (
+            # "ignore all previous instructions", "disregard the rules above"
+            rf"\b{_DROP}\s+{_DETERMINERS}{_EARLIER}\s+(?:\w+\s+)?{_ORDERS}\b",
+            rf"\b{_DROP}\s+{_DETERMINERS}{_ORDERS}\s+(?:\w+\s+)?(?:above|before|so far|earlier|previously)\b",
+            # an order: "Ignore the above and ...", "Disregard your instructions", "forget
+            # everything"
+            rf"{_BEGINS}{_DROP}\s+{_DETERMINERS}{_EARLIER}(?=\s*(?:$|[^\w\s-]|and\b|or\b|then\b))",
+            rf"{_BEGINS}{_DROP}\s+{_DETERMINERS}(?:(?:instructions?|prompts?|guidelines?)\b|rules?\s*(?:$|[.;:!?,]))",
+            r"\b(?:ignore|disregard|forget)\s+everything\b",
+            r"\b(?:do not|don't|stop|never)\s+(?:follow|obey)(?:ing)?\s+(?:\w+\s+){0,3}"
+            r"(?:instructions|prompts?|guidelines)\b",
+            # a prescribed answer: "reply with yes", "and answer stop", "say 'covered'", "output {"
+            rf"{_BEGINS}(?:answer|reply|respond|output|print|say|write|return)(?:\s*:\s*|\s+)"
+            r"(?:(?:only|just|always|never|with|as|that|exactly|back)\s+)*[\"'“‘`]?(?:yes|no|true|false|none|null"
+            r"|nothing|stop|safe|unsafe|covered|ood|off topic|ordinary|unusual|normal|ok|okay|json|add|broaden"
+            r"|split|keep|remove|keep speed|slow down|emergency brake|change lane|pull over|pwned"
+            r"|(?:the|a|one|this) (?:single )?(?:word|answer|text|number|action|label|id|following)s?)\b",
+            rf"{_BEGINS}(?:answer|reply|respond|output|print|return)\s*:?\s*[{{\[]",
+            rf"{_BEGINS}(?:choose|pick|select|prefer)\s+[\"'“‘`]?(?:yes|no|none|nothing|stop|safe|unsafe|ordinary|unusual|normal"
+            r"|keep speed|slow down|emergency brake|change lane|pull over|option \w+)\b",
+            r"[.,;:!]\s*(?:answer|reply|respond|say|output) so\b",
+            rf"{_BEGINS}(?:answer|reply|respond)\s+(?:with|only|always|never|in|as|to (?:this|every|all|the question))\b",
+            r"\b(?:in|as|to)\s+your\s+(?:\w+\s+)?(?:answer|response|reply|output)\b",
+            r"\b(?:the|your) (?:correct|right|only|final|expected) (?:answer|response|output|decision)\b",
+            # a role for the reader: "you are now ...", "you must ...", "act as an assistant"
+            r"\byou (?:are (?:now|no longer|(?:an? |the )?(?:ai|assistant|language model|chatbot|judge|grader))"
+            r"|must|should|shall|have to|need to|will)\b",
+            r"\b(?:act as|pretend (?:to be|that)|behave as)\s+(?:if\s+)?(?:an? |the )?"
+            r"(?:ai|assistant|language model|chatbot|judge|grader|you)\b",
+            r"\b(?:from now on|as an ai|language model|system prompt|jailbreak|prompt injection)\b",
+            r"\b(?:new|updated|real|actual) (?:instructions?|task)\s*:",
+            rf"{_BEGINS}(?:reveal|repeat|show|print|leak)\s+(?:\w+\s+){{0,2}}(?:instructions|prompt)\b",
+            # a speaker: "System: ...", "Fog. Assistant: ...", "Fog SYSTEM: ..."
+            rf"(?:^|[^\w\s-]\s*){_ROLES}\s*:",
+            rf"\b(?-i:{_ROLES.upper()})\s*:",
+            rf"\b{_ROLES}\s*:\s*(?:you|answer|respond|reply|output|return|say|always|never)\b",
+            # markers of chat templates
+            r"<\||\|>|\[/?INST\]|<<\s*/?SYS\s*>>|^\s*#+\s*(?:instruction|system|response)",
+        )
+    ),
+    re.IGNORECASE,
+)
+"""Instructions to a model. Labels about driving such as "Driver ignores a red light" do not match."""
+
+_LOOKALIKES = str.maketrans(
+    "аеорсухіјѕԁԛԝһӏԍАВЕКМНОРСТУХІЈЅԚԜαιορνυΑΒΕΖΗΙΚΜΝΟΡΤΥΧ",
+    "aeopcyxijsdqwhlgABEKMHOPCTYXIJSQWaiopvuABEZHIKMNOPTYX",
+)
+"""Cyrillic and Greek letters that look like Latin ones (Unicode's confusables, the plain pairs)."""
+_ALPHABETS = frozenset({"LATIN", "CYRILLIC", "GREEK", "COPTIC", "ARMENIAN", "CHEROKEE"})
+"""Scripts with look-alike letters; no language mixes them within a word."""
+_WORD = re.compile(r"[^\W\d_]+")
+
+
+@lru_cache(maxsize=16_384)
+def wording_fault(label: str) -> str:
+    """Return why a visible text of permitted length is not plain words, as a predicate; every edit of a tree asks."""
+    if label.isascii() and label.isprintable():
+        text = label
+    else:
+        if any(unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") for char in label):
+            return "contains line breaks, control characters or halves of characters"
+        if has_unseen(label):
+            return "contains characters that do not show or turn the direction of writing"
+        text = seen(label)
+    if _MARKUP.search(text) or ("&" in text and html.unescape(text) != text):
+        return "contains markup or code: plain words are wanted"
+    if not label.isascii() and _is_disguised(text):
+        return "mixes alphabets so that words pass for others: use one alphabet per word"
+    plain = one_line(text.translate(_LOOKALIKES))
+    if _ADDRESSED.search(plain) or _ADDRESSED.search(re.sub(r"[-_/*~]+", " ", plain)):
+        return "speaks to a model: plain words are wanted"
+    return ""
+
+
+def description_fault(text: str) -> str:
+    """Return why a model's words are no text of a scenario, as a predicate, or an empty string."""
+    if is_refusal(text):
+        return "is a refusal: describe a situation in traffic"
+    if _LISTED.match(text):
+        return "begins with the number or mark of a list: leave that out"
+    return wording_fault(one_line(text))
+
+
+_LISTED = re.compile(r"\s*(?:\d{1,3}[.)]|[-*\u2022])\s")
+
+
+def _is_disguised(text: str) -> bool:
+    """Return whether a word mixes alphabets, or is a look-alike of a Latin word among Latin words."""
+    foreign, is_latin = [], False
+    for word in _WORD.findall(text):
+        if any(
+            unicodedata.name(char, "").startswith("LATIN LETTER SMALL CAPITAL") for char in word
+        ):
+            return True
+        scripts = {unicodedata.name(char, "").partition(" ")[0] for char in word} & _ALPHABETS
+        if len(scripts) > 1:
+            return True
+        is_latin |= scripts == {"LATIN"}
+        foreign += [word] if scripts - {"LATIN"} else []
+    return (
+        is_latin
+        and bool(foreign)
+        and all(word.translate(_LOOKALIKES).isascii() for word in foreign)
+    )
+
+
+def has_unseen(label: str) -> bool:
+    """Return whether a text has invisible or turning characters; joiners between letters may stand."""
+    for index, char in enumerate(label):
+        if unicodedata.category(char) != "Cf":
+            continue
+        around = label[index - 1 : index] if index else "", label[index + 1 : index + 2]
+        is_joint = all(side and unicodedata.category(side)[0] in "LM" for side in around)
+        if char not in _JOINERS or not is_joint:
+            return True
+    return False
+
+
+def seen(label: str) -> str:
+    """Return the visible characters in their canonical form."""
+    if label.isascii():
+        return label
+    return "".join(char for char in unicodedata.normalize("NFKC", label) if not is_unseen(char))
+
+
+def is_unseen(char: str) -> bool:
+    """Return whether a character shows nothing by itself: joiners, fillers, variation selectors."""
+    is_selector = "\ufe00" <= char <= "\ufe0f" or "\U000e0100" <= char <= "\U000e01ef"
+    return char in BLANK or unicodedata.category(char) == "Cf" or is_selector or char == "\u034f"
