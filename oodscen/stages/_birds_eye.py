@@ -90,7 +90,7 @@ def birds_eye(
         UsageError: If the state is one of another scene.
         MissingExtra: When OpenCV is not installed.
     """
-    whole_number("size", size, 1, MAX_SIZE)
+    size = whole_number("size", size, 1, MAX_SIZE)
     finite_number("span_m", span_m, 1.0, 10_000.0)
     state_of(scene, state)
     cv2 = opencv()
