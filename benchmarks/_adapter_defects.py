@@ -1,4 +1,4 @@
-"""Forty-three simulators with one defect each: what the author of an adapter can get wrong.
+"""Forty-nine simulators with one defect each: what the author of an adapter can get wrong.
 
 Every defect is a subclass of the flat simulator or of the tutorial's, which has dynamics of its own; both keep the
 protocol.
@@ -433,9 +433,91 @@ class FogHalfAsThick(Defective):
         return replace(seen, visual_range_m=min(10_000.0, self.scene.weather.fog_visual_range_m))
 
 
+class Drawn(MySimulator):
+    """The tutorial's simulator, whose pictures can show other poses than its states have."""
+
+    def shown(self, poses: np.ndarray) -> np.ndarray:
+        return poses
+
+    def draw(self, camera):
+        weather = self.staged.scene.weather.model_copy(update={"sun_elevation_deg": 45.0})
+        return self.staged.draw(camera, self.shown(self.state().poses.copy()), weather)
+
+
+class ActorsDrawnAtTheirStart(Drawn):
+    started: np.ndarray | None = None
+
+    def begin(self, staged, seed):
+        super().begin(staged, seed)
+        self.started = None
+
+    def shown(self, poses):
+        if self.started is None:
+            self.started = poses.copy()
+        poses[1:] = self.started[1:]
+        return poses
+
+
+class RestoreShowsTheOtherBranch(Drawn):
+    moved: np.ndarray | None = None
+
+    def begin(self, staged, seed):
+        super().begin(staged, seed)
+        self.moved = None
+
+    def move(self, control):
+        super().move(control)
+        self.moved = np.array([(one.x, one.y, one.yaw) for one in self.movers])
+
+    def shown(self, poses):
+        if self.moved is not None:
+            poses[:, (0, 1, 3)] = self.moved
+        return poses
+
+
+class FourthActorInvisible(Drawn):
+    most = 3
+
+    def shown(self, poses):
+        poses[1 + self.most :, 0] += 5_000.0
+        return poses
+
+
+class IdsSwappedFromThreeActors(Drawn):
+    def draw(self, camera):
+        frame, ids = super().draw(camera), np.arange(len(self.movers) + 1, dtype=np.int32)
+        if len(self.movers) > 3:
+            ids[[3, 4]] = ids[[4, 3]]
+        return replace(frame, ids=ids[frame.ids])
+
+
+class PicturesOneStepLate(Drawn):
+    steps = 1
+    past: tuple[np.ndarray, ...] = ()
+
+    def begin(self, staged, seed):
+        super().begin(staged, seed)
+        self.past = ()
+
+    def move(self, control):
+        self.past = (*self.past, self.state().poses.copy())
+        super().move(control)
+
+    def resume(self, saved):
+        super().resume(saved)
+        self.past = ()
+
+    def shown(self, poses):
+        return (*self.past, poses)[-1 - self.steps :][0]
+
+
+class PicturesTwoStepsLate(PicturesOneStepLate):
+    steps = 2
+
+
 DEFECTS: tuple[Callable[[], Simulator], ...] = tuple(
     one
     for one in list(globals().values())
-    if isinstance(one, type) and one.__module__ == __name__ and one is not Defective
+    if isinstance(one, type) and one.__module__ == __name__ and one not in (Defective, Drawn)
 )
 """All defects, in the order of this file."""

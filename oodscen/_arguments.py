@@ -20,7 +20,7 @@ from typing import (
 )
 
 from oodscen._members import conforming
-from oodscen._numbers import said
+from oodscen._numbers import plain_number, said
 from oodscen._redaction import redact
 from oodscen.errors import UnknownComponent, UsageError
 
@@ -75,9 +75,10 @@ def state_of(scene: "Scene", state: "State") -> None:
 def checked(function: Callable[P, Returned]) -> Callable[P, Returned]:
     """Return a public function that refuses arguments of kinds that its annotations do not allow.
 
-    Components must have the members of their protocol. Numbers are left to the function (`oodscen._numbers`), and so
-    are annotations that are strings. Nothing is converted, and nothing is consumed: the elements of iterators are
-    not checked.
+    Components must have the members of their protocol. The range of numbers is left to the function
+    (`oodscen._numbers`), and so are annotations that are strings. Numbers of other libraries become Python's, since
+    a small integer of numpy overflows in silence. Nothing else is converted, and nothing is consumed: the elements
+    of iterators are not checked.
 
     Raises:
         UnknownComponent: By the returned function, for an unknown word where words are listed.
@@ -89,7 +90,9 @@ def checked(function: Callable[P, Returned]) -> Callable[P, Returned]:
         known = signature(function).parameters.values()
         found = {
             one.name: Any
-            if one.annotation is one.empty or _is_number(one.annotation)
+            if one.annotation is one.empty
+            else Real
+            if _is_number(one.annotation)
             else one.annotation
             for one in known
             if one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)
@@ -99,13 +102,19 @@ def checked(function: Callable[P, Returned]) -> Callable[P, Returned]:
     @wraps(function)
     def call(*args: P.args, **named: P.kwargs) -> Returned:
         known = kinds()
+        plain: dict[str, Any] = {}
         for name, value in (*zip(known, args, strict=False), *named.items()):
             kind, component = known.get(name, (Any, ""))
-            if not _fits(value, kind):
+            if kind is Real:
+                plain[name] = plain_number(value)
+            elif not _fits(value, kind):
                 raise _refusal(name, value, kind)
             if component and value is not None:
                 conforming(component, value)
-        return function(*args, **named)
+        first: Any = (plain.get(name, value) for name, value in zip(known, args, strict=False))
+        more: Any = args[len(known) :]
+        rest: Any = {name: plain.get(name, value) for name, value in named.items()}
+        return function(*first, *more, **rest)
 
     return call
 

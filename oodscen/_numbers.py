@@ -24,6 +24,16 @@ def whole_number(name: str, value: Any, least: int = 0, most: int = MOST) -> int
     raise UsageError(f"{name} must be a whole number from {least:,} to {most:,}, not {said(value)}")
 
 
+def plain_number(value: Any) -> Any:
+    """Return a number of another library as Python's, whose integers cannot overflow; anything else as it is."""
+    if type(value) in (int, float, bool) or isinstance(value, bool) or not isinstance(value, Real):
+        return value
+    try:
+        return int(value) if isinstance(value, Integral) else float(value)
+    except (OverflowError, TypeError, ValueError):
+        return value
+
+
 def seed_number(value: Any) -> int:
     """Return a seed as an integer.
 

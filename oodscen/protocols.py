@@ -147,6 +147,8 @@ class Encoder(Protocol):
 # ------------------------------------------------------------------ simulators
 
 
+MAX_AWAY_M = 1e6
+"""Greatest distance of a camera from the ego along an axis, m."""
 MAX_SIZE = 8192
 """Maximum pixels along a side of a picture."""
 _ABOVE_M = 85.0
@@ -193,14 +195,17 @@ class Camera:
         """
         fov_deg = 60.0
         if z is None:
-            whole_number("camera: width", width, 1, MAX_SIZE)
-            whole_number("camera: height", height, 1, MAX_SIZE)
+            width = whole_number("camera: width", width, 1, MAX_SIZE)
+            height = whole_number("camera: height", height, 1, MAX_SIZE)
             z = 0.5 * _ABOVE_M * width / height / math.tan(0.5 * math.radians(fov_deg))
         return cls(width, height, fov_deg, x, 0.0, z, 90.0)
 
     def __post_init__(self) -> None:
         for name in ("width", "height"):
-            whole_number(f"camera: {name}", getattr(self, name), 1, MAX_SIZE)
+            pixels = whole_number(f"camera: {name}", getattr(self, name), 1, MAX_SIZE)
+            object.__setattr__(
+                self, name, pixels
+            )  # Python's: products of numpy's small ones overflow.
         for name, least, most in (
             ("fov_deg", 1.0, 170.0),
             ("pitch_deg", -90.0, 90.0),
@@ -208,7 +213,7 @@ class Camera:
         ):
             finite_number(f"camera: {name}", getattr(self, name), least, most)
         for name in ("x", "y", "z"):
-            finite_number(f"camera: {name}", getattr(self, name))
+            finite_number(f"camera: {name}", getattr(self, name), -MAX_AWAY_M, MAX_AWAY_M)
 
     def behind(self) -> "Camera":
         """Return a camera with as many pixels that looks back from the rear window."""

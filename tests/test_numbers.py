@@ -2,15 +2,17 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import Metrics, StudyConfig
-from oodscen._numbers import finite_number, whole_number
-from oodscen.errors import UsageError
+from oodscen._numbers import finite_number, plain_number, whole_number
+from oodscen.driving._base_simulator import checked_control
+from oodscen.errors import OodscenError, UsageError
 from oodscen.judging._leaderboard.power import power_of, scenes_needed
-from oodscen.protocols import Camera
+from oodscen.protocols import Camera, Control
 from oodscen.stages._simulate import simulate
 from oodscen.testing._encoder import HashEncoder
 from oodscen.testing._flat import FlatSimulator
@@ -160,3 +162,48 @@ def test_a_number_is_returned_as_it_is_or_refused(value):
             continue
         assert found == value
         assert type(found) is kind
+
+
+SMALL_INTEGERS = st.sampled_from([np.int8, np.uint8, np.int16, np.uint16, np.int32, np.int64])
+
+
+@given(kind=SMALL_INTEGERS, per_path=st.integers(1, 127), comparisons=st.integers(1, 127))
+def test_small_integers_of_numpy_count_as_pythons(kind, per_path, comparisons):
+    rates = (0.75, 0.5)
+    wanted = scenes_needed(*rates, per_path=per_path, comparisons=comparisons, icc=0.25)
+    found = scenes_needed(*rates, per_path=kind(per_path), comparisons=kind(comparisons), icc=0.25)
+    assert found == wanted
+    assert found.power_of(kind(100)) == wanted.power_of(100)
+    camera = Camera(kind(per_path), kind(comparisons))
+    assert camera.width * camera.height == per_path * comparisons
+
+
+@given(value=st.one_of(st.floats(), st.integers(), st.text(), st.none(), st.booleans()))
+def test_a_plain_number_is_left_alone(value):
+    assert plain_number(value) is value
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, 10**400, "3", None, [], 1j])
+def test_controls(value):
+    for control in (Control(value, 0.0), Control(0.0, value)):
+        with pytest.raises(UsageError):
+            checked_control(control)
+
+
+@pytest.mark.parametrize("value", [math.nan, 0, 2.0, 2.5, "3", None, True])
+def test_sizes_of_a_table(value):
+    with pytest.raises(UsageError):
+        METRICS.paper_table(TEXTS, sizes=(2, value))
+
+
+@given(x=st.floats(allow_nan=False), y=st.floats(allow_nan=False), z=st.floats(allow_nan=False))
+def test_a_camera_at_any_place_draws_or_is_refused(x, y, z):
+    try:
+        frame = DRAWING.render(Camera(8, 6, x=x, y=y, z=z))
+    except OodscenError:
+        return
+    assert frame.rgb.shape == (6, 8, 3)
+
+
+DRAWING = FlatSimulator()
+DRAWING.reset(example_scene(), 0)

@@ -42,6 +42,11 @@ def bundled(name: str, package: str = "oodscen.baselines") -> str:
     return (resources.files(package) / name).read_text(encoding="utf-8")
 
 
+def _is_scalar(texts: object) -> bool:
+    """Return whether something is an array of no dimension, which claims to be iterable."""
+    return getattr(texts, "shape", None) == ()
+
+
 def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tuple[str, ...]:
     """Return the texts as strings, after checking that none is blank.
 
@@ -51,7 +56,11 @@ def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tupl
     """
     if isinstance(texts, str | bytes):
         raise DataError(noun, [Issue("", "is one string, not a sequence of texts")])
-    if not isinstance(texts, Iterable) or isinstance(texts, Iterator | Mapping | Set):
+    if (
+        not isinstance(texts, Iterable)
+        or isinstance(texts, Iterator | Mapping | Set)
+        or _is_scalar(texts)
+    ):
         fault = f"is {type(texts).__name__}, not a sequence of texts"
         raise DataError(noun, [Issue("", fault)])
     plain = [item.text if isinstance(item, Scenario) else item for item in texts]

@@ -7,6 +7,7 @@ from typing import ClassVar, Self
 from oodscen._abilities import ChecksScenes
 from oodscen._display import Brief
 from oodscen._members import as_catalogue
+from oodscen._numbers import said
 from oodscen.data._catalogue import BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import Scene
 from oodscen.driving._frames import own_frame
@@ -159,6 +160,10 @@ def checked_control(control: Control) -> Control:
         UsageError: If it is not, which means that its driver is broken.
     """
     for name, value in (("acceleration", control.acceleration), ("steering", control.steering)):
-        if not math.isfinite(value):
-            raise UsageError(f"control: {name} must be finite, not {value}")
+        try:
+            is_finite = math.isfinite(value)
+        except (TypeError, ValueError, OverflowError):
+            is_finite = False
+        if not is_finite:
+            raise UsageError(f"control: {name} must be finite, not {said(value)}")
     return control

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import instance_of
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import BaseSimulator, checked_control
 from oodscen.driving._motion.bodies import WHEELBASE
@@ -198,7 +199,12 @@ class RestorableSimulator(DynamicSimulator):
         return Snapshot(self.world.snapshot(), self.save())
 
     def restore(self, snapshot: Snapshot) -> State:
-        """Return to an earlier state of the current scene; the run then repeats exactly."""
+        """Return to an earlier state of the current scene; the run then repeats exactly.
+
+        Raises:
+            UsageError: If it is no snapshot, or one of another scene or seed.
+        """
+        instance_of("snapshot", snapshot, Snapshot)
         self.world.restore(snapshot.world)
         self.resume(snapshot.saved)
         return self._keep_state(self.world.state())

@@ -127,7 +127,11 @@ class MirrorSimulator(BaseSimulator):
         return self.world.snapshot()
 
     def restore(self, snapshot: WorldSnapshot) -> State:
-        """Return to an earlier state of the current scene; the run then repeats exactly."""
+        """Return to an earlier state of the current scene; the run then repeats exactly.
+
+        Raises:
+            UsageError: If it is no snapshot, or one of another scene or seed.
+        """
         self.world.restore(snapshot)
         return self._publish()
 

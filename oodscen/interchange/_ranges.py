@@ -74,7 +74,7 @@ def vary(
     seed: int = 0,
 ) -> list[Scene]:
     """Draw checked variants of a scene; `Scene.vary` tells arguments and result."""
-    whole_number("count", count, 1, _MOST)
+    count = whole_number("count", count, 1, _MOST)
     parameters = ranges(scene, catalogue, claims)
     own, mark, kind = scene.id.partition("~")  # The mark of an ordinary drive stays at the end.
     draws = stream(seed_number(seed), "vary", scene.id)

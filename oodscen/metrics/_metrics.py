@@ -272,7 +272,7 @@ class Metrics(Brief):
         Raises:
             UsageError: If fewer than n texts lie inside the band.
         """
-        whole_number("n", n, 1)
+        n = whole_number("n", n, 1)
         inside = self.band(texts, low, high, definition=definition)
         return select(self._space, inside, n, method)
 
@@ -331,8 +331,8 @@ class Metrics(Brief):
         Raises:
             UsageError: If the baseline is not larger than a batch.
         """
-        whole_number("size", size, 1)
-        whole_number("repeats", repeats, 1)
+        size = whole_number("size", size, 1)
+        repeats = whole_number("repeats", repeats, 1)
         if not size < len(self.baseline):
             raise UsageError(
                 f"{repeats} batches of {size} cannot be drawn from {len(self.baseline)} baseline texts"
@@ -351,7 +351,8 @@ class Metrics(Brief):
         """
         vectors = self._space.whole
         if sample is not None:
-            if not whole_number("sample", sample, 1) <= len(vectors):
+            sample = whole_number("sample", sample, 1)
+            if not sample <= len(vectors):
                 raise UsageError(
                     f"{sample} texts cannot be drawn from {len(vectors)} baseline texts"
                 )

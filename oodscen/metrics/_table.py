@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from oodscen._arguments import checked
+from oodscen._numbers import whole_number
 from oodscen._seeding import stream
 from oodscen.data._base import Data
 from oodscen.data._scenario import Scenario
@@ -59,7 +60,8 @@ def paper_table(
 ) -> Table:
     """Return the paper's table; see `Metrics.paper_table`."""
     plain = [item.text if isinstance(item, Scenario) else item for item in texts]
-    below = [size for size in sizes if size < len(plain)]
+    drawn = [whole_number("each size", size, 1) for size in sizes]
+    below = [size for size in drawn if size < len(plain)]
     return Table(
         rows=(
             *_baseline_rows(metrics, repeats),

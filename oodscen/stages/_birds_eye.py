@@ -73,7 +73,7 @@ def birds_eye(
     span_m: float = _SPAN_M,
 ) -> "Picture":
     """Draw the road and all actors from above; `Scene.birds_eye` tells arguments and errors."""
-    whole_number("size", size, 1, MAX_SIZE)
+    size = whole_number("size", size, 1, MAX_SIZE)
     finite_number("span_m", span_m, 1.0, 10_000.0)
     state_of(scene, state)
     cv2 = opencv()

@@ -83,7 +83,7 @@ def check_simulator(
     - gaps, places, accelerations, heights, leaving the road and observations that follow from the poses;
     - motion of ego and actors, triggers and reactions as in the reference world, within tolerances;
     - pictures whose colours, ids and depth agree with each other, with the state and with the camera, also one that
-      looks aside or back;
+      looks aside or back, and that follow many bodies, step for step and right after `restore`;
     - snapshots if offered, typed refusals, and a `close` that may be called twice;
     - memory, open files, threads and processes that do not grow, and none of the latter two after `close`.
 

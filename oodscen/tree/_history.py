@@ -34,7 +34,7 @@ def moment(
     if sum(choice is not None for choice in (edit, round, stage)) != 1:
         raise UsageError("a moment is given by one of edit, round and stage")
     if edit is not None:
-        whole_number("edit", edit, -MOST)
+        edit = whole_number("edit", edit, -MOST)
         if not 0 <= edit <= len(edits):
             raise UsageError(f"there is no moment after {edit} edits: the log has {len(edits)}")
         return edit
@@ -60,7 +60,7 @@ def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
         index = next(standing, None)
         if index is None:
             raise UsageError("no edit is left to undo")
-    whole_number("index", index, -MOST)
+    index = whole_number("index", index, -MOST)
     if not -len(edits) <= index < len(edits):
         raise UsageError(f"there is no edit {index}: the log has {len(edits)}")
     return tree.apply(*_inverse(tree._edit_log(), index % len(edits)))
@@ -68,7 +68,7 @@ def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
 
 def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "ScenarioTree":
     """Undo the edits of a round that are still in force; see `ScenarioTree.undo`."""
-    whole_number("round", round, -MOST)
+    round = whole_number("round", round, -MOST)
     edits, undone = tree.edits, undone_edits(tree.edits)
     log = tree._edit_log()
     inverses: list[TreeEdit] = []

@@ -1,5 +1,7 @@
 """An adapter with dynamics of its own gets state, observation and triggers from the library."""
 
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,6 +17,7 @@ from oodscen.errors import Issue, SceneError, SimulatorError, UsageError
 from oodscen.protocols import Camera, Control, Simulator
 from oodscen.testing import example_scene
 from oodscen.testing._flat import FlatSimulator
+from oodscen.testing._new.adapter import MySimulator
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
 CAR = scene(
@@ -222,3 +225,25 @@ def test_a_simulator_refuses_scenes_by_its_own_check() -> None:
     check = AdvisingCheck(Choosy())
     assert [issue.path for issue in check(staged, CATALOGUE)] == ["ego.speed"]
     assert not AdvisingCheck(Engine())(staged, CATALOGUE)
+
+
+@pytest.mark.parametrize("kind", [FlatSimulator, MySimulator])
+@given(seeds=st.lists(st.integers(0, 99), min_size=2, max_size=2), moved=st.booleans())
+@settings(max_examples=10, deadline=None)
+def test_a_snapshot_is_of_one_scene_and_seed(kind, seeds, moved):
+    one = example_scene()
+    speed = one.ego.speed + moved
+    other = one.model_copy(update={"ego": one.ego.model_copy(update={"speed": speed})})
+    with kind() as simulator:
+        simulator.reset(one, seeds[0])
+        snapshot = pickle.loads(pickle.dumps(simulator.snapshot()))
+        begun = simulator.reset(other, seeds[1]).fingerprint()
+        if other == one and seeds[0] == seeds[1]:
+            assert simulator.restore(snapshot).fingerprint() == begun
+        else:
+            with pytest.raises(UsageError, match="another scene or seed"):
+                simulator.restore(snapshot)
+        for value in (None, 5, "x", (1, b"")):
+            with pytest.raises(UsageError):
+                simulator.restore(value)
+        assert simulator.state().fingerprint() == begun

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from oodscen import Metrics
 from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
 from oodscen.encoders._similarity import unit
@@ -134,3 +135,10 @@ def test_a_result_is_of_at_least_one_text_and_one_of_the_baseline() -> None:
     for name in ("n", "N"):
         with pytest.raises(DataError):
             Oodness(**{**fields, name: 0})
+
+
+def test_an_array_without_dimensions_is_no_set_of_texts():
+    metrics = Metrics(HashEncoder(), ["A car drives.", "A van waits."])
+    for value in (np.ma.masked, np.array("A car.")):
+        with pytest.raises(DataError):
+            metrics.oodness(value)

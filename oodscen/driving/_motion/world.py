@@ -1,12 +1,14 @@
 """The kinematic world: positions and motion of all bodies, and the ego driver's observation."""
 
+import hashlib
 import math
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._arguments import checked
+from oodscen._arguments import checked, instance_of
 from oodscen._display import Brief, brief
 from oodscen._numbers import finite_number, said, seed_number, whole_number
 from oodscen.data._catalogue import Asset, Catalogue
@@ -43,6 +45,8 @@ class WorldSnapshot(NamedTuple):
 
     step: int
     state: bytes
+    run: str = ""
+    """Fingerprint of the scene and the seed that it belongs to."""
 
     def __repr__(self) -> str:
         return brief(self, self._asdict().items())
@@ -102,7 +106,7 @@ class KinematicWorld(Brief):
         """
         self.corridor = corridor
         self.scene = scene
-        seed_number(seed)
+        self._seed = seed_number(seed)
         self.dt = finite_number("dt", dt, 1e-4, 10.0)
         self.step_count = 0
         placed = PlacedBodies(corridor, scene, catalogue, seed, dt=self.dt)
@@ -262,12 +266,28 @@ class KinematicWorld(Brief):
             self.friction = friction
             self._situation = self._situation._replace(friction=friction)
 
+    @cached_property
+    def _run(self) -> str:
+        """A fingerprint of what is run: the scene, the seed and the length of a step."""
+        known = f"{self.scene.model_dump_json()} {self._seed} {self.dt!r}"
+        return hashlib.sha256(known.encode()).hexdigest()
+
     def snapshot(self) -> WorldSnapshot:
         """Return all changing state."""
-        return WorldSnapshot(self.step_count, self._state.tobytes())
+        return WorldSnapshot(self.step_count, self._state.tobytes(), self._run)
 
     def restore(self, snapshot: WorldSnapshot) -> None:
-        """Return to an earlier state of this world; the run then repeats exactly."""
+        """Return to an earlier state of this world; the run then repeats exactly.
+
+        Raises:
+            UsageError: If it is no snapshot, or one of another scene or seed.
+        """
+        instance_of("snapshot", snapshot, WorldSnapshot)
+        if snapshot.run != self._run:
+            raise UsageError(
+                f"snapshot must be one of the scene {self.scene.id!r} with the seed {self._seed}, not of another "
+                "scene or seed"
+            )
         self.step_count = snapshot.step
         self._state[:] = np.frombuffer(snapshot.state).reshape(self._state.shape)
 

@@ -5,8 +5,10 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from oodscen._arguments import checked
+from oodscen._numbers import said
 from oodscen._text import stem
 from oodscen.data._scene import Visible
+from oodscen.errors import UsageError
 from oodscen.judging._aspects.concepts import (
     Concept,
     Naming,
@@ -37,7 +39,15 @@ class Named(NamedTuple):
 
 @checked
 def names_aspect(aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()) -> bool:
-    """Return whether an open answer names what a path is about; see `naming`."""
+    """Return whether an open answer names what a path is about; see `naming`.
+
+    Raises:
+        UsageError: If the labels of the path have no order, as those of a set.
+    """
+    if not hasattr(path, "__getitem__"):
+        raise UsageError(
+            f"path must be a list of labels from the root to the leaf, not {said(path)}"
+        )
     return score_naming(aspect, path, visible).right
 
 

@@ -2,6 +2,7 @@
 
 from typing import Literal
 
+from oodscen._arguments import checked
 from oodscen._display import html_table
 from oodscen.data._base import Data
 from oodscen.judging._leaderboard.rows import (
@@ -77,8 +78,13 @@ class Leaderboard(Data):
         """Return a few sentences: the main figures of every model beside the reference to beat."""
         return sentences(self)
 
+    @checked
     def floor(self, task: Task) -> LeaderboardRow | None:
-        """Return the best reference in a task that does not know the truth."""
+        """Return the best reference in a task that does not know the truth.
+
+        Raises:
+            UnknownComponent: If there is no such task.
+        """
         return best_floor([*self.standings, *([self.shortcut] if self.shortcut else [])], task)
 
 

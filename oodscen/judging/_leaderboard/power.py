@@ -193,8 +193,8 @@ class _Design:
             raise UsageError("no number of scenes can tell equal rates apart")
         finite_number("agreement, a correlation,", self.agreement, -1, 1)
         finite_number("icc", self.icc, 0, 1)
-        whole_number("comparisons", self.comparisons, 1)
-        whole_number("scenes per path", self.per_path, 1)
+        for name, words in (("comparisons", "comparisons"), ("per_path", "scenes per path")):
+            object.__setattr__(self, name, whole_number(words, getattr(self, name), 1))
 
     @property
     def z_alpha(self) -> float:
@@ -239,7 +239,7 @@ class _Design:
 
     def power(self, scenes: int) -> float:
         """Return the probability that a number of scenes shows the difference."""
-        whole_number("scenes", scenes, 1)
+        scenes = whole_number("scenes", scenes, 1)
         under_null, under_truth = self.deviations
         root = math.sqrt(scenes / self.effect)
         reach = abs(self.first - self.second) * root - self.z_alpha * under_null

@@ -10,7 +10,7 @@ the baseline, mu and Sigma their mean and covariance.
                   and Wolf's formula (2004). At least 0. Lee et al., 2018. Misled by long and mixed texts, whose
                   vectors lie near mu.
     density       mean distance 1 - cos to the 10 nearest baseline texts, divided by their own mean distance to
-                  their 10 nearest. At least 0; about 1 for ordinary text. After Breunig et al., *LOF*, 2000.
+                  their 10 nearest; texts tied for the last places count in equal parts. At least 0; about 1 for ordinary text. After Breunig et al., *LOF*, 2000.
                   Misled by near-duplicates in the baseline, next to which everything is sparse.
     whitened      -max cos(W(b - mu), W(e - mu)), W = Sigma^-1/4: features that vary much among ordinary texts
                   (place, wording) weigh less. In [-1, 1]. Misled by rare words in ordinary texts.
@@ -50,6 +50,8 @@ _Fitted = Callable[[Sequence[str], Vectors], Scores]
 DECIMALS = 12
 """Decimals of a score; beyond them, products of matrices depend on the number of threads."""
 _K = 10
+_TIES, _TIED = 4, 2e-6
+"""Neighbours that are looked at for ties, as a multiple of k, and the difference of cosines that is rounding."""
 _SHRUNK = 0.3
 _QUARTER = 0.25
 _STEP = 2048
@@ -103,9 +105,15 @@ class Detectors:
         own = 1.0 - largest(self._vectors, self._vectors, k, skip)[0].mean(axis=1)
 
         def score(_: Sequence[str], vectors: Vectors) -> Scores:
-            cosines, places = largest(vectors, self._vectors, k)
-            around = own[places].mean(axis=1)
-            return np.asarray((1.0 - cosines.mean(axis=1)) / np.maximum(around, 1e-6), np.float64)
+            cosines, places = largest(vectors, self._vectors, min(_TIES * k, n))
+            last = cosines[:, k - 1 : k]
+            is_nearer, is_tied = cosines > last + _TIED, np.abs(cosines - last) <= _TIED
+            share = (k - is_nearer.sum(axis=1)) / is_tied.sum(axis=1)
+            weights = np.where(is_nearer, 1.0, is_tied * share[:, None])
+            around = (weights * own[places]).sum(axis=1) / k
+            return np.asarray(
+                (1.0 - cosines[:, :k].mean(axis=1)) / np.maximum(around, 1e-6), np.float64
+            )
 
         return score
 

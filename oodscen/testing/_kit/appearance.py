@@ -11,9 +11,8 @@ from oodscen.driving._sight.visibility import Eye, area, clipped
 from oodscen.errors import OodscenError
 from oodscen.protocols import Frame
 from oodscen.testing._kit.findings import NotApplicable
-from oodscen.testing._kit.pictures import MARGIN_PX
 from oodscen.testing._kit.probe import Probe, clear_day
-from oodscen.testing._kit.shapes import colour_count, depths, share_inside
+from oodscen.testing._kit.shapes import MARGIN_PX, colour_count, depths, share_inside
 from oodscen.testing._truth import FOGGY_M, OVERCAST, fog_fault
 
 LEAST_SHARE = 0.02

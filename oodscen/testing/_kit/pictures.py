@@ -13,22 +13,16 @@ from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye, area, clipped
 from oodscen.protocols import Camera, Control, Frame
 from oodscen.testing._kit.findings import NotApplicable
+from oodscen.testing._kit.following import check_following
 from oodscen.testing._kit.probe import Probe
-from oodscen.testing._kit.shapes import depths, frame_faults, share_inside
+from oodscen.testing._kit.shapes import LEAST_PX, frame_faults, place_faults
 
-INSIDE = 0.9
-"""Least share of a body's pixels within its box's silhouette, which is widened by `MARGIN_PX`."""
-MARGIN_PX = 3.0
-EXTENT = 0.55
-"""Least extent of a box-like body's pixels across and down, as a share of its silhouette's."""
 DEPTH = 0.06
 """Relative tolerance of the ground's depth."""
 CHANGED = 12
 """Difference of a colour that counts as a change, of 255."""
 CONTRAST = 12.0
 """Least distance between the mean colours of a body and of the road, of 441."""
-
-_LEAST_PX = 30
 
 
 def check_frames(probe: Probe) -> None:
@@ -55,13 +49,14 @@ def check_pictures(probe: Probe) -> None:
     """Check pictures against ids, depth, state and the camera's parameters."""
     for part in (
         _check_cameras,
+        check_following,
         _check_colours,
         _check_roads,
         _check_order,
         _check_leftovers,
         _check_rendering,
     ):
-        with probe.findings.trying(part.__name__.removeprefix("_check_")):
+        with probe.findings.trying(part.__name__.removeprefix("_").removeprefix("check_")):
             try:
                 part(probe)
             except NotApplicable:
@@ -138,40 +133,6 @@ def _check_cameras(probe: Probe) -> None:
         probe.findings.add("after a second", fault)
 
 
-def place_faults(frame: Frame, camera: Camera, cast: Sequence[PlacedBody]) -> list[str]:
-    """Return how the pixels and depths of box-like bodies differ from their silhouettes."""
-    eye, faults = Eye(camera, cast[0].solid), []
-    for row, body in enumerate(cast[1:], start=2):
-        outline = eye.silhouette(body.solid)
-        shown = clipped(outline, camera.width, camera.height)
-        if area(shown) < _LEAST_PX:
-            continue
-        mask = frame.ids == row
-        if mask.sum() < 0.3 * area(shown):
-            faults.append(
-                f"shows {int(mask.sum())} of about {area(shown):.0f} pixels of {body.id!r}"
-            )
-            continue
-        if share_inside(mask, outline, MARGIN_PX) < INSIDE:
-            faults.append(f"shows {body.id!r} beside its place or too large")
-            continue
-        for name, places, wanted in (
-            ("wide", np.nonzero(mask)[1], [u for u, _ in shown]),
-            ("high", np.nonzero(mask)[0], [v for _, v in shown]),
-        ):
-            extent, full = float(np.ptp(places)) + 1.0, max(wanted) - min(wanted)
-            if extent < EXTENT * full - 2.0:
-                faults.append(f"shows {body.id!r} {extent:.0f} pixels {name}, not {full:.0f}")
-                break
-        low, high = depths(eye, body.solid)
-        depth = float(np.median(frame.depth[mask]))
-        if not low - 0.3 <= depth <= high + 0.3:
-            faults.append(
-                f"gives {body.id!r} a depth of {depth:.1f} m, not {low:.1f} to {high:.1f}"
-            )
-    return faults
-
-
 def _ground_faults(
     probe: Probe, frame: Frame, camera: Camera, cast: Sequence[PlacedBody]
 ) -> list[str]:
@@ -220,7 +181,7 @@ def _check_colours(probe: Probe) -> None:
         )
         frame = probe.simulator.render(camera)
         mask = frame.ids == 2
-        if mask.sum() < _LEAST_PX:
+        if mask.sum() < LEAST_PX:
             continue
         tried += 1
         difference = np.abs(frame.rgb.astype(np.int16) - empty.rgb.astype(np.int16)).max(axis=2)

@@ -7,8 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._scene import Scene
-from oodscen.driving._sight.visibility import Eye, Solid
+from oodscen.driving._sight.scene_checks import PlacedBody
+from oodscen.driving._sight.visibility import Eye, Solid, area, clipped
 from oodscen.protocols import Camera, Frame, State
+
+INSIDE = 0.9
+"""Least share of a body's pixels within its box's silhouette, which is widened by `MARGIN_PX`."""
+MARGIN_PX = 3.0
+EXTENT = 0.55
+"""Least extent of a box-like body's pixels across and down, as a share of its silhouette's."""
+LEAST_PX = 30
+"""Fewest pixels of a body that are looked at."""
 
 
 def state_faults(scene: Scene, state: State, step: int, dt: float) -> Iterator[str]:
@@ -84,6 +93,45 @@ def frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
         counts = np.bincount(frame.ids.ravel(), minlength=bodies + 1)[1 : bodies + 1]
         if frame.unhidden.shape != (bodies,) or not (frame.unhidden >= counts).all():
             yield "unhidden must count at least the visible pixels of each body"
+
+
+def place_faults(
+    frame: Frame, camera: Camera, cast: Sequence[PlacedBody], drawn: Frame | None = None
+) -> list[str]:
+    """Return how the pixels and depths of bodies differ from their silhouettes.
+
+    Without `drawn` all bodies are like their boxes, and none hides another. With it, a picture of the boxes by
+    the library, a tenth of the pixels that it shows is enough, and extents are left out.
+    """
+    eye, faults = Eye(camera, cast[0].solid), []
+    for row, body in enumerate(cast[1:], start=2):
+        outline = eye.silhouette(body.solid)
+        shown = clipped(outline, camera.width, camera.height)
+        expected = area(shown) if drawn is None else float((drawn.ids == row).sum())
+        if expected < LEAST_PX:
+            continue
+        mask = frame.ids == row
+        if mask.sum() < (0.3 if drawn is None else 0.1) * expected:
+            faults.append(f"shows {int(mask.sum())} of about {expected:.0f} pixels of {body.id!r}")
+            continue
+        if share_inside(mask, outline, MARGIN_PX) < INSIDE:
+            faults.append(f"shows {body.id!r} beside its place or too large")
+            continue
+        for name, places, wanted in (
+            ("wide", np.nonzero(mask)[1], [u for u, _ in shown]),
+            ("high", np.nonzero(mask)[0], [v for _, v in shown]),
+        ):
+            extent, full = float(np.ptp(places)) + 1.0, max(wanted) - min(wanted)
+            if drawn is None and extent < EXTENT * full - 2.0:
+                faults.append(f"shows {body.id!r} {extent:.0f} pixels {name}, not {full:.0f}")
+                break
+        low, high = depths(eye, body.solid)
+        depth = float(np.median(frame.depth[mask]))
+        if not low - 0.3 <= depth <= high + 0.3:
+            faults.append(
+                f"gives {body.id!r} a depth of {depth:.1f} m, not {low:.1f} to {high:.1f}"
+            )
+    return faults
 
 
 def share_inside(

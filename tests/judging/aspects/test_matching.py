@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.data._base import Data
+from oodscen.errors import UsageError
 from oodscen.judging._aspects.matching import MOST_THINGS, names_aspect
 from oodscen.judging._constant_answerers import ASPECT
 
@@ -211,3 +212,9 @@ def test_weather_that_is_over_or_in_a_name_is_not_named(said, wording):
 )
 def test_a_thing_that_another_is_named_after_is_not_named(aspect, label):
     assert not names_aspect(aspect, ("OOD", label))
+
+
+@pytest.mark.parametrize("path", [{"a": 1}.keys(), {"a": 1}.values(), frozenset("a")])
+def test_a_path_without_an_order_is_refused(path):
+    with pytest.raises(UsageError):
+        names_aspect("fire", path)

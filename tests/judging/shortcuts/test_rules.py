@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._bird_sketch import Sketch, SketchBody, SketchLane
+from oodscen.errors import UnknownComponent
 from oodscen.judging._items import Items
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._shortcuts.facts import FAR_M, lane_distance, nearest_places, swept_distance
@@ -92,6 +93,8 @@ def test_the_shortcut_of_a_board_is_the_floor_and_does_not_depend_on_the_order(s
     )
     assert board.floor("detection") == board.shortcut
     assert board.floor("control") is None
+    with pytest.raises(UnknownComponent, match="nosuch"):
+        board.floor("nosuch")
     rng = random.Random(seed)
     shuffled = [rng.sample(found, len(found)) for found in (rows, case.episodes, case.scenarios)]
     again = leaderboard(*shuffled).shortcut

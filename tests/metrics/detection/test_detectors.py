@@ -1,5 +1,7 @@
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from oodscen import Metrics
 from oodscen.metrics._detection.anchors import anchors
@@ -63,3 +65,18 @@ def test_anchors_are_pairs_that_differ():
     for pairs in anchors():
         assert all(calm != odd and calm and odd for calm, odd in pairs)
         assert len(set(pairs)) == len(pairs)
+
+
+@given(st.data())
+@settings(max_examples=25, deadline=None)
+def test_density_does_not_depend_on_which_of_tied_neighbours_come_first(data):
+    words = ["car", "van", "bus", "stops", "waits", "turns", "here", "there", "left", "right"]
+    sentence = st.lists(st.sampled_from(words), min_size=1, max_size=3).map(" ".join)
+    known = data.draw(st.lists(sentence, min_size=12, max_size=40, unique=True))
+    text = data.draw(sentence)
+    shuffled = data.draw(st.permutations(known))
+    one, other = (
+        Metrics(HashEncoder(), texts).oodness([text], "density").per_text[0]
+        for texts in (known, shuffled)
+    )
+    assert one == pytest.approx(other, abs=1e-4)
