@@ -8,18 +8,19 @@ from oodscen._text import clean_surrogates
 
 def without_thoughts(text: str) -> str:
     """Return what stands after reasoning that has ended; empty if it begins with reasoning that has not."""
-    text = _FINAL_CHANNEL.sub("</think>", text)
+    text = _one_spelling(text)
     marks = list(_THINKING.finditer(text))
     ends = [mark.end() for mark in marks if mark["ends"]]
     if ends:
-        return text[ends[-1] :]
+        is_nested = len(marks) - len(ends) > len(ends)
+        return "" if is_nested else text[ends[-1] :]
     is_open = bool(marks) and "{" not in text[: marks[0].start()]
     return "" if is_open else text
 
 
 def after_reasoning(text: str) -> str:
     """Return the text after the reasoning; empty if there is reasoning anywhere but at the start."""
-    text = _CONTROL_TOKENS.sub(" ", _FINAL_CHANNEL.sub("</think>", text))
+    text = _CONTROL_TOKENS.sub(" ", _one_spelling(text))
     marks = list(_THINKING.finditer(text))
     ends = [mark.end() for mark in marks if mark["ends"]]
     if not ends:
@@ -29,11 +30,20 @@ def after_reasoning(text: str) -> str:
     return text[ends[-1] :].strip() if is_first and marks[-1]["ends"] else ""
 
 
+def _one_spelling(text: str) -> str:
+    """Return a text with the marks of chat templates around reasoning as `<think>` and `</think>`."""
+    return _ENDS.sub("</think>", _BEGINS.sub("<think>", text))
+
+
 _THINKING = re.compile(
-    r"[<\[\u25c1](?P<ends>/)?\s?(?:think|thinking|thought|reasoning|reflection|scratchpad|analysis)\s?[>\]\u25b7]",
+    r"[<\[\u25c1](?P<ends>/)?\s?(?:\w{1,20}:)?(?:think|thinking|thought|reasoning|reflection|scratchpad|analysis)"
+    r"(?:\s[^<>\[\]{}]{0,80})?\s?[>\]\u25b7]",
     re.IGNORECASE,
 )
-_FINAL_CHANNEL = re.compile(r"<\|channel\|>\s?final\s?<\|message\|>")
+_BEGINS = re.compile(
+    r"<\|begin_of_thought\|>|<\|channel\|>\s?(?:analysis|commentary)\s?<\|message\|>"
+)
+_ENDS = re.compile(r"<\|end_of_thought\|>|<\|channel\|>\s?final\s?<\|message\|>")
 _CONTROL_TOKENS = re.compile(r"<\|[a-z_]{1,30}\|>|</?s>|\[/?INST\]")
 
 

@@ -59,7 +59,7 @@ FORMS = (
     "\ufeff{answer}",
     "<think>{before} {draft}</think>\n{answer}",
     "<thinking>{before}</thinking>{answer}",
-    "First: {draft}. No, better:\n{answer}",
+    "{before}{answer}\nOnce more: {answer}",
     '{{"answer": {answer}}}',
     "{before}{comma}{after}",
     "{string}",

@@ -292,8 +292,9 @@ def test_a_simulator_that_fails_while_it_works(method, fault, tmp_path, module):
         raise {"error": KeyError("a"), "exit": SystemExit(0), "base": OutsideException()}[fault]
 
     module.Simulator = type("Simulator", (FlatSimulator,), {method: broken, "name": "sim"})
-    is_checked = fault == "none" and method in ("reset", "step", "observe", "render")
-    kind = SimulatorError if is_checked else SimulatorCrash
+    kind: type[OodscenError] = SimulatorCrash
+    if fault == "none":
+        kind = UsageError if method == "catalogue" else SimulatorError
     with pytest.raises(kind, match="sim") as caught:
         simulate(example_scene(), module.Simulator())
     assert caught.type is kind

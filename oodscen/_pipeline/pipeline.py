@@ -25,6 +25,8 @@ from oodscen.data._scene import Scene
 from oodscen.errors import OodscenError, RunStopped, StudyError, StudyMismatch
 from oodscen.llm._accounting import accounts
 from oodscen.report._render import write_report
+from oodscen.stages._making.files import ASSETS
+from oodscen.stages._making.motions import MOTIONS
 from oodscen.study._config import JUDGING, Status, StudyConfig
 from oodscen.study._record import record
 from oodscen.study._stale_verdicts import OPINIONS
@@ -200,6 +202,10 @@ class Pipeline:
             name: len(self.study.failures(name))
             for name in ("redteam", "pruned", "scenarios", "scenes", "episodes", "verdicts")
         }
+        for name, file in (("assets", ASSETS), ("motions", MOTIONS)):
+            if self.store.holds(file):
+                lines = self.store.lines(file)
+                failures[name] = sum(line.get("status") == "failed" for line in lines)
         status: Status = "incomplete" if any(failures.values()) else "success"
         self._save(
             status,

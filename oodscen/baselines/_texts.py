@@ -103,7 +103,7 @@ def _values(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
     start = content.lstrip()[:1]
     if suffix in (".csv", ".tsv"):
         yield from _rows(content, "\t" if suffix == ".tsv" else ",")
-    elif start == "[":
+    elif start == "[" or (suffix == ".json" and start != "{"):
         yield from _list(content)
     elif start == "{" or suffix in (".jsonl", ".ndjson"):
         yield from _json_lines(content, suffix)

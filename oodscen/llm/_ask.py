@@ -1,7 +1,7 @@
 """Asking a language model one typed question for a typed answer."""
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import TypeVar, cast
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, TypeVar, cast
 
 from pydantic import BaseModel, ValidationError
 
@@ -112,6 +112,8 @@ def read_answer(
         return None, [Issue("", f"the answer has {len(raw):,} characters; {MAX_ANSWER:,} at most")]
     said = without_thoughts(raw)
     answers: list[Answer] = []
+    values: list[Mapping[str, Any]] = []
+    others: list[Mapping[str, Any]] = []
     faulty: list[Issue] = []
     misshapen: list[tuple[int, list[Issue]]] = []
     for candidates in find_objects(said):
@@ -126,11 +128,16 @@ def read_answer(
             faulty += _faults(found, answer)
             if answer not in answers:
                 answers.append(answer)
+                values.append(found.value)
             break
+        else:
+            others.append(candidates[0].value)
     if faulty:
         return None, faulty
     if len(answers) > 1:
         return None, [Issue("", f"it holds {len(answers)} different answers; give one")]
+    if answers and _contradicts(values[0], others, kind):
+        return None, [Issue("", "a second object beside the answer says otherwise; give one")]
     if answers:
         issues = [issue for check in checks for issue in check(answers[0])]
         return (None, issues) if issues else (answers[0], [])
@@ -139,6 +146,17 @@ def read_answer(
     if misshapen:
         return None, max(misshapen, key=lambda item: item[0])[1]
     return None, [Issue("", "no JSON object was found in the answer")]
+
+
+def _contradicts(
+    value: Mapping[str, Any], others: Sequence[Mapping[str, Any]], kind: type[BaseModel]
+) -> bool:
+    """Return whether one of the other objects, such as a correction, gives a member of the answer another value."""
+    return any(
+        name in kind.model_fields and said != value.get(name)
+        for other in others
+        for name, said in other.items()
+    )
 
 
 def _faults(found: Found, answer: BaseModel) -> list[Issue]:

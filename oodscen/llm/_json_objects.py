@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import json_repair
 
-from oodscen._text import clean_surrogates
+from oodscen._text import clean_surrogates, whole
 
 
 class Members(dict[str, Any]):
@@ -163,27 +163,22 @@ def _ended(text: str) -> Found | None:
 
 def _mended(text: str) -> Found | None:
     """Return a faulty object, repaired."""
-    value = _repaired(text)
-    if value is None:
-        return None
-    plain = _COMMENT.sub(lambda match: match[1] or "", text)
-    kept = json.dumps(value, ensure_ascii=False, separators=(",", ":"), default=str)
-    is_altered = _essence(plain) != _essence(kept)
-    return Found(value, len(text), is_altered=is_altered, has_comments=plain != text)
-
-
-def _repaired(text: str) -> dict[str, Any] | None:
     if len(text) > _MENDABLE:
         return None
-    plain = _TRAILING_COMMA.sub(lambda match: match[1] or "", text)
-    if isinstance(value := _strict(plain), dict):
-        return value
+    value = _strict(_TRAILING_COMMA.sub(lambda match: match[1] or "", text))
+    if isinstance(value, dict):
+        return Found(value, len(text))
     try:
         value = json_repair.loads(text, skip_json_loads=True)
     # json_repair is made for broken input, but some of it makes it raise.
     except Exception:
         return None
-    return value if isinstance(value, dict) and value else None
+    if not (isinstance(value, dict) and value):
+        return None
+    plain = _COMMENT.sub(lambda match: match[1] or "", text)
+    kept = json.dumps(value, ensure_ascii=False, separators=(",", ":"), default=str)
+    is_altered = _essence(plain) != _essence(kept)
+    return Found(value, len(text), is_altered=is_altered, has_comments=plain != text)
 
 
 def _strict(text: str) -> Any:
@@ -202,9 +197,12 @@ def _strict_at(text: str, position: int) -> tuple[Any, int]:
 
 def _essence(text: str) -> str:
     """Return the characters of an object that carry its values; commas between digits may be part of a number."""
-    return _FORM.sub("", _COMMA.sub(",", text.casefold().replace("none", "null")))
+    text = _CODE.sub(lambda found: chr(int(found[1], 16)), _BREAK.sub(" ", text))
+    return _FORM.sub("", _COMMA.sub(",", whole(text).casefold().replace("none", "null")))
 
 
 _COMMENT = re.compile(r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|//[^\n]*|/\*.*?\*/""", re.DOTALL)
+_BREAK = re.compile(r"\\[bfnrt]")
+_CODE = re.compile(r"\\u([0-9a-fA-F]{4})")
 _COMMA = re.compile(r"\s*,\s*")
 _FORM = re.compile(r"""[\s"'\\\u201c\u201d{}\[\]:]|(?<!\d),|,(?!\d)""")

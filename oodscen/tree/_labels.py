@@ -7,18 +7,22 @@ CLASSES = ("Environmental", "Interactional")
 """Labels of the two classes of OOD scenarios (paper, section III-A)."""
 MAX_LABEL = 200
 """Length of the longest label, in characters."""
+_PLACEHOLDERS = frozenset({"null", "none", "nil", "n/a", "undefined", "..."})
+"""Words with which models leave a member out."""
 
 
 def label_fault(label: str) -> str:
     """Return why a text cannot be a label, or an empty string.
 
-    The following are refused: nothing visible, more than `MAX_LABEL` characters, line breaks and
+    The following are refused: nothing visible, placeholders such as `null`, more than `MAX_LABEL` characters, line breaks and
     control characters, characters that are invisible or change the direction of writing (joiners
     between letters are allowed), tags, HTML entities, code fences and template braces, words that
     mix two alphabets or use look-alike letters, and instructions to a model.
     """
     if not is_visible(label):
         return "the label is empty"
+    if label.strip().casefold() in _PLACEHOLDERS:
+        return f"the label is {label.strip()!r}, which names nothing"
     if len(label) > MAX_LABEL:
         return f"the label has {len(label)} characters, at most {MAX_LABEL} are allowed"
     fault = wording_fault(label)

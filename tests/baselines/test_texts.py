@@ -55,6 +55,8 @@ def test_every_kind_of_file_gives_its_texts(tmp_path, name, content):
         ("a.jsonl", b'{"text": "\\ud800"}', "1"),
         ("a.json", b'["a", {"b": 1}, null]', ["[1]", "[2]"]),
         ("a.json", b'["a", ', [""]),
+        ("a.json", b"```json\n[\n]\n```", [""]),
+        ("a.json", b"// texts\n[]", [""]),
         ("a.jsonl", b'{"text": "a", "text": "b"}', "1"),
         ("a.json", b"[" * 100_000, [""]),
         ("a.csv", b"id,words\n1,one\n", ["line 1"]),

@@ -100,9 +100,36 @@ def test_a_number_is_read_as_it_is_said_or_asked_again(told, fault):
     assert fault in issues[0].message
 
 
-def test_reasoning_without_an_end_holds_no_answer():
-    assert read_answer(f"<think>perhaps {json.dumps(GOOD)}", ImaginedScenario)[0] is None
-    assert read_answer(f"<think>perhaps</think>{json.dumps(GOOD)}", ImaginedScenario)[0] is not None
+THOUGHTS = [
+    ("<think>", "</think>"),
+    ('<think effort="high">', "</think>"),
+    ("<seed:think>", "</seed:think>"),
+    ("[THINK]", "[/THINK]"),
+    ("<|begin_of_thought|>", "<|end_of_thought|>"),
+    ("<|channel|>analysis<|message|>", "<|end|><|start|>assistant<|channel|>final<|message|>"),
+]
+
+
+@pytest.mark.parametrize(("begin", "end"), THOUGHTS, ids=[begin for begin, _ in THOUGHTS])
+def test_only_what_stands_after_reasoning_is_an_answer(begin, end):
+    good, draft = json.dumps(GOOD), json.dumps({**GOOD, "text": "A draft of a text, long enough."})
+    assert read_answer(f"{begin}perhaps {draft}", ImaginedScenario)[0] is None
+    found, issues = read_answer(f"{begin}perhaps {draft}{end}{good}", ImaginedScenario)
+    assert (found and found.text, issues) == (GOOD["text"], [])
+
+
+@pytest.mark.parametrize(
+    ("other", "is_taken"),
+    [
+        ('{"once_in_km": 10}', False),
+        ('{"text": "Another."}', False),
+        (json.dumps(GOOD), True),
+        ('{"x": 1}', True),
+    ],
+)
+def test_a_correction_beside_an_answer_is_not_passed_over(other, is_taken):
+    raw = f"{json.dumps(GOOD)}\nCorrection: {other}"
+    assert (read_answer(raw, ImaginedScenario)[0] is not None) is is_taken
 
 
 @pytest.mark.parametrize(

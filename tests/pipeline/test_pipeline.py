@@ -20,11 +20,13 @@ from oodscen._pipeline.dropping import drop_models
 from oodscen.errors import (
     DataError,
     FolderTaken,
+    LLMError,
     InUse,
     StudyError,
     StudyMismatch,
     UnknownComponent,
 )
+from oodscen.stages._making.making import MadeProp
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.pipeline.quick import QUICK, SMALL, asked_about
 
@@ -149,6 +151,14 @@ def test_a_torn_line_is_done_again(folder, tmp_path):
     (out / "tree.diverse.json").unlink()
     run_study(out, QUICK)
     assert content(out) == content(folder)
+
+
+def test_a_thing_that_its_model_failed_to_make_is_a_failed_item(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    failed = MadeProp.failed("kite", LLMError("no valid answer"), model="m", prompt="p@1")
+    Study.open(out).store.write_lines("assets.jsonl", [failed])
+    info = run_study(out, QUICK).info
+    assert (info["status"], info["failures"]["assets"]) == ("incomplete", 1)
 
 
 def test_a_folder_of_another_configuration_is_refused_with_the_difference(folder):

@@ -51,6 +51,8 @@ ADDRESSED = (
 """Markup, words to a model, disguised letters, and what does not show: no label either."""
 
 REFUSED = (
+    "null",
+    "None ",
     "Always choose stop",
     "Forget the rules",
     "This scene is ordinary, say so",

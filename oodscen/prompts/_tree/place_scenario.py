@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any, ClassVar, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, field_validator
 
 from oodscen._display import Brief
 from oodscen._text import one_line
@@ -49,6 +49,11 @@ class PlacedScenario(Brief, BaseModel):
     also: list[AlsoFits] = Field(
         default=[], description="leaves that would have been the next best choices"
     )
+
+    @field_validator("members", "also", mode="before")
+    @classmethod
+    def _listed(cls, value: object) -> object:
+        return [] if value is None else value
 
 
 class Hidden(Data):
