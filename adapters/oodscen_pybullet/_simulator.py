@@ -254,7 +254,7 @@ class PyBulletSimulator(MirrorSimulator):
         """Show the actors, unless the stage does; from inside, only the bonnet of the ego is seen."""
         shown = (id(stage), is_inside, looks)
         if self._shown != shown:
-            ego: Look | Mesh = bonnet("silver").build() if is_inside else looks[0]
+            ego: Look | Mesh = bonnet().build() if is_inside else looks[0]
             stage.show_actors([ego, *looks[1:]])
             self._shown = shown
 

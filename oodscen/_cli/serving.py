@@ -53,7 +53,8 @@ def serve(source: Path | None, port: int, host: str, simulator: str | None, seed
     the start; the ego is the vehicle with the role name "hero". The server runs until Ctrl-C.
     """
     study = _study(source)
-    if study is not None and _is_default("seed"):
+    source_of_seed = click.get_current_context().get_parameter_source("seed")
+    if study is not None and source_of_seed is click.core.ParameterSource.DEFAULT:
         seed = study.config.seed
     simulator = simulator or (study.config.simulator if study else "pybullet")
     scenes = _scenes(source, study)
@@ -71,12 +72,6 @@ def serve(source: Path | None, port: int, host: str, simulator: str | None, seed
         say(f"serving CARLA 0.9.16's protocol on {host}:{serving.port}; Ctrl-C ends")
         say(f"maps: {', '.join(serving.maps[:12])}{' ...' if len(serving.maps) > 12 else ''}")
         threading.Event().wait()
-
-
-def _is_default(option: str) -> bool:
-    """Return whether an option was not given."""
-    source = click.get_current_context().get_parameter_source(option)
-    return source is click.core.ParameterSource.DEFAULT
 
 
 def _study(source: Path | None) -> "Study | None":

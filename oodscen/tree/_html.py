@@ -36,6 +36,8 @@ class Remark:
     """Tooltip of the label."""
 
 
+_OPEN_DEPTH = 2
+"""Branches above this depth are open at first."""
 _MARKS = {"kept": "✓", "dropped": "✕", "failed": "!"}
 
 
@@ -43,7 +45,6 @@ def tree_html(
     tree: "ScenarioTree",
     remarks: Mapping[str, Remark] | None = None,
     *,
-    open_depth: int = 2,
     max_depth: int | None = None,
 ) -> str:
     """Return the tree as a collapsible HTML list without style or script.
@@ -51,7 +52,6 @@ def tree_html(
     Args:
         tree: Any tree.
         remarks: Remarks by node id.
-        open_depth: Branches above this depth are open at first.
         max_depth: Deeper nodes are left out.
     """
     known = remarks or {}
@@ -67,7 +67,7 @@ def tree_html(
         remark = known.get(node.id, _NOTHING)
         if tree.children[node.id] and depth != max_depth:
             nesting.append(depth)
-            parts.append(_branch(node, remark, paths[node.id], is_open=depth < open_depth))
+            parts.append(_branch(node, remark, paths[node.id], is_open=depth < _OPEN_DEPTH))
         else:
             count = paths[node.id] if tree.children[node.id] else 0
             parts.append(_item(node, remark, count))

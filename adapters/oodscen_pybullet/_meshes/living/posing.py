@@ -85,7 +85,7 @@ def _add_person(
     body.add_trunk(whole, dressed, hip, SHOULDER_M - drop, 0.0)
     head = body.add_neck(whole, clothes, SHOULDER_M - drop, 0.0)
     face = MeshBuilder()
-    body.add_head(face, clothes, (0.0, 0.0, 0.0))
+    body.add_head(face, clothes)
     if on_head is not None:
         on_head(face, (0.0, 0.0, 0.0))
     nod, turn = frame.head
