@@ -309,7 +309,6 @@ def _unhidden(stage: Stage, view: CameraView, balls: Sequence[Ball]) -> I32 | No
 
 
 def _is_inside(view: CameraView, ego: Pose) -> bool:
-    """Return whether a camera is inside the ego."""
     x, y, z, yaw = ego
     s, c = exact.sincos(yaw)
     dx, dy, dz = view.eye[0] - x, view.eye[1] - y, view.eye[2] - z

@@ -75,14 +75,12 @@ def serve(source: Path | None, port: int, host: str, simulator: str | None, seed
 
 
 def _study(source: Path | None) -> "Study | None":
-    """Return the study in a folder."""
     from oodscen.study._study import Study
 
     return Study.open(source) if source is not None and source.is_dir() else None
 
 
 def _scenes(source: Path | None, study: "Study | None") -> Sequence["Scene"]:
-    """Return the scenes of a study or a file."""
     from oodscen.data._scene import Scene
 
     if source is None:

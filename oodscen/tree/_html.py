@@ -75,11 +75,6 @@ def tree_html(
     return "\n".join([*parts, "</ul>"])
 
 
-def notebook_html(tree: "ScenarioTree") -> str:
-    """Return the tree for a notebook: an outline with its own style that suits any theme."""
-    return _dressed(tree, MAX_SHOWN)
-
-
 def to_page(tree: "ScenarioTree") -> str:
     """Return the whole tree as a separate page, light or dark by the reader's preference."""
     title = escape(tree.nodes[0].label) if len(tree) else "An empty tree"
@@ -88,12 +83,12 @@ def to_page(tree: "ScenarioTree") -> str:
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark">'
         f"<title>{title}</title><style>body {{ font-family: system-ui, sans-serif; margin: 1.5rem; }}"
-        f"</style></head><body>{_dressed(tree, len(tree))}</body></html>"
+        f"</style></head><body>{notebook_html(tree, len(tree))}</body></html>"
     )
 
 
-def _dressed(tree: "ScenarioTree", most: int) -> str:
-    """Return an outline of at most `most` nodes, with its style and a line of totals."""
+def notebook_html(tree: "ScenarioTree", most: int = MAX_SHOWN) -> str:
+    """Return an outline of at most `most` nodes, with a line of totals and a style that suits any notebook theme."""
     levels: dict[int, int] = {}
     for _, depth in tree.walk():
         levels[depth] = levels.get(depth, 0) + 1
