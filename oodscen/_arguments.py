@@ -210,7 +210,6 @@ def _refusal(name: str, value: Any, kind: Any) -> UsageError:
 
 
 def _worded(kind: Any) -> str:
-    """Return a kind in words."""
     origin = get_origin(kind)
     if origin is Literal:
         return "one of " + ", ".join(map(str, get_args(kind)))

@@ -76,7 +76,10 @@ def _abridged(value: object) -> str:
         return f"<{value.dtype}{list(value.shape)}>"
     if isinstance(value, Mapping):
         secret = set(secrets_in(value))
-        items = ((key, HIDDEN if _is_in(item, secret) else item) for key, item in value.items())
+        items = (
+            (key, HIDDEN if isinstance(item, str) and item in secret else item)
+            for key, item in value.items()
+        )
         parts = [f"{_abridged(key)}: {_abridged(item)}" for key, item in islice(items, _MOST)]
         if parts and len(parts[0]) > _ROOM // 2:
             parts = [f"{_abridged(key)}: …" for key in islice(value, _MOST)]
@@ -91,10 +94,6 @@ def _abridged(value: object) -> str:
         return text
     head = text[: _ROOM - 3].rpartition(", ")[0] if isinstance(value, Brief) else ""
     return f"{head}, …)" if head else f"<{type(value).__name__}>"
-
-
-def _is_in(item: object, secret: set[str]) -> bool:
-    return isinstance(item, str) and item in secret
 
 
 def _joined(start: str, parts: Iterable[str], end: str, count: int) -> str:

@@ -207,8 +207,9 @@ def _image(llm: LLM) -> str:
     return f"{seen}: {' '.join(text.split())[:100]}"
 
 
-def _red_png(size: int = 64) -> bytes:
+def _red_png() -> bytes:
     """Return a red square as a PNG file."""
+    size = 64
 
     def chunk(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", crc32(kind + data))

@@ -254,7 +254,7 @@ class PyBulletSimulator(MirrorSimulator):
         """Show the actors, unless the stage does; from inside, only the bonnet of the ego is seen."""
         shown = (id(stage), is_inside, looks)
         if self._shown != shown:
-            ego: Look | Mesh = bonnet("silver").build() if is_inside else looks[0]
+            ego: Look | Mesh = bonnet().build() if is_inside else looks[0]
             stage.show_actors([ego, *looks[1:]])
             self._shown = shown
 
@@ -309,7 +309,6 @@ def _unhidden(stage: Stage, view: CameraView, balls: Sequence[Ball]) -> I32 | No
 
 
 def _is_inside(view: CameraView, ego: Pose) -> bool:
-    """Return whether a camera is inside the ego."""
     x, y, z, yaw = ego
     s, c = exact.sincos(yaw)
     dx, dy, dz = view.eye[0] - x, view.eye[1] - y, view.eye[2] - z

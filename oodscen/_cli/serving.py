@@ -53,7 +53,8 @@ def serve(source: Path | None, port: int, host: str, simulator: str | None, seed
     the start; the ego is the vehicle with the role name "hero". The server runs until Ctrl-C.
     """
     study = _study(source)
-    if study is not None and _is_default("seed"):
+    source_of_seed = click.get_current_context().get_parameter_source("seed")
+    if study is not None and source_of_seed is click.core.ParameterSource.DEFAULT:
         seed = study.config.seed
     simulator = simulator or (study.config.simulator if study else "pybullet")
     scenes = _scenes(source, study)
@@ -73,21 +74,13 @@ def serve(source: Path | None, port: int, host: str, simulator: str | None, seed
         threading.Event().wait()
 
 
-def _is_default(option: str) -> bool:
-    """Return whether an option was not given."""
-    source = click.get_current_context().get_parameter_source(option)
-    return source is click.core.ParameterSource.DEFAULT
-
-
 def _study(source: Path | None) -> "Study | None":
-    """Return the study in a folder."""
     from oodscen.study._study import Study
 
     return Study.open(source) if source is not None and source.is_dir() else None
 
 
 def _scenes(source: Path | None, study: "Study | None") -> Sequence["Scene"]:
-    """Return the scenes of a study or a file."""
     from oodscen.data._scene import Scene
 
     if source is None:

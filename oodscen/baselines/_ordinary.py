@@ -106,10 +106,10 @@ class _Text:
         return _edited(text) + "."
 
     def _caption(self) -> str:
-        return self._under_sky(self._phrase("captions"), 0.25)
+        return self._under_sky(self._phrase("captions"))
 
     def _reason(self) -> str:
-        return self._under_sky(self._phrase("reasons"), 0.25)
+        return self._under_sky(self._phrase("reasons"))
 
     def _ego(self) -> str:
         return f"{self._driving()} {self._pick(self._sky['with'])}, {self._phrase('ego')}"
@@ -133,8 +133,8 @@ class _Text:
         motion = self._rules["words"][self._situation.get("motion", "moving")]
         return f"{self._subject} is {self._pick(motion)} {self._road}"
 
-    def _under_sky(self, sentence: str, share: float) -> str:
-        if self._is_bare or self._draws.random() >= share:
+    def _under_sky(self, sentence: str) -> str:
+        if self._is_bare or self._draws.random() >= 0.25:
             return sentence
         return f"{self._pick(self._sky['lead'])}, {_uncapital(sentence)}"
 

@@ -8,7 +8,6 @@ from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene
-from oodscen.driving._trace import Trace
 from oodscen.llm._ask import ATTEMPTS, ask
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
 from oodscen.protocols import LLM, Encoder
@@ -64,9 +63,8 @@ def compare_text(
     text: str,
     scene: Scene,
     catalogue: Catalogue,
-    trace: Trace | None = None,
     *,
-    encoder: Encoder | None = None,
+    encoder: Encoder | None,
 ) -> Faithfulness:
     """Compare a scene of any author with a text.
 
@@ -75,7 +73,6 @@ def compare_text(
         text: The text that the scene should show.
         scene: A scene without faults by `Scene.check`.
         catalogue: The catalogue of the scene's simulator.
-        trace: The ground truth of the scene; computed by `watch` if left out.
         encoder: Compares the things of the text with the actors that the scene says stand for them.
 
     Raises:
@@ -84,5 +81,5 @@ def compare_text(
     """
     claims = extract_claims(llm, text)
     likeness = likeness_of(encoder, catalogue)
-    findings = check_claims(claims, scene, catalogue, trace, likeness=likeness)
+    findings = check_claims(claims, scene, catalogue, likeness=likeness)
     return Faithfulness(id=scene.id, findings=tuple(findings))

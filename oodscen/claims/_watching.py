@@ -17,7 +17,7 @@ AFTER_S = 6.0
 """Time to watch after the decision, s; the scene's horizon if that is shorter."""
 
 
-def watch(scene: Scene, catalogue: Catalogue, *, seed: int = 0, after_s: float = AFTER_S) -> Trace:
+def watch(scene: Scene, catalogue: Catalogue) -> Trace:
     """Roll out a scene with a lane-keeping ego that ignores the hazard; nothing is rendered.
 
     All actors move as in any simulator that mirrors the kinematic world. The ego drives through
@@ -26,20 +26,18 @@ def watch(scene: Scene, catalogue: Catalogue, *, seed: int = 0, after_s: float =
     Args:
         scene: A scene without faults by `Scene.check`.
         catalogue: The catalogue of the scene's simulator.
-        seed: Seed of the episode.
-        after_s: Time to watch after the decision, s.
 
     Returns:
         The ground truth of every step.
     """
     corridor = load_corridor(scene.map, catalogue)
-    world = KinematicWorld(corridor, scene, catalogue, seed, dt=DT)
+    world = KinematicWorld(corridor, scene, catalogue, 0, dt=DT)
     driver = Cruise()
     states = [world.state()]
     end = np.inf
     while world.time < end:
         if end == np.inf and (world.time >= APPROACH_S or world.is_due(scene.decision)):
-            end = world.time + min(after_s, scene.horizon_s)
+            end = world.time + min(AFTER_S, scene.horizon_s)
         world.step(driver.act(world.observe()))
         states.append(world.state())
     return Trace.from_states(states, Course.of(scene, catalogue))

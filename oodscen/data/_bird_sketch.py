@@ -65,7 +65,7 @@ def sketch(course: "Course", approach: "Trace", rollouts: Mapping[str, "Trace"])
         rollouts: Traces from the decision point on, by action id.
     """
     s, t = approach["s"][-1], approach["t"][-1]
-    angle = _headings(course, approach, -1)
+    angle = _headings(course, approach)
     near = [
         row
         for row in range(len(approach.ids))
@@ -89,7 +89,7 @@ def sketch(course: "Course", approach: "Trace", rollouts: Mapping[str, "Trace"])
         steps = sorted({*range(0, len(time), every), len(time) - 1})
         places = dict.fromkeys((_tenth(x[i, 0]), _tenth(y[i, 0])) for i in steps)
         paths[action] = tuple(value for place in places for value in place)
-        turned = _headings(course, trace, -1)
+        turned = _headings(course, trace)
         ends[action] = {
             trace.ids[row]: (_tenth(x[-1, row]), _tenth(y[-1, row]), float(turned[row]))
             for row in near
@@ -115,11 +115,11 @@ def _lanes(course: "Course", s: float, t: float) -> tuple[SketchLane, ...]:
     )
 
 
-def _headings(course: "Course", trace: "Trace", step: int) -> list[int]:
-    """Return every body's heading relative to the road, in whole degrees."""
+def _headings(course: "Course", trace: "Trace") -> list[int]:
+    """Return every body's last heading relative to the road, in whole degrees."""
     corridor = course.corridor
-    at = np.clip(np.rint(trace["s"][step] / corridor.step), 0, len(corridor.s) - 1).astype(np.intp)
-    turned = trace["yaw"][step] - np.arctan2(corridor.sin[at], corridor.cos[at])
+    at = np.clip(np.rint(trace["s"][-1] / corridor.step), 0, len(corridor.s) - 1).astype(np.intp)
+    turned = trace["yaw"][-1] - np.arctan2(corridor.sin[at], corridor.cos[at])
     degrees = np.rint(np.degrees(turned)) % 360
     return [int(value) - 360 if value > 180 else int(value) for value in degrees]
 

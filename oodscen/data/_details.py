@@ -254,7 +254,6 @@ def _with_held(size: Size, held: "Asset", grip: Grip, scale: float) -> Size:
 
 
 def _with_load(size: Size, load: "Asset", bed: Bed) -> Size:
-    """Return the size of a vehicle with a load on its bed."""
     length, width, height = size
     return (
         length,

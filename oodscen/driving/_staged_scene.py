@@ -200,12 +200,12 @@ class StagedScene(Brief):
         )
 
 
-def lane_centrelines(corridor: Corridor, *, spacing_m: float = 2.0) -> tuple[LaneCentreline, ...]:
+def lane_centrelines(corridor: Corridor) -> tuple[LaneCentreline, ...]:
     """Return the middle of every driving lane of a road, from right to left.
 
-    The points are about `spacing_m` apart along the road's reference line.
+    The points are about 2 m apart along the road's reference line.
     """
-    count = max(2, math.ceil(corridor.length / spacing_m) + 1)
+    count = max(2, math.ceil(corridor.length / 2.0) + 1)
     along = np.linspace(0.0, corridor.length, count)
     x, y, cos, sin = (
         np.interp(along, corridor.s, values)

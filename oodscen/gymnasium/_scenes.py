@@ -49,9 +49,7 @@ def _opened(folder: str | Path) -> Study:
         raise StudyMissing(f"{str(folder)[:80]!r}") from None  # It cannot be a folder's name.
 
 
-def _example(
-    name: str, road: str, speed: float, hazard: Actor, ordinary: Actor | None, distance_m: float
-) -> Scene:
+def _example(name: str, road: str, speed: float, hazard: Actor, ordinary: Actor | None) -> Scene:
     return Scene(
         id=name,
         scenario_id=name,
@@ -59,7 +57,7 @@ def _example(
         ego=Ego(speed=speed),
         actors=(hazard,),
         hazard=Hazard(actors={hazard.id: ordinary}),
-        decision=Trigger(kind="distance", value=distance_m, actor=hazard.id),
+        decision=Trigger(kind="distance", value=28.0, actor=hazard.id),
     )
 
 
@@ -84,7 +82,6 @@ EXAMPLES = (
             ),
         ),
         None,
-        28.0,
     ),
     _example(
         "example-leader",
@@ -98,7 +95,6 @@ EXAMPLES = (
             )
         ),
         _leader(Behaviour(name="follow_lane", parameters={"speed": 24.0})),
-        28.0,
     ),
 )
 """A box in the lane, a child that crosses the street, and a leader that brakes hard."""

@@ -237,12 +237,11 @@ def features(picture: Path) -> Features:
     return np.concatenate([part.ravel() for part in (mean, spread, edge)]).astype(np.float64)
 
 
-def _distances(seen: Features, ordinary: Features, nearest: int = 5) -> Features:
-    """Return the mean distance to the nearest ordinary rows, with features scaled by their spread."""
+def _distances(seen: Features, ordinary: Features) -> Features:
+    """Return the mean distance to the five nearest ordinary rows, with features scaled by their spread."""
     scale = ordinary.std(axis=0) + 1.0
     a, b = seen / scale, ordinary / scale
     square = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None] - 2.0 * a @ b.T
-    k = min(nearest, len(b))
-    near = np.sort(np.maximum(square, 0.0), axis=1)[:, :k]
+    near = np.sort(np.maximum(square, 0.0), axis=1)[:, :5]
     mean: Features = np.round(np.sqrt(near).mean(axis=1), 6)
     return mean

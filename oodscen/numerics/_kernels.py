@@ -148,7 +148,6 @@ def _alone(compiled: Any, name: str) -> Iterator[None]:
 
 
 def _compiled(function: Callable[P, R], name: str) -> Any:
-    """Return the function compiled by numba."""
     import numba
     from numba.extending import register_jitable
 

@@ -165,7 +165,6 @@ def _followed(episodes: Sequence[Episode]) -> list[Followed]:
 
 
 def _filters(scenes: Mapping[str, Any]) -> dict[str, list[str]]:
-    """Return the options of each filter."""
     rows, paths = scenes["scenes"], [one["path"] for one in scenes["leaves"].values()]
     return {
         "class": sorted({path[0] for path in paths if path}),

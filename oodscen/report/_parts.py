@@ -35,7 +35,7 @@ def shortcuts(study: Study, found: Material) -> Variables | None:
     return {
         "audit": found.audit,
         "is_current": found.audit.best_calls(found.episodes) is not None,
-        "chart": intervals(rows, "Balanced accuracy of shortcuts"),
+        "chart": intervals(rows),
     }
 
 

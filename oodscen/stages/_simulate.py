@@ -182,8 +182,6 @@ class _Shown(NamedTuple):
 
 @dataclass(frozen=True)
 class _Run:
-    """One run of a scene."""
-
     scene: Scene
     simulator: Simulator
     seed: int
@@ -269,7 +267,6 @@ class _Run:
     def _again(
         self, controls: Sequence[Control], camera: Camera | None
     ) -> tuple[dict[str, Frame], list[State]]:
-        """Replay controls and return the frames and the states."""
         frames: dict[str, Frame] = {}
         states: list[State] = []
         steps = _steps_shown(len(controls), self.moments) if camera else {}

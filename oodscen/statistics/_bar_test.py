@@ -21,7 +21,7 @@ MOST_TIMES = 1_000.0
 _PLANNED = 4_000
 
 
-def p_below(gaps: Floats, least: float, *, seed: int = 0, times: float = 1.0) -> float:
+def p_below(gaps: Floats, least: float, *, seed: int = 0) -> float:
     """Return the one-sided p of the hypothesis that the mean gap is at most 0.
 
     Args:
@@ -29,15 +29,17 @@ def p_below(gaps: Floats, least: float, *, seed: int = 0, times: float = 1.0) ->
             largest path.
         least: The smallest gap that a path can have, negative.
         seed: Seed of the weights.
-        times: Weight of every path seen, as if the study were so many times as large and its figures the same.
     """
-    return float(p_below_many(gaps[:, None], least, seed=seed, times=times)[0])
+    return float(p_below_many(gaps[:, None], least, seed=seed)[0])
 
 
 def p_below_many(
     gaps: Floats, least: float, *, seed: int = 0, times: float = 1.0, draws: int = DRAWS
 ) -> Floats:
-    """Return [k] p-values, (1 + count) / (1 + draws), of [units, k] sets of gaps with the same weights."""
+    """Return [k] p-values, (1 + count) / (1 + draws), of [units, k] sets of gaps with the same weights.
+
+    Every path seen weighs `times`, as if the study were so many times as large and its figures the same.
+    """
     generator = stream(seed, "bound")
     units, sets = gaps.shape
     worst = least * generator.standard_exponential(draws)

@@ -36,6 +36,8 @@ class Remark:
     """Tooltip of the label."""
 
 
+_OPEN_DEPTH = 2
+"""Branches above this depth are open at first."""
 _MARKS = {"kept": "✓", "dropped": "✕", "failed": "!"}
 
 
@@ -43,7 +45,6 @@ def tree_html(
     tree: "ScenarioTree",
     remarks: Mapping[str, Remark] | None = None,
     *,
-    open_depth: int = 2,
     max_depth: int | None = None,
 ) -> str:
     """Return the tree as a collapsible HTML list without style or script.
@@ -51,7 +52,6 @@ def tree_html(
     Args:
         tree: Any tree.
         remarks: Remarks by node id.
-        open_depth: Branches above this depth are open at first.
         max_depth: Deeper nodes are left out.
     """
     known = remarks or {}
@@ -67,17 +67,12 @@ def tree_html(
         remark = known.get(node.id, _NOTHING)
         if tree.children[node.id] and depth != max_depth:
             nesting.append(depth)
-            parts.append(_branch(node, remark, paths[node.id], is_open=depth < open_depth))
+            parts.append(_branch(node, remark, paths[node.id], is_open=depth < _OPEN_DEPTH))
         else:
             count = paths[node.id] if tree.children[node.id] else 0
             parts.append(_item(node, remark, count))
     parts += ["</ul></details></li>"] * len(nesting)
     return "\n".join([*parts, "</ul>"])
-
-
-def notebook_html(tree: "ScenarioTree") -> str:
-    """Return the tree for a notebook: an outline with its own style that suits any theme."""
-    return _dressed(tree, MAX_SHOWN)
 
 
 def to_page(tree: "ScenarioTree") -> str:
@@ -88,12 +83,12 @@ def to_page(tree: "ScenarioTree") -> str:
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark">'
         f"<title>{title}</title><style>body {{ font-family: system-ui, sans-serif; margin: 1.5rem; }}"
-        f"</style></head><body>{_dressed(tree, len(tree))}</body></html>"
+        f"</style></head><body>{notebook_html(tree, len(tree))}</body></html>"
     )
 
 
-def _dressed(tree: "ScenarioTree", most: int) -> str:
-    """Return an outline of at most `most` nodes, with its style and a line of totals."""
+def notebook_html(tree: "ScenarioTree", most: int = MAX_SHOWN) -> str:
+    """Return an outline of at most `most` nodes, with a line of totals and a style that suits any notebook theme."""
     levels: dict[int, int] = {}
     for _, depth in tree.walk():
         levels[depth] = levels.get(depth, 0) + 1

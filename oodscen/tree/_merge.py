@@ -52,8 +52,6 @@ def _free_name(tree: "ScenarioTree") -> str:
 
 
 class _Merging:
-    """The state of a merge."""
-
     def __init__(self, one: "ScenarioTree", name: str) -> None:
         self.tree = one
         self._name = name

@@ -134,7 +134,6 @@ class World:
             self._insert_bodies(staged)
 
     def _insert_bodies(self, staged: ServedScene) -> None:
-        """Insert the bodies of a staged scene."""
         for name, asset, state in staged.world.bodies():
             role = HERO if name == "ego" else name
             blueprint = self.library[own_id(asset)]

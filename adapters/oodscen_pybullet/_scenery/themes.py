@@ -205,11 +205,11 @@ def _urban(site: Site, is_night: bool) -> None:
         _lamps(site, way, 28.0, -1.9, height=7.5, is_night=is_night)
         _speed_signs(site, way, -2.2, 60.0)
         for side in _SIDES:
-            for index, spot in enumerate(site.spots(way, side, 17.0, jitter=1.5)):
+            for spot in site.spots(way, side, 17.0, jitter=1.5):
                 x, y = spot.beside(0.0, -1.0)
                 if site.terrain.is_corner(x, y, 16.0) or site.is_spanned(spot):
                     continue
-                _street_thing(site, spot, index)
+                _street_thing(site, spot)
     for way in streets:
         for side in _SIDES:
             for spot in site.spots(way, side, 34.0, jitter=8.0):
@@ -262,7 +262,7 @@ def _frontage(site: Site, way: Way, side: int, is_night: bool) -> None:
         s += width + gap if is_placed else 3.0
 
 
-def _street_thing(site: Site, spot: RoadsidePlace, index: int) -> None:
+def _street_thing(site: Site, spot: RoadsidePlace) -> None:
     """Add a tree at the kerb, or a bench, a bin or a hydrant."""
     choice = float(site.rng.uniform())
     wide = site.ground.near(np.array([spot.x]), np.array([spot.y])).asphalt[0]
@@ -299,7 +299,7 @@ def _highway(site: Site) -> None:
                 site.try_to_stand(post, spot, 0.0, 2.0, margin=1.5, radius=0.1)
         if way.is_ego:
             _gantries(site, way)
-        _woods(site, way, 15.0, (7.0, 46.0))
+        _woods(site, way, (7.0, 46.0))
     _horizon(site, 95.0)
 
 
@@ -349,11 +349,11 @@ def _rail(site: Site, way: Way, t: Array, side: int) -> None:
 # ------------------------------------------------------------------ country
 
 
-def _woods(site: Site, way: Way, spacing: float, reach: tuple[float, float]) -> None:
+def _woods(site: Site, way: Way, reach: tuple[float, float]) -> None:
     """Add scattered trees and bushes on both sides."""
     near, far = reach
     for side in _SIDES:
-        for spot in site.spots(way, side, spacing, jitter=spacing * 0.4):
+        for spot in site.spots(way, side, 15.0, jitter=6.0):
             share = float(site.rng.uniform())
             out = near + (far - near) * share * share
             key = int(site.rng.integers(0, 6))
@@ -394,7 +394,7 @@ def _rural(site: Site, is_night: bool) -> None:
         for spot in site.spots(way, -1, 90.0, jitter=30.0):
             for along in (0.0, 7.0, 15.0):
                 site.try_to_stand(bale, spot, along, 26.0 + along / 3, margin=8.0, radius=0.8)
-        _woods(site, way, 15.0, (7.5, 40.0))
+        _woods(site, way, (7.5, 40.0))
     _horizon(site, 70.0)
 
 

@@ -51,9 +51,11 @@ def with_made(
     recogniser = None
     if run.config.recogniser is not None:
         recogniser = PropRecogniser(run.models.get(run.config.recogniser), catalogue)
-    maker = PropMaker(
-        run.llm, run.simulator, lambda seen: _keep_picture(run, seen), recogniser=recogniser
-    )
+
+    def keep_picture(seen: ShownProp) -> None:
+        run.store.write(picture_of(seen.look.id), to_jpeg(views_of(seen)))
+
+    maker = PropMaker(run.llm, run.simulator, keep_picture, recogniser=recogniser)
     wanted = {one.name: one for one in wanted_things(tree, judgements, catalogue)}
     rows = _made(run, ASSETS, judgements, wanted, maker.make)
     props = {one.id: one.prop for one in map(MadeProp.parse, rows) if one.prop is not None}
@@ -75,10 +77,6 @@ def _made_motions(
         return {}
     maker = MotionMaker(run.llm, run.simulator)
     return made_motions(_made(run, MOTIONS, judgements, wanted, maker.make))
-
-
-def _keep_picture(run: Context, seen: ShownProp) -> None:
-    run.store.write(picture_of(seen.look.id), to_jpeg(views_of(seen)))
 
 
 def _made(

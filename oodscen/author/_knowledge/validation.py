@@ -64,7 +64,6 @@ def _repetitions(entries: Sequence[tuple[str, HazardKind]]) -> list[Issue]:
 
 
 def _faults(hazard: HazardKind, knowledge: Knowledge) -> Iterable[Issue]:
-    """Yield the faults of one readable hazard."""
     for index, key in enumerate(hazard.places):
         if key not in knowledge.place_keys:
             yield Issue(f"places[{index}]", f"unknown place {key!r}")

@@ -207,18 +207,16 @@ def _sampled_route(
     return corridor
 
 
-def build_corridor(road: Road, *, start_m: float = 0.0, forward: bool = True) -> Corridor:
-    """Sample a single road; `start_m` is the ego's start along the road's own reference line, m.
+def build_corridor(road: Road) -> Corridor:
+    """Sample a single road, along its own reference line.
 
     Raises:
         ValueError: If the road has too many lanes.
     """
-    return _sampled(Network({road.id: road}), [Leg(road, forward)], 0, start_m)
+    return _sampled(Network({road.id: road}), [Leg(road, True)], 0, 0.0)
 
 
-def build_route(
-    network: Network, legs: Sequence[Leg], *, index: int = 0, start_m: float = 0.0
-) -> Corridor:
+def build_route(network: Network, legs: Sequence[Leg], *, index: int, start_m: float) -> Corridor:
     """Sample the roads that the ego drives, and describe their surroundings.
 
     The ego starts on the leg of the given index, `start_m` along that road's own reference line.

@@ -23,18 +23,16 @@ LOOK_S = 0.2
 """Interval between the later moments that are tried, s."""
 
 
-def visibility_issues(
-    scene: Scene, catalogue: Catalogue, *, camera: Camera | None = None
-) -> list[Issue]:
+def visibility_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     """Return at most one issue: why a viewer cannot name a valid scene's hazard at its decision, and the remedy.
 
     The kinematic world is run without rendering, so contrast and light are not judged. A scene is accepted
     as it is if a later decision makes its hazard large enough while some action is still safe: running the
-    scene moves the decision there by itself. By default the camera is one that the simulator can draw with.
+    scene moves the decision there by itself. The camera is one that the simulator can draw with.
     """
     if scene.is_ordinary or not scene.hazard.actors:
         return []
-    camera = camera_for(catalogue, camera)
+    camera = camera_for(catalogue)
     corridor = load_corridor(scene.map, catalogue)
     world = KinematicWorld(corridor, scene, catalogue, 0)
     driver = Cruise()

@@ -61,7 +61,6 @@ def read_poses(path: str | Path) -> PlayedPoses:
 
 
 def _collected(rows: Iterator[Row], source: str) -> PlayedPoses:
-    """Return rows as arrays."""
     times: dict[float, int] = {}
     names: dict[str, int] = {}
     found = list(rows)

@@ -7,9 +7,9 @@ from oodscen.encoders._similarity import Vectors
 
 
 def principal_axes(
-    vectors: Vectors, count: int = 2
+    vectors: Vectors,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the mean [d], the principal axes [count, d] and the shares of variance [count].
+    """Return the mean [d], two principal axes [2, d] and their shares of variance [2].
 
     The largest component of each axis is positive, which fixes its sign. Axes beyond the rank are zero.
     """
@@ -19,8 +19,8 @@ def principal_axes(
     scatter = apart.T @ apart
     values, columns = np.linalg.eigh(scatter)
     total = float(np.trace(scatter)) or 1.0
-    found, share = np.zeros((count, wide.shape[1])), np.zeros(count)
-    for place in range(min(count, len(values), max(len(wide) - 1, 0))):
+    found, share = np.zeros((2, wide.shape[1])), np.zeros(2)
+    for place in range(min(2, len(values), max(len(wide) - 1, 0))):
         value, axis = float(values[-1 - place]), columns[:, -1 - place]
         if value <= 1e-12 * total:
             break

@@ -227,12 +227,10 @@ def linear(low: float, high: float, start: float, end: float) -> Callable[[float
     return lambda value: start + (end - start) * (value - low) / (high - low)
 
 
-def whole_axis(low: int, high: int, ticks: int) -> tuple[int, int, int]:
+def whole_axis(low: int, high: int) -> tuple[int, int, int]:
     """Return round bounds and a round step for an axis of whole numbers."""
     span = max(high - low, 1)
-    step = next(
-        s for s in (1, 2, 5, 10, 20, 25, 50, 100, 200, 250, 500, 10**9) if span / s <= ticks
-    )
+    step = next(s for s in (1, 2, 5, 10, 20, 25, 50, 100, 200, 250, 500, 10**9) if span / s <= 4)
     bottom = low // step * step
     return bottom, max(-(-high // step) * step, bottom + step), step
 

@@ -29,7 +29,7 @@ def growth(points: Sequence[Point], start: int, final: int | None = None) -> Can
     last = max(points[-1].round if points else 1, 1)
     sizes = [start, *(point.nodes for point in points)]
     every = [*sizes, *([final] if final else [])]
-    low, high, step = whole_axis(min(every), max(every), 4)
+    low, high, step = whole_axis(min(every), max(every))
     x, y = linear(0, last, _LEFT, right), linear(low, high, bottom, top)
     drawn = Canvas(
         f"Nodes of the tree over {last} rounds of red teaming, from {start} to {sizes[-1]}",
@@ -63,7 +63,7 @@ def saturation_chart(found: Saturation) -> Canvas | None:
         return None
     right, top, bottom = WIDTH - 58, 14, 160
     last, total = max(found.curve[-1].round, 1), found.kinds + found.unseen
-    _, high, step = whole_axis(0, max(round(min(1.1 * total, 1.6 * found.kinds)), 4), 4)
+    _, high, step = whole_axis(0, max(round(min(1.1 * total, 1.6 * found.kinds)), 4))
     x, height = linear(0, last, _LEFT, right), linear(0, high, bottom, top)
 
     def y(value: float) -> float:

@@ -144,15 +144,16 @@ def shares(counts: Sequence[tuple[str, int]]) -> Canvas:
     return drawn
 
 
-def intervals(rows: Sequence[tuple[str, float, float, float]], what: str) -> Canvas:
-    """Draw shares as dots with their intervals, one row each, with a line at one half.
+def intervals(rows: Sequence[tuple[str, float, float, float]]) -> Canvas:
+    """Draw balanced accuracies of shortcuts as dots with their intervals, one row each, with a line at one half.
 
     Args:
         rows: Label, share, and the ends of its interval.
-        what: Text alternative for screen readers.
     """
-    label = f"{what}: " + "; ".join(f"{name} {round(100 * share)} %" for name, share, _, _ in rows)
-    drawn = Canvas(label, 8.0 + 27 * len(rows), kind="chart bars")
+    parts = "; ".join(f"{name} {round(100 * share)} %" for name, share, _, _ in rows)
+    drawn = Canvas(
+        f"Balanced accuracy of shortcuts: {parts}", 8.0 + 27 * len(rows), kind="chart bars"
+    )
     half = _RIGHT / 2
     drawn.path("chance", [(half, 2), (half, 6.0 + 27 * len(rows))], "no better than guessing: 50 %")
     y = 4.0

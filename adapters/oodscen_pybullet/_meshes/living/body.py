@@ -133,36 +133,35 @@ def add_arm(
     mesh.ball(hand, (0.045, 0.04, 0.06), clothes.skin, around=6, down=4)
 
 
-def add_head(mesh: MeshBuilder, clothes: Clothes, head: Point) -> None:
-    """Add the head with face, hair or hat around its centre."""
-    x, y, z = head
-    mesh.ball(head, (0.10, 0.082, 0.125), clothes.skin)
-    mesh.box((x + 0.10, y, z - 0.015), (0.03, 0.025, 0.04), clothes.skin, caps="b")
+def add_head(mesh: MeshBuilder, clothes: Clothes) -> None:
+    """Add the head with face, hair or hat around the origin."""
+    mesh.ball((0.0, 0.0, 0.0), (0.10, 0.082, 0.125), clothes.skin)
+    mesh.box((0.10, 0.0, -0.015), (0.03, 0.025, 0.04), clothes.skin, caps="b")
     for side in (-1.0, 1.0):
         eye = side * 0.036
         mesh.polygon(
             [
-                (x + 0.094, y + eye - 0.014, z + 0.012),
-                (x + 0.094, y + eye + 0.014, z + 0.012),
-                (x + 0.092, y + eye + 0.014, z + 0.034),
-                (x + 0.092, y + eye - 0.014, z + 0.034),
+                (0.094, eye - 0.014, 0.012),
+                (0.094, eye + 0.014, 0.012),
+                (0.092, eye + 0.014, 0.034),
+                (0.092, eye - 0.014, 0.034),
             ],
             "hair",
         )
     if clothes.hat:
-        mesh.ball((x - 0.01, y, z + 0.055), (0.125, 0.11, 0.105), clothes.hat)
-        mesh.box((x + 0.10, y, z + 0.05), (0.10, 0.17, 0.02), clothes.hat)
+        mesh.ball((-0.01, 0.0, 0.055), (0.125, 0.11, 0.105), clothes.hat)
+        mesh.box((0.10, 0.0, 0.05), (0.10, 0.17, 0.02), clothes.hat)
         return
-    mesh.ball((x - 0.025, y, z + 0.045), (0.105, 0.095, 0.105), clothes.hair)
+    mesh.ball((-0.025, 0.0, 0.045), (0.105, 0.095, 0.105), clothes.hair)
     if clothes.has_long_hair:
         mesh.hull(
-            (x - 0.13, x - 0.02, y - 0.09, y + 0.09, z - 0.2),
-            (x - 0.12, x + 0.02, y - 0.095, y + 0.095, z + 0.06),
+            (-0.13, -0.02, -0.09, 0.09, -0.2),
+            (-0.12, 0.02, -0.095, 0.095, 0.06),
             clothes.hair,
         )
 
 
-def add_vest(mesh: MeshBuilder, colour: str, head: Point) -> None:
+def add_vest(mesh: MeshBuilder, head: Point) -> None:
     """Add a high-visibility vest with two reflective bands around the chest, below a given head."""
     x, _, z = head
     rings = (
@@ -171,7 +170,7 @@ def add_vest(mesh: MeshBuilder, colour: str, head: Point) -> None:
         ((x - 0.02, 0.0, z - 0.24), 0.142, 0.214),
         ((x - 0.02, 0.0, z - 0.17), 0.10, 0.19),
     )
-    mesh.column(rings, colour, caps="")
+    mesh.column(rings, "fluor_yellow", caps="")
     for low, high in ((-0.62, -0.56), (-0.42, -0.36)):
         mesh.column(
             [((x - 0.04, 0, z + low), 0.140, 0.192), ((x - 0.04, 0, z + high), 0.140, 0.194)],

@@ -35,13 +35,11 @@ def limb(
     points: tuple[Point, Point, Point],
     radii: tuple[float, float, float],
     colours: tuple[str, str],
-    *,
-    sides: int = 6,
 ) -> None:
     """Add two round, tapered bones."""
     start, middle, end = points
-    mesh.cylinder(start, middle, radii[0], colours[0], sides=sides, end_radius=radii[1])
-    mesh.cylinder(middle, end, radii[1], colours[1], sides=sides, end_radius=radii[2])
+    mesh.cylinder(start, middle, radii[0], colours[0], sides=6, end_radius=radii[1])
+    mesh.cylinder(middle, end, radii[1], colours[1], sides=6, end_radius=radii[2])
 
 
 def stride(phase: float, half: float, lift: float, stance: float) -> tuple[float, float]:

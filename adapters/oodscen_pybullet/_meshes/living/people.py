@@ -90,7 +90,7 @@ def figure(
     add_skirt(mesh, clothes, hip)
     head = add_neck(mesh, clothes, shoulder, lean)
     face = MeshBuilder()
-    add_head(face, clothes, (0.0, 0.0, 0.0))
+    add_head(face, clothes)
     mesh.add_surface(face.build(), head, yaw=_TURNS.get(shown.warned or "", 0.0))
     for extra in (worn, on_head):
         if extra is not None:
@@ -161,7 +161,7 @@ def worker(mesh: MeshBuilder, shown: Appearance) -> None:
 
 def yellow_vest(body: MeshBuilder, head: Point) -> None:
     """Add a yellow high-visibility vest."""
-    add_vest(body, "fluor_yellow", head)
+    add_vest(body, head)
 
 
 def has_free_hands(shown: Appearance) -> bool:
@@ -176,7 +176,7 @@ def police_officer(mesh: MeshBuilder, shown: Appearance) -> None:
 
     def worn(body: MeshBuilder, head: Point) -> None:
         x, _, z = head
-        add_vest(body, "fluor_yellow", (x, 0.0, z))
+        add_vest(body, (x, 0.0, z))
         for side, at in ((-1.0, -0.175), (1.0, 0.135)):
             corners = [
                 (x + at, y, z - h)

@@ -139,7 +139,7 @@ def arm(angles: Arm, side: float, shoulder: Point) -> Chain:
     lift, aside, elbow, twist = (PI * value / 180.0 for value in angles)
     # The hanging arm, with the forearm's bend forward, is swung up in the plane at the azimuth `aside`.
     azimuth = side * aside
-    swing = _times(_about_z(azimuth), _times(_about_y(-lift), _about_z(-azimuth)))
+    swing = _times(rotation(yaw=azimuth), _times(rotation(pitch=-lift), rotation(yaw=-azimuth)))
     down, forward = (0.0, 0.0, -1.0), (cos(twist), -side * sin(twist), 0.0)
     bent = _mixed(down, forward, cos(elbow), sin(elbow))
     upper, lower = _way(swing, down), _way(swing, bent)
@@ -150,7 +150,7 @@ def arm(angles: Arm, side: float, shoulder: Point) -> Chain:
 def leg(angles: Leg, side: float, hip: Point, lean: float) -> Chain:
     """Return the joints of a leg; a foot without an angle is level although the body leans, in degrees."""
     thigh, out, knee = (PI * value / 180.0 for value in angles[:3])
-    sideways = _about_x(side * out)
+    sideways = rotation(roll=side * out)
     shin = thigh - knee
     ankle = PI * angles[3] / 180.0 if len(angles) == 4 else shin - PI * lean / 180.0
     foot = shin + PI / 2 - ankle
@@ -164,19 +164,7 @@ def leg(angles: Leg, side: float, hip: Point, lean: float) -> Chain:
 
 def trunk(frame: KeyFrame) -> Array:
     """Return the rotation of the trunk about the hips."""
-    return _times(_about_y(PI * frame.lean / 180.0), _about_x(-PI * frame.roll / 180.0))
-
-
-def _about_x(angle: float) -> Array:
-    return rotation(roll=angle)
-
-
-def _about_y(angle: float) -> Array:
-    return rotation(pitch=angle)
-
-
-def _about_z(angle: float) -> Array:
-    return rotation(yaw=angle)
+    return _times(rotation(pitch=PI * frame.lean / 180.0), rotation(roll=-PI * frame.roll / 180.0))
 
 
 def _times(one: Array, two: Array) -> Array:

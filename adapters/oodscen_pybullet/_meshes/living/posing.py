@@ -47,27 +47,13 @@ def posed_figure(
         half_step: Distance ahead of the hip at which a walking foot lands, m.
         extras: Functions that add to the trunk, and to the head.
     """
-    person = MeshBuilder()
-    _add_person(person, clothes, shown, pose, half_step, extras)
-    _add_things(mesh, pose, pose.at(shown.beat))
-    mesh.add_surface(person.build(), yaw=PI if pose.backwards else 0.0)
-
-
-def _add_person(
-    mesh: MeshBuilder,
-    clothes: Clothes,
-    shown: Appearance,
-    pose: Pose,
-    half_step: float,
-    extras: _Extras,
-) -> None:
     frame = pose.at(shown.beat)
     gait = shown.gait if pose.is_walking else None
     bends_legs = pose.bends_legs and gait is None
     worn, on_head = extras
     dressed = replace(clothes, legs=clothes.skirt or clothes.legs) if bends_legs else clothes
     drop = body.drop_of(gait)
-    whole, hip = MeshBuilder(), HIP_M - drop
+    person, whole, hip = MeshBuilder(), MeshBuilder(), HIP_M - drop
     for side in (-1.0, 1.0):
         own = gait and gait.of(side, backwards=pose.backwards)
         if bends_legs:
@@ -75,7 +61,7 @@ def _add_person(
             assert angles is not None
             _leg(whole, dressed, leg(angles, side, (0.0, side * HIP_Y, hip), frame.lean))
         else:
-            body.add_leg(mesh, clothes, side, hip, own, half_step)
+            body.add_leg(person, clothes, side, hip, own, half_step)
         shoulder = (0.0, side * SHOULDER_Y, SHOULDER_M - drop)
         arm_angles = frame.left_arm if side > 0 else frame.right_arm
         if arm_angles is None:
@@ -85,7 +71,7 @@ def _add_person(
     body.add_trunk(whole, dressed, hip, SHOULDER_M - drop, 0.0)
     head = body.add_neck(whole, clothes, SHOULDER_M - drop, 0.0)
     face = MeshBuilder()
-    body.add_head(face, clothes, (0.0, 0.0, 0.0))
+    body.add_head(face, clothes)
     if on_head is not None:
         on_head(face, (0.0, 0.0, 0.0))
     nod, turn = frame.head
@@ -94,9 +80,11 @@ def _add_person(
     if worn is not None:
         worn(whole, head)
     middle = (0.0, 0.0, hip)
-    mesh.add_surface(whole.build().moved(trunk(frame), about=middle, to=middle))
+    person.add_surface(whole.build().moved(trunk(frame), about=middle, to=middle))
     if not bends_legs:
-        body.add_skirt(mesh, clothes, hip)
+        body.add_skirt(person, clothes, hip)
+    _add_things(mesh, pose, frame)
+    mesh.add_surface(person.build(), yaw=PI if pose.backwards else 0.0)
 
 
 def _leg(mesh: MeshBuilder, clothes: Clothes, joints: Chain) -> None:

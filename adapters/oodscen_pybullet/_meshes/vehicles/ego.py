@@ -23,7 +23,7 @@ def ego_car(mesh: MeshBuilder, shown: Appearance) -> None:
     mesh.add_surface(scaled)
 
 
-def bonnet(paint: str) -> MeshBuilder:
+def bonnet() -> MeshBuilder:
     """The bonnet of the ego as its dash camera sees it."""
     mesh = MeshBuilder()
     rows = ((1.30, 0.90, 0.965), (1.85, 0.86, 0.875), (2.12, 0.78, 0.775), (2.22, 0.62, 0.70))
@@ -35,7 +35,7 @@ def bonnet(paint: str) -> MeshBuilder:
                 (x1, y1 * 0.5, z1 + 0.02),
                 (x0, y0 * 0.5, z0 + 0.02),
             ],
-            paint,
+            "silver",
         )
         for side in (-1.0, 1.0):
             strip = [
@@ -44,7 +44,7 @@ def bonnet(paint: str) -> MeshBuilder:
                 (x1, side * y1, z1 - 0.05),
                 (x1, side * y1 * 0.5, z1 + 0.02),
             ]
-            mesh.polygon(strip if side < 0 else strip[::-1], paint)
+            mesh.polygon(strip if side < 0 else strip[::-1], "silver")
     return mesh
 
 

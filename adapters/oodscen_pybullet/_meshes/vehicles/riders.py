@@ -63,15 +63,15 @@ def _pedals(shown: Appearance, hub: Point) -> tuple[Point, Point]:
     return places[0], places[1]
 
 
-def _spoked_wheel(mesh: MeshBuilder, x: float, radius: float, y: float = 0.0) -> None:
+def _spoked_wheel(mesh: MeshBuilder, x: float, radius: float) -> None:
     turns = [2 * math.pi * i / 14 for i in range(14)]
     rim = [
-        (x + 0.95 * radius * math.cos(t), y, radius + 0.95 * radius * math.sin(t)) for t in turns
+        (x + 0.95 * radius * math.cos(t), 0.0, radius + 0.95 * radius * math.sin(t)) for t in turns
     ]
     for one, two in itertools.pairwise([*rim, rim[0]]):
         mesh.beam(one, two, 0.05, "tyre")
     for i in range(0, 14, 2):
-        mesh.beam((x, y, radius), rim[i], 0.014, "silver")
+        mesh.beam((x, 0.0, radius), rim[i], 0.014, "silver")
 
 
 def _lamps(mesh: MeshBuilder, shown: Appearance, tail: Point, head: Point) -> None:
