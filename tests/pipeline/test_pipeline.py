@@ -20,8 +20,8 @@ from oodscen._pipeline.dropping import drop_models
 from oodscen.errors import (
     DataError,
     FolderTaken,
-    LLMError,
     InUse,
+    LLMError,
     StudyError,
     StudyMismatch,
     UnknownComponent,
