@@ -320,6 +320,7 @@ def test_an_unknown_name_is_told_with_those_that_are_known(what) -> None:
 OTHERS = {
     "one form": lambda: EMPTY.publish("out", forms="vlmevalkit"),
     "a study's folder": lambda: Study(3),
+    "a requirement that is no text": lambda: EMPTY.write_report(3),
     "a path's text": lambda: names_aspect("deer", "Deer"),
     "an array of nothing": lambda: names_aspect("deer", np.array([])),
     "an array without an axis": lambda: names_aspect("deer", np.array("Deer")),

@@ -255,7 +255,7 @@ class SceneUses:
             camera: The camera that rendered the frame; by default the ego's dash camera.
 
         Raises:
-            UsageError: If the state is one of another scene.
+            UsageError: If the state is one of another scene, or the frame is one of another camera.
         """
         from oodscen.stages._annotations import annotate
 

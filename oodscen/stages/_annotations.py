@@ -184,6 +184,27 @@ class FrameAnnotations(Data):
         }
 
 
+def _check_frame(frame: Frame, camera: Camera) -> None:
+    """Refuse a frame that another camera has rendered.
+
+    Raises:
+        UsageError: If its arrays have another size than the camera's picture, or its ids are no whole numbers.
+    """
+    size = (camera.height, camera.width)
+    arrays = {
+        "rgb": (frame.rgb, (*size, 3)),
+        "depth": (frame.depth, size),
+        "ids": (frame.ids, size),
+    }
+    for name, (array, shape) in arrays.items():
+        if (found := getattr(array, "shape", None)) != shape:
+            raise UsageError(
+                f"frame: {name} has the shape {found}, not {shape}; name the camera that rendered it"
+            )
+    if not np.issubdtype(frame.ids.dtype, np.integer):
+        raise UsageError(f"frame: ids must be whole numbers, not {frame.ids.dtype}")
+
+
 @checked
 def annotate(
     frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
@@ -191,6 +212,7 @@ def annotate(
     """Annotate a frame; `Scene.annotate` tells arguments and errors."""
     state_of(scene, state)
     camera = camera_for(catalogue, camera)
+    _check_frame(frame, camera)
     cast = bodies(scene, catalogue, state.poses)
     eye = Eye(camera, cast[0].solid)
     assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}

@@ -7,6 +7,8 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
+from oodscen._arguments import checked
+
 if TYPE_CHECKING:
     from oodscen.publish._publishing import Form, Publication
     from oodscen.study._study import Study
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
 class StudyUses:
     """The report of a study, and its publication as a data set."""
 
+    @checked
     def write_report(
         self, require: str | None = None, *, warn: Callable[[str], None] | None = None
     ) -> Path:

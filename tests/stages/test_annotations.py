@@ -1,5 +1,7 @@
 """Annotations: what they say of a frame is what the frame shows."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -145,3 +147,25 @@ def test_files_hold_all_of_it(seen, notes, tmp_path):
     near = np.isfinite(frame.depth) & (frame.depth < 600.0)
     np.testing.assert_allclose(0.01 * depth[near], frame.depth[near], atol=0.006)
     assert (depth[~np.isfinite(frame.depth)] == 0).all()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda frame: {"ids": frame.ids[::2, ::2]},
+        lambda frame: {"ids": frame.ids.astype(float)},
+        lambda frame: {"ids": None},
+        lambda frame: {"rgb": frame.rgb[:, :, 0]},
+        lambda frame: {"depth": frame.depth[1:]},
+    ],
+)
+def test_a_frame_that_is_not_the_camera_s_is_refused(seen, change):
+    frame, state, catalogue = seen
+    with pytest.raises(UsageError, match="frame: "):
+        SCENE.annotate(replace(frame, **change(frame)), state, catalogue, CAMERA)
+
+
+def test_a_frame_of_another_camera_is_refused(seen):
+    frame, state, catalogue = seen
+    with pytest.raises(UsageError, match=r"\(240, 320, 3\), not \(480, 640, 3\); name the camera"):
+        SCENE.annotate(frame, state, catalogue)
