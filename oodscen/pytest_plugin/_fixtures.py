@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 
+from oodscen._text import plain
+from oodscen.errors import OodscenError
 from oodscen.pytest_plugin._hooks import SESSION
 from oodscen.pytest_plugin._session import DRIVE, DrivingSession
 
@@ -21,6 +23,12 @@ def _session(request: pytest.FixtureRequest) -> DrivingSession:
 @pytest.fixture
 def oodscen_scene(request: pytest.FixtureRequest) -> "Scene":
     """The parameter of `scene`."""
+    if not hasattr(request, "param"):
+        pytest.fail(
+            "oodscen runs a test once for every scene only if `scene`, `twin` or `drive` is an argument of it; methods "
+            "of unittest.TestCase and request.getfixturevalue have no scene",
+            pytrace=False,
+        )
     return cast("Scene", request.param)
 
 
@@ -46,7 +54,13 @@ def drive(scene: "Scene", simulator: "Simulator", request: pytest.FixtureRequest
     from oodscen.pytest_plugin._driving import Drive
 
     test = request.node.nodeid.rpartition("::")[2].partition("[")[0]
-    request.node.stash[DRIVE] = Drive(scene, simulator, _session(request).scenes, test)
+    try:
+        scenes = _session(
+            request
+        ).scenes  # Not read before where the test has a `scene` of its own.
+    except OodscenError as error:
+        pytest.fail(plain(str(error)), pytrace=False)
+    request.node.stash[DRIVE] = Drive(scene, simulator, scenes, test)
     return cast("Drive", request.node.stash[DRIVE])
 
 

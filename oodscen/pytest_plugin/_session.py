@@ -96,9 +96,17 @@ class DrivingSession:
 
     @cached_property
     def scenes(self) -> "Scenes":
-        """The texts, plans and folder that the drives of the session share."""
-        from oodscen.pytest_plugin._scenes import Scenes
+        """The texts, plans and folder that the drives of the session share.
 
+        Raises:
+            UsageError: If a scene or its text has changed since it was run.
+            DataError: If a table of the study is malformed.
+        """
+        from oodscen.pytest_plugin._scenes import Scenes
+        from oodscen.study._stale import refuse_stale
+
+        # Grades and safe actions are those of the scenes as they were run, as for `oodscen drive`.
+        refuse_stale(self.study, self.study.episodes, self.study.scenes)
         return Scenes(self.study, self.study.config.seed, self._pictures())
 
     @property

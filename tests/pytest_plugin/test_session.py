@@ -11,8 +11,10 @@ import pytest
 import oodscen.pytest_plugin._fixtures  # noqa: F401  # Sessions in this process share the module.
 from oodscen import Scenario, Study, make_driver, make_simulator, simulate
 from oodscen._display import png
+from oodscen.errors import UsageError
 from oodscen.protocols import Camera
 from oodscen.stages._drive import NEEDLESS_BRAKING, DrivePlan
+from oodscen.study._stale import refuse_stale
 from oodscen.testing import example_scene
 
 pytest_plugins = ["pytester"]
@@ -165,6 +167,37 @@ def test_scenes_have_readable_ids_and_marks(session, study):
     marks = session("Blind", "--markers").stdout.str()
     assert "path_box_at_the_kerb:" in marks
     assert "tag_RoadTypeMinor:" in marks
+
+
+def test_an_edited_study_is_refused_in_the_words_of_drive(session, quick, pytester):
+    edited = Path(shutil.copytree(quick, pytester.path / "edited"))
+    first, *others = (edited / "scenes.jsonl").read_text(encoding="utf-8").splitlines()
+    slow = json.loads(first)
+    slow["ego"]["speed"] = 3.0
+    lines = "\n".join([json.dumps(slow), *others, ""])
+    (edited / "scenes.jsonl").write_text(lines, encoding="utf-8")
+    study = Study.open(edited)
+    with pytest.raises(UsageError, match="has changed since it was run") as said:
+        refuse_stale(study, study.episodes, study.scenes)
+    words = (f"--oodscen={edited}", "--oodscen-require=safe>=0", "-k", "test_safe")
+    refused = session("'rule-based'", *words, named=False)
+    assert refused.ret in (pytest.ExitCode.INTERRUPTED, pytest.ExitCode.TESTS_FAILED)
+    assert str(said.value) in refused.stdout.str()
+    assert "Traceback" not in refused.stdout.str()
+    assert " safe, " not in refused.stdout.str(), "a stack has figures"
+
+
+def test_a_scene_that_no_argument_names_is_explained(session, pytester):
+    pytester.makepyfile(
+        test_stack="""
+def test_late(request):
+    request.getfixturevalue("drive")
+"""
+    )
+    result = session("'rule-based'")
+    assert result.ret == pytest.ExitCode.TESTS_FAILED
+    result.stdout.fnmatch_lines(["*is an argument of it*"])
+    result.stdout.no_fnmatch_line("*SubRequest*")
 
 
 def test_an_error_of_the_stack_is_shown_as_its_own(session):

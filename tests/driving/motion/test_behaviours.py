@@ -58,6 +58,7 @@ LISTS_BEHAVIOURS = {
     "adapters/oodscen_highway/_catalogue.py": "what highway-env is able to drive",
     "adapters/oodscen_sumo/_catalogue.py": "what SUMO is able to drive",
     "oodscen/data/_details.py": "lies below the rows",
+    "oodscen/testing/_kit/following.py": "what a probe tries in turn",
     "oodscen/testing/_kit/measures.py": "what a probe tries in turn",
     "oodscen/testing/_kit/motion.py": "what a probe tries in turn",
     "oodscen/testing/_kit/runs.py": "what a probe tries in turn",
