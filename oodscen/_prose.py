@@ -96,3 +96,21 @@ _REFUSAL = re.compile(
     rf"|{_CANNOT} (?:\w+ )?(?:view|see|access|describe|analy[sz]e|identify) (?:\w+ ){{0,4}}{_PICTURES}\b(?! (?:well|clearly)\b)"
     rf"|\bi have no access to (?:\w+ )?{_PICTURES}|\bi (?:must|have to) decline\b|\bas an? (?:ai )?language model\b"
 )
+
+
+def is_disowned(before: str, after: str) -> bool:
+    """Return whether the words right before or after something say that it is not meant: "not this: ...", "~~...~~"."""
+    return bool(_DENIED_AHEAD.search(before[-80:]) or _DENIED_BEHIND.match(after[:80]))
+
+
+_DENIED_AHEAD = re.compile(
+    r"(?:~~|(?:\bnot|n['\u2019]t|\bnever|\bwrong|\bincorrect|\binvalid|\binstead of|\brather than|\bbad)"
+    r"(?: (?:be|this|that|it|the|an?|answer|output|give|say|write|example|object|json)){0,4})[\s:*_`\"'(]*(?:json)?\s*$",
+    re.IGNORECASE,
+)
+_DENIED_BEHIND = re.compile(
+    r"[\s`*_)\"'.,;:\u2013\u2014-]*(?:~~|(?:(?:this|that|it|which|the (?:above|answer|object)) )?"
+    r"(?:(?:(?:is|was|would be)(?: not|n['\u2019]t)) (?:(?:the|my|an?) )?(?:answer|right|correct|valid|true|it|so|meant)"
+    r"|(?:is|was|would be) (?:wrong|incorrect|invalid|false)|wrong)\b)",
+    re.IGNORECASE,
+)

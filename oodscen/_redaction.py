@@ -25,7 +25,7 @@ _SECRET_NAME = re.compile(
 
 _SHAPES = re.compile(
     r"""
-      (?<![A-Za-z0-9]) (?: sk | pk | rk | gsk | xai | hf | r8 | pplx | nvapi ) [-_] [\w-]{8,}
+      (?<![A-Za-z0-9]) (?: (?: sk | pk | rk | gsk | xai | r8 | pplx | nvapi ) [-_] [\w-]{8,} | hf_ \w{8,} )
     | (?<![A-Za-z0-9]) AIza [\w-]{20,}
     | (?<![A-Za-z0-9]) (?: AKIA | ASIA ) [A-Z0-9]{12,}
     | (?<![A-Za-z0-9]) eyJ [\w-]{8,} \. [\w-]{8,} \. [\w-]*

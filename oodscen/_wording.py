@@ -87,24 +87,34 @@ _WORD = re.compile(r"[^\W\d_]+")
 
 
 @lru_cache(maxsize=16_384)
-def wording_fault(label: str) -> str:
+def wording_fault(text: str) -> str:
     """Return why a visible text of permitted length is not plain words, as a predicate; every edit of a tree asks."""
-    if label.isascii() and label.isprintable():
-        text = label
+    if text.isascii() and text.isprintable():
+        shown = text
     else:
-        if any(unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") for char in label):
+        if any(unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") for char in text):
             return "contains line breaks, control characters or halves of characters"
-        if has_unseen(label):
+        if has_unseen(text):
             return "contains characters that do not show or turn the direction of writing"
-        text = seen(label)
-    if _MARKUP.search(text) or ("&" in text and html.unescape(text) != text):
+        shown = seen(text)
+    if _MARKUP.search(shown) or ("&" in shown and html.unescape(shown) != shown):
         return "contains markup or code: plain words are wanted"
-    if not label.isascii() and _is_disguised(text):
+    if not text.isascii() and _is_disguised(shown):
         return "mixes alphabets so that words pass for others: use one alphabet per word"
-    plain = one_line(text.translate(_LOOKALIKES))
+    plain = one_line(shown.translate(_LOOKALIKES))
     if _ADDRESSED.search(plain) or _ADDRESSED.search(re.sub(r"[-_/*~]+", " ", plain)):
         return "speaks to a model: plain words are wanted"
     return ""
+
+
+def is_left_out(text: str) -> bool:
+    """Return whether a text is a word with which models leave a member out, such as `null`."""
+    return text.strip().casefold() in _PLACEHOLDERS
+
+
+_PLACEHOLDERS = frozenset(
+    {"null", "none", "nil", "n/a", "undefined", "nothing", "no", "-", "...", "\u2026"}
+)
 
 
 def description_fault(text: str) -> str:
@@ -139,23 +149,23 @@ def _is_disguised(text: str) -> bool:
     )
 
 
-def has_unseen(label: str) -> bool:
+def has_unseen(text: str) -> bool:
     """Return whether a text has invisible or turning characters; joiners between letters may stand."""
-    for index, char in enumerate(label):
+    for index, char in enumerate(text):
         if unicodedata.category(char) != "Cf":
             continue
-        around = label[index - 1 : index] if index else "", label[index + 1 : index + 2]
+        around = text[index - 1 : index] if index else "", text[index + 1 : index + 2]
         is_joint = all(side and unicodedata.category(side)[0] in "LM" for side in around)
         if char not in _JOINERS or not is_joint:
             return True
     return False
 
 
-def seen(label: str) -> str:
+def seen(text: str) -> str:
     """Return the visible characters in their canonical form."""
-    if label.isascii():
-        return label
-    return "".join(char for char in unicodedata.normalize("NFKC", label) if not is_unseen(char))
+    if text.isascii():
+        return text
+    return "".join(char for char in unicodedata.normalize("NFKC", text) if not is_unseen(char))
 
 
 def is_unseen(char: str) -> bool:

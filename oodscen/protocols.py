@@ -203,9 +203,8 @@ class Camera:
     def __post_init__(self) -> None:
         for name in ("width", "height"):
             pixels = whole_number(f"camera: {name}", getattr(self, name), 1, MAX_SIZE)
-            object.__setattr__(
-                self, name, pixels
-            )  # Python's: products of numpy's small ones overflow.
+            # Python's own number: products of numpy's small ones overflow.
+            object.__setattr__(self, name, pixels)
         for name, least, most in (
             ("fov_deg", 1.0, 170.0),
             ("pitch_deg", -90.0, 90.0),

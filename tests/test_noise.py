@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from oodscen._text import whole
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Trigger, Weather
-from oodscen.llm._ask import read_answer
+from oodscen.llm._reading import read_answer
 from oodscen.prompts import QUESTIONS
 from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.prompts._tree.place_scenario import PlacedScenario

@@ -123,6 +123,11 @@ def test_the_shapes_of_providers_keys_are_hidden(secret):
         assert secret not in redact(text)
 
 
+def test_the_name_of_an_organisation_is_no_key():
+    name = "huggingface/hf-internal-testing/tiny-random-gpt2"
+    assert redact(name) == name
+
+
 def test_bearer_tokens_and_passwords_in_addresses_are_hidden():
     assert redact("Authorization: Bearer abc.def/ghi+jkl") == f"Authorization: Bearer {HIDDEN}"
     assert redact("https://me:secret@host/v1") == f"https://{HIDDEN}@host/v1"

@@ -198,10 +198,17 @@ class SceneUses:
             SceneError: When the simulator refuses the scene.
             UsageError: When another thread uses the simulator; `driver` is not a driver, or returns no control; `fps`
                 or `path` is invalid.
+            FolderTaken: When the file would be one of a study's own, or lie below one of its folders.
             OodscenError: When the file cannot be written. An earlier file of that name stays then.
         """
-        from oodscen.stages._video import record
+        from pathlib import Path
 
+        from oodscen._arguments import instance_of
+        from oodscen.stages._video import record
+        from oodscen.study._files import refuse_own
+
+        instance_of("path", path, str, Path)
+        refuse_own(Path(path))
         return record(
             _scene(self),
             simulator,

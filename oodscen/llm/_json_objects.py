@@ -97,7 +97,7 @@ _MENDED = 100
 _MENDABLE = 20_000
 """Length of the longest faulty object to repair, in characters; repairing takes quadratic time."""
 
-_OBJECT = re.compile(r"""\{\s*(?:["'}]|[A-Za-z_]\w*\s*:|//|/\*)""")
+_OBJECT = re.compile(r"""\{\s*(?:["'}\u201c]|[A-Za-z_]\w*\s*:|//|/\*|#)""")
 """The start of an object, leniently; braces in prose and formulas do not match."""
 
 _TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\]"]', re.DOTALL)
@@ -201,7 +201,9 @@ def _essence(text: str) -> str:
     return _FORM.sub("", _COMMA.sub(",", whole(text).casefold().replace("none", "null")))
 
 
-_COMMENT = re.compile(r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|//[^\n]*|/\*.*?\*/""", re.DOTALL)
+_COMMENT = re.compile(
+    r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|(?://|#)[^\n]*|/\*.*?\*/""", re.DOTALL
+)
 _BREAK = re.compile(r"\\[bfnrt]")
 _CODE = re.compile(r"\\u([0-9a-fA-F]{4})")
 _COMMA = re.compile(r"\s*,\s*")

@@ -53,6 +53,7 @@ class DrivingSession:
         self._drives: dict[str, DriveResult] = {}
         self._fault = ""
         self._is_whole = False
+        self._lost_a_process = False
         try:
             self._bars = self._requirement(setting(config, "oodscen_require"))
             self._per_path = _count(setting(config, "oodscen_per_path"))
@@ -119,12 +120,20 @@ class DrivingSession:
         return setting(self._config, "oodscen_simulator") or self.study.config.simulator
 
     def _pictures(self) -> Path | None:
-        """Return the folder for pictures: as named, else beside the JUnit file."""
-        named = path_setting(self._config, "oodscen_pictures")
+        """Return the folder for pictures: as named, else beside the JUnit file.
+
+        Raises:
+            FolderTaken: If it is a study, or lies below one of its own files or folders.
+        """
+        from oodscen.study._files import refuse_inside
+
+        folder = path_setting(self._config, "oodscen_pictures")
         junit = self._config.getoption("xmlpath", None)
-        if named is not None or not junit:
-            return named
-        return Path(self._config.invocation_params.dir, junit).parent / "oodscen"
+        if folder is None and junit:
+            folder = Path(self._config.invocation_params.dir, junit).parent / "oodscen"
+        if folder is not None:
+            refuse_inside(folder)
+        return folder
 
     @cached_property
     def parameters(self) -> list[Any]:
@@ -274,6 +283,8 @@ class DrivingSession:
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Collect what the reports of all processes carry."""
         found: Mapping[str, Any] | None = getattr(report, "oodscen", None)
+        # Pytest-xdist reports the test during which a process died in this phase.
+        self._lost_a_process |= report.when == "???"
         if found is None or hasattr(self._config, "workerinput"):
             return
         from oodscen.data._drive_result import DriveResult
@@ -291,7 +302,8 @@ class DrivingSession:
     @pytest.hookimpl(tryfirst=True)
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
         """Grade the stacks, write the baseline, and fail the session where a stack does not meet the bars."""
-        self._is_whole = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
+        has_ended = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
+        self._is_whole = has_ended and not self._lost_a_process
         if hasattr(self._config, "workerinput") or not self._is_whole or self._collects_only:
             return
         try:

@@ -121,8 +121,13 @@ class FrameAnnotations(Data):
             scene: The scene they belong to.
             catalogue: The simulator's catalogue.
             camera: The camera that rendered the frame; by default the ego's dash camera.
+
+        Raises:
+            UsageError: If the state is one of another scene, or the frame is one of another camera.
         """
+        state_of(scene, state)
         camera = camera_for(catalogue, camera)
+        _check_frame(frame, camera)
         cast = bodies(scene, catalogue, state.poses)
         assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
         # By the value in `Frame.ids`: 0 is no body, 1 the ego, then the actors in order.

@@ -1,27 +1,25 @@
 """Rules for labels, and the comparison of labels; their wording is that of `oodscen._wording`."""
 
 from oodscen._text import is_visible, one_line
-from oodscen._wording import seen, wording_fault
+from oodscen._wording import is_left_out, seen, wording_fault
 
 CLASSES = ("Environmental", "Interactional")
 """Labels of the two classes of OOD scenarios (paper, section III-A)."""
 MAX_LABEL = 200
 """Length of the longest label, in characters."""
-_PLACEHOLDERS = frozenset({"null", "none", "nil", "n/a", "undefined", "..."})
-"""Words with which models leave a member out."""
 
 
 def label_fault(label: str) -> str:
     """Return why a text cannot be a label, or an empty string.
 
-    The following are refused: nothing visible, placeholders such as `null`, more than `MAX_LABEL` characters, line breaks and
-    control characters, characters that are invisible or change the direction of writing (joiners
-    between letters are allowed), tags, HTML entities, code fences and template braces, words that
-    mix two alphabets or use look-alike letters, and instructions to a model.
+    The following are refused: nothing visible, placeholders such as `null`, more than `MAX_LABEL` characters, line
+    breaks and control characters, characters that are invisible or change the direction of writing (joiners between
+    letters are allowed), tags, HTML entities, code fences and template braces, words that mix two alphabets or use
+    look-alike letters, and instructions to a model.
     """
     if not is_visible(label):
         return "the label is empty"
-    if label.strip().casefold() in _PLACEHOLDERS:
+    if is_left_out(label):
         return f"the label is {label.strip()!r}, which names nothing"
     if len(label) > MAX_LABEL:
         return f"the label has {len(label)} characters, at most {MAX_LABEL} are allowed"

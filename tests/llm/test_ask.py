@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.errors import AnswerError, Issue, LLMError
-from oodscen.llm._ask import ATTEMPTS, MAX_ANSWER, QUOTED, SHOWN_ISSUES, ask, read_answer
+from oodscen.llm._ask import ATTEMPTS, QUOTED, SHOWN_ISSUES, ask
+from oodscen.llm._reading import MAX_ANSWER, read_answer
 from oodscen.prompts import QUESTIONS
 from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.prompts._tree.imagine_scenario import ImaginedScenario, ImagineScenario
@@ -118,6 +119,34 @@ def test_only_what_stands_after_reasoning_is_an_answer(begin, end):
     assert (found and found.text, issues) == (GOOD["text"], [])
 
 
+def test_typographic_quotation_marks_are_read():
+    raw = f"{{“reasoning”: “rare”, “text”: “{GOOD['text']}”, “once_in_km”: 9}}"
+    wanted = ImaginedScenario(**GOOD, once_in_km=9)
+    assert read_answer(raw, ImaginedScenario) == (wanted, [])
+
+
+DENIED = [
+    "It is not {}",
+    "The answer is not: {}",
+    "~~{}~~",
+    "Bad example:\n```json\n{}\n```",
+    "{}\nThis is wrong.",
+    "{} is not the answer",
+]
+GRANTED = [
+    "I am not sure, but:\n```json\n{}\n```",
+    "Here it is, not too long:\n{}",
+    "{}\nThis is not common on roads.",
+]
+
+
+@pytest.mark.parametrize("shape", [*DENIED, *GRANTED])
+def test_an_object_that_the_words_beside_it_deny_is_no_answer(shape):
+    found, issues = read_answer(shape.format(json.dumps(GOOD)), ImaginedScenario)
+    assert (found is None) is (shape in DENIED)
+    assert not issues or "words beside" in issues[0].message
+
+
 @pytest.mark.parametrize(
     ("other", "is_taken"),
     [
@@ -138,6 +167,7 @@ def test_a_correction_beside_an_answer_is_not_passed_over(other, is_taken):
         "{'reasoning': 'rare', 'text': 'It is 5\" wide and lies on the road.', 'once_in_km': 9}",
         '{reasoning: "rare", text: "It is 5\\" wide and lies on the road.", "once_in_km": 9}',
         '{"reasoning": "rare", // why\n "text": "It is 5\\" wide and lies on the road.", "once_in_km": 9}',
+        '{ # why\n"reasoning": "rare", # so\n "text": "It is 5\\" wide and lies on the road.", "once_in_km": 9,}',
         '{"once_in_km": 9, "reasoning": "rare", "text": "It is 5\\" wide and lies on the road."',
         '```json\n{"once_in_km": 9, "reasoning": "rare", "text": "It is 5\\" wide and lies on the road."\n```',
     ],

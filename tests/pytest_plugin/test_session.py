@@ -389,6 +389,34 @@ def test_a_setting_names_the_study_and_processes_share_the_scenes(session, study
     result.stdout.fnmatch_lines([f"Stack, scenes: * of {len(study.scenes)} safe, *"])
 
 
+def test_a_process_that_dies_leaves_no_grade_and_no_baseline(session, study, pytester):
+    pytester.makeini(
+        "[pytest]\naddopts = -p oodscen.pytest_plugin._hooks -p xdist.plugin\n"
+        f"oodscen = {study.folder}\noodscen_baseline = known.json\n"
+    )
+    tests = """
+import os, stack
+
+def test_safe(scene, drive):
+    if scene.id == "box-002":
+        os._exit(3)
+    assert drive(stack.Stack, name="Stack").is_safe
+"""
+    pytester.makepyfile(test_stack=tests)
+    options = ["--oodscen-baseline-mode=write", "--oodscen-require=safe>=0", "-n", "1"]
+    result = session("Blind", *options, named=False)
+    assert result.ret == pytest.ExitCode.TESTS_FAILED
+    assert not (pytester.path / "known.json").exists()
+    result.stdout.fnmatch_lines(["not all tests ran, so that no stack is graded*"])
+
+
+def test_pictures_are_never_written_into_a_study(session, study):
+    result = session("Startled", f"--oodscen-pictures={study.folder / 'frames'}")
+    assert result.ret != 0
+    result.stdout.fnmatch_lines(["*frames*"])
+    assert not (study.folder / "frames").exists()
+
+
 def test_the_example_of_the_docs_runs(study, pytester, monkeypatch):
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
     shutil.copytree(ROOT / "examples" / "driving_ci", pytester.path, dirs_exist_ok=True)

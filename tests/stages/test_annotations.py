@@ -169,3 +169,5 @@ def test_a_frame_of_another_camera_is_refused(seen):
     frame, state, catalogue = seen
     with pytest.raises(UsageError, match=r"\(240, 320, 3\), not \(480, 640, 3\); name the camera"):
         SCENE.annotate(frame, state, catalogue)
+    with pytest.raises(UsageError, match="name the camera"):
+        FrameAnnotations.semantic_map(frame, state, SCENE, catalogue)

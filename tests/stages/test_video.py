@@ -7,7 +7,7 @@ import pytest
 from oodscen.data._scene import Trigger
 from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.driving._motion.actions import Cruise
-from oodscen.errors import OodscenError, UnknownComponent, UsageError
+from oodscen.errors import FolderTaken, OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Control
 from oodscen.stages._drive import drive
 from oodscen.stages._video import Video
@@ -138,6 +138,13 @@ def test_a_video_follows_a_link_and_goes_through_a_device(flat, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OodscenError, match="cannot write"):
         scene.record(flat, tmp_path / "file" / "a.mp4", view="bird", fps=5)
+
+
+def test_a_video_is_never_written_among_the_files_of_a_study(flat, tmp_path):
+    (tmp_path / "study.json").write_text("{}")
+    with pytest.raises(FolderTaken):
+        example_scene().record(flat, tmp_path / "videos" / "box-001.mp4")
+    assert not (tmp_path / "videos").exists()
 
 
 def test_unknown_views_and_actions_are_refused(flat, tmp_path):

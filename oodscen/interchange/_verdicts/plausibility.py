@@ -119,12 +119,11 @@ def _check_ego(time: Floats, poses: Floats) -> None:
     if wrong.mean() > 0.05 and beyond.any() and np.median(in_degrees) < 0.5 * ASKEW:
         raise unusable("ego", IN_DEGREES)
     if wrong.mean() > 0.5:
-        if np.median(in_degrees) < 0.5 * ASKEW:
-            raise unusable("ego", IN_DEGREES)
+        fits = np.median(in_degrees) < 0.5 * ASKEW
         raise unusable(
             "ego",
             f"heads {np.degrees(np.median(off)):.0f} degrees off its motion; headings are in radians, from the x "
-            "axis towards the y axis",
+            f"axis towards the y axis{'; as degrees they would fit' if fits else ''}",
         )
 
 

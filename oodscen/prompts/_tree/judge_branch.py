@@ -6,6 +6,7 @@ from typing import ClassVar
 from pydantic import BaseModel, Field, model_validator
 
 from oodscen._display import Brief
+from oodscen._wording import is_left_out
 from oodscen.data._additions import Addition
 from oodscen.data._scene import WEATHER_KINDS
 from oodscen.errors import Issue, close_matches
@@ -13,7 +14,6 @@ from oodscen.prompts._base import Prompt, without_blanks
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.tree._labels import label_fault, same_words
 
-_NOTHING = frozenset({"none", "nothing", "n/a", "null", "no", "-"})
 _MOST = 40
 """Largest number of entries of one kind."""
 
@@ -88,7 +88,7 @@ class JudgeBranch(Prompt[BranchJudgement]):
         for index, one in enumerate(answer.substitutes):
             issues += _unknown(f"substitutes[{index}].asset", one.asset, known["assets"])
         for index, addition in enumerate(answer.missing):
-            if addition.name.casefold() in _NOTHING:
+            if is_left_out(addition.name):
                 issues.append(
                     Issue(f"missing[{index}]", "leave the list empty if nothing is missing")
                 )

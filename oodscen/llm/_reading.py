@@ -1,0 +1,139 @@
+"""Reading a typed answer out of the text of a language model."""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Generic, NamedTuple, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from oodscen._prose import is_disowned, without_thoughts
+from oodscen.data._base import issues_of
+from oodscen.errors import Issue
+from oodscen.llm._json_objects import Found, find_objects, is_cut_off
+
+Answer = TypeVar("Answer", bound=BaseModel)
+
+MAX_ANSWER = 200_000
+"""Longest answer that is read, in characters."""
+
+CUT_OFF = Issue("", "the answer is cut off before its end; answer more briefly")
+
+
+class _Reading(NamedTuple, Generic[Answer]):
+    """One object of a text, read as an answer."""
+
+    found: Found
+    answer: Answer | None
+    """None if the object has another shape, or lacks its end and some of its members."""
+    issues: list[Issue]
+    """Faults of its shape, or reasons why it may say something else than what was read."""
+
+
+def read_answer(
+    raw: str,
+    kind: type[Answer],
+    checks: Sequence[Callable[[Answer], Sequence[Issue]]] = (),
+) -> tuple[Answer | None, list[Issue]]:
+    """Find the answer in a model's text.
+
+    Objects in reasoning that has ended (`<think> ... </think>`) are drafts. Among the others, one must be an answer,
+    and none may be a different one, since nothing tells which of two is meant.
+
+    Returns:
+        The answer and no issues, or `None` and the faults of the object that came closest.
+    """
+    if len(raw) > MAX_ANSWER:
+        return None, [Issue("", f"the answer has {len(raw):,} characters; {MAX_ANSWER:,} at most")]
+    said = without_thoughts(raw)
+    readings = [_read(candidates, kind, said) for candidates in find_objects(said)]
+    answers = [one for one in readings if one.answer is not None]
+    others = [one for one in readings if one.answer is None]
+    if not answers:
+        return None, _nearest_faults(others, said)
+    first = answers[0]
+    issues = [issue for one in answers for issue in one.issues]
+    if not issues:
+        issues = [*_rivals(answers), *_corrections(first, others, kind)]
+    if not issues and first.answer is not None:
+        issues = [issue for check in checks for issue in check(first.answer)]
+    return (None, issues) if issues else (first.answer, [])
+
+
+def _read(candidates: tuple[Found, ...], kind: type[Answer], said: str) -> _Reading[Answer]:
+    """Read an object, or else the one that it wraps."""
+    outer_issues: list[Issue] = []
+    for found in candidates:
+        try:
+            answer = kind.model_validate(found.value)
+        except ValidationError as error:
+            outer_issues = outer_issues or issues_of(error)
+            continue
+        if found.is_complete or kind.model_fields.keys() <= found.value.keys():
+            return _Reading(found, answer, [*_doubts(found, answer), *_denial(candidates[0], said)])
+    return _Reading(candidates[0], None, outer_issues)
+
+
+def _nearest_faults(others: Sequence[_Reading[Answer]], said: str) -> list[Issue]:
+    """Return the faults of a text without an answer: those of its longest object, if it is whole."""
+    if is_cut_off(said):
+        return [CUT_OFF]
+    if others:
+        return max(others, key=lambda one: one.found.width).issues
+    return [Issue("", "no JSON object was found in the answer")]
+
+
+def _rivals(answers: Sequence[_Reading[Answer]]) -> list[Issue]:
+    """Return the fault that answers differ."""
+    different: list[Answer | None] = []
+    for one in answers:
+        different += [one.answer] if one.answer not in different else []
+    if len(different) == 1:
+        return []
+    return [Issue("", f"it holds {len(different)} different answers; give one")]
+
+
+def _corrections(
+    answer: _Reading[Answer], others: Sequence[_Reading[Answer]], kind: type[Answer]
+) -> list[Issue]:
+    """Return the fault that another object, such as a correction, gives a member of the answer another value."""
+    is_contradicted = any(
+        name in kind.model_fields and said != answer.found.value.get(name)
+        for other in others
+        for name, said in other.found.value.items()
+    )
+    if not is_contradicted:
+        return []
+    return [Issue("", "a second object beside the answer says otherwise; give one")]
+
+
+def _denial(found: Found, said: str) -> list[Issue]:
+    """Return the fault that the words beside an object say that it is not the answer."""
+    if not found.width:
+        return []
+    before, after = said[: found.start], said[found.start + found.width :]
+    if not is_disowned(before, after):
+        return []
+    return [Issue("", "the words beside the object say that it is not the answer; give one")]
+
+
+def _doubts(found: Found, answer: BaseModel) -> list[Issue]:
+    """Return the reasons why an object of the right shape may say something else than what was read."""
+    issues = [Issue(name[:80], "is given twice with different values") for name in found.repeated]
+    if found.is_altered:
+        issues.append(Issue("", "it is not valid JSON; quote every text, and write plain numbers"))
+    return issues + [
+        Issue(path, "must be a number, not true or false")
+        for path in _truths_as_numbers(found.value, answer.model_dump())
+    ]
+
+
+def _truths_as_numbers(given: object, read: object, path: str = "") -> Iterator[str]:
+    """Yield the places at which `true` or `false` was read as a number."""
+    if isinstance(given, bool):
+        if isinstance(read, int | float) and not isinstance(read, bool):
+            yield path
+    elif isinstance(given, dict) and isinstance(read, dict):
+        for name in given.keys() & read.keys():
+            yield from _truths_as_numbers(given[name], read[name], f"{path}.{name}".strip("."))
+    elif isinstance(given, list) and isinstance(read, list | tuple):
+        for index, (one, other) in enumerate(zip(given, read, strict=False)):
+            yield from _truths_as_numbers(one, other, f"{path}[{index}]")
