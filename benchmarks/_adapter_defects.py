@@ -1,4 +1,4 @@
-"""Forty-nine simulators with one defect each: what the author of an adapter can get wrong.
+"""Fifty simulators with one defect each: what the author of an adapter can get wrong.
 
 Every defect is a subclass of the flat simulator or of the tutorial's, which has dynamics of its own; both keep the
 protocol.
@@ -431,6 +431,20 @@ class FogHalfAsThick(Defective):
     def altered_observation(self, seen):
         assert self.scene is not None
         return replace(seen, visual_range_m=min(10_000.0, self.scene.weather.fog_visual_range_m))
+
+
+class HeadingsDrawnAtTheirStart(FlatSimulator):
+    started: list[list[float]] | None = None
+
+    def load(self, *args):
+        self.started = None
+        super().load(*args)
+
+    def place(self, poses, speeds):
+        super().place(poses, speeds)
+        self.started = self.started or self._poses
+        for pose, start in zip(self._poses[1:], self.started[1:], strict=True):
+            pose[3] = start[3]
 
 
 class Drawn(MySimulator):

@@ -2,7 +2,7 @@
 
 Usage: python benchmarks/adapters.py [--json] [NAME ...]
 
-Forty-nine defects (`_adapter_defects.py`), as authors of adapters make them; all must be found, and the flat and the
+Fifty defects (`_adapter_defects.py`), as authors of adapters make them; all must be found, and the flat and the
 tutorial's simulator without a defect must pass. The parts `process` and `leaks` are left out.
 """
 

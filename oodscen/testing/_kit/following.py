@@ -29,6 +29,7 @@ LEAST_M = 0.4
 """Way, m, after which two pictures are compared: one step at the usual `dt`."""
 _SPEED = 10.0
 _WALKS = ("walk_along", "cross_road", "dart", "bolt")
+_TURNS = ("u_turn", "swerve", "pull_out", "cut_in")
 _AT_S = (0.6, 1.2, 2.0)
 """Times of the pictures in which all bodies are looked for, s."""
 _LEAST_PX = 50
@@ -80,7 +81,7 @@ class _Look(NamedTuple):
 
 
 def _scene(probe: Probe) -> Scene:
-    """Return a scene of standing bodies on both sides, one that drives and one that walks, if there are any."""
+    """Return a scene of standing bodies on both sides, one that drives, one that walks and one that turns, if there are any."""
     box = probe.asset_for("vehicle", "object", "work_zone")
     actors = [
         probe.still(box, id=f"s{number}", ahead=ahead, offset=offset, heading=heading)
@@ -88,7 +89,8 @@ def _scene(probe: Probe) -> Scene:
     ]
     known = {kind.id: kind for kind in probe.catalogue.behaviours}
     drives = [one for one in sorted(DRIVES_IN_LANE, key="follow_lane".__ne__) if one in known]
-    for names, place in ((drives, (22.0, 0.0)), (_WALKS, (33.0, -2.6))):
+    places = ((drives, (22.0, 0.0)), (_WALKS, (33.0, -2.6)), (_TURNS, (45.0, 0.0)))
+    for names, place in places:
         name = next((one for one in names if one in known), None)
         if name is None:
             continue

@@ -134,6 +134,16 @@ def test_one_actor_that_is_drawn_at_its_start_is_found(name):
     assert any(name in line for line in found(Frozen))
 
 
+def test_an_actor_that_turns_without_its_picture_is_found():
+    class Unturned(FlatSimulator):
+        def place(self, poses, speeds):
+            super().place(poses, speeds)
+            for pose in self._poses[1:]:
+                pose[3] = 0.0
+
+    assert any("u-turn" in line for line in found(Unturned))
+
+
 def test_a_camera_that_is_a_step_late_is_found_in_a_mirror_too():
     class Late(FlatSimulator):
         before = None
