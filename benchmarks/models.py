@@ -24,8 +24,8 @@ from oodscen.claims._checking import check_claims, mismatches
 from oodscen.claims._matching import likeness_of
 from oodscen.data._claim import Claim
 from oodscen.errors import AnswerError
-from oodscen.llm._reading import read_answer
 from oodscen.llm._prefix import LEAST_TOKENS
+from oodscen.llm._reading import read_answer
 from oodscen.llm._remote.sdk import load_litellm
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest

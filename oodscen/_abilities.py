@@ -7,8 +7,9 @@ list the members for their authors.
 from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
+from oodscen._numbers import said
 from oodscen.data._scene import Scene
-from oodscen.errors import Issue
+from oodscen.errors import Issue, SimulatorError
 from oodscen.protocols import Camera, State
 
 # ------------------------------------------------------------------ of simulators
@@ -75,6 +76,19 @@ class ChecksScenes(Protocol):
         May be called without a `reset` and from several threads, and must not disturb a run.
         """
         ...
+
+
+def own_issues(simulator: ChecksScenes, scene: Scene) -> list[Issue]:
+    """Return the reasons of a simulator's own check.
+
+    Raises:
+        SimulatorError: If it returns anything else than a list of issues.
+    """
+    issues = simulator.check(scene)
+    if not isinstance(issues, list | tuple) or not all(isinstance(one, Issue) for one in issues):
+        name = getattr(simulator, "name", type(simulator).__name__)
+        raise SimulatorError(f"{name}: check() returned {said(issues, 80)}, not a list of issues")
+    return list(issues)
 
 
 # ------------------------------------------------------------------ of drivers

@@ -149,6 +149,8 @@ def png(pixels: Any) -> bytes | None:
     Returns:
         `None` for any other array, and where OpenCV is not installed.
     """
+    if getattr(pixels, "ndim", 0) not in (2, 3):
+        return None
     is_colour = pixels.ndim == 3 and pixels.shape[2] == 3 and str(pixels.dtype) == "uint8"
     is_grey = pixels.ndim == 2 and str(pixels.dtype) in ("uint8", "uint16")
     if not (is_colour or is_grey) or not pixels.size:

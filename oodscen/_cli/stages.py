@@ -1,7 +1,6 @@
 """Commands that run one stage each."""
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,15 +34,12 @@ from oodscen._members import close
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._base import canonical_json
 from oodscen.data._episode import REACTIONS_S
-from oodscen.errors import FolderTaken, LLMError, OodscenError, UsageError
+from oodscen.errors import LLMError, OodscenError, UsageError
 from oodscen.protocols import Camera
 
 if TYPE_CHECKING:
     from oodscen.data._scenario import Scenario
     from oodscen.data._scene import Scene
-
-_SIMULATED = ("study.json", "episodes.jsonl", "episodes.rear.jsonl", "frames", "traces", "videos")
-"""Files and folders whose presence makes `simulate` refuse a folder."""
 
 
 @click.command(cls=FileCommand)
@@ -333,48 +329,37 @@ def simulate(
 ) -> None:
     """Simulate every scene of the file SCENES into the folder OUT.
 
-    Writes episodes.jsonl and the frames; with --rear-view also rear.jpg beside them, and episodes.rear.jsonl. A scene that cannot be run becomes a failed episode, and the exit code
-    is 1. A folder that already holds a study or simulation results is refused.
+    Writes episodes.jsonl and the frames; with --rear-view also rear.jpg beside them, and episodes.rear.jsonl. A
+    scene that cannot be run becomes a failed episode, and the exit code is 1. The same command continues what was
+    stopped, and runs failed scenes again; a folder with a study or other results is refused.
     """
     from oodscen import Scene, make_simulator
-    from oodscen._pipeline.steps.scenes import REAR
-    from oodscen._pipeline.sweep import Job, Outputs, sweep
+    from oodscen._pipeline.simulation import EPISODES, Simulation
+    from oodscen._pipeline.sweep import Job, Outputs
     from oodscen.study._files import refuse_inside
-    from oodscen.study._study import Study
+    from oodscen.study._store import Store
 
     refuse_inside(out)
     items = read_lines(Scene, scenes)
     close(make_simulator(simulator))
-    study, episodes = Study(out), {}
-    camera = Camera(width or Camera.width, height or Camera.height)
     job = Job(
         simulator,
         seed,
         Outputs(traces, annotations, video),
-        camera=camera,
+        camera=Camera(width or Camera.width, height or Camera.height),
         reaction=reaction or REACTIONS_S,
         horizon=horizon,
     )
-    with study.store.writing():
-        if taken := [name for name in study.own() if name in _SIMULATED]:
-            raise FolderTaken(str(out), taken)
-        results = sweep(job, items, workers=workers)
-        for result in tracked(results, "simulate", len(items)):
-            result.save(study.store)
-            episodes[result.episode.id] = result.episode
-        study.store.write_lines("episodes.jsonl", (episodes[scene.id] for scene in items))
-        if rear_view:
-            behind = {}
-            for result in sweep(
-                replace(job, outputs=Outputs(), is_rear=True), items, workers=workers
-            ):
-                result.save(study.store)
-                behind[result.episode.id] = result.episode
-            study.store.write_lines(REAR, (behind[scene.id] for scene in items))
-    failed = [episode for episode in episodes.values() if episode.status == "failed"]
-    for episode in failed:
-        say(f"{episode.id}: {episode.error}", err=True)
-    say(
-        f"{len(items) - len(failed)} of {len(items)} scenes ran: {out / 'episodes.jsonl'}", err=True
-    )
+    store = Store(out)
+    with store.writing():
+        simulation = Simulation(store, job, items, workers=workers)
+        episodes = [*tracked(simulation.run(), "simulate", len(items))]
+        behind = [*tracked(simulation.run_behind(), "rear", len(items))] if rear_view else []
+    failed = {one.id: one.error for one in (*behind, *episodes) if one.status == "failed"}
+    for name, error in failed.items():
+        say(f"{name}: {error}", err=True)
+    unsure = sum(one.status == "ok" and not one.is_deterministic for one in episodes)
+    if unsure:
+        say(f"{unsure} of the scenes do not repeat: none of their actions counts as safe", err=True)
+    say(f"{len(items) - len(failed)} of {len(items)} scenes ran: {out / EPISODES}", err=True)
     sys.exit(bool(failed))

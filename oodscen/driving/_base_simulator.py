@@ -4,7 +4,8 @@ import math
 from abc import ABC, abstractmethod
 from typing import ClassVar, Self
 
-from oodscen._abilities import ChecksScenes
+from oodscen._abilities import ChecksScenes, own_issues
+from oodscen._arguments import instance_of
 from oodscen._display import Brief
 from oodscen._members import as_catalogue
 from oodscen._numbers import said
@@ -119,13 +120,14 @@ class BaseSimulator(Brief, ABC):
     def _opened(self, scene: Scene) -> tuple[Corridor, Catalogue]:
         """Forget the last scene, and return the road and the catalogue of one that can be staged."""
         self._world = self._state = None
+        instance_of("scene", scene, Scene)
         catalogue = as_catalogue(self.catalogue(), self.name)
         issues = staging_issues(scene, catalogue)
         if scene.motions and not self.plays_motions:
             fault = f"{self.name} moves bodies by itself and cannot play motions made to order"
             issues = [Issue("motions", fault)]
         if not issues and isinstance(self, ChecksScenes):
-            issues = list(self.check(scene))
+            issues = own_issues(self, scene)
         if issues:
             raise SceneError(scene.id, issues)
         return load_corridor(scene.map, catalogue), catalogue

@@ -230,7 +230,10 @@ def with_heights(poses: Floats, count: int) -> Floats:
     Raises:
         ValueError: If the poses have another shape, are not finite or beyond all sense.
     """
-    given = np.asarray(poses, dtype=np.float64)
+    given = np.asarray(poses)
+    if given.dtype.kind not in "iuf":
+        raise ValueError(f"poses of {given.dtype}, not of numbers")
+    given = given.astype(np.float64)
     if given.shape not in ((count, 3), (count, 4)):
         raise ValueError(f"poses of shape {given.shape}, not ({count}, 4) or ({count}, 3)")
     if not np.isfinite(given).all():

@@ -179,7 +179,8 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         """Hold an action for one step of the environment.
 
         Raises:
-            UsageError: If the action is not in the action space, or the episode is over.
+            UsageError: If the action is not in the action space, the episode is over, or this is a copy of an
+                environment that uses the simulator.
             SimulatorError: If the simulator fails.
         """
         episode = self._episode
@@ -187,6 +188,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             raise UsageError(
                 "SceneEnv.step(): call reset() first; the episode is over or has not begun"
             )
+        self._claim()
         self._steerer.begin(action, episode.seen, "SceneEnv.step()")
         place, speed, time = episode.place_m, episode.speed, episode.state.time
         self._is_over = True  # Also if the simulator fails: its state is unknown then.

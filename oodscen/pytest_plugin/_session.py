@@ -283,8 +283,8 @@ class DrivingSession:
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Collect what the reports of all processes carry."""
         found: Mapping[str, Any] | None = getattr(report, "oodscen", None)
-        # Pytest-xdist reports the test during which a process died in this phase.
-        self._lost_a_process |= report.when == "???"
+        # Pytest-xdist reports the test during which a process died in a phase of its own, "???".
+        self._lost_a_process |= report.when not in ("setup", "call", "teardown")
         if found is None or hasattr(self._config, "workerinput"):
             return
         from oodscen.data._drive_result import DriveResult

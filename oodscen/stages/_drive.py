@@ -13,7 +13,7 @@ from oodscen._members import conforming, is_interruption, message, working
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen._registry import driver_maker
-from oodscen._text import whole
+from oodscen._text import one_line, plain, whole
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
@@ -274,17 +274,20 @@ def drive_states(
 
     Raises:
         UsageError: If the driver returns no control of finite numbers.
-        SimulatorError: If the simulator returns no state or observation of finite numbers.
+        SimulatorError: If the simulator fails, or returns no state or observation of finite numbers.
         Exception: Anything that the driver raises.
     """
     simulator = watched(simulator)
     steering = Steering(driver, simulator, camera)
-    state = simulator.reset(scene, seed)
+    with working("simulator", simulator.name):
+        state = simulator.reset(scene, seed)
     yield state
     for _ in range(steps):
         if state.contacts or state.off_road:
             return
-        state = simulator.step(steering.control(state))
+        control = steering.control(state)
+        with working("simulator", simulator.name):
+            state = simulator.step(control)
         yield state
 
 
@@ -305,7 +308,7 @@ def failed_drive(scene_id: str, name: str, error: BaseException) -> DriveResult:
         scene_id=scene_id,
         driver=name,
         status="failed",
-        error=message(error)[:2_000],
+        error=one_line(plain(message(error)))[:2_000],
         error_type=type(error).__name__,
         is_twin=is_twin(scene_id),
     )

@@ -7,12 +7,13 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from oodscen._abilities import Rehearses, Snapshots
+from oodscen._numbers import said
 from oodscen.data._episode import LONGEST_REACTION_S, ActionOutcome
 from oodscen.data._scene import Scene, StopLine
 from oodscen.driving._motion.actions import action_driver, is_available
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._trace import Course, Trace
-from oodscen.errors import UsageError
+from oodscen.errors import SimulatorError, UsageError
 from oodscen.protocols import Control, Observation, Simulator, State
 
 JERK_S = 0.2
@@ -119,7 +120,12 @@ class Rollouts:
         first, same = self._rewind()
         if self.rehearse is not None:
             seconds = self.scene.horizon_s
-            return bool(self.rehearse(action, seconds, **variation._asdict())), same
+            passed = self.rehearse(action, seconds, **variation._asdict())
+            if not isinstance(passed, bool | np.bool_):
+                raise SimulatorError(
+                    f"{self.simulator.name}: rehearse() returned {said(passed, 80)}, not True or False"
+                )
+            return bool(passed), same
         states = self._execute(action, variation.reaction_s, self.simulator.observe())
         last = states[-1]
         passed = not last.contacts and (self.trials.collisions_only or not last.off_road)

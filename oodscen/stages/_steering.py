@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from oodscen._abilities import Looks, MountsCamera, WantsFrames
 from oodscen._arguments import instance_of
+from oodscen._members import working
 from oodscen._numbers import said
 from oodscen.driving._base_simulator import render_checked
 from oodscen.errors import UsageError
@@ -29,12 +30,14 @@ class Steering:
 
         Raises:
             UsageError: If the driver returns no control of finite numbers.
+            SimulatorError: If the simulator fails.
             Exception: Anything that the driver raises.
         """
-        observation = self._simulator.observe()
-        if self._wants_frames:
-            frame = render_checked(self._simulator, self._camera, len(state.ids))
-            observation = replace(observation, frame=frame)
+        with working("simulator", self._simulator.name):
+            observation = self._simulator.observe()
+            if self._wants_frames:
+                frame = render_checked(self._simulator, self._camera, len(state.ids))
+                observation = replace(observation, frame=frame)
         if self._looking:
             self._looking.look(state)
         control = self._driver.act(observation)

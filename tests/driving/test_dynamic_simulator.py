@@ -135,6 +135,8 @@ def test_centrelines_lie_in_the_middle_of_their_lanes_in_the_direction_of_travel
     [
         lambda poses, speeds: (poses[:2], speeds),
         lambda poses, speeds: (poses * np.nan, speeds),
+        lambda poses, speeds: (poses.astype(str), speeds),
+        lambda poses, speeds: (poses + 1j, speeds),
         lambda poses, speeds: (poses, speeds[:1]),
         lambda poses, speeds: (poses + 1e300, speeds),
         lambda poses, speeds: (poses, speeds + np.inf),

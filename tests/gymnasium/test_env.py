@@ -1,5 +1,6 @@
 """The environment keeps Gymnasium's contract, repeats, ends as drives do, and refuses nonsense."""
 
+import copy
 import math
 import pickle
 from dataclasses import replace
@@ -236,6 +237,14 @@ def test_an_open_environment_shares_its_simulator_with_no_other(made):
     fresh = made()
     again = pickle.loads(pickle.dumps(fresh))  # It has a simulator of its own.
     assert again.reset(seed=0)[1] == fresh.reset(seed=0)[1]
+
+
+def test_a_copy_has_no_simulator_of_its_own(made):
+    env = made()
+    env.reset()
+    with pytest.raises(UsageError, match="another open environment"):
+        copy.copy(env).step(env.action_space.sample())
+    env.step(env.action_space.sample())
 
 
 def test_one_environment_of_a_vector_takes_an_object():

@@ -103,6 +103,40 @@ def test_a_twin_that_cannot_be_run_leaves_the_result_of_its_scene():
     assert (twin.id, twin.status, twin.is_twin) == ("example-001~twin@blind", "failed", True)
 
 
+@pytest.mark.parametrize("member", ["reset", "step", "observe", "render"])
+def test_a_simulator_that_crashes_during_a_drive_is_not_the_driver_s_fault(member):
+    class Sees(Cruise):
+        wants_frames = True
+
+    class Crashing(FlatSimulator):
+        calls = 0
+
+        def __getattribute__(self, name):
+            found = super().__getattribute__(name)
+            if name != member:
+                return found
+
+            def counted(*args):
+                Crashing.calls += 1
+                if Crashing.calls > last:
+                    raise ValueError("no \x1b[31mroad\nhere")
+                return found(*args)
+
+            return counted
+
+    for last in (0, 1) if member in ("reset", "render") else (0, 40, 110):
+        Crashing.calls = 0
+        with Crashing() as simulator:
+            (result,) = drive(
+                [example_scene()], Sees, simulator, twins=False, camera=Camera(16, 12)
+            )
+        if Crashing.calls > last:
+            assert result.error_type == "SimulatorCrash"
+            assert "'flat' crashed" in result.error
+            assert result.error.isprintable()
+    assert Crashing.calls
+
+
 def test_a_driver_may_ask_for_frames(simulator):
     seen = []
 

@@ -9,7 +9,7 @@ from oodscen import drive, simulate
 from oodscen.data._catalogue import Asset
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode
 from oodscen.data._scene import Actor, Behaviour, Demand, Hazard, Placement, Scene, Trigger
-from oodscen.errors import SceneError, UsageError
+from oodscen.errors import SceneError, SimulatorError, UsageError
 from oodscen.protocols import Camera, Frame
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
@@ -203,6 +203,26 @@ def test_labels_are_those_of_all_drivers(flat):
         assert both.label(action) == (labels.pop() if len(labels) == 1 else "marginal")
     assert not set(both.safe_set) & set(both.marginal_set)
     assert "marginal" in {both.label(action) for action in ACTIONS}
+
+
+@pytest.mark.parametrize("told", [None, "False", math.nan, 1])
+def test_a_rehearsal_says_yes_or_no(told):
+    class Mumbles(FlatSimulator):
+        def rehearse(self, *args, **kwargs):
+            return told
+
+    with Mumbles() as simulator, pytest.raises(SimulatorError, match=r"rehearse\(\) returned"):
+        simulate(example_scene(), simulator, render=False)
+
+
+@pytest.mark.parametrize("told", [None, "bad", [5], iter(())])
+def test_a_check_of_the_simulator_s_own_returns_issues(told):
+    class Mumbles(FlatSimulator):
+        def check(self, scene):
+            return told
+
+    with Mumbles() as simulator, pytest.raises(SimulatorError, match=r"check\(\) returned"):
+        simulate(example_scene(), simulator, render=False)
 
 
 def test_without_rehearsals_only_the_reaction_time_varies(result):

@@ -19,6 +19,7 @@ from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import LLMError
 from oodscen.stages._augment import Augmenter
 from oodscen.study._staging import Staging, text_digest
+from oodscen.study._store import Store
 
 CLAIMS = "claims.jsonl"
 """File of the claims of every text."""
@@ -201,7 +202,7 @@ def _simulate(run: Context, staged: StagedScenes) -> list[Episode]:
         work,
         made_from=lambda item: made_from[scene_of(item)],
         is_whole=lambda line: (
-            staged.by_id[scene_of(line["id"])].how is not None and _has_files(run, line)
+            staged.by_id[scene_of(line["id"])].how is not None and has_files(run.store, line)
         ),
     )
     return [Episode.parse(row) for row in rows]
@@ -235,7 +236,7 @@ def _sweep(run: Context, job: Job, items: Mapping[str, Scene], file: str) -> lis
         items,
         work,
         made_from=lambda name: items[name].digest(),
-        is_whole=lambda line: _has_files(run, line),
+        is_whole=lambda line: has_files(run.store, line),
     )
     return [Episode.parse(row) for row in rows]
 
@@ -260,10 +261,10 @@ def simulate_behind(run: Context, episodes: Sequence[Episode]) -> dict[str, str]
     return {one.scene_id: one.frames["last"] for one in rows if one.frames}
 
 
-def _has_files(run: Context, line: Mapping[str, Any]) -> bool:
+def has_files(store: Store, line: Mapping[str, Any]) -> bool:
     """Return whether the files of an episode are there, as they were written."""
     written = line.get("file_sha256", {})
     return all(
-        run.store.holds(file) and (file not in written or run.store.digest(file) == written[file])
+        store.holds(file) and (file not in written or store.digest(file) == written[file])
         for file in (*line["frames"].values(), *line["files"])
     )

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from oodscen._abilities import ChecksScenes
+from oodscen._abilities import ChecksScenes, own_issues
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.data._sighting import LEAST_SIZE_PX, Sighting
@@ -139,7 +139,7 @@ class AdvisingCheck:
         """Return the faults of a scene; if it has none, the advice, unless it was given before."""
         issues = check_scene(scene, catalogue)
         if not issues and self._own is not None:
-            issues = list(self._own.check(scene))
+            issues = own_issues(self._own, scene)
         if issues or scene.id in self._advised:
             return issues
         self._advised.add(scene.id)
