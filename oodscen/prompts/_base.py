@@ -1,6 +1,7 @@
 """The base class of prompts: a frozen typed question, a template, and a typed answer."""
 
 import hashlib
+import json
 import re
 from collections.abc import Mapping
 from functools import cache
@@ -83,7 +84,8 @@ class Prompt(Data, Generic[Answer]):
     @classmethod
     def answer_schema(cls) -> dict[str, Any]:
         """Return the JSON schema of the answer."""
-        return cls.answer.model_json_schema()
+        schema: dict[str, Any] = json.loads(_schema(cls.answer))
+        return schema
 
     @classmethod
     def version(cls) -> str:
@@ -94,6 +96,11 @@ class Prompt(Data, Generic[Answer]):
     def citation(cls) -> str:
         """Return `purpose@version`, the reference to this question in records."""
         return f"{cls.purpose}@{cls.version()}"
+
+
+@cache
+def _schema(answer: type[BaseModel]) -> str:
+    return json.dumps(answer.model_json_schema())
 
 
 @cache

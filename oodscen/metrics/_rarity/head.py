@@ -56,6 +56,7 @@ class Head:
         """Nearness below which the head gives no figure."""
         self._low, self._high = part["low"], part["high"]
         self._points = inducing_points(arrays, self.uses_vectors)
+        self._lengths = squares(self._points)
 
     def estimate(self, texts: Sequence[str], vectors: Vectors | None = None) -> Estimates:
         """Return the estimates of texts; a head that uses vectors takes theirs, [n, d] of unit length.
@@ -69,7 +70,7 @@ class Head:
             if self.uses_vectors:
                 assert vectors is not None
                 rows = np.hstack([np.asarray(vectors[block], np.float32), rows])
-            values = kernel(rows, self._points, self._gamma)
+            values = kernel(rows, self._points, self._gamma, self._lengths)
             best[block] = self._constant + rows @ self._beta + values @ self._alpha
             near[block] = values.max(axis=1)
         best = np.clip(best, -1.0, 12.0)
@@ -83,9 +84,17 @@ def between(best: Values, low: Values, high: Values) -> tuple[Values, Values]:
     return np.minimum(low[0] + low[1] * best, best), np.maximum(high[0] + high[1] * best, best)
 
 
-def kernel(rows: NDArray[Any], points: NDArray[Any], gamma: float) -> NDArray[Any]:
-    """Return exp(-gamma |x - l|^2) for every row and point, [n, m]."""
-    lengths = np.square(rows).sum(axis=1)[:, None] + np.square(points).sum(axis=1)
+def squares(rows: NDArray[Any]) -> NDArray[Any]:
+    """Return the squared length of every row, [n]."""
+    return np.asarray(np.square(rows).sum(axis=1))
+
+
+def kernel(
+    rows: NDArray[Any], points: NDArray[Any], gamma: float, lengths: NDArray[Any] | None = None
+) -> NDArray[Any]:
+    """Return exp(-gamma |x - l|^2) for every row and point, [n, m]; `lengths` are the points' `squares`."""
+    known = squares(points) if lengths is None else lengths
+    lengths = squares(rows)[:, None] + known
     apart = lengths - 2.0 * rows @ points.T
     return np.asarray(np.exp(-gamma * np.maximum(apart, 0.0)))
 

@@ -148,10 +148,15 @@ class Space:
             return smallest(vectors, self.reference)
         return self.detectors.score(measure, texts, vectors)
 
-    def _kept(self, texts: Sequence[str]) -> Vectors:
+    @cached_property
+    def _folder(self) -> str:
+        """The cache folder of the baseline's vectors."""
         digest = self.baseline.digest()
         is_shipped = digest == ordinary_driving().digest()
-        return self._stored(texts, _SHIPPED if is_shipped else f"baselines/{digest[:16]}")
+        return _SHIPPED if is_shipped else f"baselines/{digest[:16]}"
+
+    def _kept(self, texts: Sequence[str]) -> Vectors:
+        return self._stored(texts, self._folder)
 
     def _stored(self, texts: Sequence[str], folder: str = _SHIPPED) -> Vectors:
         encoder = self.encoder
