@@ -13,6 +13,7 @@ from oodscen.author._knowledge.base import (
     Knowledge,
     RoadKind,
 )
+from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._staging.anchors import has_landmarks
 from oodscen.claims._roads import is_of_kind, is_so, of_roads
 from oodscen.claims._things import mentions
@@ -183,9 +184,6 @@ def _holds(claim: Claim, road: MapLine) -> bool:
 @lru_cache(maxsize=512)
 def _claimed(phrase: str) -> tuple[Claim, ...]:
     """Return what a phrase claims about the road."""
-    # Its many patterns are compiled at the import.
-    from oodscen.author._reading.claim_extraction import read_claims
-
     return tuple(of_roads(read_claims(f"The ego vehicle is {phrase}.")))
 
 
