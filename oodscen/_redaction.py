@@ -4,7 +4,7 @@ import base64
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping
-from functools import lru_cache
+from functools import cache, lru_cache
 from html.entities import html5
 from itertools import groupby
 from typing import Any
@@ -39,6 +39,25 @@ _SHAPES = re.compile(
     """,
     re.VERBOSE,
 )
+
+_DASHES = "‐‑‒–—―−"
+"""Characters that stand for a hyphen where text is typeset."""
+_SLASHES = r"\\{1,8}"
+"""The backslashes before an escape; bounded, as a search without a bound takes cubic time."""
+_SHORT = {"\b": "b", "\t": "t", "\n": "n", "\f": "f", "\r": "r"}
+"""JSON's short escapes of control characters."""
+_BREAK = rf"(?:\s|{_SLASHES}[rn]|%(?:25)?0[aAdD])"
+"""A line break or a space, also escaped."""
+_SOFT_BREAK = rf"(?:={_BREAK}{{1,2}})?"
+"""A line break that quoted-printable text adds."""
+_QUOTE = rf"(?:(?:{_SLASHES})?[\"'])?"
+"""A quotation mark, also escaped, or nothing."""
+_BETWEEN = rf"(?:{_QUOTE}(?:[\s,;:._-]{{1,3}}{_QUOTE})?(?:0x|{_SLASHES}x|U\+|00)?)"
+"""The characters between two bytes in hexadecimal digits."""
+_MARGIN = 20_000
+"""Characters that are searched beyond those that are shown."""
+_WIDEST = 40
+"""Characters that an escaped character can take."""
 
 _told: set[str] = set()
 """Credentials that are in no environment variable."""
@@ -143,7 +162,7 @@ def _character(one: str) -> str:
     units = one.encode("utf-16-be", "surrogatepass")
     pairs = zip(units[::2], units[1::2], strict=True)
     data = one.encode("utf-8", "replace")
-    names = "|".join(map(re.escape, _NAMES.get(one, ())))
+    names = "|".join(map(re.escape, _entities().get(one, ())))
     bytewise = "".join(rf"{_SLASHES}(?:x(?i:{byte:02x})|0?{byte:03o})" for byte in data)
     latin = rf"{_SLASHES}(?:x(?i:{code:02x})|0{{0,3}}{code:o}|o\{{0{{0,8}}{code:o}\}})"
     # No text may match two of these: the search for a long value would take exponential time.
@@ -163,10 +182,7 @@ def _character(one: str) -> str:
     return "|".join(filter(None, forms))
 
 
-_DASHES = "‐‑‒–—―−"
-"""Characters that stand for a hyphen where text is typeset."""
-
-
+@cache
 def _entities() -> dict[str, list[str]]:
     """Return the names of HTML's entities by the character that they stand for."""
     found: dict[str, list[str]] = {}
@@ -174,25 +190,6 @@ def _entities() -> dict[str, list[str]]:
         if len(one) == 1 and name.endswith(";"):
             found.setdefault("-" if one in _DASHES else one, []).append(name[:-1])
     return found
-
-
-_NAMES = _entities()
-_SLASHES = r"\\{1,8}"
-"""The backslashes before an escape; bounded, as a search without a bound takes cubic time."""
-_SHORT = {"\b": "b", "\t": "t", "\n": "n", "\f": "f", "\r": "r"}
-"""JSON's short escapes of control characters."""
-_BREAK = rf"(?:\s|{_SLASHES}[rn]|%(?:25)?0[aAdD])"
-"""A line break or a space, also escaped."""
-_SOFT_BREAK = rf"(?:={_BREAK}{{1,2}})?"
-"""A line break that quoted-printable text adds."""
-_QUOTE = rf"(?:(?:{_SLASHES})?[\"'])?"
-"""A quotation mark, also escaped, or nothing."""
-_BETWEEN = rf"(?:{_QUOTE}(?:[\s,;:._-]{{1,3}}{_QUOTE})?(?:0x|{_SLASHES}x|U\+|00)?)"
-"""The characters between two bytes in hexadecimal digits."""
-_MARGIN = 20_000
-"""Characters that are searched beyond those that are shown."""
-_WIDEST = 40
-"""Characters that an escaped character can take."""
 
 
 def _base64(value: str) -> set[str]:

@@ -244,7 +244,7 @@ def test_doctor_judges_an_adapter(tmp_path, monkeypatch):
     result = call("doctor", "odd_simulator:Odd", "--quick", "--json")
     assert result.exit_code == 1
     faults = [row["detail"] for row in json.loads(result.stdout)]
-    assert "controls: accelerating and braking do not change the speed so" in faults
+    assert "controls: accelerating and braking do not change the speed as they should" in faults
     assert call("doctor", "pybulet").exit_code == 2
 
 

@@ -15,6 +15,7 @@ from oodscen.author._imagining import Imagination
 from oodscen.author._knowledge.base import HazardKind
 from oodscen.author._knowledge.designs import design_motion, design_prop
 from oodscen.author._knowledge.loading import load_knowledge, stamp_of
+from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._settings import Scope, Showable
 from oodscen.author._staging.drafting import Stager
@@ -99,7 +100,9 @@ class BuiltinAuthor(Brief):
             DesignProp: lambda prompt, request: design_prop(prompt),
             DescribePath: self._describe,
             DescribeOrdinary: self._ordinary,
-            ExtractClaims: lambda prompt, request: _claimed(prompt),
+            ExtractClaims: lambda prompt, request: Claims(
+                claims=list(read_claims(prompt.text)[:MOST_CLAIMS])
+            ),
             StageScene: lambda prompt, request: self._stager.stage(
                 prompt, self.seed, request.attempt - 1
             ),
@@ -235,13 +238,6 @@ class BuiltinAuthor(Brief):
 
     def _hazard(self, text: str) -> HazardKind | None:
         return self._recogniser.recognise(text).hazard
-
-
-def _claimed(prompt: ExtractClaims) -> Claims:
-    # Its many patterns are compiled at the import.
-    from oodscen.author._reading.claim_extraction import read_claims
-
-    return Claims(claims=list(read_claims(prompt.text)[:MOST_CLAIMS]))
 
 
 @cache

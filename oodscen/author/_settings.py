@@ -13,6 +13,7 @@ from oodscen.author._knowledge.base import (
     Knowledge,
     RoadKind,
 )
+from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._staging.anchors import has_landmarks
 from oodscen.claims._roads import is_of_kind, is_so, of_roads
 from oodscen.claims._things import mentions
@@ -25,6 +26,7 @@ _THICK_M = 1_000.0
 """Visual range below which a text calls it fog, m."""
 _LOW_DEG = 15.0
 """Elevation below which a text says where the sun is, degrees."""
+_ZENITH_DEG = 90.0
 
 
 class Scope(NamedTuple):
@@ -63,8 +65,8 @@ class Showable:
 
     def lacking_place(self, hazard: HazardKind) -> tuple[str, ...]:
         """Return the traits of a road on which a hazard could be met; none if the catalogue has such a road."""
-        places, roads = places_of(hazard, self.knowledge), roads_for(hazard, self.digest)
-        if not places or any(_phrased(places, roads)) or _described(places, roads):
+        places = places_of(hazard, self.knowledge)
+        if not places or self._shown(hazard):
             return ()
         first = places[0]
         return tuple(trait for trait in first.traits if trait not in {*_OF_LANES, *first.told})
@@ -86,17 +88,17 @@ class Showable:
 
     def _has(self, condition: Condition) -> bool:
         limits, weather = self.digest.limits, condition.weather
-        highest = _number(weather.get("sun_elevation_deg"), 90.0)
+        highest = _highest(weather.get("sun_elevation_deg"), _ZENITH_DEG)
         if highest < limits.sun_deg or (highest < _LOW_DEG and not limits.sun_is_drawn):
             return False
         falling = weather.get("precipitation", "none")
         if falling != "none":
-            least = _number(weather.get("precipitation_mm_h"), 0.0, 0)
+            least = _lowest(weather.get("precipitation_mm_h"), 0.0)
             if not limits.offers(str(falling)) or limits.intensity < least:
                 return False
-        if _number(weather.get("friction"), 1.0) < limits.friction:
+        if _highest(weather.get("friction"), 1.0) < limits.friction:
             return False
-        range_m = _number(weather.get("fog_visual_range_m"), _THICK_M)
+        range_m = _highest(weather.get("fog_visual_range_m"), _THICK_M)
         return range_m >= min(limits.fog_m, _THICK_M)
 
     def _has_things(self, phrase: str) -> bool:
@@ -183,12 +185,14 @@ def _holds(claim: Claim, road: MapLine) -> bool:
 @lru_cache(maxsize=512)
 def _claimed(phrase: str) -> tuple[Claim, ...]:
     """Return what a phrase claims about the road."""
-    # Its many patterns are compiled at the import.
-    from oodscen.author._reading.claim_extraction import read_claims
-
     return tuple(of_roads(read_claims(f"The ego vehicle is {phrase}.")))
 
 
-def _number(value: object, default: float, end: int = 1) -> float:
-    """Return one end of a range, the upper one by default."""
-    return float(value[end]) if isinstance(value, tuple) else default
+def _lowest(value: object, default: float) -> float:
+    """Return the lower end of a range."""
+    return float(value[0]) if isinstance(value, tuple) else default
+
+
+def _highest(value: object, default: float) -> float:
+    """Return the upper end of a range."""
+    return float(value[1]) if isinstance(value, tuple) else default

@@ -48,6 +48,10 @@ _SPREADS = frozenset({"obscured"})
 """Tags of assets that spread out from where they are instead of moving."""
 _CLEAR_M = 1.0
 """Half the width that an ego in the middle of its lane needs, m."""
+_BEFORE_S = 1e-6
+"""Time before the decision from which a step counts as it, s."""
+_LEAST_M = 1e-6
+"""Least width by which a covered part is divided, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +111,7 @@ class ObservedActor:
         across = 0.5 * (trace["length"] * askew + trace["width"] * straight)
         along = trace["vx"] * cos + trace["vy"] * sin
         speed = np.sqrt(trace["vx"] ** 2 + trace["vy"] ** 2)
-        decision = int(np.searchsorted(time, decision_s(scene, trace) - 1e-6)) + 1
+        decision = int(np.searchsorted(time, decision_s(scene, trace) - _BEFORE_S)) + 1
         own = len(corridor.ego_lanes) - scene.ego.lane
         return [
             cls(
@@ -149,7 +153,7 @@ class ObservedActor:
         low = np.maximum(self.aside - self.half_width, -half)
         high = np.minimum(self.aside + self.half_width, half)
         least = np.minimum(self.lane_width, 2.0 * self.half_width)
-        taken: Floats = np.maximum(high - low, 0.0) / np.maximum(least, 1e-6)
+        taken: Floats = np.maximum(high - low, 0.0) / np.maximum(least, _LEAST_M)
         return taken
 
     def judge(self, claim: Claim, claims: Sequence[Claim] = ()) -> Verdict:
@@ -293,7 +297,7 @@ def _covered(
         right = np.interp(s, corridor.s, strip.right)
         taken = np.minimum(t + half_width, left) - np.maximum(t - half_width, right)
         share = np.maximum(taken, 0.0) / np.maximum(
-            np.minimum(left - right, 2.0 * half_width), 1e-6
+            np.minimum(left - right, 2.0 * half_width), _LEAST_M
         )
         is_left = float(np.mean(strip.left + strip.right)) > middle
         kinds = ["left_lane" if is_left else "right_lane"]

@@ -14,6 +14,16 @@ _SQUARE = math.sqrt(2.0)
 """Ratio of a square's side to the radius of the circle around it."""
 STEP = 0.5
 """Longest stretch of a slanted bar that is boxed as one, m."""
+_SLANT = 0.05
+"""Share of a bar's length along a second axis from which it is slanted."""
+_LEAST = 1e-4
+"""Least length of a straight piece, m."""
+_SAGGING = 8
+"""Straight pieces of a stretch that sags."""
+_MOST_BANDS = 40
+"""Bands of a stretch of a tube, and columns or rows of a panel's pattern, at most."""
+LONGEST_WALK = 2_000
+"""Number of parts after repetition beyond which a walk ends; far more than any design may have."""
 ASSET_TRIANGLES = 1_500
 """Triangles that a thing of the catalogue counts for; none has more."""
 
@@ -70,9 +80,13 @@ class Place:
 
     def turned(self, roll: float, yaw: float, to: Point, scale: float = 1.0) -> "Place":
         """Return the place of what is scaled, turned about x, then about z, then moved; angles in degrees."""
-        a, b = math.radians(roll), math.radians(yaw)
-        c, s, k, m = math.cos(b), math.sin(b), math.cos(a), math.sin(a)
-        inner = ((c, -s * k, s * m), (s, c * k, -c * m), (0.0, m, k))
+        cos_roll, sin_roll = math.cos(math.radians(roll)), math.sin(math.radians(roll))
+        cos, sin = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
+        inner = (
+            (cos, -sin * cos_roll, sin * sin_roll),
+            (sin, cos * cos_roll, -cos * sin_roll),
+            (0.0, sin_roll, cos_roll),
+        )
         columns = [self.direction([scale * row[axis] for row in inner]) for axis in range(3)]
         rows = tuple((columns[0][i], columns[1][i], columns[2][i]) for i in range(3))
         return Place((rows[0], rows[1], rows[2]), self.point(to))
@@ -104,10 +118,6 @@ class Measured:
         """The box around everything."""
         boxes = [space for _, space in self.spaces]
         return around([point for box in boxes for point in (box.low, box.high)])
-
-
-LONGEST_WALK = 2_000
-"""Number of parts after repetition beyond which a walk ends; far more than any design may have."""
 
 
 def measured(
@@ -278,7 +288,7 @@ def _bar(start: Point, end: Point, radius: float, last: float) -> Iterator[Space
     way = [b - a for a, b in zip(start, end, strict=True)]
     length = math.sqrt(sum(w * w for w in way))
     aside = [math.sqrt(max(0.0, 1.0 - (w / length) ** 2)) for w in way]
-    is_slanted = sum(abs(w) > 0.05 * length for w in way) > 1
+    is_slanted = sum(abs(w) > _SLANT * length for w in way) > 1
     count = max(1, math.ceil(length / STEP)) if is_slanted else 1
     for k in range(count):
         ends = []
@@ -337,12 +347,6 @@ def _stripes(part: shapes.Strip) -> Iterator[list[Point]]:
         ]
 
 
-_LEAST = 1e-4
-"""Least length of a straight piece, m."""
-_SAGGING = 8
-"""Straight pieces of a stretch that sags."""
-
-
 def hung(part: shapes.Tube) -> list[Point]:
     """Return the points of a tube, with the sag of its stretches."""
     if not part.sag:
@@ -352,6 +356,7 @@ def hung(part: shapes.Tube) -> list[Point]:
         for k in range(1, _SAGGING + 1):
             u = k / _SAGGING
             x, y, z = (a + u * (b - a) for a, b in zip(start, end, strict=True))
+            # A parabola that is lowest, by the sag, in the middle.
             point = (x, y, z - 4.0 * part.sag * u * (1.0 - u))
             # An upright stretch that sags turns back on itself.
             if math.dist(point, points[-1]) > _LEAST:
@@ -363,13 +368,13 @@ def bands(part: shapes.Tube, start: Point, end: Point) -> int:
     """Return the number of bands of one stretch of a tube."""
     if not part.second_colour:
         return 1
-    return min(40, max(1, round(math.dist(start, end) / part.pitch)))
+    return min(_MOST_BANDS, max(1, round(math.dist(start, end) / part.pitch)))
 
 
 def cells(part: shapes.Panel) -> tuple[int, int]:
     """Return the columns and rows of a panel's pattern."""
     width, height = math.dist(*part.panel[:2]), math.dist(part.panel[0], part.panel[3])
-    across, up = (min(40, max(1, round(size / part.pitch))) for size in (width, height))
+    across, up = (min(_MOST_BANDS, max(1, round(size / part.pitch))) for size in (width, height))
     if part.pattern == "stripes":
         return (across, 1) if width >= height else (1, up)
     if part.pattern == "planks":

@@ -31,6 +31,9 @@ EASE: dict[str, float] = {"time": 1.0, "ego": 5.0}
 BACKWARDS = 0.4
 """Share of its speed that a body reaches backwards."""
 NEAR_M = 1e-6
+"""Difference between the first and the last key of a repeated motion that counts as none, m or degrees."""
+_ROUNDING = 1e-9
+"""Excess over what a body can do that is rounding."""
 
 Frame = Literal["start", "lane", "other", "ego"]
 BodyKind = Literal["person", "animal", "cyclist", "car", "truck", "loose", "flying"]
@@ -191,7 +194,7 @@ def motion_faults(motion: Motion, ego_speed: float = EGO_MPS) -> list[Issue]:
     ]
     if motion.then == "repeat" and not issues:
         needed, index = track.set_off(EASE[motion.by])
-        if needed * rate * rate > able.acceleration + 1e-9:
+        if needed * rate * rate > able.acceleration + _ROUNDING:
             message = f"needs {needed * rate * rate:.3g} m/s^2 to get under way from rest"
             message += f"; {able.words} can {able.acceleration:g}: begin more slowly"
             issues.append(Issue(_at(motion, index + 1), message))
@@ -284,21 +287,21 @@ def _stretch_fault(
     span, moved = track.spans[index], track.moved(index)
     over = f"{span:g} s" if motion.by == "time" else f"{span:g} m of the ego"
     here = f"{moved:.3g} m within {over}"
-    if found.speed * rate > motion.fastest + 1e-9:
+    if found.speed * rate > motion.fastest + _ROUNDING:
         how = "backwards " if motion.facing == "against" else ""
         can = f"{able.words} can {how}{motion.fastest:g}"
         return f"{here} takes {found.speed * rate:.3g} m/s; {can}"
-    if found.climb * rate > able.climb + 1e-9:
+    if found.climb * rate > able.climb + _ROUNDING:
         return f"up or down at {found.climb * rate:.3g} m/s; {able.words} can {able.climb:g}"
-    if found.spin * rate > able.spin + 1e-9:
+    if found.spin * rate > able.spin + _ROUNDING:
         return (
             f"turns at {found.spin * rate:.3g} degrees per second; {able.words} can {able.spin:g}"
         )
     needed = found.acceleration * rate * rate
-    if needed > able.acceleration + 1e-9:
+    if needed > able.acceleration + _ROUNDING:
         message = f"needs {needed:.3g} m/s^2; {able.words} can {able.acceleration:g}"
         return f"{here} {message}: allow more time, or ease in and out with further keys"
-    if motion.facing != "fixed" and found.radius < able.radius - 1e-9:
+    if motion.facing != "fixed" and found.radius < able.radius - _ROUNDING:
         return f"turns within {found.radius:.2g} m; {able.words} needs {able.radius:g} m"
     return None
 

@@ -12,6 +12,8 @@ _SLOW = 0.3
 """Speed below which a direction of travel means nothing, m per unit."""
 
 Pose = tuple[float, ...]
+_STRAIGHT = 1e-9
+"""Product of speed and sideways acceleration up to which a course is straight, m^2/s^3."""
 
 
 class Measures(NamedTuple):
@@ -90,7 +92,7 @@ class PoseTrack(NamedTuple):
             spin = max(spin, *(math.degrees(abs(rates[axis])) for axis in (YAW, PITCH, ROLL)))
             acceleration = max(acceleration, math.sqrt(ax * ax + ay * ay))
             turning = abs(vx * ay - vy * ax)
-            if pace > _SLOW and turning > 1e-9:
+            if pace > _SLOW and turning > _STRAIGHT:
                 radius = min(radius, pace**3 / turning)
         return Measures(speed, acceleration, climb, spin, radius)
 

@@ -81,6 +81,10 @@ _LN_20, _SQUARINGS = 2.9957, 8
 """Number of extinction lengths over which contrast falls to 5 %, and of the squarings that compute it."""
 _FAR_M = 1e6
 """Distance of the sky in fog, m."""
+_LEVEL = 1e-6
+"""Slope of a ray below the horizon up to which it meets no ground."""
+_PARALLEL = 1e-9
+"""Component of a ray that stands for none where it is divided by."""
 
 
 def flat_frame(
@@ -138,7 +142,7 @@ class _Canvas:
         """Paint the ground plane at a height: grass, road strips and lane marks, and snow on them."""
         eye = self.eye
         _, v = tangents(eye.camera)
-        below = eye.forward[2] + v * eye.down[2] < -1e-6
+        below = eye.forward[2] + v * eye.down[2] < -_LEVEL
         if not below.any():
             return
         rows = slice(int(below.argmax()), None)
@@ -277,7 +281,7 @@ def _hits(
     enter, leave = np.full(ray_x.shape, -np.inf), np.full(ray_x.shape, np.inf)
     face = np.zeros(ray_x.shape, dtype=np.intp)
     for axis in range(3):
-        ray = np.where(np.abs(rays[axis]) < 1e-9, 1e-9, rays[axis])
+        ray = np.where(np.abs(rays[axis]) < _PARALLEL, _PARALLEL, rays[axis])
         one, two = (-halves[axis] - start[axis]) / ray, (halves[axis] - start[axis]) / ray
         near, far = np.minimum(one, two), np.maximum(one, two)
         face = np.where(near > enter, axis, face)

@@ -15,6 +15,8 @@ TTC_LIMIT_S = 60.0
 """Time beyond which a collision counts as none, s."""
 LEAST_SPEED = 0.1
 """Speed of the ego below which there is no time headway, m/s."""
+_STILL_MPS = 1e-9
+"""Closing speed below which bodies keep their distance along an axis, m/s."""
 
 
 class Footprints(NamedTuple):
@@ -62,7 +64,7 @@ def time_to_collision(a: Footprints, b: Footprints, vx: Floats, vy: Floats) -> F
         (-b.sin, b.cos, b.half_width + a.half_length * across + a.half_width * along),
     ):
         place, speed = dx * ux + dy * uy, vx * ux + vy * uy
-        is_still = np.abs(speed) < 1e-9
+        is_still = np.abs(speed) < _STILL_MPS
         safe = np.where(is_still, 1.0, speed)
         one, two = (-reach - place) / safe, (reach - place) / safe
         apart = np.abs(place) > reach

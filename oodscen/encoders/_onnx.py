@@ -10,6 +10,7 @@ import json
 import logging
 import os
 import warnings
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -24,8 +25,16 @@ from oodscen.errors import EncoderError, MissingExtra
 
 _log = logging.getLogger(__name__)
 _LONGEST = 256
+"""Pieces of a text that the model reads."""
 _FORMAT = 1
+"""Version of the files that are kept."""
 _LEAST_COSINE = 0.9999
+"""Least cosine to torch's vector with which an export is used."""
+_FATAL = 3
+"""Level of ONNX Runtime's log below which it is silent."""
+_OPSET = 17
+_NO_WORDS = 1e-9
+"""Least sum of a text's attention by which its words are averaged."""
 _SAMPLES = (
     "A deer jumps onto the road.",
     "Bus on its side, windows out, people climbing free, rain.",
@@ -37,6 +46,7 @@ _SAMPLES = (
     "0.5 s to collision, 80 km/h, \u00fc\u00f1\u00ee\u00e7\u00f8d\u00e9 \U0001f697",
     "word " * 300,
 )
+"""Texts of many lengths with which an export is compared with torch."""
 
 
 class OnnxMiniLM(MiniLM):
@@ -89,7 +99,7 @@ class OnnxMiniLM(MiniLM):
         options = onnxruntime.SessionOptions()
         # A pass is small: `_forward` shares the passes out instead.
         options.intra_op_num_threads = 1
-        options.log_severity_level = 3
+        options.log_severity_level = _FATAL
 
         def opened(content: bytes) -> tuple[Any, Any]:
             providers = ["CPUExecutionProvider"]
@@ -146,13 +156,11 @@ class OnnxMiniLM(MiniLM):
         return vectors
 
 
-def _exported(load: Any, int8: bool) -> bytes:
-    """Return the exported sentence model, including pooling and scaling."""
+def _pooled(model: Any) -> Any:
+    """Return a sentence model as one module: the words' vectors, their mean, its scaling to unit length."""
     import torch
 
-    model = load().eval()
-
-    class Whole(torch.nn.Module):
+    class Pooled(torch.nn.Module):
         def __init__(self) -> None:
             super().__init__()
             self.words = model[0].auto_model
@@ -163,8 +171,15 @@ def _exported(load: Any, int8: bool) -> bytes:
                 input_ids=input_ids, attention_mask=attention_mask, token_type_ids=kinds
             ).last_hidden_state
             weight = attention_mask.unsqueeze(-1).to(hidden.dtype)
-            mean = (hidden * weight).sum(1) / weight.sum(1).clamp(min=1e-9)
+            mean = (hidden * weight).sum(1) / weight.sum(1).clamp(min=_NO_WORDS)
             return torch.nn.functional.normalize(mean, dim=1)
+
+    return Pooled().eval()
+
+
+def _exported(load: Callable[[], Any], int8: bool) -> bytes:
+    """Return the exported sentence model, including pooling and scaling."""
+    import torch
 
     sample = torch.ones((2, COLUMNS), dtype=torch.int64)
     names = ["input_ids", "attention_mask"]
@@ -174,13 +189,13 @@ def _exported(load: Any, int8: bool) -> bytes:
         file = Path(folder) / "model.onnx"
         try:
             torch.onnx.export(
-                Whole().eval(),
+                _pooled(load().eval()),
                 (sample, sample),
                 str(file),
                 input_names=names,
                 output_names=["vectors"],
                 dynamic_axes={**free, "vectors": {0: "texts"}},
-                opset_version=17,
+                opset_version=_OPSET,
                 dynamo=False,
             )
             if int8:

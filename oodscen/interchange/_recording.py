@@ -23,8 +23,11 @@ from oodscen.stages._simulate import approach
 AFTER_S = 12.0
 """Duration of a reactive file beyond the nominal decision, s."""
 _NEVER_S = 500.0
+"""Time after the end of every run, s."""
 _DIFFERS_M = 1e-3
 """Distance between two courses of an actor above which it minds the ego, m."""
+_DT = 0.05
+"""Time step of a recording of one state, s."""
 
 
 class UnrenderedSimulator(MirrorSimulator):
@@ -100,7 +103,7 @@ class Recording(Brief):
     @property
     def dt(self) -> float:
         """Seconds per step."""
-        return float(self.time[1] - self.time[0]) if len(self.time) > 1 else 0.05
+        return float(self.time[1] - self.time[0]) if len(self.time) > 1 else _DT
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -139,33 +142,42 @@ def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
     """Record what a reactive file needs."""
     simulator = UnrenderedSimulator(catalogue)
     nominal = _driven(scene, simulator, Cruise, seed)
-    world, steps = simulator.world, len(nominal.time) - 1
-    fired = {name: world.motion(name).triggered for name in nominal.ids[1:]}
+    fired = {name: simulator.world.motion(name).triggered for name in nominal.ids[1:]}
     triggered = {name: round(time / nominal.dt) for name, time in fired.items() if time >= 0.0}
     reacting = {one.id for one in scene.actors if one.behaviour.trigger.kind != "time"}
     drivers = {one.id for one in scene.actors if one.behaviour.name in MOVES_BEFORE_TRIGGER}
-    carried = {one.id for one in scene.actors if one.behaviour.other is not None}
-    coming = {motion.id for motion in scene.motions if motion.begins == "moving"}
-    carried |= {one.id for one in scene.actors if one.behaviour.name in coming}
-    calm, quiet = _calm(scene), nominal
-    if reacting and drivers | carried:
+    calm, steps, quiet = _calm(scene), len(nominal.time) - 1, nominal
+    if reacting and (drivers or _moved_by_others(scene)):
         quiet = _driven(calm, simulator, Cruise, seed, steps)
     elif reacting:
         quiet = _resting(nominal, reacting)
-    mindful = set()
-    if drivers:
-        stopped = _driven(calm, simulator, lambda: action_driver("stop"), seed, steps)
-        apart = np.abs(quiet.poses[:, :, :2] - stopped.poses[:, :, :2]).max(axis=(0, 2))
-        mindful = {name for name, far in zip(quiet.ids, apart, strict=True) if far > _DIFFERS_M}
-        # A blind ego drives through whatever is ahead, which would then mind it.
-        ahead = [
-            row
-            for row, s in enumerate(quiet.places[0, :, 0])
-            if quiet.ids[row] in mindful and s > quiet.places[0, 0, 0]
-        ]
-        free = [row for row in ahead if quiet.ids[row] not in reacting]
-        nominal, quiet = _replaced(nominal, stopped, free), _replaced(quiet, stopped, ahead)
+    if not drivers:
+        return Reactions(nominal, quiet, triggered, frozenset())
+    stopped = _driven(calm, simulator, lambda: action_driver("stop"), seed, steps)
+    mindful = _differing(quiet, stopped)
+    # A blind ego drives through whatever is ahead, which would then mind it.
+    ahead = [
+        row
+        for row, s in enumerate(quiet.places[0, :, 0])
+        if quiet.ids[row] in mindful and s > quiet.places[0, 0, 0]
+    ]
+    free = [row for row in ahead if quiet.ids[row] not in reacting]
+    nominal, quiet = _replaced(nominal, stopped, free), _replaced(quiet, stopped, ahead)
     return Reactions(nominal, quiet, triggered, frozenset(mindful - {"ego"}))
+
+
+def _moved_by_others(scene: Scene) -> bool:
+    """Return whether an actor follows another, or a motion that begins before its trigger."""
+    coming = {motion.id for motion in scene.motions if motion.begins == "moving"}
+    return any(
+        one.behaviour.other is not None or one.behaviour.name in coming for one in scene.actors
+    )
+
+
+def _differing(one: Recording, other: Recording) -> set[str]:
+    """Return the bodies whose courses differ between two recordings."""
+    apart = np.abs(one.poses[:, :, :2] - other.poses[:, :, :2]).max(axis=(0, 2))
+    return {name for name, far in zip(one.ids, apart, strict=True) if far > _DIFFERS_M}
 
 
 def _driven(
@@ -191,19 +203,24 @@ def _driven(
 
 def _replaced(recording: Recording, other: Recording, rows: Sequence[int]) -> Recording:
     """Return a recording with the courses of some bodies from another."""
-    copies = {name: getattr(recording, name).copy() for name in ("poses", "speeds", "places")}
-    for name, array in copies.items():
-        array[:, rows] = getattr(other, name)[:, rows]
-    return replace(recording, **copies)
+    return _with_courses(recording, rows, other.poses, other.speeds, other.places)
 
 
 def _resting(recording: Recording, names: Collection[str]) -> Recording:
     """Return a recording in which some actors never leave their start."""
     rows = [row for row, name in enumerate(recording.ids) if name in names]
-    copies = {name: getattr(recording, name).copy() for name in ("poses", "speeds", "places")}
-    for array in copies.values():
-        array[:, rows] = array[0, rows]
-    copies["speeds"][:, rows] = 0.0
+    still = np.zeros_like(recording.speeds)
+    return _with_courses(recording, rows, recording.poses[:1], still, recording.places[:1])
+
+
+def _with_courses(
+    recording: Recording, rows: Sequence[int], poses: Floats, speeds: Floats, places: Floats
+) -> Recording:
+    """Return a recording with other courses of some bodies; one moment stands for all."""
+    given = {"poses": poses, "speeds": speeds, "places": places}
+    copies = {name: getattr(recording, name).copy() for name in given}
+    for name, values in given.items():
+        copies[name][:, rows] = values[:, rows]
     return replace(recording, **copies)
 
 

@@ -18,7 +18,7 @@ from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
-from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
+from oodscen.driving._motion.triggers import MAX_APPROACH_S, ROUNDING_S, is_due
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._states import watched
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
@@ -32,6 +32,8 @@ VIEWS: tuple[View, ...] = ("ego", "bird", "both")
 FRAMES_PER_SECOND = 10
 AFTERMATH_S = 1.0
 """Duration of a video after a collision or leaving the road, in seconds."""
+_ROUNDING = 1e-9
+"""Excess of a rate over that of the steps that is rounding, frames per second."""
 
 
 class Video:
@@ -133,7 +135,7 @@ def record(
     camera = camera_for(catalogue, camera)
     steering = Steering(now, simulator, camera_for(catalogue, own_camera(now)))
     seed_number(seed)
-    finite_number("fps", fps, 0.1, 1.0 / simulator.dt + 1e-9)
+    finite_number("fps", fps, 0.1, 1.0 / simulator.dt + _ROUNDING)
     if Path(path).suffix.lower() != ".mp4":
         raise UsageError(f"a video's name must end in .mp4, not {Path(path).name!r}")
     stride = max(1, round(1.0 / (simulator.dt * fps)))
@@ -155,7 +157,7 @@ def record(
                 end = min(end, state.time + AFTERMATH_S)
             if state.step % stride == 0:
                 video.add(_picture(simulator, state, scene, catalogue, camera, view))
-            if state.time >= end - 1e-9:
+            if state.time >= end - ROUNDING_S:
                 report_progress("record", state.step, state.step)
                 break
             report_progress("record", state.step, max(state.step + 1, round(end / simulator.dt)))

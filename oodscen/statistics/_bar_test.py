@@ -18,7 +18,12 @@ DRAWS = 20_000
 """Random weightings of a test; a p-value of 0.005 then has a standard error of 0.0005."""
 MOST_TIMES = 1_000.0
 """The largest study that is planned for, as a multiple of the one at hand."""
-_PLANNED = 4_000
+_PLANNED_DRAWS = 4_000
+"""Random weightings of a test while a study is planned."""
+_PLANNED_WITHIN = 0.02
+"""Relative accuracy of the size of a planned study."""
+_BATCH = 1_000
+"""Random weightings that are summed at once."""
 
 
 def p_below(gaps: Floats, least: float, *, seed: int = 0) -> float:
@@ -45,8 +50,8 @@ def p_below_many(
     worst = least * generator.standard_exponential(draws)
     weights = generator.standard_gamma(times, (draws, units))
     count: NDArray[np.int64] = np.zeros(sets, np.int64)
-    for start in range(0, draws, 1_000):
-        rows = slice(start, start + 1_000)
+    for start in range(0, draws, _BATCH):
+        rows = slice(start, start + _BATCH)
         count += (weights[rows] @ gaps + worst[rows, None] <= 0).sum(axis=0)
     found: Floats = (1 + count) / (1 + draws)
     return found
@@ -64,7 +69,7 @@ def times_needed(gaps: Floats, least: float, alpha: float, *, seed: int = 0) -> 
         return None
 
     def is_shown(times: float) -> bool:
-        found = p_below_many(gaps[:, None], least, seed=seed, times=times, draws=_PLANNED)
+        found = p_below_many(gaps[:, None], least, seed=seed, times=times, draws=_PLANNED_DRAWS)
         return bool(found[0] <= alpha)
 
     low, high = 1.0, 2.0
@@ -72,7 +77,7 @@ def times_needed(gaps: Floats, least: float, alpha: float, *, seed: int = 0) -> 
         low, high = high, 2.0 * high
         if high > MOST_TIMES:
             return None
-    while high - low > 0.02 * low:
+    while high - low > _PLANNED_WITHIN * low:
         middle = (low + high) / 2
         low, high = (low, middle) if is_shown(middle) else (middle, high)
     return high

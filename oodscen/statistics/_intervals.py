@@ -16,6 +16,8 @@ FEWEST_CLUSTERS = 5
 """The fewest clusters for a percentile bootstrap; with fewer, it is far too narrow and not computed."""
 
 _NORMAL = NormalDist()
+_NO_SPREAD = 1e-12
+"""Range of replicates below which they are all the same."""
 
 
 class Interval(Data):
@@ -70,7 +72,7 @@ def percentile_interval(replicates: Floats, units: int, *, is_clustered: bool) -
 def percentiles(replicates: Floats, units: int) -> Interval | None:
     """Return the interval of clustered replicates [r]; `None` with too few clusters or without spread."""
     known = replicates[np.isfinite(replicates)]
-    if units < FEWEST_CLUSTERS or not len(known) or np.ptp(known) < 1e-12:
+    if units < FEWEST_CLUSTERS or not len(known) or np.ptp(known) < _NO_SPREAD:
         return None
     return percentile_interval(known, units, is_clustered=True)
 

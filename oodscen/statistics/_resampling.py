@@ -18,6 +18,8 @@ REPLICATES = 2000
 
 _CELLS = 4_000_000
 """The most draws that are kept in memory at a time."""
+_ZERO = 1e-12
+"""Denominator up to which it counts as zero."""
 
 
 def blocks(replicates: int, units: int) -> Iterator[int]:
@@ -170,4 +172,4 @@ def _resampler(
 
 def divided(over: Floats, under: Floats) -> Floats:
     """Return quotients, NaN where the denominator is zero."""
-    return np.divide(over, under, out=np.full_like(over, np.nan), where=under > 1e-12)
+    return np.divide(over, under, out=np.full_like(over, np.nan), where=under > _ZERO)

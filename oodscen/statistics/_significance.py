@@ -20,6 +20,10 @@ PERMUTATIONS = 10_000
 
 _EXACT_UP_TO = 12
 """The most clusters whose sign patterns (4,096) are all enumerated."""
+_EQUAL = 1e-12
+"""Difference of means or sums up to which it is none."""
+_AS_EXTREME = 1e-9
+"""Amount by which a sum of flipped differences may fall short of the one seen and count as equal."""
 
 
 class PairedTest(Data):
@@ -106,10 +110,10 @@ def sign_flip(
     sums: Floats = np.zeros(0)
     if len(gaps):
         sums = np.bincount(members(len(gaps), clusters), weights=gaps).astype(np.float64)
-    sums = np.sort(sums[np.abs(sums) > 1e-12])
+    sums = np.sort(sums[np.abs(sums) > _EQUAL])
     if not len(sums):
         return 1.0
-    seen = abs(float(sums.sum())) - 1e-9
+    seen = abs(float(sums.sum())) - _AS_EXTREME
     if len(sums) <= _EXACT_UP_TO:
         patterns = (np.arange(2 ** len(sums))[:, None] >> np.arange(len(sums))) & 1
         return float((np.abs((2.0 * patterns - 1.0) @ sums) >= seen).mean())
@@ -148,7 +152,7 @@ def permutation_test(
         side = generator.permutation(len(sums))
         one, other = side[:first], side[first:]
         gap = sums[one].sum() / sizes[one].sum() - sums[other].sum() / sizes[other].sum()
-        count += abs(float(gap)) >= seen - 1e-12
+        count += abs(float(gap)) >= seen - _EQUAL
     return (1 + count) / (1 + replicates)
 
 

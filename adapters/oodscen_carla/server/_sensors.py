@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.protocols import Camera, Frame
 from oodscen_carla.server import _measurements as wire
 from oodscen_carla.server._actors import Actor
@@ -74,7 +75,7 @@ class SensorSender:
 
     def _is_due(self, actor: Actor) -> bool:
         every = actor.number("sensor_tick", 0.0)
-        if self._world.time < actor.due - 1e-9:
+        if self._world.time < actor.due - ROUNDING_S:
             return False
         actor.due = self._world.time + every
         return True

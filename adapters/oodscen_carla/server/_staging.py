@@ -5,6 +5,7 @@ import math
 from oodscen.data import Catalogue, Scene
 from oodscen.driving import KinematicWorld
 from oodscen.driving._motion.actions import action_driver
+from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import SceneError
@@ -40,7 +41,7 @@ class ServedScene:
             control: The hero's pedals and wheel; `None` before the first.
         """
         self._owed += dt
-        while self._owed >= self.world.dt - 1e-9:
+        while self._owed >= self.world.dt - ROUNDING_S:
             self._owed = max(0.0, self._owed - self.world.dt)
             self.world.step(self._demand(control))
 

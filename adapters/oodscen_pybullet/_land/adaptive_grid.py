@@ -26,6 +26,10 @@ _LATTICE = np.array(
     np.float64,
 ) / 4.0  # fmt: skip
 _QUARTERS = np.array([0.25, 0.5, 0.75])
+_LEAST_M = 1e-9
+"""Least length of an edge by which a distance is divided, m."""
+_LEAST_SHARE = 1e-6
+"""Least share of an edge by which a coordinate is divided."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,14 +149,14 @@ def crossing(distance: Distance, one: Array, two: Array, first: Array, second: A
         share = (
             0.5
             if step % 2
-            else np.minimum((away + _INSIDE) / np.maximum(np.abs(on - off) * length, 1e-9), 1.0)
+            else np.minimum((away + _INSIDE) / np.maximum(np.abs(on - off) * length, _LEAST_M), 1.0)
         )
         at = off + share * (on - off)
         value = distance(one[:, 0] + at * side[:, 0], one[:, 1] + at * side[:, 1])
         is_off = value > 0.0
         off, away = np.where(is_off, at, off), np.where(is_off, value, away)
         on = np.where(is_off, on, at)
-    share = np.minimum(away / np.maximum(np.abs(on - off) * length, 1e-9), 1.0)
+    share = np.minimum(away / np.maximum(np.abs(on - off) * length, _LEAST_M), 1.0)
     return np.asarray(off + share * (on - off), np.float64)
 
 
@@ -240,8 +244,8 @@ def _is_off(distance: Distance, corners: Array, values: Array) -> Mask:
     )
     p, q = shares[: len(rows)], shares[len(rows) :]
     beyond = np.zeros(found.shape, bool)
-    u = _LATTICE[:, 1] / np.maximum(p, 1e-6)[:, None]
-    v = _LATTICE[:, 2] / np.maximum(q, 1e-6)[:, None]
+    u = _LATTICE[:, 1] / np.maximum(p, _LEAST_SHARE)[:, None]
+    v = _LATTICE[:, 2] / np.maximum(q, _LEAST_SHARE)[:, None]
     beyond[rows] = u + v > 1.0
     expected = tip[:, None] ^ beyond
     bad = (((found > 0.0) != expected) & (np.abs(found) > TOLERANCE)).any(axis=1)

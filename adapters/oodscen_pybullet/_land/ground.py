@@ -92,6 +92,11 @@ class RoadCourse:
             sin=sin,
         )
 
+    @property
+    def middles(self) -> Array:
+        """[n - 1], s of the middles of the pieces, m."""
+        return np.asarray(0.5 * (self.s[1:] + self.s[:-1]))
+
     def points(self, t: Array | float, height: Array | float = 0.0) -> Array:
         """Return the points at lateral offset `t`, [n, 3]."""
         return np.stack([self.x - t * self.sin, self.y + t * self.cos, self.z + height], axis=1)

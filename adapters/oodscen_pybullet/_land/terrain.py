@@ -4,8 +4,7 @@ The terrain is a grid of squares, small at the roads and large far away. It is c
 equal distance from the asphalt, so any road network gets kerbs that follow its corners, and no holes.
 """
 
-from dataclasses import dataclass
-from typing import Literal, cast, get_args
+from typing import Literal, NamedTuple, cast, get_args
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from oodscen.driving._roads.corridor import Corridor, Structure
 from oodscen_pybullet._land.adaptive_grid import Squares, crossing
 from oodscen_pybullet._land.ground import TIGHT, Ground
 from oodscen_pybullet._land.islands import Islands
-from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
+from oodscen_pybullet._meshes.atlas import REGIONS, region_uv, swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.clipping import cut
 from oodscen_pybullet._types import Array, Mask
@@ -23,6 +22,8 @@ Theme = Literal["residential", "urban", "highway", "rural"]
 
 KERB = 0.10
 """Height of pavements above the road, m."""
+KERB_FOOT = -0.03
+"""Height of the foot of a kerb's side above the road, m: below it, so that no gap shows."""
 WIDE_M = 215.0
 """Distance from the ego's road to the edge of the ground, m."""
 PORTAL_M = 7.4
@@ -38,30 +39,80 @@ ISLAND_RIM = 1.6
 _GAP = 2.0
 """Smallest distance between two points where roads meet, m."""
 _X, _Y, _Z, _ASPHALT, _PAVED, _U, _V, _S, _IN = range(9)
+"""Columns of a corner: its place, its distances from asphalt and pavements, its place in its square, its s along
+the ego's road, and its height above tunnels."""
+
+_UNKERBED_LIFT = -0.02
+"""Height of the ground above the adjacent asphalt where there are no kerbs, m."""
+_KERB_TOP_M = 0.18
+"""Width of the top of a kerb, m."""
+_CORNER_M, _CORNER_PAVED_M = 9.0, 2.4
+"""Distance from where roads meet within which the ground is paved, and how far from the asphalt, m."""
+_UNDULATING_M, _HILLY_M = (18.0, 90.0), (100.0, 190.0)
+"""Distances from asphalt between which undulations, and the hills on the horizon, rise to their height, m."""
+_UNDULATION_M, _HILL_M = 75.0, 60.0
+"""Wavelengths of undulations and of hills, m."""
+_HILL_SWING = 0.45
+"""Largest change of the height of hills, as a share of it."""
+_HILL_SHIFT_M = 500.0
+"""Distance in the noise between undulations and hills, which must not coincide, m."""
+_DITCH_M, _DITCH_NEAR_M, _DITCH_FAR_M = 0.25, (0.5, 2.5), (3.0, 6.0)
+"""Depth of a ditch beside a road without kerbs, and distances from asphalt along its two banks, m."""
+_BANK_NEAR_M = 3.0
+"""Distance from the asphalt at which the bank beside a portal begins, m."""
+_BANK_FADE_M = (4.0, 60.0)
+"""Distances before a tunnel between which the bank falls to the ground, m."""
+_COVER_SLOPE, _COVER_M = 0.45, 18.0
+"""Slope of the hill above a tunnel, and its height above the portals, m."""
+_VALLEY_SIDE_M, _VALLEY_FAR_M = 24.0, (120.0, 190.0)
+"""Length of a valley's side below a bridge, and distances from asphalt between which the valley ends, m."""
+_ABUTMENT_M = 0.5
+"""Length over which the ground below a bridge starts to fall, m; it reaches so far beyond the bridge's ends."""
+_DECK_END_M = 10.0
+"""Length at each end of a bridge below which the ground is cut at the road's edge, m."""
+_DECK_EDGE_M = 0.46
+"""Distance from pavements of that cut, m."""
+_ROOFED_M = 20.0
+"""Least distance from asphalt that the ground above tunnels and below bridges counts with, m."""
+_FIELD_M = (72.0, 48.0)
+"""Extent of a field, m."""
+_GRID = 64
+"""Rows and columns after which waves and fields repeat."""
+_GRID_OFFSET = 1000.0
+"""Place of the map's origin in the grid of waves."""
+_SHORTEST_M = 1e-4
+"""Length of an edge up to which a face is left out, m."""
+_FLAT = 1e-4
+"""Length of a normal up to which a triangle is left out, m^2."""
+_FARTHEST_M = 1e9
 
 
-@dataclass(frozen=True)
-class _GroundBand:
+class _GroundBand(NamedTuple):
     """The material of the ground up to a distance from pavements."""
 
     reach: float
+    """The distance, m."""
     surface: str
-    is_region: bool = False
+    """A colour or region of the atlas; empty for fields."""
 
 
 _BANDS: dict[Theme, tuple[_GroundBand, ...]] = {
     "residential": (
-        _GroundBand(13.0, "turf", True),
+        _GroundBand(13.0, "turf"),
         _GroundBand(60.0, "grass"),
-        _GroundBand(1e9, "hill"),
+        _GroundBand(_FARTHEST_M, "hill"),
     ),
     "urban": (
-        _GroundBand(3.5, "paving", True),
+        _GroundBand(3.5, "paving"),
         _GroundBand(70.0, "concrete_dark"),
-        _GroundBand(1e9, "hill"),
+        _GroundBand(_FARTHEST_M, "hill"),
     ),
-    "highway": (_GroundBand(12.0, "turf", True), _GroundBand(90.0, ""), _GroundBand(1e9, "hill")),
-    "rural": (_GroundBand(9.0, "turf", True), _GroundBand(110.0, ""), _GroundBand(1e9, "hill")),
+    "highway": (
+        _GroundBand(12.0, "turf"),
+        _GroundBand(90.0, ""),
+        _GroundBand(_FARTHEST_M, "hill"),
+    ),
+    "rural": (_GroundBand(9.0, "turf"), _GroundBand(110.0, ""), _GroundBand(_FARTHEST_M, "hill")),
 }
 _CROPS = ("field", "grass", "grass_dark", "field", "earth", "grass")
 _RELIEF: dict[Theme, tuple[float, float]] = {
@@ -86,8 +137,8 @@ class Terrain:
         """
         self.ground = ground
         self.theme: Theme = theme
-        self._waves = rng.uniform(-1.0, 1.0, (64, 64))
-        self._crops = rng.integers(0, len(_CROPS), (64, 64))
+        self._waves = rng.uniform(-1.0, 1.0, (_GRID, _GRID))
+        self._crops = rng.integers(0, len(_CROPS), (_GRID, _GRID))
         self._meeting = _meeting_points(ground)
         self.islands = Islands.of(ground, self._meeting)
         """The land enclosed by roads."""
@@ -96,7 +147,7 @@ class Terrain:
     @property
     def lift(self) -> float:
         """Height of the ground above the adjacent asphalt, m."""
-        return KERB if self.ground.kerbed else -0.02
+        return KERB if self.ground.kerbed else _UNKERBED_LIFT
 
     def height(self, x: float, y: float) -> float:
         """Return the height of the ground at a point, m."""
@@ -128,34 +179,33 @@ class Terrain:
 
     def mesh(self) -> Mesh:
         """Return the ground with its kerbs."""
-        corners = self._corners()
         pieces: list[tuple[Array, Array]] = []
-        open_, over = self._spanned(corners)
+        open_, over = self._spanned(self._corners())
         _, land, border = cut(open_, _ASPHALT, 0.0, self._edge)
         is_edge = land[:, :, _ASPHALT] <= 0.0
         x, y = land[is_edge][:, _X], land[is_edge][:, _Y]
         land[is_edge, _PAVED] = np.minimum(self.ground.near(x, y).paved, 0.0) if len(x) else 0.0
         if self.ground.kerbed:
             pieces.append(_walls(border))
-            kerb, land, _ = cut(land, _ASPHALT, 0.18)
-            pieces.append(self._surface(kerb, "kerb", False))
-            is_island = self.islands.covers(land[:, :, : _Y + 1].mean(axis=1))
-            island, land = land[is_island], land[~is_island]
-            rim, lawn, _ = cut(island, _ASPHALT, ISLAND_RIM)
-            pieces.append(self._surface(rim, "paving", True))
-            pieces.append(self._surface(lawn, "turf", True))
-            paved, land, _ = cut(land, _PAVED, 0.0)
-            pieces.append(self._surface(paved, "paving", True))
+            kerbed, land = self._kerbed(land)
+            pieces += kerbed
         land = np.concatenate([land, over])
         for band in _BANDS[self.theme]:
             some, land, _ = cut(land, _PAVED, band.reach)
-            if band.surface:
-                pieces.append(self._surface(some, band.surface, band.is_region))
-            else:
-                pieces += self._fields(some)
+            pieces += [self._surface(some, band.surface)] if band.surface else self._fields(some)
         vertices = np.concatenate([vertices for vertices, _ in pieces])
         uvs = np.concatenate([uvs for _, uvs in pieces])
         return _mesh(vertices, uvs)
+
+    def _kerbed(self, land: Array) -> tuple[list[tuple[Array, Array]], Array]:
+        """Split off kerbs, islands and pavements; return them and the rest of the land."""
+        kerb, land, _ = cut(land, _ASPHALT, _KERB_TOP_M)
+        is_island = self.islands.covers(land[:, :, : _Y + 1].mean(axis=1))
+        island, land = land[is_island], land[~is_island]
+        rim, lawn, _ = cut(island, _ASPHALT, ISLAND_RIM)
+        paved, land, _ = cut(land, _PAVED, 0.0)
+        surfaces = ((kerb, "kerb"), (rim, "paving"), (lawn, "turf"), (paved, "paving"))
+        return [self._surface(corners, surface) for corners, surface in surfaces], land
 
     def _edge(self, one: Array, two: Array) -> Array:
         return crossing(
@@ -176,12 +226,12 @@ class Terrain:
         for one in self.ground.corridor.structures:
             ends: tuple[float, ...] = (one.start, one.end)
             if one.kind == "bridge":
-                ends = (one.start, one.start + 10.0, one.end - 10.0, one.end)
+                ends = (one.start, one.start + _DECK_END_M, one.end - _DECK_END_M, one.end)
             before, rest, _ = cut(open_, _S, ends[0])
             for index, end in enumerate(ends[1:]):
                 middle, rest, _ = cut(rest, _S, end)
                 if one.kind == "bridge" and index != 1:
-                    _, middle, _ = cut(middle, _PAVED, 0.46)
+                    _, middle, _ = cut(middle, _PAVED, _DECK_EDGE_M)
                 over = np.concatenate([over, middle])
             open_ = np.concatenate([before, rest])
         if len(over):
@@ -189,7 +239,7 @@ class Terrain:
                 flat = part.reshape(-1, part.shape[2])
                 heights = self._heights(flat[:, _X], flat[:, _Y])
                 flat[:, _Z] = heights[column]
-            over[:, :, _ASPHALT] = np.maximum(over[:, :, _ASPHALT], 20.0)
+            over[:, :, _ASPHALT] = np.maximum(over[:, :, _ASPHALT], _ROOFED_M)
             over[:, :, _PAVED] = over[:, :, _ASPHALT]
         return open_, over
 
@@ -202,40 +252,40 @@ class Terrain:
         """Return the ground's height in the open and above tunnels, and a mask of where the latter applies."""
         near = self.ground.near(x, y)
         away = np.maximum(near.asphalt, 0.0)
-        waves, rim = _RELIEF[self.theme]
-        relief = (waves * _rise(away, 18.0, 90.0) * self._wave(x, y, 75.0)) + rim * _rise(
-            away, 100.0, 190.0
-        ) * (1.0 + 0.45 * self._wave(x + 500.0, y, 60.0))
-        low = -0.25 * _rise(away, 0.5, 2.5) * (1.0 - _rise(away, 3.0, 6.0))
-        if self.ground.kerbed:
-            low = np.zeros(len(x))
-        outside = near.z + relief + low
+        low = np.zeros(len(x)) if self.ground.kerbed else _ditch(away)
+        outside = near.z + self._relief(x, y, away) + low
         inside, within = outside, np.zeros(len(x), bool)
         for tunnel in self._structures("tunnel"):
             gap = np.maximum(tunnel.start - near.s, near.s - tunnel.end)
             deep = np.maximum(-gap, 0.0)
-            side = _rise(away, 3.0, BANK_M)
-            bank = PORTAL_M * side * (1.0 - _rise(np.maximum(gap, 0.0), 4.0, 60.0))
-            outside = outside + bank
-            inside = inside + PORTAL_M + np.minimum(0.45 * deep, 18.0)
+            side = _rise(away, _BANK_NEAR_M, BANK_M)
+            outside = outside + PORTAL_M * side * _fall(np.maximum(gap, 0.0), *_BANK_FADE_M)
+            inside = inside + PORTAL_M + np.minimum(_COVER_SLOPE * deep, _COVER_M)
             within |= gap <= 0.0
         for bridge in self._structures("bridge"):
             deep = np.minimum(near.s - bridge.start, bridge.end - near.s)
-            share = _rise(deep, 0.0, 24.0)
-            dry = 1.0 - share * (1.0 - _rise(away, 120.0, 190.0))
+            share = _rise(deep, 0.0, _VALLEY_SIDE_M)
+            dry = 1.0 - share * _fall(away, *_VALLEY_FAR_M)
             outside = near.z + low + (outside - near.z - low) * dry
-            outside = outside - np.minimum(np.maximum(deep, 0.0), 0.5) - VALLEY_M * share
-            inside = np.where(deep > -0.5, outside, inside)
+            outside = outside - np.minimum(np.maximum(deep, 0.0), _ABUTMENT_M) - VALLEY_M * share
+            inside = np.where(deep > -_ABUTMENT_M, outside, inside)
         return outside, inside, within
+
+    def _relief(self, x: Array, y: Array, away: Array) -> Array:
+        """Return the height of undulations and hills at points at some distances from asphalt, m."""
+        undulations, hills = _RELIEF[self.theme]
+        undulating = undulations * _rise(away, *_UNDULATING_M) * self._wave(x, y, _UNDULATION_M)
+        swing = _HILL_SWING * self._wave(x + _HILL_SHIFT_M, y, _HILL_M)
+        return np.asarray(undulating + hills * _rise(away, *_HILLY_M) * (1.0 + swing))
 
     def _wave(self, x: Array, y: Array, size: float) -> Array:
         """Return smooth noise, -1 to 1, with a wavelength of about `size`."""
-        u, v = x / size + 1000.0, y / size + 1000.0
+        u, v = x / size + _GRID_OFFSET, y / size + _GRID_OFFSET
         i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
         a, b = _rise(u - i, 0.0, 1.0), _rise(v - j, 0.0, 1.0)
-        grid = self._waves
-        low = grid[i % 64, j % 64] * (1 - a) + grid[(i + 1) % 64, j % 64] * a
-        high = grid[i % 64, (j + 1) % 64] * (1 - a) + grid[(i + 1) % 64, (j + 1) % 64] * a
+        i0, i1, j0, j1 = i % _GRID, (i + 1) % _GRID, j % _GRID, (j + 1) % _GRID
+        low = self._waves[i0, j0] * (1 - a) + self._waves[i1, j0] * a
+        high = self._waves[i0, j1] * (1 - a) + self._waves[i1, j1] * a
         return np.asarray(low * (1 - b) + high * b, np.float64)
 
     # ------------------------------------------------------------------ squares
@@ -248,7 +298,9 @@ class Terrain:
         outside, inside, _ = self._heights(points[:, 0], points[:, 1])
         paved = near.paved
         if self.ground.kerbed and len(self._meeting):
-            paved = np.minimum(paved, np.where(self._is_corner(points), near.asphalt - 2.4, paved))
+            paved = np.minimum(
+                paved, np.where(self._is_corner(points), near.asphalt - _CORNER_PAVED_M, paved)
+            )
         columns = np.stack(
             [
                 points[:, 0], points[:, 1], outside, near.asphalt, paved,
@@ -264,14 +316,15 @@ class Terrain:
         """Return which points are close enough to a junction to be paved all over."""
         square = (points[:, :1] - self._meeting[None, :, 0]) ** 2
         square += (points[:, 1:] - self._meeting[None, :, 1]) ** 2
-        return np.asarray(square.min(axis=1) < 9.0 * 9.0)
+        return np.asarray(square.min(axis=1) < _CORNER_M * _CORNER_M)
 
     # ------------------------------------------------------------------ surfaces
 
-    def _surface(self, corners: Array, surface: str, is_region: bool) -> tuple[Array, Array]:
+    def _surface(self, corners: Array, surface: str) -> tuple[Array, Array]:
+        """Return the vertices and atlas coordinates of triangles of a colour or region."""
         points = corners[:, :, : _Z + 1].copy()
         points[:, :, _Z] += self.lift
-        if is_region:
+        if surface in REGIONS:
             uv = region_uv(surface)
             low, high = uv[0], uv[2]
             uvs = low + np.clip(corners[:, :, _U : _V + 1], 0.0, 1.0) * (high - low)
@@ -281,18 +334,25 @@ class Terrain:
 
     def _fields(self, corners: Array) -> list[tuple[Array, Array]]:
         middle = corners[:, :, : _Y + 1].mean(axis=1)
-        i = np.floor(middle[:, 0] / 72.0).astype(np.int64) % 64
-        j = np.floor(middle[:, 1] / 48.0).astype(np.int64) % 64
+        i, j = (np.floor(middle / _FIELD_M).astype(np.int64) % _GRID).T
         crop = self._crops[i, j]
-        return [
-            self._surface(corners[crop == index], name, False) for index, name in enumerate(_CROPS)
-        ]
+        return [self._surface(corners[crop == index], name) for index, name in enumerate(_CROPS)]
 
 
 def _rise(value: Array, start: float, end: float) -> Array:
     """Return 0 below `start`, 1 above `end`, and a smooth ramp in between."""
     share = np.clip((value - start) / (end - start), 0.0, 1.0)
     return np.asarray(share * share * (3.0 - 2.0 * share), np.float64)
+
+
+def _fall(value: Array, start: float, end: float) -> Array:
+    """Return 1 below `start`, 0 above `end`, and a smooth ramp in between."""
+    return 1.0 - _rise(value, start, end)
+
+
+def _ditch(away: Array) -> Array:
+    """Return the height of the ground beside a road without kerbs, by the distance from asphalt, m."""
+    return -_DITCH_M * _rise(away, *_DITCH_NEAR_M) * _fall(away, *_DITCH_FAR_M)
 
 
 def _meeting_points(ground: Ground) -> Array:
@@ -316,8 +376,8 @@ def _walls(border: Array) -> tuple[Array, Array]:
     """Return the vertical faces of kerbs along a cut, facing the road."""
     p, q = border[:, 0, : _Z + 1], border[:, 1, : _Z + 1]
     length = np.sqrt(((p - q) ** 2).sum(axis=1))
-    p, q = p[length > 1e-4], q[length > 1e-4]
-    rise, sink = np.array([0.0, 0.0, KERB]), np.array([0.0, 0.0, -0.03])
+    p, q = p[length > _SHORTEST_M], q[length > _SHORTEST_M]
+    rise, sink = np.array([0.0, 0.0, KERB]), np.array([0.0, 0.0, KERB_FOOT])
     quads = np.stack([q + sink, p + sink, p + rise, q + rise], axis=1)
     points = quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
     return points, np.broadcast_to(swatch_uv("kerb_side"), (len(points), 2)).copy()
@@ -328,7 +388,7 @@ def _mesh(vertices: Array, uvs: Array) -> Mesh:
     three = vertices.reshape(-1, 3, 3)
     normal = np.cross(three[:, 1] - three[:, 0], three[:, 2] - three[:, 0])
     length = np.sqrt((normal * normal).sum(axis=1))
-    keep = length > 1e-4
+    keep = length > _FLAT
     normal = normal[keep] / length[keep, None]
     return Mesh.loose(
         three[keep].reshape(-1, 3),

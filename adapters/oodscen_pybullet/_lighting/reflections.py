@@ -6,6 +6,23 @@ from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR, SHELTERED, SOFT
 from oodscen_pybullet._types import F32, U8
 
+_FARTHEST_M = np.float32(300.0)
+"""Depth from which wet ground reflects nothing, m."""
+_GRAZING_M = np.float32(13.0)
+"""Depth at which ground is seen flat enough to gain half of what it gains at the horizon, m."""
+_SMEAR, _RIPPLE = np.float32(0.93), np.float32(0.4)
+"""Shares of the reflection one row above that rough asphalt keeps, and water."""
+_WATER, _WATER_GRAZING = np.float32(0.26), np.float32(0.6)
+"""Reflectivity of water seen from above, and what it gains at grazing angles."""
+_SKY_M = np.float32(400.0)
+"""Depth beyond which a pixel is sky, m."""
+_PALE, _PALE_GREY = np.float32(0.7), np.float32(0.93)
+"""How far mirrored sky turns grey, and the brightness of that grey relative to the sky's."""
+_LAMP = np.float32(205.0)
+"""Value above which a pixel counts as a lamp."""
+_HASH = np.uint32(2654435761)
+"""Multiplier of Knuth's multiplicative hash."""
+
 
 @Kernel
 def add_reflections(
@@ -39,7 +56,7 @@ def add_reflections(
             near = depth[y, x]
             is_water = kinds[y, x] & MIRROR != 0
             is_ground = is_water or (
-                kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND and near < np.float32(300.0)
+                kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND and near < _FARTHEST_M
             )
             if not is_ground:
                 base[x] = y
@@ -48,23 +65,23 @@ def add_reflections(
                 continue
             if not is_water and wet <= zero:
                 continue
-            noise = (np.uint32(y * width + x) + seed) * np.uint32(2654435761)
+            noise = (np.uint32(y * width + x) + seed) * _HASH
             shift = int((noise >> np.uint32(16)) % np.uint32(3)) - 1
             column = min(max(x + (0 if is_water else shift), 0), width - 1)
             source = max(2 * base[x] - y, 0)
-            flat = near / (near + np.float32(13.0))
-            share, keep = wet * flat * flat, np.float32(0.93)
+            flat = near / (near + _GRAZING_M)
+            share, keep = wet * flat * flat, _SMEAR
             if is_water:
-                share, keep = np.float32(0.26) + np.float32(0.6) * flat, np.float32(0.4)
+                share, keep = _WATER + _WATER_GRAZING * flat, _RIPPLE
             grey = np.float32(image[source, column, 0]) + np.float32(image[source, column, 1])
             grey = (grey + np.float32(image[source, column, 2])) * np.float32(1.0 / 3.0)
             # The sky near the horizon is paler than the sky above, and water is murky.
-            pale = np.float32(0.7) if depth[source, column] > np.float32(400.0) else zero
+            pale = _PALE if depth[source, column] > _SKY_M else zero
             for e in range(3):
                 mirrored = np.float32(image[source, column, e])
-                mirrored += (grey * np.float32(0.93) - mirrored) * pale
+                mirrored += (grey * _PALE_GREY - mirrored) * pale
                 # A lamp is far brighter than the largest value that a picture can hold.
-                mirrored += gain * max(mirrored - np.float32(205.0), zero)
+                mirrored += gain * max(mirrored - _LAMP, zero)
                 streak[x, e] = streak[x, e] * keep + mirrored * (one - keep)
                 before = np.float32(image[y, x, e])
                 after = before + (streak[x, e] - before) * share

@@ -32,6 +32,7 @@ _NAMES = tuple(COLOURS)
 _BEYOND = 2.0
 """First texture coordinate beyond the atlas that stands for a colour."""
 _CODES = 2.0**24
+"""Number of colours of 24 bits."""
 
 EMISSIVE: frozenset[str] = frozenset(
     {

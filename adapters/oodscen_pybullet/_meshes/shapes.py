@@ -15,6 +15,8 @@ CIRCLE = tuple(
     for c, s in ((1.0, 0.0), (0.9239, 0.3827), (0.7071, 0.7071), (0.3827, 0.9239))
 )
 """Sixteen points on the unit circle, counter-clockwise."""
+LEAST_LENGTH = 1e-9
+"""Length up to which a vector has no direction, and by which it is divided at least."""
 
 
 def rotation(*, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> Array:
@@ -43,7 +45,7 @@ def flat_normal(corners: list[list[float]]) -> Point | None:
         ny += (z0 - z1) * (x0 + x1)
         nz += (x0 - x1) * (y0 + y1)
     length = math.sqrt(nx * nx + ny * ny + nz * nz)
-    return (nx / length, ny / length, nz / length) if length > 1e-9 else None
+    return (nx / length, ny / length, nz / length) if length > LEAST_LENGTH else None
 
 
 def moved(point: Point, scale: float, offset: Point) -> Point:
@@ -102,8 +104,10 @@ def _cross(one: Sequence[float], two: Sequence[float]) -> Point:
 def unit_rows(rows: Array, fallback: Array) -> Array:
     """Scale rows to unit length; rows of zero length take the fallback's direction."""
     lengths = np.sqrt((rows * rows).sum(axis=1, keepdims=True))
-    rows = np.where(lengths > 1e-9, rows, fallback)
-    return np.asarray(rows / np.maximum(np.sqrt((rows * rows).sum(axis=1, keepdims=True)), 1e-9))
+    rows = np.where(lengths > LEAST_LENGTH, rows, fallback)
+    return np.asarray(
+        rows / np.maximum(np.sqrt((rows * rows).sum(axis=1, keepdims=True)), LEAST_LENGTH)
+    )
 
 
 def sphere_grid(around: int, down: int) -> Array:

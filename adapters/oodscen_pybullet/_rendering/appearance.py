@@ -34,6 +34,8 @@ _AMBER_S = 2.0
 """Time for which a signal is amber before it is red, s."""
 _BEFORE = {"red": "green", "green": "red", "amber": "green"}
 """State of a signal before another one."""
+_ROUNDING = 1e-6
+"""Amount by which a time, s, or a count may fall short of a change and count as past it."""
 
 
 class Look(NamedTuple):
@@ -153,9 +155,9 @@ def phase_of(state: str, trigger: Trigger, fired: float, time: float) -> str:
         since = time - trigger.value
     else:
         since = time - fired - _AMBER_S if fired >= 0.0 else -math.inf
-    if since >= -1e-6 or before == state:
+    if since >= -_ROUNDING or before == state:
         return state
-    return "amber" if state == "red" and since >= -_AMBER_S - 1e-6 else before
+    return "amber" if state == "red" and since >= -_AMBER_S - _ROUNDING else before
 
 
 def seen_coming(pose: Pose, ego: Pose, speed: float) -> Direction | None:
@@ -199,7 +201,7 @@ def frame_of(asset: str, state: str, pose: Pose, speed: float, time: float) -> i
     if state in FLASHING or asset in FLASHING:
         return 0 if is_lit(time) else 1
     if asset in SMOKING:
-        return math.floor(time * _PUFFS + 1e-6) % STEPS
+        return math.floor(time * _PUFFS + _ROUNDING) % STEPS
     return 0
 
 
@@ -209,7 +211,7 @@ def beat_of(details: Details, pose: Pose, speed: float, time: float) -> int:
     if known is None or known.second is None:
         return 0
     if known.period_s is not None:
-        return math.floor(time * BEATS / known.period_s + 1e-6) % BEATS
+        return math.floor(time * BEATS / known.period_s + _ROUNDING) % BEATS
     if known.stride_m is None or abs(speed) < STANDING:
         return 0
     return _share(known.stride_m, pose, BEATS)
@@ -233,7 +235,7 @@ def _share(length: float, pose: Pose, steps: int) -> int:
 
 def is_lit(time: float) -> bool:
     """Return whether flashing lamps are lit at a time, s."""
-    return math.floor(time * _FLASHES * 3.0 + 1e-6) % 3 < 2
+    return math.floor(time * _FLASHES * 3.0 + _ROUNDING) % 3 < 2
 
 
 def _step(stride: float, pose: Pose, speed: float) -> int:

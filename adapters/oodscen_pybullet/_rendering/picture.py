@@ -9,9 +9,10 @@ import numpy as np
 from oodscen._seeding import stream
 from oodscen.driving._sight.visibility import extinction
 from oodscen.numerics._kernels import is_compiled
-from oodscen_pybullet._lighting.lamps import add_glare, add_glows, ground_light
+from oodscen_pybullet._lighting.glows import add_glare, add_glows
+from oodscen_pybullet._lighting.lamps import ground_light
 from oodscen_pybullet._lighting.reflections import add_reflections
-from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SIDE_M
+from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SIDE_M, Shade
 from oodscen_pybullet._rendering import postprocess as d
 from oodscen_pybullet._rendering.particles import add_puffs
 from oodscen_pybullet._rendering.postprocess_arrays import postprocess_arrays
@@ -33,6 +34,28 @@ _WET = 0.62
 """Brightness of wet asphalt relative to dry."""
 _MIRRORING = 0.62
 """Reflectivity of wet asphalt at grazing angles."""
+_MIRRORED_LAMPS = 5.0
+"""Gain of lamps mirrored in the dark, relative to their pixels; from half of daylight on there is none."""
+_SPREADS = (0.42, 0.75)
+"""Slopes to the side at which the ego's beams have fallen to 1 / e: on surfaces, and in the air."""
+_HALO, _HALO_M = 104.0, 30.0
+"""Brightness of thick fog in front of the ego's lamps, and the length at which fog of extinction 1 / length is thick, m."""
+_HALO_BELOW, _HALO_HEIGHT = np.float32(0.06), np.float32(1.0 / 0.3)
+"""Slope below the horizon up to which the halo is full, and 1 / the slope above that at which it is half."""
+_BEAM = 1.15
+"""Brightness of the ego's beams in the dark."""
+_FULL_DAY, _HALO_ENDS, _GRAINY = 0.99, 0.6, 0.5
+"""Daylight from which beams are not seen, above which fog has no halo, and below which pictures have grain."""
+_LEAST_DARKNESS = 0.05
+"""Least darkness of a shadow on level ground by which the sun's gain is computed."""
+_CLOUDY = 0.02
+"""Cover from which there are clouds."""
+_NO_CLOUDS = 9.0
+"""Edge of the clouds that none reaches."""
+_LOW_M, _LOW_SLOPE = np.float32(0.16), np.float32(0.02)
+"""Height up to which a surface counts as ground, m, and its growth per metre of distance."""
+_SURFACES_END_M = np.float32(400.0)
+"""Distance at which the height of a farther surface is taken, m."""
 _NO_GRID = np.zeros((1, 1, 3), np.float32)
 _NO_SHADE = np.zeros((1, 1), np.float32)
 _TUNNEL = (1.03, 1.0, 0.93)
@@ -60,7 +83,7 @@ def postprocessed(picture: RawPicture) -> U8:
             shot.depth,
             plate.kinds,
             np.float32(_MIRRORING if is_raining else 0.0),
-            np.float32(5.0 * max(1.0 - 2.0 * light.daylight, 0.0)),
+            np.float32(_MIRRORED_LAMPS * max(1.0 - 2.0 * light.daylight, 0.0)),
             np.uint32(picture.seed % 2**20),
         )
     add_glare(image, view, light, shot.depth)
@@ -85,7 +108,7 @@ def _plate(picture: RawPicture, rate: float, air: Sequence[float]) -> d.Plate:
     """Return the inputs of the kernel: extinction in 1/m and the air's colour are given."""
     view, light, shot = picture.view, picture.light, picture.shot
     across, upwards = view.slopes()
-    spread = [_spread(across, 0.42), _spread(across, 0.75), cloud_columns(view)]
+    spread = [*(_spread(across, slope) for slope in _SPREADS), cloud_columns(view)]
     settings, shade = _settings(picture, rate, air), shot.shade
     grid = ground_light(view, picture.lamps, light) if is_compiled() else None
     settings[d.HAS_GRID] = float(grid is not None)
@@ -118,58 +141,73 @@ def _kinds(picture: RawPicture) -> U8:
     if shot.kinds is not None:
         return shot.kinds
     _, upwards = view.slopes()
-    near = np.minimum(shot.reach, np.float32(400.0))
+    near = np.minimum(shot.reach, _SURFACES_END_M)
     rise = upwards * np.float32(view.up[2]) + np.float32(view.forward[2])
     height = np.float32(view.eye[2] - picture.road_height) + near * rise[:, None]
-    is_low = height < np.float32(0.16) + near * np.float32(0.02)
+    is_low = height < _LOW_M + near * _LOW_SLOPE
     return np.where((shot.rows < 0) & is_low, np.uint8(GROUND), np.uint8(0))
 
 
 def _settings(picture: RawPicture, rate: float, air: Sequence[float]) -> F32:
     """Return the numbers that `postprocess_pixels` needs."""
-    view, light, weather, shade = (
-        picture.view, picture.light, picture.weather, picture.shot.shade,
-    )  # fmt: skip
+    view, light, weather = picture.view, picture.light, picture.weather
     values = np.zeros(d.SETTINGS, np.float32)
-    dark, cover = 1.0 - light.daylight, cloud_cover(weather)
     values[d.RATE] = rate
     values[d.AIR_R : d.AIR_B + 1] = air
-    values[d.SKY_THROUGH] = d.fade(np.float32(min(rate * SKY_M, 40.0))) if rate > 0.0 else 1.0
+    thickness = np.float32(min(rate * SKY_M, float(d.OPAQUE)))
+    values[d.SKY_THROUGH] = d.fade(thickness) if rate > 0.0 else 1.0
     values[d.EYE_HEIGHT] = view.eye[2] - picture.road_height
-    values[d.DAY_R : d.DAY_B + 1] = [tint * light.daylight for tint in light.tint]
-    if light.daylight >= 0.99:
-        values[d.DAY_R : d.DAY_B + 1] = light.tint
-    elif view.is_lit:
-        values[d.BEAM] = 1.15 * dark
-    if shade is not None:
-        scale = CELLS / SIDE_M
-        x, y, z = view.eye[0], view.eye[1], view.eye[2] - shade.level
-        values[d.HAS_SHADOW] = 1.0
-        values[d.SHADOW_X] = (x - shade.lean[0] * z - shade.corner[0]) * scale
-        values[d.SHADOW_Y] = (y - shade.lean[1] * z - shade.corner[1]) * scale
-        values[d.SHADOW_Z], values[d.SHADOW_SCALE] = z, scale
-        values[d.LEAN_X], values[d.LEAN_Y] = shade.lean
-        x, y = (view.eye[i] - shade.lean[i] * z - shade.far_corner[i] for i in range(2))
-        scale = FAR_CELLS / FAR_SIDE_M
-        values[d.FAR_X], values[d.FAR_Y], values[d.FAR_SCALE] = x * scale, y * scale, scale
-        values[d.SUN_GAIN] = 1.0 / max(float(light.darkness()[round(255 * light.sun[2])]), 0.05)
-    values[d.SHADE_R : d.SHADE_B + 1] = [
-        values[d.DAY_R + e] / light.tint[e] * (light.shade[e] if shade else light.tint[e])
-        for e in range(3)
-    ]
-    _set_portal(values, picture)
     values[d.WET] = _WET if weather.precipitation == "rain" else 0.0
-    if light.daylight <= 0.6 and rate > 0.0 and view.is_lit:
-        values[d.HALO] = 104.0 * dark * min(1.0, rate * 30.0)
-    values[d.CLOUD_EDGE] = 1.0 - 0.9 * cover - 0.12 if cover > 0.02 else 9.0
-    values[d.CLOUD_FLOOR] = max(0.0, (cover - 0.75) * 4.0)
-    values[d.CLOUD_SHADE] = 0.86 - 0.12 * cover
-    values[d.CLOUD_BRIGHT] = 243.0 * (0.06 + 0.94 * light.daylight)
-    if light.daylight < 0.5:
+    _set_light(values, picture)
+    if picture.shot.shade is not None:
+        _set_shadow(values, picture, picture.shot.shade)
+    _set_portal(values, picture)
+    if light.daylight <= _HALO_ENDS and rate > 0.0 and view.is_lit:
+        values[d.HALO] = _HALO * (1.0 - light.daylight) * min(1.0, rate * _HALO_M)
+    _set_clouds(values, cloud_cover(weather), light.daylight)
+    if light.daylight < _GRAINY:
         values[d.GRAIN] = 1.0
         noise = stream(picture.seed, "grain", round(picture.time, 3))
         values[d.NOISE] = int(noise.integers(1 << 22))
     return values
+
+
+def _set_light(values: F32, picture: RawPicture) -> None:
+    """Add the colours of daylight and of shade, and the ego's beams."""
+    light = picture.light
+    values[d.DAY_R : d.DAY_B + 1] = [tint * light.daylight for tint in light.tint]
+    if light.daylight >= _FULL_DAY:
+        values[d.DAY_R : d.DAY_B + 1] = light.tint
+    elif picture.view.is_lit:
+        values[d.BEAM] = _BEAM * (1.0 - light.daylight)
+    shade = light.shade if picture.shot.shade else light.tint
+    values[d.SHADE_R : d.SHADE_B + 1] = [
+        values[d.DAY_R + e] / light.tint[e] * shade[e] for e in range(3)
+    ]
+
+
+def _set_shadow(values: F32, picture: RawPicture, shade: Shade) -> None:
+    """Add the places of the fine and the coarse shadow map."""
+    eye, light = picture.view.eye, picture.light
+    z = eye[2] - shade.level
+    near, far = CELLS / SIDE_M, FAR_CELLS / FAR_SIDE_M
+    values[d.HAS_SHADOW] = 1.0
+    for axis in range(2):
+        place = eye[axis] - shade.lean[axis] * z
+        values[d.SHADOW_X + axis] = (place - shade.corner[axis]) * near
+        values[d.FAR_X + axis] = (place - shade.far_corner[axis]) * far
+    values[d.SHADOW_Z], values[d.SHADOW_SCALE], values[d.FAR_SCALE] = z, near, far
+    values[d.LEAN_X], values[d.LEAN_Y] = shade.lean
+    darkness = float(light.darkness()[round(255 * light.sun[2])])
+    values[d.SUN_GAIN] = 1.0 / max(darkness, _LEAST_DARKNESS)
+
+
+def _set_clouds(values: F32, cover: float, daylight: float) -> None:
+    """Add how far clouds spread, how solid they are, and their brightness, by the cover of the sky, 0 to 1."""
+    values[d.CLOUD_EDGE] = 1.0 - 0.9 * cover - 0.12 if cover > _CLOUDY else _NO_CLOUDS
+    values[d.CLOUD_FLOOR] = max(0.0, (cover - 0.75) * 4.0)
+    values[d.CLOUD_SHADE] = 0.86 - 0.12 * cover
+    values[d.CLOUD_BRIGHT] = 243.0 * (0.06 + 0.94 * daylight)
 
 
 def _set_portal(values: F32, picture: RawPicture) -> None:
@@ -188,13 +226,13 @@ def _set_portal(values: F32, picture: RawPicture) -> None:
     values[d.AIR_INSIDE] = 0.55 if daylight > 0.4 else 1.0
 
 
-def _spread(across: F32, width: float) -> F32:
+def _spread(across: F32, slope: float) -> F32:
     """Return the lateral falloff of the ego's beams, [width]."""
-    aside = across * np.float32(1.0 / width)
-    return np.asarray(d.fade(np.minimum(aside * aside, np.float32(40.0))), np.float32)
+    aside = across * np.float32(1.0 / slope)
+    return np.asarray(d.fade(np.minimum(aside * aside, d.OPAQUE)), np.float32)
 
 
 def _halo(upwards: F32) -> F32:
     """Return the brightness of the air in front of the ego's lamps by row, [height]."""
-    high = np.clip((upwards + np.float32(0.06)) * np.float32(1.0 / 0.3), 0.0, 8.0)
+    high = np.clip((upwards + _HALO_BELOW) * _HALO_HEIGHT, 0.0, 8.0)
     return np.asarray(np.float32(1.0) / (np.float32(1.0) + high * high), np.float32)

@@ -17,6 +17,10 @@ from oodscen_pybullet._scenery.structures import build_structures
 from oodscen_pybullet._scenery.themes import furnish
 from oodscen_pybullet._types import Point
 
+_SODIUM = (1.0, 0.82, 0.55)
+"""Colour of the lamps of streets and tunnels."""
+_ALL_ROUND = (0.0, 0.0, 0.0)
+
 
 @dataclass(frozen=True, eq=False)
 class Scenery:
@@ -72,7 +76,7 @@ def build_scenery(
 
 
 def _street_lamp(head: Point) -> Lamp:
-    return Lamp(head, (1.0, 0.82, 0.55), facing=(0.0, 0.0, 0.0), power=2.0, is_street=True)
+    return Lamp(head, _SODIUM, facing=_ALL_ROUND, power=2.0, is_street=True)
 
 
 @lru_cache(maxsize=12)

@@ -4,7 +4,7 @@ import numpy as np
 
 from oodscen.driving._roads.corridor import Structure
 from oodscen_pybullet._land.ground import Ground, RoadCourse
-from oodscen_pybullet._land.surfaces import Ribbons
+from oodscen_pybullet._land.ribbons import Ribbons
 from oodscen_pybullet._land.terrain import BANK_M, KERB, PORTAL_M, VALLEY_M, WATER_M, WIDE_M
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.mesh import Mesh

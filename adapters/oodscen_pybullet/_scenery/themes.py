@@ -3,7 +3,7 @@
 import numpy as np
 
 from oodscen_pybullet._land.ground import Way
-from oodscen_pybullet._land.surfaces import Ribbons, strip_edges
+from oodscen_pybullet._land.ribbons import Ribbons, strip_edges
 from oodscen_pybullet._land.terrain import Theme
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.mesh import Mesh

@@ -76,13 +76,13 @@ class _ClaimReading:
         for subject in self.subjects:
             if not subject.is_faint:
                 self._present(subject)
-        for pattern in phrases.PREDICATES:
+        for pattern in phrases.statements("predicate"):
             for found in pattern.regex.finditer(self.text):
                 self._predicate(pattern, found)
         for noun in self.nouns:
             if noun.subject is not None:
                 self._leading(noun, noun.subject)
-        for found in phrases.BLOCKED_BY.finditer(self.text):
+        for found in phrases.context("blocked_by").finditer(self.text):
             after = next((n for n in self.nouns if 0 <= n.start - found.end() <= 30), None)
             if after is not None and after.subject is not None:
                 self._add("place", "in_lane", after.subject.name, *found.span())
@@ -144,16 +144,18 @@ class _ClaimReading:
         """Return whether the words around a predicate take it back, or make it a modifier."""
         lead, value = self.text[:start][-40:], pattern.value
         if pattern.kind == "motion":
-            is_over = value not in ("stationary", "slow") and phrases.PERFECT.search(lead)
-            is_weather = value not in _SIDES and phrases.WEATHER_DOES.search(lead)
-            is_denied = phrases.FORBIDDEN.search(lead) or is_weather or is_over
+            is_over = value not in ("stationary", "slow") and phrases.context("perfect").search(
+                lead
+            )
+            is_weather = value not in _SIDES and phrases.context("weather_does").search(lead)
+            is_denied = phrases.context("forbidden").search(lead) or is_weather or is_over
             return bool(is_denied) or self._leads(end) or self._is_within(start)
         if value == "off":
             return False
-        if pattern.kind == "state" and phrases.UNSHOWN.search(lead):
+        if pattern.kind == "state" and phrases.context("unshown").search(lead):
             return True
-        is_left = value == "clear_of_lane" and phrases.LEFT.search(lead)
-        return bool(phrases.NEGATED.search(lead) or is_left)
+        is_left = value == "clear_of_lane" and phrases.context("left").search(lead)
+        return bool(phrases.context("negated").search(lead) or is_left)
 
     def _may_hold(self, pattern: Pattern, words: str, start: int, subject: Subject) -> bool:
         """Return whether a predicate can be about a thing at all."""
@@ -171,7 +173,7 @@ class _ClaimReading:
             return False
         if thing.name == "car door" and value == "into_lane":
             return False
-        return not (thing.name in phrases.INERT and value in _WILFUL)
+        return not (thing.name in phrases.things("inert") and value in _WILFUL)
 
     def _on_foot(self, subject: Subject, start: int) -> Subject | None:
         """Return the subject who walks, if a verb is for people on foot; `None` if no subject can walk.
@@ -179,13 +181,13 @@ class _ClaimReading:
         The subject of a vehicle that "walks" is its driver; an unnamed subject is a pedestrian.
         """
         thing = subject.mention.thing
-        is_vehicle = thing.group == "vehicle" and thing.name not in phrases.CYCLES
-        if is_vehicle and phrases.STRIDES.match(self.text, start):
+        is_vehicle = thing.group == "vehicle" and thing.name not in phrases.things("cycles")
+        if is_vehicle and phrases.context("strides").match(self.text, start):
             drivers = [one for one in self.subjects if one.mention.thing.name == "driver"]
             if not drivers:
                 return None
             subject = self._walker(drivers[-1])
-        is_walker = subject.is_faint and phrases.ON_FOOT.match(self.text, start)
+        is_walker = subject.is_faint and phrases.context("on_foot").match(self.text, start)
         return self._walker(subject) if is_walker else subject
 
     def _walker(self, subject: Subject) -> Subject:
@@ -217,7 +219,7 @@ class _ClaimReading:
         at = self._clause_at(start)
         clause = self.clauses[at]
         words = self.text[clause.start : clause.end]
-        lies = pattern.kind == "place" and phrases.LIES.search(words)
+        lies = pattern.kind == "place" and phrases.context("lies").search(words)
         if pattern.value in sides and clause.nouns:
             return
         is_lane = pattern.value == "in_lane"
@@ -233,7 +235,7 @@ class _ClaimReading:
             for noun in one.nouns
             if noun.subject is not None
         ]
-        if phrases.ROADWAY.search(words) or not (lies or named):
+        if phrases.context("roadway").search(words) or not (lies or named):
             return
         alone = {one.name: one for one in named if not one.is_faint}
         if len(alone) == 1:
@@ -256,7 +258,7 @@ class _ClaimReading:
 
     def _is_among_others(self, position: int, subject: Subject, *, whole: bool = False) -> bool:
         """Return whether the sentence, or the whole text, has named another thing to which `it` may refer."""
-        begin = 0 if whole else last_end(phrases.SENTENCE, self.text[:position])
+        begin = 0 if whole else last_end(phrases.context("sentence"), self.text[:position])
         return any(
             noun.subject not in (None, subject)
             for noun in self.nouns
@@ -331,7 +333,7 @@ class _ClaimReading:
         if not earlier or earlier[-1].subject is None:
             return noun
         between = self.text[earlier[-1].end : noun.start]
-        return noun if phrases.SENTENCE.search(between) else earlier[-1]
+        return noun if phrases.context("sentence").search(between) else earlier[-1]
 
     def _is_ego(self, noun: Noun) -> bool:
         words = self.text[noun.start : noun.end].casefold()
@@ -349,7 +351,7 @@ class _ClaimReading:
         if not earlier or clause.start - earlier[-1].end > _APPOSED:
             return None
         between = self.text[earlier[-1].end : clause.start]
-        return None if phrases.SENTENCE.search(between) else earlier[-1].subject
+        return None if phrases.context("sentence").search(between) else earlier[-1].subject
 
     def _subject_before(self, at: int) -> Noun | None:
         """Return the subject of the nearest earlier clause of the same sentence."""
@@ -373,7 +375,7 @@ class _ClaimReading:
         words = re.search(r"(?:[\w-]+,?\s+){1,4}$", lead)
         phrase = f"{words.group(0) if words else ''}{self.text[noun.start : noun.end]}"
         shift = noun.end - len(phrase)
-        for pattern in phrases.LEADS:
+        for pattern in phrases.statements("lead"):
             for found in pattern.regex.finditer(phrase):
                 if found.end() > noun.start - shift:
                     continue
@@ -388,14 +390,14 @@ class _ClaimReading:
 
     def _signals(self) -> None:
         signals = [s for s in self.subjects if s.mention.thing.name == "traffic light"]
-        for pattern in phrases.SIGNALS if signals else ():
+        for pattern in phrases.statements("signal") if signals else ():
             for found in pattern.regex.finditer(self.text):
                 self._add(pattern.kind, pattern.value, signals[0].name, *found.span())
 
     # -------------------------------------------------------------- settings
 
     def _settings(self) -> None:
-        for pattern in phrases.SETTINGS:
+        for pattern in phrases.statements("setting"):
             for found in pattern.regex.finditer(self.text):
                 if self._is_unreal(pattern.kind, found):
                     continue
@@ -411,23 +413,28 @@ class _ClaimReading:
         start, end = found.span()
         before, after = self.text[max(0, start - 80) : start], self.text[end:]
         lead = before[-40:]
-        if phrases.DENIED_TOO.search(before):
+        if phrases.context("denied_too").search(before):
             return True
-        if phrases.LISTED.search(before) and phrases.OR_MORE.match(after):
+        if phrases.context("listed").search(before) and phrases.context("or_more").match(after):
             return True
         if kind == "ego":
             return re.search(r"\b(?:no|not|never|neither|nor)\b", found.group(0)) is not None
         if kind == "traffic":
             return False
-        if phrases.DENIED.search(lead) or self._is_in_a_name(kind, end):
+        if phrases.context("denied").search(lead) or self._is_in_a_name(kind, end):
             return True
         if kind == "weather" and (
-            ENDED.match(after) or phrases.PAST.search(lead) or phrases.TO_COME.search(lead)
+            ENDED.match(after)
+            or phrases.context("past").search(lead)
+            or phrases.context("to_come").search(lead)
         ):
             return True
         if kind not in ("weather", "time"):
             return False
-        return bool(phrases.ANOTHER_TIME.search(before) or phrases.NOT_NOW.match(after))
+        return bool(
+            phrases.context("another_time").search(before)
+            or phrases.context("not_now").match(after)
+        )
 
     def _is_in_a_name(self, kind: Kind, end: int) -> bool:
         """Return whether the words up to a position only describe the noun that follows: `night bus`."""
@@ -438,7 +445,7 @@ class _ClaimReading:
         noun = next((one for one in self.mentioned if one.start > end), None)
         if noun is None or noun.is_plural or (kind == "road" and not _gets_about(noun.thing)):
             return False
-        return phrases.NOUN_BEFORE.match(self.text[end : noun.start]) is not None
+        return phrases.context("noun_before").match(self.text[end : noun.start]) is not None
 
     # -------------------------------------------------------------- what is kept
 
@@ -461,7 +468,7 @@ class _ClaimReading:
             if any((claim.subject, value) in told for value in stronger):
                 continue
             move = self.found.get(("motion", "moving", claim.subject))
-            leaves = move is not None and phrases.LEAVES.match(move.quote) is not None
+            leaves = move is not None and phrases.context("leaves").match(move.quote) is not None
             if claim.value == "clear_of_lane" and (claim.subject in moving or leaves):
                 continue
             if claim.value == "clear_of_lane" and (claim.subject, "in_lane") in told:

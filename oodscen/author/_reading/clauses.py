@@ -54,12 +54,12 @@ class Clause:
 def clauses_of(text: str) -> list[Clause]:
     """Split a text into clauses, in order."""
     clauses, start, sentence = [], 0, 0
-    for found in [*phrases.BREAK.finditer(text), None]:
+    for found in [*phrases.context("break").finditer(text), None]:
         end = len(text) if found is None else found.end()
         if end > start:
-            relative = phrases.RELATIVE.match(text[start:]) is not None
+            relative = phrases.context("relative").match(text[start:]) is not None
             clauses.append(Clause(start, end, sentence, relative))
-        if found is not None and phrases.SENTENCE.match(found.group(0)):
+        if found is not None and phrases.context("sentence").match(found.group(0)):
             sentence += 1
         start = end
     return clauses
@@ -70,7 +70,7 @@ def count_of(lead: str, mention: Mention) -> int:
 
     It is one if the text gives a number that cannot be read.
     """
-    found = phrases.QUANTITY.search(lead)
+    found = phrases.context("quantity").search(lead)
     if found is None:
         return _FEW if mention.is_plural else 1
     number, pair, several = found.groups()

@@ -1,9 +1,10 @@
 """Interpretation, thing by thing, of labels that the author did not write itself."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 from oodscen._text import stem
 from oodscen.author._knowledge.base import HazardKind, Knowledge
@@ -46,6 +47,25 @@ _NEUTRAL = frozenset(
     )
 )
 _EMPTY_HEADS = frozenset(map(stem, "incident event situation scenario encounter presence".split()))
+_LONGEST_NAME = 4
+"""Words of the longest name that is looked for at the end of a text."""
+
+
+class _Vocabulary(NamedTuple):
+    """The stems of the words about a hazard."""
+
+    naming: frozenset[str]
+    """Those of its names and of the things that it needs."""
+    every: frozenset[str]
+    """Those, and those of what happens."""
+
+
+class _Named(NamedTuple):
+    """The meaning of a name."""
+
+    category: Category
+    thing: str
+    """Empty if the name is that of a whole category."""
 
 
 @dataclass(frozen=True)
@@ -114,23 +134,16 @@ class LabelReader:
         self.knowledge = knowledge
         self._recognise = recognise
         self._known = known
-        self._named: dict[tuple[str, ...], tuple[Category, str]] = {}
-        for group in knowledge.things:
-            for name in (*group.names, *group.others):
-                words = re.sub(r"[_-]", " ", name)
-                self._named.setdefault(tuple(stems(words)), (group.category, _id(name)))
-            for kind in group.kinds:
-                self._named[tuple(stems(kind))] = (group.category, "")
-        self._named.pop((), None)
+        self._names = _names(knowledge)
+        self._vocabularies: dict[str, _Vocabulary] = {}
         self._compounds: dict[frozenset[str], list[HazardKind]] = {}
         """Hazards by the words of the first thing that they need, if it has several words."""
         for hazard in knowledge.hazards:
-            thing = frozenset(stems(" ".join(hazard.needs.assets[:1]).replace("_", " ")))
-            if len(thing) > 1:
-                self._compounds.setdefault(thing, []).append(hazard)
+            words = frozenset(stems(" ".join(hazard.needs.assets[:1]).replace("_", " ")))
+            if len(words) > 1:
+                self._compounds.setdefault(words, []).append(hazard)
         self.read = lru_cache(maxsize=4096)(self._read)
         self.hazard = lru_cache(maxsize=8192)(self._hazard)
-        self._words: dict[str, tuple[frozenset[str], frozenset[str]]] = {}
 
     def _read(self, label: str) -> LabelReading:
         text = " ".join(re.sub(r"<[^<>]*>", " ", label).split())
@@ -146,7 +159,11 @@ class LabelReader:
     def _single(self, text: str) -> LabelReading:
         options = self._options(text)
         if len(options) > 1:
-            named = (Alternative(p.hazard.label, (p,)) for p in options if p.hazard is not None)
+            named = (
+                Alternative(part.hazard.label, (part,))
+                for part in options
+                if part.hazard is not None
+            )
             return LabelReading(tuple(named), is_any=True)
         return LabelReading((Alternative(text, self._together(text)),))
 
@@ -174,7 +191,7 @@ class LabelReader:
         part = self._options(text)[0]
         if share is not None and part.hazard is not None and not share.is_act:
             own = set(stems(share.own)) - _NEUTRAL
-            if own and not own & self._vocabulary(part.hazard)[0] and not self._is_of(part, own):
+            if own and not own & self._vocabulary(part.hazard).every and not self._is_of(part, own):
                 return (RequiredThing(why=f"the author has no knowledge of {text!r}"),)
         return (part,)
 
@@ -185,11 +202,11 @@ class LabelReader:
 
     def _is_of(self, part: RequiredThing, own: set[str]) -> bool:
         """Return whether a hazard was found through the weather or the thing that its words name."""
-        named = [name for words, (_, name) in self._named.items() if own & set(words)]
+        things = [named.thing for words, named in self._names.items() if own & set(words)]
         weather = [kind for kind, words in _WEATHER.items() if own & set(map(stem, words))]
         assert part.hazard is not None
         needs = part.hazard.needs
-        return bool(set(named) & set(needs.assets) or set(weather) & set(needs.weather))
+        return bool(set(things) & set(needs.assets) or set(weather) & set(needs.weather))
 
     def _options(self, text: str) -> tuple[RequiredThing, ...]:
         """Return the parts, any of which a text may mean; usually a single one."""
@@ -221,7 +238,7 @@ class LabelReader:
         for name in self._compounds:
             if words >= name:
                 for hazard in self._compounds[name]:
-                    if words - _NEUTRAL <= self._vocabulary(hazard)[0]:
+                    if words - _NEUTRAL <= self._vocabulary(hazard).every:
                         return hazard
         return None
 
@@ -233,84 +250,92 @@ class LabelReader:
         found = self._recognise(text)
         if found is None:
             return None
-        words = stems(" ".join(subject(text)))
-        while words and words[-1] in _EMPTY_HEADS:
-            words.pop()
+        words = _subject_stems(text)
         if not words or self._affirmed(text) != text:
             return found if self._affirmed(text) == text or _is_about_absence(found) else None
-        every, own = self._vocabulary(found)
-        if words[-1] in every or set(words) & own:
+        vocabulary = self._vocabulary(found)
+        if words[-1] in vocabulary.every or set(words) & vocabulary.naming:
             return found
-        category, name = self._thing_at_end(words)
-        is_kind = category is not None and not name
-        return found if is_kind and category in self._categories(found) else None
+        named = self._named_at_end(words)
+        if named is None or named.thing or named.category not in self._categories(found):
+            return None
+        return found
 
     def _with_things(self, text: str, hazard: HazardKind) -> RequiredThing:
         """Add the other things that a text names, and the words that the hazard only approximates."""
-        tokens = stems(text)
-        every, _ = self._vocabulary(hazard)
-        needed: list[str] = []
-        near: list[str] = []
-        taken: set[int] = set()
-        for words, (category, name) in self._named.items():
-            size = len(words)
-            for start in range(len(tokens) - size + 1):
-                if tuple(tokens[start : start + size]) != words or start in taken:
-                    continue
-                if not name or name in hazard.needs.assets or set(words) <= every:
-                    continue
-                after = tokens[start + size] if start + size < len(tokens) else ""
-                raw = _phrase(text, words, after)
-                if raw and after and after in every and after not in _NEUTRAL:
-                    if category == "animal":
-                        near.append(raw)
-                else:
-                    needed.append(name)
-                taken.update(range(start, start + size))
-        return RequiredThing(
-            hazard, things=tuple(dict.fromkeys(needed)), approximate=tuple(dict.fromkeys(near))
-        )
+        every = self._vocabulary(hazard).every
+        needed: dict[str, None] = {}
+        near: dict[str, None] = {}
+        for words, named, after in self._other_names(text, hazard):
+            raw = _phrase(text, words, after)
+            if not (raw and after in every and after not in _NEUTRAL):
+                needed[named.thing] = None
+            elif named.category == "animal":
+                near[raw] = None
+        return RequiredThing(hazard, things=tuple(needed), approximate=tuple(near))
 
     def _by_category(self, text: str) -> tuple[RequiredThing, ...]:
-        words = stems(" ".join(subject(text)))
-        while words and words[-1] in _EMPTY_HEADS:
-            words.pop()
-        category, name = self._thing_at_end(words)
-        unknown = RequiredThing(why=f"the author has no knowledge of {text!r}")
-        if category is None:
-            return (unknown,)
-        rest = set(stems(text)) - _NEUTRAL - {w for key in self._named for w in key if w in words}
-        if name:
-            users = [h for h in self.knowledge.hazards if name in h.needs.assets]
-            users.sort(key=lambda hazard: (hazard.needs.assets.index(name), hazard.stage is None))
-            for hazard in users if rest or category in _PRESENT else ():
-                if rest <= self._vocabulary(hazard)[0]:
-                    return (RequiredThing(hazard),)
-            why = f"the author knows no scenario with {name.replace('_', ' ')} for {text!r}"
-            return (RequiredThing(things=(name,), category=category, why=why),)
-        members = [
-            RequiredThing(hazard)
+        """Return the hazards with the thing at the end of a text, or of its category."""
+        words = _subject_stems(text)
+        named = self._named_at_end(words)
+        if named is None:
+            return (RequiredThing(why=f"the author has no knowledge of {text!r}"),)
+        in_names = {word for name in self._names for word in name if word in words}
+        rest = set(stems(text)) - _NEUTRAL - in_names
+        if named.thing:
+            return (self._with_thing(text, named, rest),)
+        is_told = named.category in _PRESENT and not rest
+        members = self._mere_members(named.category) if is_told else []
+        if members:
+            return tuple(map(RequiredThing, members[:_MOST]))
+        why = f"the author knows no scenario for {text!r}"
+        return (RequiredThing(category=named.category, why=why),)
+
+    def _with_thing(self, text: str, named: _Named, rest: set[str]) -> RequiredThing:
+        """Return the first hazard with a thing that covers the rest of a text's words."""
+        thing, category = named.thing, named.category
+        users = [hazard for hazard in self.knowledge.hazards if thing in hazard.needs.assets]
+        users.sort(key=lambda hazard: (hazard.needs.assets.index(thing), hazard.stage is None))
+        for hazard in users if rest or category in _PRESENT else ():
+            if rest <= self._vocabulary(hazard).every:
+                return RequiredThing(hazard)
+        why = f"the author knows no scenario with {thing.replace('_', ' ')} for {text!r}"
+        return RequiredThing(things=(thing,), category=category, why=why)
+
+    def _mere_members(self, category: Category) -> list[HazardKind]:
+        """Return the hazards that need nothing but things of a category."""
+        return [
+            hazard
             for hazard in self.knowledge.hazards
-            if category in _PRESENT
-            and not rest
-            and hazard.stage is not None
+            if hazard.stage is not None
             and not hazard.needs.weather
-            and hazard.needs.assets
             and not hazard.needs.traits
             and self._categories(hazard) == {category}
         ]
-        if members:
-            return tuple(members[:_MOST])
-        why = f"the author knows no scenario for {text!r}"
-        return (RequiredThing(category=category, why=why),)
 
-    def _thing_at_end(self, words: list[str]) -> tuple[Category | None, str]:
-        """Return the category and name of the thing at the end of some words; no name for a category word."""
-        for size in range(min(4, len(words)), 0, -1):
-            found = self._named.get(tuple(words[-size:]))
+    def _other_names(
+        self, text: str, hazard: HazardKind
+    ) -> Iterator[tuple[tuple[str, ...], _Named, str]]:
+        """Yield the names of things in a text that a hazard is not about, each with its words and the word after it."""
+        tokens, every = stems(text), self._vocabulary(hazard).every
+        taken: set[int] = set()
+        for words, named in self._names.items():
+            if not named.thing or named.thing in hazard.needs.assets or set(words) <= every:
+                continue
+            size = len(words)
+            for start in range(len(tokens) - size + 1):
+                if tuple(tokens[start : start + size]) == words and start not in taken:
+                    after = tokens[start + size] if start + size < len(tokens) else ""
+                    yield words, named, after
+                    taken.update(range(start, start + size))
+
+    def _named_at_end(self, words: list[str]) -> _Named | None:
+        """Return the meaning of the longest name at the end of some words."""
+        for size in range(min(_LONGEST_NAME, len(words)), 0, -1):
+            found = self._names.get(tuple(words[-size:]))
             if found is not None:
                 return found
-        return None, ""
+        return None
 
     def _weather(self, text: str) -> HazardKind | None:
         """Return the hazard that consists of weather alone, if the text names nothing else."""
@@ -333,7 +358,7 @@ class LabelReader:
         def without(found: re.Match[str]) -> str:
             words = stems(found.group(1))
             for size in range(len(words), 0, -1):
-                if tuple(words[:size]) in self._named:
+                if tuple(words[:size]) in self._names:
                     return " " if size == len(words) else f" {found.group(1).split()[-1]}"
             return found.group(0)
 
@@ -342,21 +367,41 @@ class LabelReader:
     def _categories(self, hazard: HazardKind) -> set[Category | None]:
         return {self.knowledge.category(name) for name in hazard.needs.assets}
 
-    def _vocabulary(self, hazard: HazardKind) -> tuple[frozenset[str], frozenset[str]]:
-        """Return the stems of all words about a hazard, and of the words that name it."""
-        if hazard.id not in self._words:
-            self._words[hazard.id] = _vocabulary(hazard)
-        return self._words[hazard.id]
+    def _vocabulary(self, hazard: HazardKind) -> _Vocabulary:
+        if hazard.id not in self._vocabularies:
+            self._vocabularies[hazard.id] = _vocabulary_of(hazard)
+        return self._vocabularies[hazard.id]
 
     def _has_all(self, hazard: HazardKind, words: str) -> bool:
-        return set(stems(words)) <= self._vocabulary(hazard)[0] | _NEUTRAL
+        return set(stems(words)) <= self._vocabulary(hazard).every | _NEUTRAL
 
 
-def _vocabulary(hazard: HazardKind) -> tuple[frozenset[str], frozenset[str]]:
-    own = (hazard.label, *hazard.words, *(name.replace("_", " ") for name in hazard.needs.assets))
-    said = (*own, hazard.wider, *hazard.events, *hazard.details)
-    every, naming = (frozenset(stems(" ".join(texts))) for texts in (said, own))
-    return every, naming
+def _names(knowledge: Knowledge) -> dict[tuple[str, ...], _Named]:
+    """Return the names of things and of their kinds, by their stems."""
+    found: dict[tuple[str, ...], _Named] = {}
+    for group in knowledge.things:
+        for name in (*group.names, *group.others):
+            words = re.sub(r"[_-]", " ", name)
+            found.setdefault(tuple(stems(words)), _Named(group.category, _id(name)))
+        for kind in group.kinds:
+            found[tuple(stems(kind))] = _Named(group.category, "")
+    found.pop((), None)
+    return found
+
+
+def _vocabulary_of(hazard: HazardKind) -> _Vocabulary:
+    things = (name.replace("_", " ") for name in hazard.needs.assets)
+    naming = (hazard.label, *hazard.words, *things)
+    every = (*naming, hazard.wider, *hazard.events, *hazard.details)
+    return _Vocabulary(frozenset(stems(" ".join(naming))), frozenset(stems(" ".join(every))))
+
+
+def _subject_stems(text: str) -> list[str]:
+    """Return the stems of a text's subject, without heads that name nothing."""
+    words = stems(" ".join(subject(text)))
+    while words and words[-1] in _EMPTY_HEADS:
+        words.pop()
+    return words
 
 
 def _unequal(parts: Iterable[RequiredThing]) -> tuple[RequiredThing, ...]:

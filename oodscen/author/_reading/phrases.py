@@ -2,6 +2,8 @@
 
 import re
 import tomllib
+from collections.abc import Iterable
+from functools import cache
 from importlib import resources
 from typing import Any, NamedTuple
 
@@ -37,15 +39,10 @@ _FILLINGS = {
     "{n}": r"(two|three|four|five|six|eight|one|a single|single|[1-8])",
 }
 
-
 _FROM_START = r"(?<![\w-])(?!(?<=\d[.,:/])\d)"
 """A word or a number starts here: not its second half."""
-
-
-def _filled(regex: str) -> str:
-    for name, filling in _FILLINGS.items():
-        regex = regex.replace(name, filling)
-    return regex
+_TO_END = r"(?![\w-])"
+"""A word ends here."""
 
 
 class Pattern(NamedTuple):
@@ -57,21 +54,23 @@ class Pattern(NamedTuple):
     regex: re.Pattern[str]
 
 
-def _statements(about: str) -> tuple[Pattern, ...]:
+@cache
+def statements(about: str) -> tuple[Pattern, ...]:
+    """Return the patterns of claims about a `setting`, or by a `predicate`, `signal` or `lead` of a thing."""
     return tuple(
-        Pattern(
-            row["kind"],
-            row.get("value", ""),
-            re.compile(
-                rf"{_FROM_START}(?:{_filled('|'.join(row['words']))})(?![\w-])", re.IGNORECASE
-            ),
-        )
+        Pattern(row["kind"], row.get("value", ""), _statement(row["words"]))
         for row in _TABLE["statement"]
         if row["about"] == about
     )
 
 
-def _context(name: str) -> re.Pattern[str]:
+def _statement(words: Iterable[str]) -> re.Pattern[str]:
+    return re.compile(rf"{_FROM_START}(?:{_filled('|'.join(words))}){_TO_END}", re.IGNORECASE)
+
+
+@cache
+def context(name: str) -> re.Pattern[str]:
+    """Return the pattern of a row of `context`, by which a claim is read or left out."""
     row = _TABLE["context"][name]
     words = "|".join(row["words"])
     if "before" in row or "after" in row:
@@ -79,78 +78,17 @@ def _context(name: str) -> re.Pattern[str]:
     return re.compile(_filled(words), 0 if row.get("is_case_sensitive") else re.IGNORECASE)
 
 
-def _things(name: str) -> frozenset[str]:
+@cache
+def things(name: str) -> frozenset[str]:
+    """Return the names of a row of `things`."""
     return frozenset(_TABLE["things"][name])
 
 
-SETTINGS = _statements("setting")
-PREDICATES = _statements("predicate")
-SIGNALS = _statements("signal")
-LEADS = _statements("lead")
-
-EGO = _context("ego")
-FORBIDDEN = _context("forbidden")
-NOT_THERE = _context("not_there")
-RIDES = _context("rides")
-UNSHOWN = _context("unshown")
-PAST = _context("past")
-TO_COME = _context("to_come")
-ANOTHER_TIME = _context("another_time")
-NOT_NOW = _context("not_now")
-DENIED_TOO = _context("denied_too")
-NOUN_BEFORE = _context("noun_before")
-LISTED = _context("listed")
-OR_MORE = _context("or_more")
-WEATHER_DOES = _context("weather_does")
-NEGATED = _context("negated")
-PERFECT = _context("perfect")
-NOT_ITSELF = _context("not_itself")
-DENIED = _context("denied")
-CARRIED = _context("carried")
-QUANTITY = _context("quantity")
-DETERMINER = _context("determiner")
-BACKGROUND = _context("background")
-OBLIQUE = _context("oblique")
-BREAK = _context("break")
-RELATIVE = _context("relative")
-SENTENCE = _context("sentence")
-BLOCKED_BY = _context("blocked_by")
-LEFT = _context("left")
-BLOCKED = _context("blocked")
-PUT = _context("put")
-BORNE = _context("borne")
-AGENT = _context("agent")
-ROADWAY = _context("roadway")
-BARS = _context("bars")
-BLOCKS = _context("blocks")
-STIRS = _context("stirs")
-STILL_BY_NAME = _context("still_by_name")
-MOVED_PAST = _context("moved_past")
-PART_OF = _context("part_of")
-ON_FOOT = _context("on_foot")
-ITS = _context("its")
-STRIDES = _context("strides")
-LIES = _context("lies")
-OF_ITS_VEHICLE = _context("of_its_vehicle")
-BEING = _context("being")
-LEAVES = _context("leaves")
-LACKED = _context("lacked")
-ALL_OF_THEM = _context("all_of_them")
-LIGHTS_UP = _context("lights_up")
-AS_A = _context("as_a")
-ENDS = _context("ends")
-TURNS_OUT = _context("turns_out")
-CAB_OF_ITS_OWN = _context("cab_of_its_own")
-LEFT_ITS = _context("left_its")
-LEFT_A = _context("left_a")
-BEHIND = _context("behind")
-PLACED = _context("placed")
-FOR_A = _context("for_a")
-
-LIGHT = _things("light")
-PARTS = _things("parts")
-INERT = _things("inert")
-CYCLES = _things("cycles")
-GENERIC = _things("generic")
-GENERIC_WORDS = GENERIC | _things("generic_words")
 BY_NATURE: dict[str, str] = _TABLE["by_nature"]
+"""Motions that words imply by themselves: `sleeping` ..."""
+
+
+def _filled(regex: str) -> str:
+    for name, filling in _FILLINGS.items():
+        regex = regex.replace(name, filling)
+    return regex

@@ -27,26 +27,30 @@ def usual_motion(
         return phrases.BY_NATURE[mention.word]
     if subject.is_faint:
         return None
-    if phrases.STILL_BY_NAME.search(mention.word):
+    if phrases.context("still_by_name").search(mention.word):
         return _STAYS
-    if thing.group not in ("object", "signal", "vehicle") or thing.name in phrases.LIGHT:
+    if thing.group not in ("object", "signal", "vehicle") or thing.name in phrases.things("light"):
         return None
-    begin = last_end(phrases.SENTENCE, text[: mention.start])
-    end = phrases.SENTENCE.search(text, mention.end)
+    begin = last_end(phrases.context("sentence"), text[: mention.start])
+    end = phrases.context("sentence").search(text, mention.end)
     sentence = text[begin : end.start() if end else len(text)]
-    if phrases.STIRS.search(phrases.MOVED_PAST.sub(" ", sentence)):
+    if phrases.context("stirs").search(phrases.context("moved_past").sub(" ", sentence)):
         return None
     lead, after = text[begin : mention.start], text[mention.end : begin + len(sentence)]
-    if phrases.BLOCKED.search(lead):
+    if phrases.context("blocked").search(lead):
         return _STAYS
     if thing.group == "vehicle":
-        is_put = phrases.PUT.search(lead) and not re.search(r"\bleft (?!its )", lead)
-        bars = phrases.BARS.search(after)
+        is_put = phrases.context("put").search(lead) and not re.search(r"\bleft (?!its )", lead)
+        bars = phrases.context("bars").search(after)
         return _STAYS if is_put or (bars and _governs(subject, bars, nouns)) else None
-    if phrases.BORNE.search(lead):
+    if phrases.context("borne").search(lead):
         return None
     is_in_lane = "place in_lane" in told
-    lies = is_in_lane or phrases.BLOCKS.search(sentence) or phrases.PUT.search(lead)
+    lies = (
+        is_in_lane
+        or phrases.context("blocks").search(sentence)
+        or phrases.context("put").search(lead)
+    )
     return _STAYS if lies else None
 
 

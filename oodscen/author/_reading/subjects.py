@@ -36,17 +36,17 @@ class NounInContext:
     @cached_property
     def sentence(self) -> str:
         """The words of its sentence before the noun."""
-        return self.before[last_end(phrases.SENTENCE, self.before) :]
+        return self.before[last_end(phrases.context("sentence"), self.before) :]
 
     @cached_property
     def lead(self) -> str:
         """The words of its clause before the noun."""
-        return self.sentence[last_end(phrases.BREAK, self.sentence) :]
+        return self.sentence[last_end(phrases.context("break"), self.sentence) :]
 
     @cached_property
     def determiner(self) -> str:
         """The article or pronoun that determines the noun; empty if there is none."""
-        found = phrases.DETERMINER.search(self.lead)
+        found = phrases.context("determiner").search(self.lead)
         return found.group(1).casefold() if found else ""
 
     @cached_property
@@ -56,7 +56,7 @@ class NounInContext:
     @property
     def is_new(self) -> bool:
         """True if the noun introduces another thing."""
-        is_counted = phrases.QUANTITY.search(self.lead) is not None
+        is_counted = phrases.context("quantity").search(self.lead) is not None
         return self.determiner in _NEW or (is_counted and self.determiner not in _KNOWN)
 
     @property
@@ -73,27 +73,33 @@ def _is_carried(at: NounInContext) -> bool:
     if not at.earlier:
         return False
     between = at.text[at.earlier[-1].mention.end : at.mention.start]
-    return phrases.CARRIED.fullmatch(between.lstrip()) is not None
+    return phrases.context("carried").fullmatch(between.lstrip()) is not None
 
 
 _NOTHING: tuple[Callable[[NounInContext], object], ...] = (
     lambda at: (
-        phrases.NOT_THERE.search(at.sentence)
-        and not (at.name == "traffic light" and phrases.ALL_OF_THEM.search(at.before))
+        phrases.context("not_there").search(at.sentence)
+        and not (at.name == "traffic light" and phrases.context("all_of_them").search(at.before))
     ),
-    lambda at: phrases.LISTED.search(at.sentence) and phrases.OR_MORE.match(at.after),
-    lambda at: phrases.NOT_ITSELF.match(at.after),
-    lambda at: at.name == "traffic light" and phrases.LIGHTS_UP.match(at.after),
-    lambda at: phrases.AS_A.search(at.before) and phrases.ENDS.match(at.after),
-    lambda at: at.name == "object" and phrases.TURNS_OUT.match(at.after),
+    lambda at: (
+        phrases.context("listed").search(at.sentence) and phrases.context("or_more").match(at.after)
+    ),
+    lambda at: phrases.context("not_itself").match(at.after),
+    lambda at: at.name == "traffic light" and phrases.context("lights_up").match(at.after),
+    lambda at: (
+        phrases.context("as_a").search(at.before) and phrases.context("ends").match(at.after)
+    ),
+    lambda at: at.name == "object" and phrases.context("turns_out").match(at.after),
     lambda at: at.name == "barrier" and at.after.startswith(" of "),
-    lambda at: at.mention.word == "drunk" and phrases.BEING.search(at.before),
+    lambda at: at.mention.word == "drunk" and phrases.context("being").search(at.before),
     lambda at: at.name == "car door" and at.before.endswith("'s "),
-    lambda at: at.group == "person" and phrases.RIDES.match(at.after),
-    lambda at: at.name in phrases.PARTS and at.determiner in ("the", "its", "their"),
+    lambda at: at.group == "person" and phrases.context("rides").match(at.after),
+    lambda at: at.name in phrases.things("parts") and at.determiner in ("the", "its", "their"),
     lambda at: at.group == "object" and _is_carried(at),
     lambda at: (
-        at.mention.word == "tree" and at.mention.is_plural and phrases.BACKGROUND.search(at.lead)
+        at.mention.word == "tree"
+        and at.mention.is_plural
+        and phrases.context("background").search(at.lead)
     ),
 )
 """Tests of a noun that names nothing that is there; any of them suffices."""
@@ -102,16 +108,19 @@ _NOTHING_NEW: tuple[Callable[[NounInContext], object], ...] = (
     lambda at: (
         at.determiner == "the"
         and at.mention.word == "cab"
-        and not phrases.CAB_OF_ITS_OWN.match(at.after)
+        and not phrases.context("cab_of_its_own").match(at.after)
     ),
     lambda at: (
         at.determiner == "its"
         and at.group in ("vehicle", "object")
-        and not phrases.LEFT_ITS.search(at.lead)
+        and not phrases.context("left_its").search(at.lead)
     ),
     lambda at: at.determiner == "the" and at.name == "tree" and at.mention.is_plural,
     lambda at: at.mention.thing.vague and at.determiner in _POSSESSIVE,
-    lambda at: phrases.BEHIND.match(at.after) and phrases.LEFT_A.search(at.lead[-40:]),
+    lambda at: (
+        phrases.context("behind").match(at.after)
+        and phrases.context("left_a").search(at.lead[-40:])
+    ),
 )
 """Tests of a noun that names nothing of its own, unless it names a thing that was named before."""
 
@@ -125,29 +134,29 @@ def subject_of(at: NounInContext) -> Subject | None:
         return same[-1]
     if _is_generic(at):
         alike = [one for one in at.earlier if _is_alike(one, at)]
-        if alike and not phrases.PLACED.match(at.after):
+        if alike and not phrases.context("placed").match(at.after):
             return alike[-1]
         if at.count > 1:
             return None
     if any(test(at) for test in _NOTHING_NEW):
         return None
     is_somebody = at.mention.thing.vague or at.group == "person"
-    is_agent = is_somebody and phrases.AGENT.match(at.after) is not None
+    is_agent = is_somebody and phrases.context("agent").match(at.after) is not None
     label = at.name if not same else f"{at.name} {len(same) + 1}"
     return Subject(label, at.mention, at.count, is_agent)
 
 
 def _is_generic(at: NounInContext) -> bool:
     return (
-        at.name in phrases.GENERIC
-        and at.mention.word in phrases.GENERIC_WORDS
+        at.name in phrases.things("generic")
+        and at.mention.word in phrases.things("generic") | phrases.things("generic_words")
         and at.determiner in ("the", "its", "this", "that")
     )
 
 
 def _is_alike(one: Subject, at: NounInContext) -> bool:
     thing = one.mention.thing
-    return thing.group == at.group and thing.name not in phrases.CYCLES
+    return thing.group == at.group and thing.name not in phrases.things("cycles")
 
 
 def nouns_of(text: str) -> tuple[list[Noun], list[Subject]]:
@@ -158,7 +167,9 @@ def nouns_of(text: str) -> tuple[list[Noun], list[Subject]]:
     for mention, after in zip(named, [*named, None][1:], strict=True):
         at = NounInContext(text, mention, tuple(subjects))
         is_modifier = after is not None and text[mention.end : after.start] == " "
-        is_driver = mention.thing.name == "driver" and phrases.OF_ITS_VEHICLE.match(at.after)
+        is_driver = mention.thing.name == "driver" and phrases.context("of_its_vehicle").match(
+            at.after
+        )
         if is_modifier or is_driver:
             continue
         subject = subject_of(at)
@@ -166,11 +177,11 @@ def nouns_of(text: str) -> tuple[list[Noun], list[Subject]]:
             subjects.append(subject)
         is_oblique = _is_oblique(at) or (subject is None and _is_part(at))
         nouns.append(Noun(mention.start, mention.end, subject, is_oblique))
-    for found in phrases.EGO.finditer(text):
+    for found in phrases.context("ego").finditer(text):
         if not any(n.start < found.end() and found.start() < n.end for n in nouns):
             is_possessive = found.group(0).endswith(("'s", "your"))
             lead = text[: found.start()][-20:]
-            is_oblique = is_possessive or phrases.OBLIQUE.search(lead) is not None
+            is_oblique = is_possessive or phrases.context("oblique").search(lead) is not None
             nouns.append(Noun(found.start(), found.end(), None, is_oblique))
     return sorted(nouns, key=lambda noun: noun.start), subjects
 
@@ -179,18 +190,18 @@ def _is_oblique(at: NounInContext) -> bool:
     """Return whether a noun phrase follows a preposition and therefore is not a subject."""
     lead = at.before[-_NEAR:]
     if (
-        not phrases.OBLIQUE.search(lead)
-        or phrases.FOR_A.search(at.before)
-        or phrases.PART_OF.search(lead)
+        not phrases.context("oblique").search(lead)
+        or phrases.context("for_a").search(at.before)
+        or phrases.context("part_of").search(lead)
     ):
         return False
-    grouped = phrases.QUANTITY.search(lead)
+    grouped = phrases.context("quantity").search(lead)
     if grouped and grouped.group(3):
-        return phrases.OBLIQUE.search(lead[: grouped.start()]) is not None
+        return phrases.context("oblique").search(lead[: grouped.start()]) is not None
     return True
 
 
 def _is_part(at: NounInContext) -> bool:
     lead = at.before[-40:]
-    tests = (phrases.ITS.search(at.before), phrases.CARRIED.search(lead))
-    return any((*tests, phrases.LACKED.search(lead), re.match("'s ", at.after)))
+    tests = (phrases.context("its").search(at.before), phrases.context("carried").search(lead))
+    return any((*tests, phrases.context("lacked").search(lead), re.match("'s ", at.after)))

@@ -7,6 +7,7 @@ import numpy as np
 
 from oodscen._seeding import stream
 from oodscen.author._knowledge.base import Knowledge, RoadKind
+from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._settings import places_of, roads_for
 from oodscen.author._staging.actors import cast_all, named_traffic
@@ -102,9 +103,6 @@ class Stager:
             raise LLMError(
                 f"the built-in author has no recipe to stage {hazard.label!r}", model="builtin"
             )
-        # Its many patterns are compiled at the import.
-        from oodscen.author._reading.claim_extraction import read_claims
-
         return Told(
             text,
             hazard,

@@ -1,6 +1,7 @@
 """Emergency braking after a delay, with a ramp, which reference drivers share."""
 
 from oodscen.driving._motion.bodies import GRAVITY
+from oodscen.driving._motion.triggers import ROUNDING_S
 
 DELAY_S = 0.75
 """Time from the recognised risk to the begin of braking, s."""
@@ -43,7 +44,7 @@ class DelayedBrake:
             return 0.0
         if self._demanded_at is None:
             self._demanded_at = time
-        if time < self._demanded_at + self.delay_s - 1e-9:
+        if time < self._demanded_at + self.delay_s - ROUNDING_S:
             return 0.0
         if self._braked_at is None:
             self._braked_at = time

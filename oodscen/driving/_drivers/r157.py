@@ -8,6 +8,7 @@ from oodscen.driving._drivers.braking import DECELERATION, DELAY_S
 from oodscen.driving._drivers.perception import Neighbour
 from oodscen.driving._drivers.watching import HEADWAY_S, WatchingDriver
 from oodscen.driving._motion.bodies import GRAVITY
+from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.protocols import Observation
 
 WANDER_M = 0.375
@@ -130,4 +131,4 @@ def _arrives(one: Neighbour, speed: float) -> bool:
 
 
 def _is_past(since: float | None, seconds: float, time: float) -> bool:
-    return since is not None and time >= since + seconds - 1e-9
+    return since is not None and time >= since + seconds - ROUNDING_S

@@ -11,6 +11,7 @@ from oodscen._numbers import finite_number
 from oodscen.data._episode import LONGEST_REACTION_S
 from oodscen.driving._motion.bodies import GRAVITY, MAX_STEERING
 from oodscen.driving._motion.car_following import PEAK
+from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.errors import UnknownComponent
 from oodscen.numerics._exact import asin, atan, power, sin, tan
 from oodscen.numerics._kernels import Kernel, part
@@ -30,6 +31,8 @@ CODES: Mapping[str, int] = MappingProxyType(
     }
 )
 """Codes by action id."""
+_NO_SHIFT = 1e-9
+"""Added to a shift whose root is taken, which may be 0."""
 
 
 class Look(NamedTuple):
@@ -98,7 +101,7 @@ def plan_action(action: int, now: Look) -> Plan:
     if action == ASIDE:
         shift = now.roadside - now.offset
         # In a shorter distance, the outer front corner would swing beyond the edge of the road.
-        shortest = power(2800.0 * abs(shift) + 1e-9, 1.0 / 3.0)
+        shortest = power(2800.0 * abs(shift) + _NO_SHIFT, 1.0 / 3.0)
         distance = max(_stretch(now, shift, 2.0, 0.45), shortest)
         comfortable = min(2.5, 0.5 * now.friction * GRAVITY)
         room = max(1.15 * distance, 0.5 * now.speed * now.speed / comfortable)
@@ -199,7 +202,7 @@ class ActionDriver(Brief):
         """Return the control for the next step."""
         now = Look.at(observation)
         if self._plan is None and self.reaction_s > 0.0:
-            self._begins = observation.time + self.reaction_s - 1e-9
+            self._begins = observation.time + self.reaction_s - ROUNDING_S
             self._start(KEEP, now, observation.time)
         elif self._plan is None or observation.time >= self._begins > -math.inf:
             self._begins = -math.inf

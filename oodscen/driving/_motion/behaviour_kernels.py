@@ -28,6 +28,11 @@ from oodscen.driving._roads.track import centre, drivable_range, heading, locate
 from oodscen.numerics._exact import PI, TAU, atan2, cos, quantised, sin, sincos, wrapped
 from oodscen.numerics._kernels import part
 
+_ROUNDING = 1e-9
+"""Rounding of distances gone and times waited, m or s."""
+_TAUT_M, _NO_POLE_M = 5e-6, 1e-6
+"""Slack of a pole up to which it does not pull, and distance from the hitch at which it has no direction, m."""
+
 
 class Code(IntEnum):
     """The behaviours by number; a code without a branch below raises `ValueError` as its actor moves."""
@@ -273,9 +278,9 @@ def _walk(w: Situation, i: int, code: int, waited: float) -> None:
 def _hesitate(w: Situation, i: int) -> None:
     """Go a given distance, pause, and go back."""
     state, distance = w.state, w.traits[i, col.DISTANCE]
-    if state[i, col.MEMORY] < distance - 1e-9:
+    if state[i, col.MEMORY] < distance - _ROUNDING:
         _go(w, i, distance, w.traits[i, col.QUICKNESS])
-    elif state[i, col.MEMORY + 1] < w.traits[i, col.PAUSE] - 1e-9:
+    elif state[i, col.MEMORY + 1] < w.traits[i, col.PAUSE] - _ROUNDING:
         state[i, col.MEMORY + 1] = quantised(state[i, col.MEMORY + 1] + w.dt)
     else:
         if state[i, col.MEMORY + 2] == 0.0:
@@ -425,7 +430,7 @@ def _follow(w: Situation, i: int) -> None:
     hitch_x, hitch_y = state[other, col.X] - tail * cosine, state[other, col.Y] - tail * sine
     dx, dy = hitch_x - state[i, col.X], hitch_y - state[i, col.Y]
     apart = math.sqrt(dx * dx + dy * dy)
-    if abs(apart - pole) < 5e-6 or apart < 1e-6:
+    if abs(apart - pole) < _TAUT_M or apart < _NO_POLE_M:
         state[i, col.SPEED] = 0.0
         return
     dx /= apart

@@ -9,6 +9,8 @@ from oodscen.protocols import State
 
 MAX_APPROACH_S = 15.0
 """Latest time of a decision, in seconds, even if its trigger has not fired."""
+ROUNDING_S = 1e-9
+"""Difference up to which two times count as the same, s: times are sums of steps."""
 
 TIME, DISTANCE, TTC = 0, 1, 2
 CODES = {"time": TIME, "distance": DISTANCE, "ttc": TTC}

@@ -27,7 +27,7 @@ from oodscen.driving._motion.stepping import (
     see_paths,
 )
 from oodscen.driving._motion.tilting import tilts
-from oodscen.driving._motion.triggers import CODES
+from oodscen.driving._motion.triggers import CODES, ROUNDING_S
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import UnknownComponent, UsageError
 from oodscen.numerics._exact import quantised, wrapped
@@ -304,7 +304,9 @@ class KinematicWorld(Brief):
         """
         start = self._state.copy()
         line = self.scene.stop_line
-        begins_s = self.time + variation.reaction_s - 1e-9 if variation.reaction_s > 0.0 else 0.0
+        begins_s = (
+            self.time + variation.reaction_s - ROUNDING_S if variation.reaction_s > 0.0 else 0.0
+        )
         trial = Trial(
             actions.CODES[action],
             begins_s,

@@ -15,6 +15,10 @@ REACH_M = 170.0
 _TOUCH = 0.05
 """Distance between two ranges below which they are merged, m."""
 _MAX_SPAN_M = 40.0
+_ROUNDING = 1e-9
+"""Part of a step, or of an edge, that is rounding; an edge shorter than that in s is level, m."""
+_NARROW_M = 1e-6
+"""Width up to which a range of t is empty, m."""
 
 
 class OverlapStrip(NamedTuple):
@@ -46,8 +50,8 @@ def covered_ranges(
         s, t, low, high = s[:, usable], t[:, usable], low[usable], high[usable]
         if not len(low):
             continue
-        first = np.ceil(low / step - 1e-9).astype(np.int64)
-        last = np.floor(high / step + 1e-9).astype(np.int64)
+        first = np.ceil(low / step - _ROUNDING).astype(np.int64)
+        last = np.floor(high / step + _ROUNDING).astype(np.int64)
         for number in range(int((last - first).max()) + 1):
             at = first + number
             chosen = (at <= last) & (at >= 0) & (at < count)
@@ -61,7 +65,7 @@ def covered_ranges(
         return {}
     every = np.concatenate(samples)
     low, high = np.concatenate(lows), np.concatenate(highs)
-    real = high - low > 1e-6
+    real = high - low > _NARROW_M
     every, low, high = every[real], low[real], high[real]
     order = np.lexsort((low, every))
     ranges: dict[int, list[tuple[float, float]]] = {}
@@ -79,9 +83,9 @@ def _crossing(s: FloatArray, t: FloatArray, at: FloatArray) -> tuple[FloatArray,
         s0, s1 = s[index], s[(index + 1) % 4]
         t0, t1 = t[index], t[(index + 1) % 4]
         across = s1 - s0
-        level = np.abs(across) < 1e-9
+        level = np.abs(across) < _ROUNDING
         part = (at - s0) / np.where(level, 1.0, across)
-        hits = ~level & (part >= -1e-9) & (part <= 1.0 + 1e-9)
+        hits = ~level & (part >= -_ROUNDING) & (part <= 1.0 + _ROUNDING)
         value = t0 + np.clip(part, 0.0, 1.0) * (t1 - t0)
         low = np.where(hits, np.minimum(low, value), low)
         high = np.where(hits, np.maximum(high, value), high)

@@ -30,6 +30,15 @@ _GAUSS = (
 
 
 _ARC_TOLERANCE_M = 1e-9
+"""Rounding of an arc length, m."""
+_ROUNDING_M = 1e-9
+"""Distance before a piece from which a place belongs to it, m."""
+_STRAIGHT_RAD = 1e-12
+"""Half the turn of an arc up to which its chord is its length, rad."""
+_STALLED = 1e-6
+"""Speed of a curve in its parameter, relative to its mean, at which no Newton step is taken."""
+_AT_REST = 1e-9
+"""The same speed, absolute, at which a curve has no direction and so no bend."""
 _MOST_STEPS = 8
 """Newton steps to the parameter of an arc length; uneven parametrisations need more than two."""
 
@@ -63,7 +72,7 @@ class Cubic:
 
 def piecewise(pieces: tuple[Cubic, ...], s: float) -> float:
     """Return the value at `s` of cubics sorted by start; 0 before the first."""
-    found = bisect_right(pieces, s + 1e-9, key=lambda piece: piece.start)
+    found = bisect_right(pieces, s + _ROUNDING_M, key=lambda piece: piece.start)
     return pieces[found - 1].at(s) if found else 0.0
 
 
@@ -72,7 +81,7 @@ def piecewise_all(pieces: tuple[Cubic, ...], s: Floats) -> Floats:
     if not pieces:
         return np.zeros_like(s)
     table = np.array([(one.start, one.a, one.b, one.c, one.d) for one in pieces])
-    found = np.searchsorted(table[:, 0], s + 1e-9, side="right")
+    found = np.searchsorted(table[:, 0], s + _ROUNDING_M, side="right")
     start, *k = table[np.maximum(found - 1, 0)].T
     d = s - start
     return np.where(found > 0, k[0] + d * (k[1] + d * (k[2] + d * k[3])), 0.0)
@@ -134,7 +143,7 @@ class Arc(Curve):
     def at(self, along: float) -> CurvePoint:
         """Return the point `along` metres after this piece's start."""
         half = 0.5 * self.curvature * along
-        chord = along * (sin(half) / half if abs(half) > 1e-12 else 1.0)
+        chord = along * (sin(half) / half if abs(half) > _STRAIGHT_RAD else 1.0)
         return CurvePoint(
             *self._place(chord * cos(half), chord * sin(half), 2.0 * half, self.curvature)
         )
@@ -143,7 +152,7 @@ class Arc(Curve):
         """Return many points, with the same bits as `at` for each."""
         half = 0.5 * self.curvature * along
         sine, cosine = sincos_each(half)
-        share = np.divide(sine, half, out=np.ones_like(half), where=np.abs(half) > 1e-12)
+        share = np.divide(sine, half, out=np.ones_like(half), where=np.abs(half) > _STRAIGHT_RAD)
         chord = along * share
         curvature = np.full_like(along, self.curvature)
         return self._place(chord * cosine, chord * sine, 2.0 * half, curvature)
@@ -241,7 +250,7 @@ class ParamPoly3(Curve):
 
     def _parameter(self, along: float) -> float:
         part = along / self.length
-        if not self.arc > 1e-9:
+        if not self.arc > _ARC_TOLERANCE_M:
             return part * self.scale
         wanted = part * self.arc
         count = len(self._nodes) - 1
@@ -253,7 +262,7 @@ class ParamPoly3(Curve):
         p = begin + (wanted - low) / (high - low) * self.scale / count
         for _ in range(_MOST_STEPS):
             speed, rest = self._speed(p), wanted - low - self._arc(begin, p)
-            if not speed > 1e-6 * self.arc / self.scale or abs(rest) < _ARC_TOLERANCE_M:
+            if not speed > _STALLED * self.arc / self.scale or abs(rest) < _ARC_TOLERANCE_M:
                 break
             p += rest / speed
         return min(max(p, begin), self.scale * (index + 1) / count)
@@ -308,4 +317,4 @@ def _derivatives(k: tuple[float, float, float, float], p: float) -> tuple[float,
 def _bend(du: float, dv: float, ddu: float, ddv: float) -> float:
     """Return the signed curvature of a parametric curve."""
     speed = math.sqrt(du * du + dv * dv)
-    return (du * ddv - dv * ddu) / speed**3 if speed > 1e-9 else 0.0
+    return (du * ddv - dv * ddu) / speed**3 if speed > _AT_REST else 0.0

@@ -25,6 +25,8 @@ AHEAD_M = 2_000.0
 BEHIND_M = 250.0
 """Length behind the start up to which preceding roads are joined, m."""
 _MAX_LEGS = 300
+_ROUNDING_RAD = 1e-6
+"""Difference up to which two turns are equal, rad: the first in the file is taken."""
 
 
 class Leg(NamedTuple):
@@ -151,7 +153,7 @@ def straightest(
         if not (after.has_lane(direction) and after.has_lane(direction, -1) and fits(leg, after)):
             continue
         turn = abs(math.remainder(after.end_pose().heading - heading, math.tau))
-        if turn < least - 1e-6:
+        if turn < least - _ROUNDING_RAD:
             best, least = after, turn
     return best
 

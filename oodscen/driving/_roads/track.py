@@ -14,6 +14,8 @@ from oodscen.numerics._kernels import Integers, Kernel, Numbers, is_compiled, pa
 Array = NDArray[np.float64]
 
 _NOWHERE = (math.inf, -math.inf)
+_ON_LINE_M = 1e-12
+"""Distance along the line from a point's foot at which the foot is found, m."""
 
 
 class Track(NamedTuple):
@@ -137,7 +139,7 @@ def locate(track: Track, x: float, y: float, near: float) -> tuple[float, float]
         cos, sin = c0 + f * (c1 - c0), s0 + f * (s1 - s0)
         along = dx * cos + dy * sin
         slope = dx * (c1 - c0) + dy * (s1 - s0) - (x1 - x0) * cos - (y1 - y0) * sin
-        if slope == 0.0 or abs(along) < 1e-12:
+        if slope == 0.0 or abs(along) < _ON_LINE_M:
             break
         f -= along / slope
     norm = math.sqrt(cos * cos + sin * sin)

@@ -29,6 +29,8 @@ _ON_RAILS = {"rail", "train", "tram", "locomotive"}
 """Words of assets that drive on railway tracks."""
 _ROADSIDE = frozenset({"vehicle", "cyclist"})
 """Categories whose moving actors must start on drivable road."""
+_INSIDE_M = 1e-6
+"""Distance from the lane's left edge at which a place is still in the lane, m."""
 
 
 @checked
@@ -149,7 +151,7 @@ def _place_issues(
         return [*issues, Issue(f"{path}.placement.offset_m", message)]
     behaviour = BUILT_IN.get(kind.built_in)
     moves = behaviour is not None and (behaviour.moves_before_trigger or behaviour.drives_from_rest)
-    strip = corridor.strip_at(s, min(t, left - 1e-6))
+    strip = corridor.strip_at(s, min(t, left - _INSIDE_M))
     beneath = "none" if strip is None else corridor.strips[strip].kind
     is_on_road = beneath in DRIVABLE or corridor.is_drivable(s, t, t)
     if _ON_RAILS & {*asset.tags, *asset.id.split("_")}:

@@ -27,6 +27,8 @@ _EDGES = tuple((i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bi
 """Edges of a box, as pairs of indices into `Solid.corners`."""
 
 Point = tuple[float, float, float]
+_PARALLEL = 1e-12
+"""Component of a ray below which it does not meet the faces across that axis."""
 
 
 def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
@@ -263,7 +265,7 @@ def _enters(body: Solid, origin: Point, ray: Point) -> float | None:
     )
     enter, leave = 0.0, math.inf
     for begin, speed, (low, high) in zip(start, turned, limits, strict=True):
-        if abs(speed) < 1e-12:
+        if abs(speed) < _PARALLEL:
             if not low <= begin <= high:
                 return None
             continue

@@ -7,6 +7,7 @@ import numpy as np
 
 from oodscen.driving import KinematicWorld
 from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.interchange._verdicts.plausibility import ASKEW, IN_DEGREES, unusable
 from oodscen.numerics._exact import Floats
 from oodscen.protocols import Control, State
@@ -78,7 +79,7 @@ def start_of(world: KinematicWorld, time: Floats, poses: Floats) -> tuple[float,
 def _first_pace(time: Floats, ego: Floats) -> _Pace:
     """Return the ego's speed soon after the start."""
     begin = min(_SETTLED_STEPS, len(time) - 2)
-    end = max(begin + 1, int(np.searchsorted(time, time[begin] + _SPEED_SPAN_S + 1e-9)) - 1)
+    end = max(begin + 1, int(np.searchsorted(time, time[begin] + _SPEED_SPAN_S + ROUNDING_S)) - 1)
     distance = np.hypot(*(ego[end, :2] - ego[begin, :2]))
     since_s = 0.5 * (time[begin] + time[end]) - time[0]
     return _Pace(float(distance / (time[end] - time[begin])), float(since_s))
@@ -188,9 +189,9 @@ def _run_beside(
     ego = np.concatenate([poses[:, 0, :3], np.unwrap(poses[:, 0, 3])[:, None]], axis=1)
     own, at = [world.poses()], [0.0]
     while at[-1] < time[-1]:
-        is_played = world.time >= time[0] - 1e-9
+        is_played = world.time >= time[0] - ROUNDING_S
         world.step(Control(0.0, 0.0) if is_played else driver.act(world.observe()))
-        if world.time >= time[0] - 1e-9:
+        if world.time >= time[0] - ROUNDING_S:
             now = np.array([np.interp(world.time, time, column) for column in ego.T])
             world.set_pose(0, now, float(np.interp(world.time, time, speeds)))
         own.append(world.poses())

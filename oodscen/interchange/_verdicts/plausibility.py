@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.errors import DataError, Issue
 from oodscen.numerics._exact import Floats
 
@@ -46,7 +47,7 @@ def check_steps(time: Floats) -> None:
             "time",
             f"steps are {usual:g} s, and at most {_COARSEST_S:g} s can be judged; is the time in seconds?",
         )
-    holes = np.flatnonzero(steps > max(_HOLE * usual, _SHORTEST_HOLE_S) + 1e-9)
+    holes = np.flatnonzero(steps > max(_HOLE * usual, _SHORTEST_HOLE_S) + ROUNDING_S)
     if len(holes):
         first = holes[0]
         raise unusable(

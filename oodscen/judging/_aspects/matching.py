@@ -27,6 +27,19 @@ GENERAL = frozenset({"vehicle", "person"})
 ENOUGH_SHARED = 2
 """The number of shared acts, places and words that makes up for naming a thing by a broader word only."""
 
+COMMON = frozenset(
+    """
+    a an and are as at be by for from in into is it its near no not of off on onto or other out over
+    that the their there this to with without ego vehicle car lane road street driver driving
+    traffic ahead front middle side left right sudden suddenly unexpected unusual large small
+    another someone something object scene situation across where none
+    """.split()
+)
+"""Words too common for a match on them to mean anything."""
+
+_PHRASE_END = re.compile(r"\b(?:on|in|into|onto|at|from|over|across|with|of|by|to|behind)\b")
+_DENIAL = re.compile(r"\b(?:no|not|without|free\s+of|absence\s+of|never|neither|nor)\b")
+
 
 class Named(NamedTuple):
     """The result of comparing an open answer with the truth, in two steps."""
@@ -142,33 +155,70 @@ def _names_case(answer_naming: Naming, label: Naming, head: Concept) -> bool:
     things = _things(answer_naming)
     kinds = with_broader(head.name)
     is_narrow = any(head.name in with_broader(one.name) for one in things)
-    is_special = (is_narrow and head.name not in GENERAL) or any(
-        one.name in kinds - GENERAL for one in things
-    )
     if not is_narrow and not any(one.name in kinds for one in things):
         return False
     others = [one for one in label.concepts if one != head]
-    telling = {one.name for one in others if one.kind in ("odd", "state")}
-    broader = _widened(answer_naming.concepts)
-    if telling & broader:
+    oddities = {one.name for one in others if one.kind in ("odd", "state")}
+    named = _widened(answer_naming.concepts)
+    if oddities & named:
         return True
-    mere = _widened(one for one in others if one.kind != "place") - GENERAL
-    places = {one.name for one in others if one.kind == "place"}
-    if telling:
-        if _names_other_state(answer_naming, label):
-            return False
-        return is_special and bool((mere | places) & broader)
-    words = telling_words(" ".join(label.rest))
-    shared = (mere | places) & broader | (words & telling_words(" ".join(answer_naming.rest)))
+    circumstances = _Circumstances.of(label, others)
+    if not oddities:
+        return _names_circumstances(answer_naming, circumstances, head, is_narrow=is_narrow)
+    is_special = (is_narrow and head.name not in GENERAL) or any(
+        one.name in kinds - GENERAL for one in things
+    )
+    is_contradicted = _names_other_state(answer_naming, label)
+    return is_special and not is_contradicted and bool(circumstances.concepts & named)
+
+
+class _Circumstances(NamedTuple):
+    """What a label says besides its head."""
+
+    acts: set[str]
+    """Acts, states and things, and broader words for them."""
+    places: set[str]
+    words: set[str]
+    """Stems of the words that are no concepts."""
+
+    @classmethod
+    def of(cls, label: Naming, others: Sequence[Concept]) -> "_Circumstances":
+        """Sort the concepts of a label other than its head."""
+        return cls(
+            _widened(one for one in others if one.kind != "place") - GENERAL,
+            {one.name for one in others if one.kind == "place"},
+            telling_words(" ".join(label.rest)),
+        )
+
+    @property
+    def concepts(self) -> set[str]:
+        """Acts and places."""
+        return self.acts | self.places
+
+
+def _names_circumstances(
+    answer_naming: Naming, told: _Circumstances, head: Concept, *, is_narrow: bool
+) -> bool:
+    """Rule 4: return whether an answer shares enough acts, places and words with a label.
+
+    Args:
+        answer_naming: The answer, which names the head or a broader word for it.
+        told: What the label says besides its head.
+        head: The thing that the label is about.
+        is_narrow: Whether the answer names the head itself, or more precisely.
+    """
+    named = _widened(answer_naming.concepts)
+    shared = told.concepts & named | (told.words & telling_words(" ".join(answer_naming.rest)))
     if not is_narrow:
         return len(shared) >= ENOUGH_SHARED
-    if head.name in GENERAL:
-        is_plain = any(
-            one.kind == "ordinary" and head.name in with_broader(one.name) for one in things
-        )
-        is_standing = {"stopped", "on the road"} <= broader and "stopped" in mere
-        return is_plain and (is_standing or _names_circumstance(shared, mere, places, words, head))
-    return bool(shared) or not (mere | places | words)
+    if head.name not in GENERAL:
+        return bool(shared) or not (told.concepts | told.words)
+    is_plain = any(
+        one.kind == "ordinary" and head.name in with_broader(one.name)
+        for one in _things(answer_naming)
+    )
+    is_standing = {"stopped", "on the road"} <= named and "stopped" in told.acts
+    return is_plain and (is_standing or _singles_out(shared, told, head))
 
 
 def _names_other_state(answer_naming: Naming, label: Naming) -> bool:
@@ -181,13 +231,12 @@ def _names_other_state(answer_naming: Naming, label: Naming) -> bool:
     )
 
 
-def _names_circumstance(
-    shared: set[str], mere: set[str], places: set[str], words: set[str], head: Concept
-) -> bool:
+def _singles_out(shared: set[str], told: _Circumstances, head: Concept) -> bool:
     """Return whether the shared details distinguish this person or vehicle from any other."""
-    if places:
-        return bool(places & shared) and (head.name == "person" or not mere or bool(mere & shared))
-    return bool(shared) or not (mere | words)
+    if not told.places:
+        return bool(shared) or not (told.acts | told.words)
+    is_act_shared = head.name == "person" or not told.acts or bool(told.acts & shared)
+    return bool(told.places & shared) and is_act_shared
 
 
 def _things(answer_naming: Naming) -> list[Concept]:
@@ -214,32 +263,12 @@ def _names_word(aspect: str, label: str) -> bool:
     return bool(head) and stem(head[0]) in telling_words(affirmed)
 
 
-_PHRASE_END = re.compile(r"\b(?:on|in|into|onto|at|from|over|across|with|of|by|to|behind)\b")
-
-
-_DENIAL = re.compile(r"\b(?:no|not|without|free\s+of|absence\s+of|never|neither|nor)\b")
-
-
 def _parts(text: str) -> list[str]:
     parts = re.split(r"[,;.]|\b(?:and|but|or)\b", text.casefold())
     return [part for part in parts if part.strip()]
-
-
-# ------------------------------------------------------------------ telling words
 
 
 def telling_words(text: str) -> set[str]:
     """Return the stems of a text's words, without words that are common in driving texts."""
     words = re.findall(r"[a-z]+", text.casefold().replace("'s", "").replace("bour", "bor"))
     return {stem(word) for word in words if word not in COMMON and len(word) > 2}
-
-
-COMMON = frozenset(
-    """
-    a an and are as at be by for from in into is it its near no not of off on onto or other out over
-    that the their there this to with without ego vehicle car lane road street driver driving
-    traffic ahead front middle side left right sudden suddenly unexpected unusual large small
-    another someone something object scene situation across where none
-    """.split()
-)
-"""Words too common for a match on them to mean anything."""

@@ -55,6 +55,12 @@ _TIES, _TIED = 4, 2e-6
 _SHRUNK = 0.3
 _QUARTER = 0.25
 _STEP = 2048
+_LEAST_APART = 1e-6
+"""Least distance of neighbours from theirs by which a text's distance is divided."""
+_LEAST_LENGTH = 1e-12
+"""Least length or variance by which a vector is divided."""
+_NO_SPREAD = 1e-9
+"""Standard deviation up to which values are only centred."""
 
 
 _CUT = re.compile(
@@ -112,7 +118,7 @@ class Detectors:
             weights = np.where(is_nearer, 1.0, is_tied * share[:, None])
             around = (weights * own[places]).sum(axis=1) / k
             return np.asarray(
-                (1.0 - cosines[:, :k].mean(axis=1)) / np.maximum(around, 1e-6), np.float64
+                (1.0 - cosines[:, :k].mean(axis=1)) / np.maximum(around, _LEAST_APART), np.float64
             )
 
         return score
@@ -130,7 +136,7 @@ class Detectors:
 
     def _whitened(self) -> _Fitted:
         values, axes = np.linalg.eigh(self._covariance())
-        floor = max(float(values.mean()) * 0.04, 1e-12)
+        floor = max(float(values.mean()) * 0.04, _LEAST_LENGTH)
         scale = axes / (np.maximum(values, 0.0) + floor) ** _QUARTER
         known = self._turned(self._vectors, scale)
         return lambda _, vectors: 0.0 - nearest(self._turned(vectors, scale), known).cosine
@@ -176,7 +182,7 @@ class Detectors:
         for pairs in anchors():
             calm, odd = (self._encode(side).astype(np.float64) for side in zip(*pairs, strict=True))
             step = (odd - calm).mean(axis=0)
-            total += step / max(float(np.linalg.norm(step)), 1e-12)
+            total += step / max(float(np.linalg.norm(step)), _LEAST_LENGTH)
         return total
 
     def _covariance(self) -> NDArray[np.float64]:
@@ -215,7 +221,7 @@ class _Standard:
     def __init__(self, sample: NDArray[np.floating]) -> None:
         self._mean = float(np.mean(sample))
         spread = float(np.std(sample))
-        self._spread = spread if spread > 1e-9 else 1.0
+        self._spread = spread if spread > _NO_SPREAD else 1.0
 
     def __call__(self, values: NDArray[np.floating]) -> Scores:
         return np.asarray((values - self._mean) / self._spread, np.float64)

@@ -14,6 +14,10 @@ _BOX = 34
 _CURVE, _MAP = 210, 300
 _NAMES = 104
 """Width of the column of names."""
+_LEAST_SPAN = 1e-9
+"""Least span of an axis: a single value has none."""
+_ROUNDING = 1e-9
+"""Amount by which a value may fall short of a tick and count as on it."""
 
 
 class Strip(NamedTuple):
@@ -130,7 +134,7 @@ def size_curves(curves: Sequence[DrawnSizeCurve], *, colour: int = 0) -> Canvas:
     low, high = math.floor(min(values) * 10) / 10, math.ceil(max(values) * 10) / 10
     longest = max(max(curve.sizes) for curve in curves)
     y = linear(low, max(high, low + 0.1), bottom, top)
-    along = linear(0.0, max(math.log(longest / 2), 1e-9), left, right)
+    along = linear(0.0, max(math.log(longest / 2), _LEAST_SPAN), left, right)
 
     def x(size: float) -> float:
         return along(math.log(max(size, 2) / 2))
@@ -167,7 +171,7 @@ def cloud_map(clouds: Sequence[Cloud], share: Sequence[float], *, colour: int = 
         colour: Number of the first set's colour; 0 is grey and faint.
     """
     every = np.array([point for cloud in clouds for point in cloud.points], np.float64)
-    low, spans = every.min(axis=0), np.maximum(np.ptp(every, axis=0), 1e-9)
+    low, spans = every.min(axis=0), np.maximum(np.ptp(every, axis=0), _LEAST_SPAN)
     scale = min((WIDTH - 20) / spans[0], (_MAP - 20) / spans[1])
     height, left = 20 + float(spans[1] * scale), (WIDTH - float(spans[0] * scale)) / 2
     entries = [
@@ -195,8 +199,8 @@ def scatter(clouds: Sequence[Cloud], title: str, axes: tuple[str, str]) -> Canva
     """
     every = np.array([point for cloud in clouds for point in cloud.points], np.float64)
     (left, bottom), (right, top) = every.min(axis=0).tolist(), every.max(axis=0).tolist()
-    x = linear(left, max(right, left + 1e-9), 40, WIDTH - 14)
-    y = linear(bottom, max(top, bottom + 1e-9), _MAP - 10, 10)
+    x = linear(left, max(right, left + _LEAST_SPAN), 40, WIDTH - 14)
+    y = linear(bottom, max(top, bottom + _LEAST_SPAN), _MAP - 10, 10)
     entries = [
         (set_class(place), f"{cloud.label} ({len(cloud.points)})")
         for place, cloud in enumerate(clouds, 1)
@@ -220,7 +224,7 @@ def _named(drawn: Canvas, y: float, label: str, n: int) -> None:
 
 
 def _floor(value: float, step: float) -> float:
-    return round((value + 1e-9) // step * step, 6)
+    return round((value + _ROUNDING) // step * step, 6)
 
 
 def _step(span: float, ticks: int, *, least: float) -> float:

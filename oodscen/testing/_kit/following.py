@@ -9,6 +9,7 @@ from oodscen._abilities import Snapshots
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._flat_frame import tangents
 from oodscen.driving._motion.behaviours import DRIVES_IN_LANE
+from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye, area
 from oodscen.driving._staged_scene import StagedScene
@@ -49,7 +50,7 @@ def check_following(probe: Probe) -> None:
         _check_lag(watched, first, later)
     kept, snapshot = first, None
     for seconds in _AT_S:
-        while state.time < seconds - 1e-9:
+        while state.time < seconds - ROUNDING_S:
             state = simulator.step(Control(0.0, 0.005))
         seen = _look(watched, state, f"after {seconds:g} s")
         if snapshot is None and isinstance(simulator, Snapshots):

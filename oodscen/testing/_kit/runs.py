@@ -8,6 +8,15 @@ from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.samples import constantly, run_bytes
 
+_STEPS = 60
+"""Steps of the runs that are restored."""
+_KEPT = (5, 30)
+"""Steps at which snapshots are taken."""
+_RESTORED = (5, 30, 5)
+"""Steps whose snapshots are restored, in this order."""
+_AGREEING = 1e-6
+"""Largest difference between an observation and the state that it shows."""
+
 
 def check_determinism(probe: Probe) -> None:
     """Check that a run repeats to the byte: again, after another scene, and in a new simulator."""
@@ -37,10 +46,15 @@ def check_controls(probe: Probe) -> None:
         state = probe.run(scene, constantly(control))[-1]
         ends[name] = probe.simulator.observe()
         speed = float(state.speeds[0])
-        agrees = abs(ends[name].speed - speed) < 1e-6 and abs(ends[name].time - state.time) < 1e-6
+        agrees = (
+            abs(ends[name].speed - speed) < _AGREEING
+            and abs(ends[name].time - state.time) < _AGREEING
+        )
         probe.findings.expect(agrees, "", f"after {name} observation and state disagree")
     faster = ends["accelerating"].speed > ends["coasting"].speed > ends["braking"].speed
-    probe.findings.expect(faster, "", "accelerating and braking do not change the speed so")
+    probe.findings.expect(
+        faster, "", "accelerating and braking do not change the speed as they should"
+    )
     probe.findings.expect(ends["braking"].speed >= 0.0, "", "braking makes the ego reverse")
     left, right = ends["steering left"].offset_m, ends["steering right"].offset_m
     is_left = left > ends["coasting"].offset_m > right
@@ -59,13 +73,14 @@ def check_snapshot(probe: Probe) -> None:
     for scene in scenes:
         simulator.reset(scene, 1)
         kept, states = {}, []
-        for step in range(60):
-            if step in (5, 30):
+        for step in range(_STEPS):
+            if step in _KEPT:
                 kept[step] = simulator.snapshot()
             states.append(simulator.step(_weaving(step)).fingerprint())
-        for step in (5, 30, 5):
+        for step in _RESTORED:
             simulator.restore(kept[step])
-            after = [simulator.step(_weaving(later)).fingerprint() for later in range(step, 60)]
+            rest = range(step, _STEPS)
+            after = [simulator.step(_weaving(later)).fingerprint() for later in rest]
             is_same = after == states[step:]
             what = "what follows a restored snapshot differs"
             probe.findings.expect(is_same, f"scene {scene.id}", what)

@@ -5,6 +5,9 @@ import math
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._types import Point
 
+_LEAST_M = 1e-6
+"""Length that stands for none where it is divided by, m."""
+
 
 def joint(start: Point, end: Point, one: float, two: float, bend: Point) -> tuple[Point, Point]:
     """Return the joint between two bones, and the end, moved within reach if necessary.
@@ -17,14 +20,14 @@ def joint(start: Point, end: Point, one: float, two: float, bend: Point) -> tupl
         bend: Direction in which the joint points.
     """
     way = tuple(b - a for a, b in zip(start, end, strict=True))
-    length = math.sqrt(sum(v * v for v in way)) or 1e-6
+    length = math.sqrt(sum(v * v for v in way)) or _LEAST_M
     reach = min(length, 0.999 * (one + two))
     unit = tuple(v / length for v in way)
     along = (one * one - two * two + reach * reach) / (2 * reach)
     out = math.sqrt(max(0.0, one * one - along * along))
     lean = sum(b * u for b, u in zip(bend, unit, strict=True))
     across = [b - lean * u for b, u in zip(bend, unit, strict=True)]
-    size = math.sqrt(sum(v * v for v in across)) or 1e-6
+    size = math.sqrt(sum(v * v for v in across)) or _LEAST_M
     middle = [s + u * along + v / size * out for s, u, v in zip(start, unit, across, strict=True)]
     last = [s + u * reach for s, u in zip(start, unit, strict=True)]
     return (middle[0], middle[1], middle[2]), (last[0], last[1], last[2])

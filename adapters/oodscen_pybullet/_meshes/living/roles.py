@@ -18,6 +18,15 @@ from oodscen_pybullet._meshes.objects.signs import face
 from oodscen_pybullet._meshes.shapes import upright
 from oodscen_pybullet._types import Point
 
+_SPOKES = 14
+"""Corners of a wheel's rim; every second one has a spoke."""
+_PROTESTERS = (
+    ("shirt_green", "jeans", "skin", True),
+    ("burgundy", "trousers", "skin_dark", False),
+    ("black", "navy", "skin", False),
+)
+"""Top, trousers and skin, and whether the hair is long."""
+
 
 def jogger(mesh: MeshBuilder, shown: Appearance) -> None:
     """A runner in shorts and a bright shirt."""
@@ -36,10 +45,14 @@ def jogger(mesh: MeshBuilder, shown: Appearance) -> None:
 
 def elderly_person(mesh: MeshBuilder, shown: Appearance) -> None:
     """An elderly person, bent forward, with grey hair and a stick."""
+    is_woman = bool(shown.index % 2)
     clothes = Clothes(
-        "shirt_green" if shown.index % 2 else "coat", "trousers", hair="light_grey",
-        has_long_hair=bool(shown.index % 2), skirt="navy" if shown.index % 2 else "",
-    )  # fmt: skip
+        "shirt_green" if is_woman else "coat",
+        "trousers",
+        hair="light_grey",
+        has_long_hair=is_woman,
+        skirt="navy" if is_woman else "",
+    )
     posture = Posture(right_hand=(0.38, -0.26, 0.86), lean=0.2, half_step=0.2, crouch=0.06)
     figure(mesh, clothes, shown, posture)
     if has_free_hands(shown):
@@ -53,26 +66,39 @@ def wheelchair_user(mesh: MeshBuilder, shown: Appearance) -> None:
     phase, _ = shown.gait or (0.0, False)
     push = 0.1 * math.sin(2 * math.pi * phase)
     for side in (-1.0, 1.0):
-        y = side * 0.31
-        _ring(mesh, (-0.1, y, 0.31), 0.30, "tyre", phase)
-        mesh.cylinder((0.42, side * 0.24, 0.09), (0.42, side * 0.29, 0.09), 0.09, "tyre", sides=10)
-        mesh.beam((-0.3, side * 0.26, 0.5), (-0.36, side * 0.26, 0.98), 0.03, "silver")
-        mesh.beam((-0.36, side * 0.26, 0.96), (-0.5, side * 0.26, 0.98), 0.04, "black")
-        mesh.beam((0.2, side * 0.26, 0.5), (0.44, side * 0.2, 0.14), 0.03, "silver")
-        mesh.beam((-0.3, side * 0.26, 0.5), (0.2, side * 0.26, 0.5), 0.03, "silver")
-        hip, foot = (-0.18, side * 0.1, 0.58), (0.36, side * 0.11, 0.24)
-        knee, ankle = joint(hip, foot, 0.42, 0.38, (0.5, 0, 1.0))
-        limb(mesh, (hip, knee, ankle), (0.085, 0.065, 0.045), ("jeans", "jeans"))
-        mesh.box((0.43, side * 0.11, 0.17), (0.25, 0.1, 0.09), "shoe")
-        shoulder = (-0.2, side * 0.2, 1.06)
-        elbow, hand = joint(
-            shoulder, (0.02 + push, side * 0.33, 0.58), 0.27, 0.26, (-1, side * 0.5, 0)
-        )
-        limb(mesh, (shoulder, elbow, hand), (0.06, 0.048, 0.036), ("shirt", "skin"))
-        mesh.ball(hand, (0.05, 0.04, 0.05), "skin", around=6, down=4)
+        _side_of_wheelchair(mesh, side, phase)
+        _seated_limbs(mesh, side, push)
     mesh.box((-0.05, 0, 0.5), (0.5, 0.5, 0.06), "black")
     mesh.box((-0.33, 0, 0.74), (0.05, 0.5, 0.44), "black")
     mesh.box((0.45, 0, 0.11), (0.2, 0.4, 0.03), "silver")
+    _seated_trunk(mesh)
+
+
+def _side_of_wheelchair(mesh: MeshBuilder, side: float, phase: float) -> None:
+    """Add the wheels and the frame of the right (-1) or left (1) side, its wheel turned by a fraction of a turn."""
+    y = side * 0.31
+    _ring(mesh, (-0.1, y, 0.31), 0.30, "tyre", phase)
+    mesh.cylinder((0.42, side * 0.24, 0.09), (0.42, side * 0.29, 0.09), 0.09, "tyre", sides=10)
+    mesh.beam((-0.3, side * 0.26, 0.5), (-0.36, side * 0.26, 0.98), 0.03, "silver")
+    mesh.beam((-0.36, side * 0.26, 0.96), (-0.5, side * 0.26, 0.98), 0.04, "black")
+    mesh.beam((0.2, side * 0.26, 0.5), (0.44, side * 0.2, 0.14), 0.03, "silver")
+    mesh.beam((-0.3, side * 0.26, 0.5), (0.2, side * 0.26, 0.5), 0.03, "silver")
+
+
+def _seated_limbs(mesh: MeshBuilder, side: float, push: float) -> None:
+    """Add the right (-1) or left (1) leg and arm, the hand `push` metres ahead of the wheel's middle."""
+    hip, foot = (-0.18, side * 0.1, 0.58), (0.36, side * 0.11, 0.24)
+    knee, ankle = joint(hip, foot, 0.42, 0.38, (0.5, 0, 1.0))
+    limb(mesh, (hip, knee, ankle), (0.085, 0.065, 0.045), ("jeans", "jeans"))
+    mesh.box((0.43, side * 0.11, 0.17), (0.25, 0.1, 0.09), "shoe")
+    shoulder = (-0.2, side * 0.2, 1.06)
+    elbow, hand = joint(shoulder, (0.02 + push, side * 0.33, 0.58), 0.27, 0.26, (-1, side * 0.5, 0))
+    limb(mesh, (shoulder, elbow, hand), (0.06, 0.048, 0.036), ("shirt", "skin"))
+    mesh.ball(hand, (0.05, 0.04, 0.05), "skin", around=6, down=4)
+
+
+def _seated_trunk(mesh: MeshBuilder) -> None:
+    """Add the body, neck and head of a seated person."""
     mesh.column(
         [
             ((-0.2, 0, 0.54), 0.13, 0.17),
@@ -91,11 +117,11 @@ def _ring(mesh: MeshBuilder, centre: Point, radius: float, colour: str, phase: f
     """Add an upright spoked wheel, rotated by a fraction of a turn."""
     x, y, z = centre
     rim = []
-    for i in range(14):
-        turn = 2 * math.pi * (i / 14 - phase)
+    for i in range(_SPOKES):
+        turn = 2 * math.pi * (i / _SPOKES - phase)
         rim.append((x + radius * math.cos(turn), y, z + radius * math.sin(turn)))
     for i, one in enumerate(rim):
-        mesh.beam(one, rim[(i + 1) % 14], 0.04, colour)
+        mesh.beam(one, rim[(i + 1) % _SPOKES], 0.04, colour)
         if i % 2 == 0:
             mesh.beam((x, y, z), one, 0.012, "silver")
 
@@ -170,11 +196,8 @@ def _plumage(body: MeshBuilder, head: Point) -> None:
 
 def protester(mesh: MeshBuilder, shown: Appearance) -> None:
     """A demonstrator with a placard on a stick."""
-    index = shown.index
-    clothes = Clothes(
-        ("shirt_green", "burgundy", "black")[index % 3], ("jeans", "trousers", "navy")[index % 3],
-        skin=("skin", "skin_dark", "skin")[index % 3], has_long_hair=index % 3 == 0,
-    )  # fmt: skip
+    top, trousers, skin, has_long_hair = _PROTESTERS[shown.index % len(_PROTESTERS)]
+    clothes = Clothes(top, trousers, skin=skin, has_long_hair=has_long_hair)
     posture = Posture((0.24, 0.12, 1.12), (0.24, -0.04, 1.42), half_step=0.26)
     figure(mesh, clothes, shown, posture)
     if has_free_hands(shown):

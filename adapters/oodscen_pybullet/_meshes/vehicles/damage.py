@@ -9,6 +9,7 @@ from oodscen_pybullet._meshes.atlas import COLOURS, EMISSIVE, free_colours, swat
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.mesh import Mesh
+from oodscen_pybullet._meshes.shapes import LEAST_LENGTH
 from oodscen_pybullet._types import Array
 
 _EDGE_M, _EDGE = 0.3, 0.06
@@ -24,6 +25,10 @@ _PLAIN = {
 """Colours that get dirty, by their place in the atlas."""
 _CRUSHED = 0.42
 """Share of its half that a crushed end of a vehicle loses, at most."""
+_MOVED_M = 1e-9
+"""Distance above which a point has moved, m."""
+_LEAST_AREA = 1e-12
+"""Least length of a normal by which it is divided, m^2."""
 
 
 def altered(mesh: MeshBuilder, shown: Appearance) -> MeshBuilder:
@@ -73,7 +78,7 @@ def _split(mesh: Mesh) -> Mesh:
             for table, half in zip((points, normals, uvs), halves, strict=True)
         )
     flat = normals.reshape(-1, 3)
-    flat /= np.maximum(np.sqrt((flat**2).sum(axis=1, keepdims=True)), 1e-9)
+    flat /= np.maximum(np.sqrt((flat**2).sum(axis=1, keepdims=True)), LEAST_LENGTH)
     surface = Mesh.loose(points.reshape(-1, 3), flat, uvs.reshape(-1, 2))
     return replace(surface, lamps=mesh.lamps, puffs=mesh.puffs)
 
@@ -149,10 +154,10 @@ def _reshaped(mesh: Mesh, moved: Callable[[Array], Array]) -> Mesh:
     corners = points.reshape(-1, 3, 3)
     facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.sqrt((facing**2).sum(axis=1, keepdims=True))
-    flat = np.repeat(facing / np.maximum(length, 1e-12), 3, axis=0)
+    flat = np.repeat(facing / np.maximum(length, _LEAST_AREA), 3, axis=0)
     is_moved = np.repeat(
-        np.abs(points - mesh.vertices).max(axis=1).reshape(-1, 3).max(axis=1) > 1e-9, 3
-    ) & np.repeat(length[:, 0] > 1e-9, 3)
+        np.abs(points - mesh.vertices).max(axis=1).reshape(-1, 3).max(axis=1) > _MOVED_M, 3
+    ) & np.repeat(length[:, 0] > LEAST_LENGTH, 3)
     lamps = tuple(
         replace(lamp, position=tuple(moved(np.array([lamp.position]))[0].tolist()))
         for lamp in mesh.lamps

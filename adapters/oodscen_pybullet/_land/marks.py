@@ -1,0 +1,178 @@
+"""The paint on roads: lane marks, the bays of parking strips, crosswalks and stop lines."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from oodscen.driving._roads.corridor import LaneStrip, PaintedArea
+from oodscen_pybullet._land.ground import Ground, RoadCourse, Way
+from oodscen_pybullet._land.ribbons import (
+    PAINT,
+    Ribbons,
+    spanned_pieces,
+    strip_edges,
+    whole_pieces,
+)
+from oodscen_pybullet._land.terrain import Theme
+from oodscen_pybullet._types import Array, Mask
+
+_HALF_WIDTH_M, _HALF_WIDTH_OF_TWO_M = 0.075, 0.06
+"""Half the width of a single line, and of each line of a double one, m."""
+_DOUBLE_M = 0.14
+"""Distance of each line of a double one from their middle, m."""
+_LANE_M = 0.3
+"""Width above which a lane has marks, m."""
+_JUMP_M = 1.0
+"""Sideways step of an edge from which it has no mark, m: a lane ends there at once."""
+_MOUTH_M = 9.0
+"""Marks end at a crosswalk that is at most this far from its junction, m."""
+_TOUCH_M = 0.05
+"""Overlap with a crosswalk from which a piece counts as below it, m."""
+_BAY_M = 6.0
+"""Length of a parking bay, m."""
+_BAY_WIDTH_M = 1.5
+"""Width above which a parking strip has bays, m."""
+_BAY_LINE_M = 0.05
+"""Half the width of the line between two bays, m."""
+_STRIPE_M = 1.0
+"""Distance between the stripes of a zebra, m, each half as wide."""
+_ABOVE_M = 0.002
+"""Height of crosswalks and stop lines above other paint, m."""
+
+
+def mark_lanes(
+    way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[PaintedArea], theme: Theme
+) -> None:
+    """Paint the marks on lane edges, in junctions only on motorways, and the bays of parking.
+
+    Args:
+        way: The road.
+        ribbons: Where to add the paint.
+        layer: Height of the road's asphalt, m.
+        outlines: Crosswalks and stop lines, which interrupt the marks.
+        theme: The kind of land.
+    """
+    course, strips = way.course, way.corridor.strips
+    outside = (_junction_share(way) < 0.5) | (theme == "highway")
+    free = whole_pieces(outside) & ~_interrupted(way, outlines)
+    dark = spanned_pieces(way, "tunnel")
+    height = layer + PAINT
+    for index in range(len(strips) + 1):
+        mark = strips[0].right_mark if index == 0 else strips[index - 1].mark
+        if mark not in ("solid", "broken"):
+            continue
+        owner = strips[max(index - 1, 0)]
+        right, left = strip_edges(way.corridor, course, owner)
+        edge = right if index == 0 else left
+        where = free & whole_pieces(left - right > _LANE_M) & (np.abs(np.diff(edge)) < _JUMP_M)
+        where &= ~_unmarked(course, owner, is_left=index > 0)
+        if _is_double(strips, index):
+            for side in (-_DOUBLE_M, _DOUBLE_M):
+                _line(ribbons, edge + side, _HALF_WIDTH_OF_TWO_M, height, where, dark)
+        else:
+            drawn = where & _dashes(course) if mark == "broken" else where
+            _line(ribbons, edge, _HALF_WIDTH_M, height, drawn, dark)
+    for strip in strips:
+        if strip.kind == "parking":
+            _bays(way, ribbons, strip, height, outside)
+
+
+def _junction_share(way: Way) -> Array:
+    """Return how much of each sample lies in a junction: [n], 0 to 1."""
+    road = way.corridor
+    return np.interp(way.course.s, road.s, road.in_junction.astype(np.float64))
+
+
+def _unmarked(course: RoadCourse, strip: LaneStrip, *, is_left: bool) -> Mask:
+    """Return the pieces along which a strip's edge has no mark, unlike at the ego's start."""
+    found = np.zeros(len(course.middles), bool)
+    for s, left, right in strip.mark_changes:
+        found[course.middles >= s] = (left if is_left else right) == "none"
+    return found
+
+
+def _interrupted(way: Way, outlines: Sequence[PaintedArea]) -> Mask:
+    """Return which pieces lie below a crosswalk or stop line, or between it and the junction."""
+    line, road = way.course, way.corridor
+    found = np.zeros(len(line.s) - 1, bool)
+    mouths = [0.0, road.length, *line.s[_junction_share(way) > 0.5].tolist()]
+    for outline in outlines:
+        points = np.asarray(outline.points, np.float64)
+        middle = points[:-1].mean(axis=0)
+        s, t = road.locate(float(middle[0]), float(middle[1]))
+        right = float(np.interp(s, line.s, way.asphalt[0]))
+        left = float(np.interp(s, line.s, way.asphalt[1]))
+        if not (0.0 <= s <= road.length and right < t < left):
+            continue
+        places = [road.locate(x, y)[0] for x, y in points.tolist()]
+        places += [mouth for mouth in mouths if abs(mouth - s) < _MOUTH_M]
+        first, last = min(places) + _TOUCH_M, max(places) - _TOUCH_M
+        found |= (line.s[1:] > first) & (line.s[:-1] < last)
+    return found
+
+
+def _dashes(course: RoadCourse) -> Mask:
+    """Return the painted pieces of a broken mark: one in three."""
+    period = 3.0 * float(np.diff(course.s).max())
+    return np.asarray(course.middles % period < period / 3)
+
+
+def _line(ribbons: Ribbons, t: Array, half: float, height: float, where: Mask, dark: Mask) -> None:
+    heights = (height, height)
+    ribbons.band(t - half, t + half, "mark", heights=heights, where=where & ~dark)
+    ribbons.band(t - half, t + half, "mark_tunnel", heights=heights, where=where & dark)
+
+
+def _is_double(strips: Sequence[LaneStrip], index: int) -> bool:
+    """Return whether the mark to the left of strip `index - 1` parts opposite lanes."""
+    if not 0 < index < len(strips) or strips[index - 1].mark != "solid":
+        return False
+    one, two = strips[index - 1], strips[index]
+    return one.kind == two.kind == "driving" and one.direction != two.direction
+
+
+def _bays(way: Way, ribbons: Ribbons, strip: LaneStrip, height: float, free: Mask) -> None:
+    """Paint the lines between the bays of a parking strip."""
+    course = way.course
+    right, left = strip_edges(way.corridor, course, strip)
+    bay = np.floor(course.s / _BAY_M)
+    is_new = np.append(True, bay[1:] > bay[:-1])
+    for row in np.flatnonzero(free & (left - right > _BAY_WIDTH_M) & is_new).tolist():
+        x, y, z = float(course.x[row]), float(course.y[row]), float(course.z[row]) + height
+        cos, sin = float(course.cos[row]), float(course.sin[row])
+        a, b, half = float(right[row]), float(left[row]), _BAY_LINE_M
+        points = [
+            (x + along * cos - t * sin, y + along * sin + t * cos, z)
+            for along, t in ((-half, a), (half, a), (half, b), (-half, b))
+        ]
+        ribbons.patch(points, "mark_worn")
+
+
+def paint_crossings(ground: Ground, ribbons: Ribbons) -> None:
+    """Paint crosswalks as zebras, and stop lines."""
+    for outline in ground.corridor.crosswalks:
+        points = np.asarray(outline.points, np.float64)
+        if len(points) > 1 and bool((points[0] == points[-1]).all()):
+            points = points[:-1]
+        if len(points) < 3:
+            continue
+        x, y = points[:, 0], points[:, 1]
+        corners = np.stack([x, y, ground.near(x, y).z + PAINT + _ABOVE_M], axis=1)
+        if outline.kind == "stop_line" or len(points) != 4:
+            ribbons.patch(corners, "mark")
+        else:
+            _paint_zebra(corners, ribbons)
+
+
+def _paint_zebra(corners: Array, ribbons: Ribbons) -> None:
+    """Paint stripes across the longer sides of a quadrilateral, [4, 3]."""
+    sides = corners - np.roll(corners, 1, axis=0)
+    if (sides[1] ** 2).sum() < (sides[2] ** 2).sum():
+        corners = np.roll(corners, -1, axis=0)
+    a, b, c, d = corners
+    length = float(np.sqrt(((b - a) ** 2).sum()))
+    count = max(1, int(length / _STRIPE_M))
+    for index in range(count):
+        low, high = (index + 0.25) / count, (index + 0.75) / count
+        stripe = [a + low * (b - a), a + high * (b - a), d + high * (c - d), d + low * (c - d)]
+        ribbons.patch(np.array(stripe), "mark")

@@ -1,0 +1,135 @@
+"""Bands and flat patches along a road, of which its surface, its marks and its barriers consist."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from oodscen.driving._roads.corridor import Corridor, LaneStrip
+from oodscen_pybullet._land.ground import RoadCourse, Way
+from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
+from oodscen_pybullet._meshes.mesh import Mesh
+from oodscen_pybullet._types import Array, Mask
+
+LAYER = 0.004
+"""Height between stacked layers of the road, m."""
+PAINT = 0.008
+"""Height of marks above the asphalt, m."""
+_NARROW_M = 1e-6
+"""Width of a quad's end below which its other end gives its direction, m."""
+_NO_AREA = 1e-9
+"""Length of a normal up to which a quad has no area and is left out, m^2."""
+
+
+class Ribbons:
+    """Collects bands along a course and flat patches."""
+
+    def __init__(self, course: RoadCourse) -> None:
+        self.course = course
+        self._vertices: list[Array] = []
+        self._normals: list[Array] = []
+        self._uvs: list[Array] = []
+
+    def band(
+        self,
+        right: Array | float,
+        left: Array | float,
+        surface: str,
+        *,
+        heights: tuple[Array | float, Array | float] = (0.0, 0.0),
+        is_region: bool = False,
+        where: Mask | None = None,
+    ) -> None:
+        """Add a band between two lateral offsets.
+
+        Args:
+            right: t of its right edge, m, along the course.
+            left: t of its left edge.
+            surface: A colour, or a region of the atlas that repeats on every piece.
+            heights: Height of the right and the left edge above the road, m.
+            is_region: Whether `surface` is a region.
+            where: [pieces] mask of the pieces to add; all by default.
+        """
+        a, b = self.course.points(right, heights[0]), self.course.points(left, heights[1])
+        quads = np.stack([a[:-1], a[1:], b[1:], b[:-1]], axis=1)
+        if where is not None:
+            quads = quads[where]
+        uv = region_uv(surface) if is_region else np.tile(swatch_uv(surface), (4, 1))
+        self.quads(quads, np.broadcast_to(uv, (len(quads), 4, 2)))
+
+    def quads(self, quads: Array, uv: Array) -> None:
+        """Add quads, [n, 4, 3], counter-clockwise, with their atlas coordinates, [n, 4, 2]."""
+        across, along = quads[:, 3] - quads[:, 0], quads[:, 1] - quads[:, 0]
+        is_wide = np.abs(across).sum(axis=1, keepdims=True) > _NARROW_M
+        across = np.where(is_wide, across, quads[:, 2] - quads[:, 1])
+        normal = np.cross(along, across)
+        length = np.sqrt((normal * normal).sum(axis=1, keepdims=True))
+        keep = length[:, 0] > _NO_AREA
+        normal = normal / np.maximum(length, _NO_AREA)
+        order = [0, 1, 2, 0, 2, 3]
+        self._vertices.append(quads[keep][:, order].reshape(-1, 3))
+        self._uvs.append(uv[keep][:, order].reshape(-1, 2))
+        self._normals.append(np.repeat(normal[keep], 6, axis=0))
+
+    def patch(self, points: Sequence[Sequence[float]] | Array, colour: str) -> None:
+        """Add a flat convex polygon, counter-clockwise seen from above."""
+        corners = np.asarray(points, np.float64)
+        for index in range(1, len(corners) - 1):
+            three = corners[[0, index, index + 1]]
+            self._vertices.append(three)
+            self._uvs.append(np.tile(swatch_uv(colour), (3, 1)))
+            self._normals.append(np.tile(np.array([0.0, 0.0, 1.0]), (3, 1)))
+
+    def mesh(self) -> Mesh:
+        """Return the mesh of everything added."""
+        return Mesh.loose(
+            np.concatenate([np.zeros((0, 3)), *self._vertices]),
+            np.concatenate([np.zeros((0, 3)), *self._normals]),
+            np.concatenate([np.zeros((0, 2)), *self._uvs]),
+        )
+
+
+def strip_edges(corridor: Corridor, course: RoadCourse, strip: LaneStrip) -> tuple[Array, Array]:
+    """Return t of the right and left edges of a strip along a course."""
+    return (
+        np.interp(course.s, corridor.s, strip.right),
+        np.interp(course.s, corridor.s, strip.left),
+    )
+
+
+def whole_pieces(samples: Mask) -> Mask:
+    """Return the pieces that satisfy a condition at both ends."""
+    return np.asarray(samples[1:] & samples[:-1])
+
+
+def spanned_pieces(way: Way, *kinds: str) -> Mask:
+    """Return which pieces of a course lie in tunnels or on bridges, by the kinds of the structures."""
+    middles = way.course.middles
+    found = np.zeros(len(middles), bool)
+    for one in way.corridor.structures:
+        if one.kind in kinds:
+            found |= (middles > one.start) & (middles < one.end)
+    return found
+
+
+def add_slab(
+    road: Corridor,
+    ribbons: Ribbons,
+    box: tuple[float, float, float, float],
+    height: float,
+    colour: str,
+) -> None:
+    """Add a rectangle on a road.
+
+    Args:
+        road: The road.
+        ribbons: Where to add it.
+        box: Its first and last s, then its first and last t, m.
+        height: Height above the road, m.
+        colour: A colour of the atlas.
+    """
+    s0, s1, t0, t1 = box
+    corners = []
+    for s, t in ((s0, t0), (s1, t0), (s1, t1), (s0, t1)):
+        x, y, z, _ = road.point(s, t)
+        corners.append((x, y, z + height))
+    ribbons.patch(corners, colour)

@@ -1,0 +1,67 @@
+"""Repairs and manhole covers in a road's lanes."""
+
+import numpy as np
+
+from oodscen.driving._roads.corridor import Corridor, LaneStrip
+from oodscen_pybullet._land.ground import Way
+from oodscen_pybullet._land.ribbons import LAYER, Ribbons, add_slab
+
+_APART_M, _JITTER_M = 19.0, 7.0
+"""Distance between two places that may be worn, and the most by which each is moved, m."""
+_FIRST_M, _LAST_M = 8.0, 60.0
+"""Distances from the ends of the road within which nothing is worn, m."""
+_BEFORE_M, _AFTER_M = 6.0, 1.0
+"""Distances from a tunnel or bridge within which nothing is worn, m."""
+_LANE_M = 2.5
+"""Width from which a lane is worn, m."""
+_MANHOLES, _REPAIRS = 0.35, 0.65
+"""Shares of the places up to which there is a manhole cover, then a repair; the rest is whole."""
+_FAST = 20.0
+"""Speed limit from which a road has no manholes, m/s."""
+_ASIDE_M = 0.7
+"""Largest distance of a manhole cover from the lane's middle, m."""
+_RIM_M = 0.25
+"""Distance of repairs from the lane's edges, m."""
+_COVER = ((0.36, "asphalt_light", 0.003), (0.29, "asphalt_patch", 0.006))
+"""Radius, colour and height of a manhole's frame and lid, m."""
+_DIAGONAL = 0.7071
+_OCTAGON = (
+    (1.0, 0.0), (_DIAGONAL, _DIAGONAL), (0.0, 1.0), (-_DIAGONAL, _DIAGONAL),
+    (-1.0, 0.0), (-_DIAGONAL, -_DIAGONAL), (0.0, -1.0), (_DIAGONAL, -_DIAGONAL),
+)  # fmt: skip
+
+
+def add_wear(way: Way, ribbons: Ribbons, rng: np.random.Generator) -> None:
+    """Add repairs and manhole covers to a road."""
+    first, last = float(way.course.s[0]) + _FIRST_M, float(way.course.s[-1]) - _LAST_M
+    for strip in way.corridor.strips:
+        if strip.kind == "driving":
+            for s in np.arange(first, last, _APART_M).tolist():
+                at = s + float(rng.uniform(-_JITTER_M, _JITTER_M))
+                _wear_at(at, way.corridor, strip, ribbons, rng)
+
+
+def _wear_at(
+    s: float, road: Corridor, strip: LaneStrip, ribbons: Ribbons, rng: np.random.Generator
+) -> None:
+    kind = float(rng.uniform())
+    if any(one.start - _BEFORE_M < s < one.end + _AFTER_M for one in road.structures):
+        return
+    right = float(np.interp(s, road.s, strip.right))
+    left = float(np.interp(s, road.s, strip.left))
+    if left - right < _LANE_M:
+        return
+    if kind < _MANHOLES and road.speed_limit < _FAST:
+        aside = float(rng.uniform(-_ASIDE_M, _ASIDE_M))
+        _add_manhole(road, ribbons, s, 0.5 * (left + right) + aside)
+    elif kind < _REPAIRS:
+        length = float(rng.uniform(1.2, 5.0))
+        low = right + _RIM_M + float(rng.uniform(0.0, 0.9))
+        high = min(left - _RIM_M, low + float(rng.uniform(0.7, 1.9)))
+        add_slab(road, ribbons, (s, s + length, low, high), LAYER, "asphalt_patch")
+
+
+def _add_manhole(road: Corridor, ribbons: Ribbons, s: float, t: float) -> None:
+    x, y, z, _ = road.point(s, t)
+    for radius, colour, height in _COVER:
+        ribbons.patch([(x + radius * a, y + radius * b, z + height) for a, b in _OCTAGON], colour)

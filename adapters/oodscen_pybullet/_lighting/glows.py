@@ -1,0 +1,167 @@
+"""Lights as a camera sees them: the halos of lamps and the glare of the sun."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from oodscen.numerics import _exact as exact
+from oodscen.numerics._kernels import Kernel
+from oodscen_pybullet._lighting.light import Light
+from oodscen_pybullet._meshes.mesh import Lamp
+from oodscen_pybullet._rendering.view import CameraView
+from oodscen_pybullet._types import F32, U8, Point
+
+_STREET_LAMPS_OFF = 0.5
+"""Daylight above which street lamps are off."""
+_FARTHEST_M = 300.0
+"""Distance beyond which lamps have no halo, m."""
+_BESIDE = 0.1
+"""Distance beside the picture, as a share of its width, up to which a lamp's halo may reach into it."""
+_CLEARANCE_M = 0.35
+"""How far in front of a lamp surfaces may be without hiding it, m: its own glass is."""
+_VISIBLE_BESIDE = 0.6
+"""Share of a lamp beside the picture that counts as visible."""
+_MURKY_M = 60.0
+"""Distance whose extinction tells how murky the air is, m."""
+_RADIUS_M, _LEAST_PX = 0.055, 0.7
+"""Radius of a lamp of power 1, m, and its least radius in the picture, pixels."""
+_CORE, _WIDEST_HALO = 1.5, 0.16
+"""Radius of a lamp's core relative to the lamp's, and the largest of a halo relative to the picture's width."""
+_CORE_LIGHT, _HALO_LIGHT = 235.0, 95.0
+"""Light at the centres of a core and a halo, 0 to 255."""
+_BEAM_GAIN = 1.4
+"""Gain by which a lamp seen somewhat from the side still shines fully."""
+_SIGNAL = 0.5
+"""Share of a lamp's glow by day above which it is a signal."""
+_SUN_M, _SKY_M = 1_000.0, 399.0
+"""Distance at which the sun's place in the picture is looked for, and depth at which it may be hidden, m."""
+_NO_RADIUS = np.float32(1e-6)
+"""Added to a square of a radius, which may be 0."""
+
+
+def add_glows(
+    image: U8,
+    view: CameraView,
+    depth: F32,
+    lamps: Sequence[Lamp],
+    light: Light,
+    extinction: float,
+) -> None:
+    """Add the halos of visible lamps, in place.
+
+    Args:
+        image: [height, width, 3]
+        view: The camera.
+        depth: m
+        lamps: All lamps.
+        light: The light of the scene; by day halos are faint.
+        extinction: Extinction coefficient of the air, 1/m: it dims lamps and widens their halos.
+    """
+    dark = 1.0 - light.daylight
+    murk = min(1.0, extinction * _MURKY_M)
+    for lamp in lamps:
+        if lamp.is_street and light.daylight > _STREET_LAMPS_OFF:
+            continue
+        spot = view.pixel(lamp.position)
+        if spot is None or spot[2] > _FARTHEST_M:
+            continue
+        column, row, ahead = spot
+        reach = view.width * _BESIDE
+        if not (-reach < column < view.width + reach and -reach < row < view.height + reach):
+            continue
+        seen = _facing(view, lamp) * _visible(depth, column, row, ahead)
+        if seen <= 0.0:
+            continue
+        through = exact.exp(-extinction * ahead)
+        strength = seen * through * (lamp.by_day + (1.0 - lamp.by_day) * dark)
+        strength *= math.sqrt(lamp.power)
+        radius = max(_LEAST_PX, view.focal * _RADIUS_M * math.sqrt(lamp.power) / ahead)
+        halo = radius * (2.6 + 2.5 * dark + 3.0 * murk * (0.3 + dark))
+        halo = min(halo, view.width * _WIDEST_HALO)
+        _add(image, column, row, radius * _CORE, _CORE_LIGHT * strength, _core(lamp))
+        _add(image, column, row, halo, _HALO_LIGHT * strength, lamp.colour)
+
+
+def add_glare(image: U8, view: CameraView, light: Light, depth: F32) -> None:
+    """Add the glare of a low sun ahead, in place."""
+    x, y, z = (view.eye[axis] + _SUN_M * light.sun[axis] for axis in range(3))
+    spot = view.pixel((x, y, z))
+    if not light.has_glare or spot is None:
+        return
+    column, row, _ = spot
+    disc = _visible(depth, column, row, _SKY_M)
+    veil = 0.55 + 0.45 * disc
+    for share, strength, colour in (
+        (0.6, 52.0 * veil, (1.0, 0.94, 0.80)),
+        (0.12, 150.0 * disc, (1.0, 0.90, 0.66)),
+        (0.04, 255.0 * disc, (1.0, 0.98, 0.9)),
+    ):
+        _add(image, column, row, view.width * share, strength, colour)
+
+
+def _facing(view: CameraView, lamp: Lamp) -> float:
+    """Return the share of a lamp's light that shines towards the camera."""
+    fx, fy, fz = lamp.facing
+    if fx == fy == fz == 0.0:
+        return 1.0
+    dx, dy, dz = (view.eye[axis] - lamp.position[axis] for axis in range(3))
+    length = math.sqrt(dx * dx + dy * dy + dz * dz) or 1.0
+    return max(0.0, min(1.0, _BEAM_GAIN * (fx * dx + fy * dy + fz * dz) / length))
+
+
+def _visible(depth: F32, column: float, row: float, ahead: float) -> float:
+    """Return the fraction of the pixels around a point at a depth, m, that nothing in front occludes."""
+    height, width = depth.shape
+    c, r = round(column - 0.5), round(row - 0.5)
+    patch = depth[
+        max(r - 1, 0) : max(min(r + 2, height), 0), max(c - 1, 0) : max(min(c + 2, width), 0)
+    ]
+    if patch.size == 0:
+        return _VISIBLE_BESIDE
+    return np.count_nonzero(patch > ahead - _CLEARANCE_M) / patch.size
+
+
+def _core(lamp: Lamp) -> Point:
+    """Return the colour of a lamp's core: nearly white, or the colour of a signal, which is made for the day."""
+    if lamp.by_day > _SIGNAL:
+        return lamp.colour
+    red, green, blue = lamp.colour
+    return (0.5 + 0.5 * red, 0.5 + 0.5 * green, 0.5 + 0.5 * blue)
+
+
+def _add(
+    image: U8, column: float, row: float, radius: float, strength: float, colour: Point
+) -> None:
+    light = np.array([value * strength for value in colour], np.float32)
+    splash(image, np.float32(column), np.float32(row), np.float32(radius), light)
+
+
+@Kernel
+def splash(image: U8, column: np.float32, row: np.float32, radius: np.float32, light: F32) -> None:
+    """Add a round spot of light that fades to zero at twice its radius.
+
+    Args:
+        image: [height, width, 3], changed in place.
+        column: Column of the centre, pixels.
+        row: Row of the centre.
+        radius: Pixels.
+        light: [3] light to add at the centre, 0 to 255.
+    """
+    height, width = image.shape[0], image.shape[1]
+    one, half = np.float32(1.0), np.float32(0.5)
+    reach = np.float32(2.0) * radius + one
+    left, right = max(int(column - reach), 0), min(int(column + reach) + 1, width)
+    top, bottom = max(int(row - reach), 0), min(int(row + reach) + 1, height)
+    if left >= right or top >= bottom:
+        return
+    scale = one / (np.float32(4.0) * radius * radius + _NO_RADIUS)
+    aside = np.arange(left, right).astype(np.float32) + (half - column)
+    aside = aside * aside
+    for y in range(top, bottom):
+        aloft = np.float32(y) + half - row
+        fall = np.maximum(one - (aside + aloft * aloft) * scale, np.float32(0.0))
+        fall = fall * fall * fall
+        for e in range(3):
+            bright = image[y, left:right, e] + (fall * light[e] + half)
+            image[y, left:right, e] = np.minimum(bright, np.float32(255.0)).astype(np.uint8)
