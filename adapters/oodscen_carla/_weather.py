@@ -13,6 +13,9 @@ _HEAVY_MM_H = 50.0
 """Rain that CARLA shows with precipitation 100, mm/h."""
 _SNOW_FALLOFF = 5.0
 """CARLA has no snow: a fog falloff of 5, the strongest, marks precipitation as snow."""
+_DEFAULT_FOG = (2.0, 0.75)
+"""Density and distance of fog in CARLA's default air, which is clear."""
+_ROUNDING = 1e-6
 
 
 class WeatherParameters(NamedTuple):
@@ -61,7 +64,10 @@ def from_carla(given: WeatherParameters) -> Weather:
     kind: Precipitation = "none"
     if round(fall, 3) > 0.0:
         kind = "snow" if given.fog_falloff >= _SNOW_FALLOFF else "rain"
-    is_default = abs(given.fog_density - 2.0) < 1e-6 and abs(given.fog_distance - 0.75) < 1e-6
+    is_default = all(
+        abs(value - usual) < _ROUNDING
+        for value, usual in zip((given.fog_density, given.fog_distance), _DEFAULT_FOG, strict=True)
+    )
     is_default |= given.fog_density <= 0.0
     fog = CLEAR_M if is_default else max(1.0, min(CLEAR_M, _DENSE_M / given.fog_density))
     return Weather(

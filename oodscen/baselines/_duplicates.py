@@ -23,6 +23,8 @@ _BLOCK = 512
 
 Product = Callable[[slice, slice], NDArray[np.float32]]
 """Returns the similarities of one block of rows to another."""
+_ROUNDING = 1e-6
+"""Amount by which rounding may leave the cosine of two equal rows below 1."""
 
 
 class Duplicate(Data):
@@ -95,8 +97,7 @@ def _report(
             better = value > best[rows]
             nearest[rows] = np.where(better, place + start, nearest[rows])
             best[rows] = np.where(better, value, best[rows])
-    # Rounding may leave the cosine of two equal rows a little below 1.
-    repeated = np.flatnonzero(best >= threshold - 1e-6)
+    repeated = np.flatnonzero(best >= threshold - _ROUNDING)
     return NearDuplicates(
         found=tuple(
             Duplicate(index=index, of=int(nearest[index]), similarity=float(best[index]))

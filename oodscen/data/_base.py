@@ -24,6 +24,8 @@ from oodscen.errors import DataError, Issue
 
 MOST_PARTS = 40
 """Number of parts of a thing made to order, and of those in a group."""
+ROUNDING = 1e-9
+"""Excess over a limit that is rounding, in the unit of the limit."""
 _MOST_NAME = 80
 """Length to which a name in the path of an issue is cut, in characters."""
 

@@ -11,7 +11,7 @@ from pydantic import (
     model_serializer,
 )
 
-from oodscen.data._base import Data, LeanData
+from oodscen.data._base import ROUNDING, Data, LeanData
 from oodscen.data._category import Category
 from oodscen.data._colours import LIT, rgb_of
 from oodscen.errors import Issue, close_matches
@@ -368,7 +368,7 @@ def _thing_issues(
         )
         yield Issue(path, message)
     ends = sorted((thing.length, thing.width))
-    if any(size > most + 1e-9 for size, most in zip((*ends, thing.height), room, strict=True)):
+    if any(size > most + ROUNDING for size, most in zip((*ends, thing.height), room, strict=True)):
         size = f"{ends[1]:g} x {ends[0]:g} x {thing.height:g} m"
         most = f"{room[1]:g} x {room[0]:g} x {room[2]:g} m"
         yield Issue(path, f"{name!r} is {size}, at most {most} fit")

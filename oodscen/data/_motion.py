@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
-from oodscen.data._base import IssuesError, LeanData
+from oodscen.data._base import ROUNDING, IssuesError, LeanData
 from oodscen.data._category import Category
 from oodscen.data._courses import Circle, Drift, KeyPose, Roll, Swing, Walk
 from oodscen.data._description import Description
@@ -32,8 +32,6 @@ BACKWARDS = 0.4
 """Share of its speed that a body reaches backwards."""
 NEAR_M = 1e-6
 """Difference between the first and the last key of a repeated motion that counts as none, m or degrees."""
-_ROUNDING = 1e-9
-"""Excess over what a body can do that is rounding."""
 
 Frame = Literal["start", "lane", "other", "ego"]
 BodyKind = Literal["person", "animal", "cyclist", "car", "truck", "loose", "flying"]
@@ -194,7 +192,7 @@ def motion_faults(motion: Motion, ego_speed: float = EGO_MPS) -> list[Issue]:
     ]
     if motion.then == "repeat" and not issues:
         needed, index = track.set_off(EASE[motion.by])
-        if needed * rate * rate > able.acceleration + _ROUNDING:
+        if needed * rate * rate > able.acceleration + ROUNDING:
             message = f"needs {needed * rate * rate:.3g} m/s^2 to get under way from rest"
             message += f"; {able.words} can {able.acceleration:g}: begin more slowly"
             issues.append(Issue(_at(motion, index + 1), message))
@@ -287,21 +285,21 @@ def _stretch_fault(
     span, moved = track.spans[index], track.moved(index)
     over = f"{span:g} s" if motion.by == "time" else f"{span:g} m of the ego"
     here = f"{moved:.3g} m within {over}"
-    if found.speed * rate > motion.fastest + _ROUNDING:
+    if found.speed * rate > motion.fastest + ROUNDING:
         how = "backwards " if motion.facing == "against" else ""
         can = f"{able.words} can {how}{motion.fastest:g}"
         return f"{here} takes {found.speed * rate:.3g} m/s; {can}"
-    if found.climb * rate > able.climb + _ROUNDING:
+    if found.climb * rate > able.climb + ROUNDING:
         return f"up or down at {found.climb * rate:.3g} m/s; {able.words} can {able.climb:g}"
-    if found.spin * rate > able.spin + _ROUNDING:
+    if found.spin * rate > able.spin + ROUNDING:
         return (
             f"turns at {found.spin * rate:.3g} degrees per second; {able.words} can {able.spin:g}"
         )
     needed = found.acceleration * rate * rate
-    if needed > able.acceleration + _ROUNDING:
+    if needed > able.acceleration + ROUNDING:
         message = f"needs {needed:.3g} m/s^2; {able.words} can {able.acceleration:g}"
         return f"{here} {message}: allow more time, or ease in and out with further keys"
-    if motion.facing != "fixed" and found.radius < able.radius - _ROUNDING:
+    if motion.facing != "fixed" and found.radius < able.radius - ROUNDING:
         return f"turns within {found.radius:.2g} m; {able.words} needs {able.radius:g} m"
     return None
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from oodscen.data import _shapes as shapes
-from oodscen.data._base import MOST_PARTS, Data, IssuesError
+from oodscen.data._base import MOST_PARTS, ROUNDING, Data, IssuesError
 from oodscen.data._blocks import REACH_M, held
 from oodscen.data._category import Category
 from oodscen.data._description import Description
@@ -222,7 +222,7 @@ def _size_faults(bounds: Space) -> Iterator[Issue]:
     names = ("long", "wide", "high")
     sizes = [bounds.high[0] - bounds.low[0], bounds.high[1] - bounds.low[1], bounds.high[2]]
     for name, size, most in zip(names, sizes, LARGEST, strict=True):
-        if size > most + 1e-9:
+        if size > most + ROUNDING:
             yield Issue("parts", f"it is {size:.1f} m {name}; {most:g} m at most")
     if max(sizes) < LEAST_M:
         yield Issue("parts", f"it is {max(sizes):.2f} m large; {LEAST_M:g} m at least can be seen")

@@ -9,6 +9,9 @@ from oodscen._members import conforming, working
 from oodscen.errors import EncoderError
 from oodscen.protocols import Encoder
 
+_LEAST_LENGTH = np.float32(1e-12)
+"""Least length by which a row is divided: rows of zeros stay so."""
+
 
 def encode(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
     """Return the embeddings of texts, after checking the encoder's output.
@@ -28,7 +31,7 @@ def unit_embeddings(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float3
     """Return the checked embeddings of texts, scaled to unit length; a zero row stays zero."""
     vectors = encode(encoder, texts)
     norms = np.sqrt((vectors * vectors).sum(axis=1, keepdims=True))
-    unit: NDArray[np.float32] = vectors / np.maximum(norms, np.float32(1e-12))
+    unit: NDArray[np.float32] = vectors / np.maximum(norms, _LEAST_LENGTH)
     return unit
 
 

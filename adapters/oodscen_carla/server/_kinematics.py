@@ -10,6 +10,9 @@ from oodscen_carla.server._roads import ServedMap
 from oodscen_carla.server._values import FARTHEST, Transform
 from oodscen_carla.server._vehicles import drive
 
+_TURNS_MPS = 1e-6
+"""Speed across the ground up to which a walker does not turn, m/s."""
+
 
 class Surface(NamedTuple):
     """The ground that actors move on."""
@@ -55,7 +58,7 @@ def _walk(actor: Actor, dt: float) -> None:
     x, y, z = (pace * part for part in actor.walk.direction)
     actor.velocity, actor.speed = (x, y, z), pace
     _shift(actor, dt)
-    if pace > 0.0 and math.hypot(x, y) > 1e-6:
+    if pace > 0.0 and math.hypot(x, y) > _TURNS_MPS:
         pitch, _, roll = actor.place.rotation
         turned = (pitch, math.degrees(math.atan2(y, x)), roll)
         actor.place = Transform(actor.place.location, turned)

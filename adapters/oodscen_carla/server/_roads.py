@@ -32,6 +32,10 @@ _LIFT = 0.3
 _MOST_POINTS = 400
 _BEFORE_END = 60.0
 """Distance from the end of the shown road within which no vehicle starts, m."""
+_LEAST_M = 1e-6
+"""Least length by which a rise is divided, m."""
+_ROUNDING_M = 1e-9
+"""Distance before a lane section from which a place belongs to it, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +139,7 @@ def _shipped(catalogue: Catalogue) -> dict[str, RoadMap]:
 def _slope(road: Road, s: float) -> float:
     before, after = max(0.0, s - 0.5), min(road.length, s + 0.5)
     rise = piecewise(road.elevation, after) - piecewise(road.elevation, before)
-    return rise / max(after - before, 1e-6)
+    return rise / max(after - before, _LEAST_M)
 
 
 def _samples(network: Network) -> NDArray[np.float64]:
@@ -169,7 +173,7 @@ def _spawn_points(network: Network) -> tuple[Transform, ...]:
 
 def _across(road: Road, s: float) -> list[Transform]:
     """Return one spawn point for every driving lane at a place of a road."""
-    section = next(one for one in reversed(road.sections) if one.s <= s + 1e-9)
+    section = next(one for one in reversed(road.sections) if one.s <= s + _ROUNDING_M)
     point = road_point(road, s)
     shift = piecewise(road.lane_offset, s)
     z = piecewise(road.elevation, s) + _LIFT

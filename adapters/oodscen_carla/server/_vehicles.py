@@ -19,6 +19,8 @@ BRAKING = 8.0
 """Deceleration of a full brake on dry asphalt, m/s^2."""
 WHEELBASE = 0.6
 """Wheelbase as a share of a vehicle's length."""
+_STANDING_MPS = 1e-6
+"""Speed below which a vehicle stands, m/s."""
 
 
 def demanded(control: VehicleControl, speed: float) -> float:
@@ -29,7 +31,7 @@ def demanded(control: VehicleControl, speed: float) -> float:
     brake = BRAKING * min(1.0, max(0.0, control.brake) + float(control.hand_brake))
     drag = 0.1 + 0.0006 * speed * speed
     ahead = -drive if control.reverse else drive
-    if abs(speed) < 1e-6:
+    if abs(speed) < _STANDING_MPS:
         return math.copysign(max(0.0, drive - drag - brake), ahead)
     return ahead - math.copysign(drag + brake, speed)
 

@@ -12,6 +12,10 @@ _CELL_M = 2.5
 """Side of a grid cell, m; any length will do, and it need not be `REACH`."""
 _BATCH = 150_000
 """Largest number of point-triangle pairs per batch."""
+_LEAST_SQUARE = 1e-12
+"""Least square of a side by which it is divided, m^2."""
+_LEAST_AREA = 1e-6
+"""Twice the area up to which a triangle is degenerate, m^2."""
 
 
 class Cover:
@@ -26,7 +30,7 @@ class Cover:
         self._corners = _oriented(triangles)
         self._sides = np.roll(self._corners, -1, axis=1) - self._corners
         square = (self._sides**2).sum(axis=2)
-        self._inverse = 1.0 / np.maximum(square, 1e-12)
+        self._inverse = 1.0 / np.maximum(square, _LEAST_SQUARE)
         low = np.floor((self._corners.min(axis=1) - REACH) / _CELL_M).astype(np.int64)
         high = np.floor((self._corners.max(axis=1) + REACH) / _CELL_M).astype(np.int64)
         self._low = low.min(axis=0) if len(low) else np.zeros(2, np.int64)
@@ -119,7 +123,7 @@ def _oriented(triangles: Array) -> Array:
     edge_ab, edge_ac = triangles[:, 1] - origin, triangles[:, 2] - origin
     area = edge_ab[:, 0] * edge_ac[:, 1] - edge_ab[:, 1] * edge_ac[:, 0]
     turned = np.where((area < 0.0)[:, None, None], triangles[:, [0, 2, 1]], triangles)
-    oriented: Array = turned[np.abs(area) > 1e-6]
+    oriented: Array = turned[np.abs(area) > _LEAST_AREA]
     return oriented
 
 

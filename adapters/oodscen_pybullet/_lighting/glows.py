@@ -19,7 +19,7 @@ _FARTHEST_M = 300.0
 _BESIDE = 0.1
 """Distance beside the picture, as a share of its width, up to which a lamp's halo may reach into it."""
 _CLEARANCE_M = 0.35
-"""How far in front of a lamp surfaces may be without hiding it, m: its own glass is."""
+"""Distance in front of a lamp within which surfaces do not hide it, m: its own glass is there."""
 _VISIBLE_BESIDE = 0.6
 """Share of a lamp beside the picture that counts as visible."""
 _MURKY_M = 60.0

@@ -28,7 +28,7 @@ _CONE_SLOPE, _CONE_START_M = np.float32(0.38), np.float32(0.05)
 _ROUND_LIGHT, _ROUND_FALL = 0.16, np.float32(0.4)
 """Light of any other lamp per power, and its fall, 1/m^2."""
 _BACKWARDS_M = np.float32(-0.3)
-"""How far behind itself a directional lamp without a cone lights the ground, m."""
+"""Reach of a directional lamp without a cone behind itself, m, negative."""
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 
 _Facing = tuple[float, float]

@@ -17,7 +17,7 @@ _WATER, _WATER_GRAZING = np.float32(0.26), np.float32(0.6)
 _SKY_M = np.float32(400.0)
 """Depth beyond which a pixel is sky, m."""
 _PALE, _PALE_GREY = np.float32(0.7), np.float32(0.93)
-"""How far mirrored sky turns grey, and the brightness of that grey relative to the sky's."""
+"""Share of grey in mirrored sky, which is pale near the horizon, and the brightness of that grey."""
 _LAMP = np.float32(205.0)
 """Value above which a pixel counts as a lamp."""
 _HASH = np.uint32(2654435761)

@@ -37,6 +37,8 @@ NOTHING = -1e6
 """Height of an empty cell, m."""
 
 Key = tuple[float, ...]
+_EDGE_ON = 1e-9
+"""Twice the area below which the sun sees a triangle edge-on, cells^2."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +144,7 @@ def _fill(corners: Array, most: float, margin: float, heights: F32, tiles: F32) 
     ux, uy, uz = px[1] - px[0], py[1] - py[0], pz[1] - pz[0]
     vx, vy, vz = px[2] - px[0], py[2] - py[0], pz[2] - pz[0]
     area = ux * vy - uy * vx
-    if abs(area) < 1e-9:
+    if abs(area) < _EDGE_ON:
         return
     slope_x, slope_y = (uz * vy - uy * vz) / area, (ux * vz - uz * vx) / area
     # Lowered by the surface's rise within half a cell, so that it does not shade itself.

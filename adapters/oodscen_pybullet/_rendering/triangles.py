@@ -41,6 +41,10 @@ GREEN_SHIFT, BLUE_SHIFT = 21, 42
 """Bits by which green and blue are shifted in a texel."""
 _GRID = 2.0**14
 """Grid lines per metre for the corners: their differences are exact in any chunk."""
+_LEAST_AREA = 1e-9
+"""Twice the area up to which a triangle is left out, m^2."""
+_SAME_TEXEL = 1e-6
+"""Difference of texture coordinates up to which a triangle has a single colour, texels."""
 
 
 class Textures(NamedTuple):
@@ -92,7 +96,7 @@ class Triangles(NamedTuple):
         normals, uvs = np.round(mesh.normals[order] * _GRID) / _GRID, mesh.uvs[order]
         facing = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
         size = np.sqrt((facing * facing).sum(axis=1))
-        keep = size > 1e-9
+        keep = size > _LEAST_AREA
         points, normals, uvs = points[keep], normals[keep], uvs[keep]
         facing = facing[keep] / size[keep, None]
         tags = mesh.classes[keep]
@@ -194,7 +198,7 @@ def _regions(uvs: Array) -> tuple[I32, Array]:
     place = np.stack([uvs[..., 0] * SIZE, (1.0 - uvs[..., 1]) * SIZE], axis=2)
     middle = place.mean(axis=1)
     regions = np.full(len(uvs), -1, np.int32)
-    is_flat = (np.abs(place - place[:, :1]) < 1e-6).all(axis=(1, 2))
+    is_flat = (np.abs(place - place[:, :1]) < _SAME_TEXEL).all(axis=(1, 2))
     for index, (x, y, width, height) in enumerate(REGIONS.values()):
         inside = (
             (middle[:, 0] > x)

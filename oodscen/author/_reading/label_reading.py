@@ -55,9 +55,9 @@ class _Vocabulary(NamedTuple):
     """The stems of the words about a hazard."""
 
     naming: frozenset[str]
-    """Those of its names and of the things that it needs."""
+    """Stems of its names and of the things that it needs."""
     every: frozenset[str]
-    """Those, and those of what happens."""
+    """All stems, also of its events and details."""
 
 
 class _Named(NamedTuple):

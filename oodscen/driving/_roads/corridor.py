@@ -35,6 +35,8 @@ _BATCH = 2_000_000
 """Maximum number of point-sample pairs compared at once."""
 _AROUND_M = (600.0, 2_600.0)
 """Distances behind and ahead of the start within which other roads count as drivable, m."""
+_NARROW_M = 1e-6
+"""Width from which a strip is there, m."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -404,7 +406,7 @@ def _intervals(strips: Sequence[LaneStrip]) -> list[Ranges]:
         ranges: list[tuple[float, float]] = []
         sides = edges[:, first].tolist()
         for right, left in zip(sides[::2], sides[1::2], strict=True):
-            if left - right >= 1e-6:
+            if left - right >= _NARROW_M:
                 extend(ranges, right, left, touch=0.01)
         ranges_of += [tuple(ranges)] * (last - first)
     return ranges_of

@@ -42,6 +42,8 @@ _GAP = 0.1
 """Distance between two pieces of a plan view above which the road is broken, m."""
 _KINK = 0.05
 """Angle between two pieces of a plan view above which the road is broken, rad."""
+_SHORTEST_M = 1e-6
+"""Length above which a piece of a road's line is read, m."""
 
 
 def read_network(data: bytes, *, source: str = "") -> Network:
@@ -151,7 +153,7 @@ class _Reader:
 
     def _curve(self, node: XmlNode) -> Curve | None:
         s, x, y, heading, length = map(node.number, ("s", "x", "y", "hdg", "length"))
-        if not 1e-6 < length <= _MAX_ROAD_LENGTH:
+        if not _SHORTEST_M < length <= _MAX_ROAD_LENGTH:
             node.fault("must be above 0", "@length")
             return None
         base = (s, x, y, math.remainder(heading, math.tau), length)

@@ -24,7 +24,7 @@ _BATCH = 1024
 _SHORTEST_M = 0.1
 """Length up to which a tunnel or bridge is ignored, m."""
 _LIGHTS = "1000"
-"""How the types of traffic lights begin in OpenDRIVE's own catalogue."""
+"""First digits of the types of traffic lights in OpenDRIVE's own catalogue."""
 
 
 def roads_by_distance(roads: Iterable[Road], corridor: Corridor) -> list[Road]:

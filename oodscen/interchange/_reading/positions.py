@@ -10,6 +10,8 @@ from oodscen.interchange._reading.tree import Node
 
 LANE_M = 3.5
 """Width of a lane of an imagined road, m."""
+_ROUNDING_M = 1e-6
+"""Distance before a lane section from which a place belongs to it, m."""
 
 
 class Pose(NamedTuple):
@@ -97,7 +99,7 @@ def _lane_centre(node: Node, road: Road, s: float, lane: int) -> float:
     base = piecewise(road.lane_offset, s)
     if lane == 0:
         return base
-    section = [one for one in road.sections if one.s <= s + 1e-6][-1]
+    section = [one for one in road.sections if one.s <= s + _ROUNDING_M][-1]
     side = 1 if lane > 0 else -1
     widths = {one.id: piecewise(one.widths, s - section.s) for one in section.lanes}
     if lane not in widths:

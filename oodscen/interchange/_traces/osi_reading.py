@@ -20,6 +20,7 @@ _BASE, _DIMENSION, _POSITION, _ORIENTATION = 2, 1, 2, 3
 _YAW = 3
 _ENTITY = "entity_name:"
 """Beginning of the reference by which players name the scenario's entity."""
+_NANOSECOND = 1e-9
 
 
 def read_osi_trace(data: bytes, source: str) -> Iterator[Row]:
@@ -60,7 +61,7 @@ def _mcap_objects(data: bytes, source: str) -> Iterator[Row]:
 def _ground_truth(message: bytes) -> Iterator[Row]:
     fields = _fields(message)
     stamp = _fields(_inner(fields, _TIMESTAMP))
-    time = float(stamp.get(1, [0])[0]) + 1e-9 * float(stamp.get(2, [0])[0])
+    time = float(stamp.get(1, [0])[0]) + _NANOSECOND * float(stamp.get(2, [0])[0])
     for number, reference in ((_MOVING, _MOVING_REFERENCE), (_STATIONARY, _STATIONARY_REFERENCE)):
         for one in fields.get(number, []):
             if isinstance(one, bytes):

@@ -30,6 +30,8 @@ _ALIGNED = 0.8
 """Cosine to the road's direction from which an actor drives along the road."""
 _EARLY_S = 0.25
 """Time before the horizon at which a run may end, s."""
+_ROUNDING_S = 1e-6
+"""Time after the horizon up to which a moment of a recording is within it, s."""
 
 
 class PlayedVerdict(Data):
@@ -94,7 +96,7 @@ def verdict(
     first, fired = _decision(scene, states, corridor)
     decision = states[first]
     end = decision.time + scene.horizon_s
-    after = _until_harm([one for one in states[first + 1 :] if one.time <= end + 1e-6])
+    after = _until_harm([one for one in states[first + 1 :] if one.time <= end + _ROUNDING_S])
     whole = states[: first + 1 + len(after)]
     last, dt = whole[-1], float(np.median(np.diff(played.time)))
     check_motion(last.ids, played.time[: len(whole)], poses[: len(whole)])

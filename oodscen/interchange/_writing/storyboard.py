@@ -19,6 +19,8 @@ from oodscen.numerics._exact import Floats
 
 _BESIDE_M = 1.5
 """Largest offset to the ego at which an actor behind counts as its follower, m."""
+_STANDING_MPS = 1e-9
+"""Speed up to which an entity stands, m/s."""
 
 
 class Storyboard:
@@ -61,7 +63,7 @@ def write_start(actions: Element, name: str, pose: Floats, speed: float) -> None
     private = child(actions, "Private", entityRef=name)
     teleport = within(private, "PrivateAction", "TeleportAction")
     world_position(child(teleport, "Position"), pose)
-    if abs(speed) > 1e-9:
+    if abs(speed) > _STANDING_MPS:
         write_speed(child(private, "PrivateAction"), speed)
 
 

@@ -20,6 +20,8 @@ _REST_STEPS = 4
 """Shortest rest that parts two phases of a motion, in steps."""
 _TURN_M = 2e-5
 """Distance by which a body that turns on the spot moves to and fro: players follow by arc length, m."""
+_TURNING_RAD = 1e-6
+"""Turn in one step above which a body turns, rad."""
 
 
 def reference_poses(recording: Recording, row: int, entity: Entity, corridor: Corridor) -> Floats:
@@ -108,7 +110,9 @@ def _is_straight(time: Floats, poses: Floats, first: int, last: int) -> bool:
 def _rocked(poses: Floats) -> Floats:
     """Give some arc length to a body that turns on the spot, alternately forward and back."""
     steps = np.diff(poses, axis=0)
-    spinning = (np.hypot(steps[:, 0], steps[:, 1]) < 0.5 * _TURN_M) & (np.abs(steps[:, 3]) > 1e-6)
+    spinning = (np.hypot(steps[:, 0], steps[:, 1]) < 0.5 * _TURN_M) & (
+        np.abs(steps[:, 3]) > _TURNING_RAD
+    )
     if not spinning.any():
         return poses
     poses, sign = poses.copy(), 1.0

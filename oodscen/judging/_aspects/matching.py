@@ -173,7 +173,7 @@ def _names_case(answer_naming: Naming, label: Naming, head: Concept) -> bool:
 
 
 class _Circumstances(NamedTuple):
-    """What a label says besides its head."""
+    """The acts, places and words of a label besides its head."""
 
     acts: set[str]
     """Acts, states and things, and broader words for them."""

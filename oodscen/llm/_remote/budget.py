@@ -16,6 +16,8 @@ DEAREST_USD = 1e6
 
 ANSWER_TOKENS = 4_096
 """Assumed upper bound of an answer, in tokens, if `max_tokens` does not set one."""
+_ROUNDING = 1e-12
+"""Share of a cap by which a sum may exceed it through rounding."""
 
 
 class Price(NamedTuple):
@@ -103,7 +105,7 @@ class Budget:
             wanted = under_way.plus(most)
             limits = (self.caps.requests, self.caps.tokens, self.caps.cost_usd)
             for name, limit, value in zip(Spent._fields, limits, wanted, strict=True):
-                if limit is not None and value > limit * (1 + 1e-12):
+                if limit is not None and value > limit * (1 + _ROUNDING):
                     raise BudgetExceeded(name, limit, under_way._asdict()[name])
             elapsed = self._clock() - self._began
             if self.caps.seconds is not None and elapsed >= self.caps.seconds:

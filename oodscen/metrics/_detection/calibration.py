@@ -27,6 +27,8 @@ _ALIKE = 0.8
 _MOST = 20_000
 _SAMPLE = 2_000
 _STEP = 512
+_EQUAL = 1e-9
+"""Amount by which a held-out score may fall short of a score and count as no lower."""
 
 
 class Calibration(Data):
@@ -112,7 +114,7 @@ def calibrate(
     """Return where scores lie among those of held-out texts."""
     scores = np.asarray(values, np.float64)
     order = np.sort(held_out)
-    below = np.searchsorted(order, scores - 1e-9, "left")
+    below = np.searchsorted(order, scores - _EQUAL, "left")
     p_values = (1 + len(order) - below) / (1 + len(order))
     percentiles = 100.0 * below / len(order)
     return Calibration(

@@ -30,9 +30,12 @@ from oodscen.encoders._similarity import Vectors, largest
 from oodscen.metrics._detection.detectors import DECIMALS, Encode
 
 _RIDGE = 0.3
+"""Ridge of the weights."""
 _NEAREST = 3
 THRESHOLD = 0.1
 _CALIBRATED = "all-MiniLM-L6-v2@"
+_CONSTANT_RIDGE = 1e-9
+"""Ridge of the constant, which is to be free: enough to keep the system solvable."""
 
 
 class OffTopicFlags(Data):
@@ -95,7 +98,7 @@ def _fitted(inside: Vectors, outside: Vectors) -> NDArray[np.float64]:
     """Return ridge weights, the constant last, towards 1 inside and -1 outside, which share the loss equally."""
     size = inside.shape[1] + 1
     left, right = np.eye(size) * _RIDGE, np.zeros(size)
-    left[-1, -1] = 1e-9
+    left[-1, -1] = _CONSTANT_RIDGE
     for vectors, target in ((inside, 1.0), (outside, -1.0)):
         wide = np.hstack([vectors.astype(np.float64), np.ones((len(vectors), 1))])
         left += 0.5 / len(wide) * (wide.T @ wide)

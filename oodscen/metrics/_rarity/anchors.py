@@ -26,6 +26,8 @@ Kind = Literal["own", "occurring", "met"]
 _FEWEST = 6
 _LEAST_KM, _MOST_KM = 0.001, 1e15
 """Range of published rates, km; all that was ever driven on roads is less than 1e15 km."""
+_NO_SPREAD = 1e-9
+"""Spread of values within kinds up to which it gives no slope."""
 
 
 class PublishedRate(Data):
@@ -172,6 +174,6 @@ def _fit(
     if len(rates) >= _FEWEST and len(rates) > len(kinds) + 1:
         within = values - own @ (own.T @ values / own.sum(axis=0))
         spread = float(within @ within)
-        slope = float(within @ wanted / spread) if spread > 1e-9 else 1.0
+        slope = float(within @ wanted / spread) if spread > _NO_SPREAD else 1.0
     offsets = own.T @ (wanted - slope * values) / own.sum(axis=0)
     return slope, dict(zip(kinds, offsets.tolist(), strict=True))

@@ -24,6 +24,8 @@ my note notice of on or our question read reading respectfully shall should so s
 us very warm was we well were will with would you your
 """
 """Words that say nothing beside courteous ones."""
+_LEAST_LENGTH = 1e-9
+"""Least length by which a row is divided: rows of zeros stay so."""
 
 
 def stems(text: str) -> list[str]:
@@ -68,7 +70,7 @@ class Words:
             row[[self._place[stem] for stem in stems(text) if stem in self._place]] = 1.0
         found *= self._weights
         length = np.linalg.norm(found, axis=1, keepdims=True)
-        return np.asarray(found / np.maximum(length, 1e-9), np.float32)
+        return np.asarray(found / np.maximum(length, _LEAST_LENGTH), np.float32)
 
     def known(self, text: str) -> float:
         """Return the share of a text's words, of any alphabet, whose stems are known."""

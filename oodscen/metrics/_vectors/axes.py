@@ -5,6 +5,9 @@ from numpy.typing import NDArray
 
 from oodscen.encoders._similarity import Vectors
 
+_NO_SHARE = 1e-12
+"""Share of the variance up to which an axis holds none."""
+
 
 def principal_axes(
     vectors: Vectors,
@@ -22,7 +25,7 @@ def principal_axes(
     found, share = np.zeros((2, wide.shape[1])), np.zeros(2)
     for place in range(min(2, len(values), max(len(wide) - 1, 0))):
         value, axis = float(values[-1 - place]), columns[:, -1 - place]
-        if value <= 1e-12 * total:
+        if value <= _NO_SHARE * total:
             break
         found[place] = axis * np.sign(axis[np.abs(axis).argmax()])
         share[place] = value / total

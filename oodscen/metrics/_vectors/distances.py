@@ -23,6 +23,8 @@ from oodscen.metrics._diversity import mean_pairwise
 
 _STEP = 1024
 _MEDIAN = 1000
+_NO_SHARE = 1e-12
+"""Share of an eigenvalue up to which it is zero but for rounding."""
 
 
 def mmd(a: Vectors, b: Vectors) -> float:
@@ -55,7 +57,7 @@ def vendi(vectors: Vectors) -> float:
     # K and the d x d matrix share their non-zero eigenvalues: the smaller one is enough.
     gram = wide.T @ wide if n > size else wide @ wide.T
     values = np.concatenate([np.linalg.eigvalsh(gram), np.ones(empty)]) / n
-    positive = values[values > 1e-12]
+    positive = values[values > _NO_SHARE]
     return float(np.exp(-(positive * np.log(positive)).sum()))
 
 

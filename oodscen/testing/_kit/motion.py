@@ -45,6 +45,8 @@ _FASTEST = 14.0
 """Greatest speed in a bend, m/s."""
 _WAITING = "cross_road pull_out dart bolt walk_along roll_away reverse hard_brake stall halt cut_in".split()
 """Behaviours that show when their trigger fires, best first."""
+_LEAST_BEND = 1e-9
+"""Least curvature by which an acceleration is divided, 1/m."""
 
 
 def check_motion(probe: Probe) -> None:
@@ -135,7 +137,7 @@ def _check_bends(probe: Probe) -> None:
         NotApplicable: If no map bends, or no behaviour drives along its lane.
     """
     road, at, sharpness = _sharpest(probe)
-    speed = min(0.8 * road.speed_limit, math.sqrt(_CALM / max(sharpness, 1e-9)), _FASTEST)
+    speed = min(0.8 * road.speed_limit, math.sqrt(_CALM / max(sharpness, _LEAST_BEND)), _FASTEST)
     if 0.5 * sharpness * (speed * SECONDS) ** 2 < 2.0 * ACROSS_M:
         raise NotApplicable("no map has a bend within 150 m of the ego's start")
     names = [kind.id for kind in probe.catalogue.behaviours if kind.id in DRIVES_IN_LANE]

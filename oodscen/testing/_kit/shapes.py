@@ -18,6 +18,8 @@ EXTENT = 0.55
 """Least extent of a box-like body's pixels across and down, as a share of its silhouette's."""
 LEAST_PX = 30
 """Fewest pixels of a body that are looked at."""
+_ROUNDING_S = 1e-6
+"""Difference up to which a time is that of its step, s."""
 
 
 def state_faults(scene: Scene, state: State, step: int, dt: float) -> Iterator[str]:
@@ -56,7 +58,7 @@ def state_faults(scene: Scene, state: State, step: int, dt: float) -> Iterator[s
         yield "the ego's own gap must be infinite"
     if state.step != step:
         yield f"step is {state.step}, not {step}"
-    if not abs(state.time - step * dt) < 1e-6:
+    if not abs(state.time - step * dt) < _ROUNDING_S:
         yield f"time is {state.time} after {step} steps"
 
 
