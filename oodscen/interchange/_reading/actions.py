@@ -363,12 +363,8 @@ def _aside(point: Pose, start: Pose, heading: float) -> float:
 
 def _leave_out_dynamics(node: Node) -> None:
     """Record that it is left out how a speed is reached, unless that is at once."""
-    dynamics = node.first("SpeedActionDynamics")
-    if dynamics is None:
-        return
-    if dynamics.get("dynamicsShape") != "step" and dynamics.number("value", 0.0) > 0.0:
-        dynamics.note("how the speed is reached is left out")
-    dynamics.settle()
+    if _dynamics(node, "SpeedActionDynamics")[0]:
+        node.note("how the speed is reached is left out")
 
 
 def _timing(node: Node) -> Node | None:

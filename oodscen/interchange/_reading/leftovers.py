@@ -1,6 +1,6 @@
 """What of an OpenSCENARIO file nobody read."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from lxml import etree
 
@@ -36,7 +36,10 @@ _USUAL = {
     "wetness": {"dry"},
 }
 """Values that change nothing in what is read, by attribute."""
-_LONGEST = 60
+_LONGEST, _MOST = 60, 6
+"""Characters of a value, and attributes of an element, that a note has at most."""
+_MOST_LOOKED_AT = 100
+"""Attributes of one element that are looked at: the standard has none with more, and each look-up takes longer."""
 
 
 def leftovers(tree: ScenarioTree) -> Iterator[Issue]:
@@ -47,8 +50,7 @@ def leftovers(tree: ScenarioTree) -> Iterator[Issue]:
     kinds: dict[tuple[str, ...], list[Issue]] = {}
     for top in (tree.root.element, *tree.entered):
         for element, attributes in _unread(tree, top):
-            said = ", ".join(f"{one}={element.get(one, '')[:_LONGEST]!r}" for one in attributes)
-            issue = Issue(where(element), f"{said} is not read" if said else "is not read")
+            issue = Issue(where(element), f"{_said(attributes)} is not read".lstrip())
             kinds.setdefault((name_of(element), *attributes), []).append(issue)
         yield from _declared(top)
     for first, *others in kinds.values():
@@ -59,33 +61,42 @@ def _and_more(issue: Issue, count: int) -> Issue:
     return Issue(issue.path, f"{issue.message}, and so {count} more") if count else issue
 
 
-def _unread(tree: ScenarioTree, top: etree._Element) -> Iterator[tuple[etree._Element, list[str]]]:
+def _said(attributes: Mapping[str, str]) -> str:
+    """Return some attributes as they are written, shortened."""
+    some = [f"{name}={value[:_LONGEST]!r}" for name, value in attributes.items()][:_MOST]
+    return ", ".join([*some, "..."] if len(attributes) > _MOST else some)
+
+
+def _unread(
+    tree: ScenarioTree, top: etree._Element
+) -> Iterator[tuple[etree._Element, dict[str, str]]]:
     """Yield the elements that were not read, and those of which these attributes were not."""
     waiting = [top]
     while waiting:
         element = waiting.pop()
         if element in tree.settled or name_of(element) in _SILENT:
             continue
-        attributes = [one for one in map(str, element.attrib) if _is_left(tree, element, one)]
+        names = map(str, element.keys()[:_MOST_LOOKED_AT])
+        said = ((name, element.get(name, "")) for name in names)
+        attributes = {name: value for name, value in said if _is_left(tree, element, name, value)}
         if element not in tree.touched:
             if attributes or len(element):
-                yield element, []
+                yield element, {}
             continue
         if attributes:
             yield element, attributes
         waiting.extend(one for one in reversed(element) if isinstance(one.tag, str))
 
 
-def _is_left(tree: ScenarioTree, element: etree._Element, attribute: str) -> bool:
+def _is_left(tree: ScenarioTree, element: etree._Element, attribute: str, value: str) -> bool:
     """Return whether an attribute says something that was not read."""
     if attribute == "name" or attribute.startswith("{") or name_of(element) in _BODIES:
         return False
     if (element, attribute) in tree.attributes:
         return False
-    value = element.get(attribute, "").strip()
     if attribute in _UPRIGHT:
         return not _is_zero(value)
-    return value not in _USUAL.get(attribute, ())
+    return value.strip() not in _USUAL.get(attribute, ())
 
 
 def _is_zero(value: str) -> bool:
