@@ -274,33 +274,45 @@ def behaviour(
     The rarest kind of action counts; the others are recorded as left out.
     """
     is_driver = asset.category in ("vehicle", "cyclist")
+    action = _rarest(actions, is_driver=is_driver)
+    if action is None:
+        name = _plain(asset, speed, is_against)
+        if name == "stand" and speed >= _STANDS:
+            entity.note(f"its first speed, {speed:g} m/s, is left out: a {asset.category} stands")
+        return _within(entity, name, {"speed": speed}, AT_ONCE, catalogue), None
+    name, values = (_driving if is_driver else _walking)(action, speed)
+    if asset.category not in catalogue.behaviour(name).categories:
+        action.node.note(f"a {asset.category} cannot {name}: this is left out")
+        return Behaviour(name="stand"), None
+    if speed >= _STANDS and not is_driver and action.trigger != AT_ONCE:
+        action.node.note(f"its first speed, {speed:g} m/s, is left out: it stands until this")
+    return _within(action.node, name, values, action.trigger, catalogue), action.heading
+
+
+def _rarest(actions: list[Action], *, is_driver: bool) -> Action | None:
+    """Return the one thing that an actor does, after recording the others as left out."""
     order = {"lane_change": 0, "brake": 1, "course": 2, "start": 3}
     ranked = sorted(actions, key=lambda action: (order[action.kind], "speed" not in action.values))
     if not is_driver:
         ranked = [one for one in ranked if one.kind in ("course", "start")]
+    found = ranked[0] if ranked else None
     for one in actions:
-        if not ranked or one is not ranked[0]:
+        if one is not found:
             one.node.note("an actor does one thing: this is left out")
-    name, values, trigger, heading = _plain(asset, speed, is_against), {"speed": speed}, None, None
-    node = entity
-    if ranked:
-        action = ranked[0]
-        node = action.node
-        trigger, heading = action.trigger, action.heading
-        name, values = (_driving if is_driver else _walking)(action, speed)
-        if asset.category not in catalogue.behaviour(name).categories:
-            action.node.note(f"a {asset.category} cannot {name}: this is left out")
-            name, values, trigger, heading = "stand", {}, None, None
+    return found
+
+
+def _within(
+    node: Node, name: str, values: dict[str, float], trigger: Trigger, catalogue: Catalogue
+) -> Behaviour:
+    """Return a behaviour with the parameters that it has, within their limits."""
     limits = catalogue.behaviour(name).parameters
     kept = {
         key: round(node.bounded(value, limits[key].minimum, limits[key].maximum, f"a {key} of"), 3)
         for key, value in values.items()
         if key in limits
     }
-    is_at_rest = "speed" not in limits or (not is_driver and node is not entity)
-    if speed >= _STANDS and is_at_rest and not (node is not entity and trigger == AT_ONCE):
-        node.note(f"the first speed of {speed:g} m/s is left out: it stands until it acts")
-    return Behaviour(name=name, parameters=kept, trigger=trigger or AT_ONCE), heading
+    return Behaviour(name=name, parameters=kept, trigger=trigger)
 
 
 def _plain(asset: Asset, speed: float, is_against: bool) -> str:
@@ -394,7 +406,10 @@ def _dynamics(node: Node, name: str) -> tuple[str, float]:
     dynamics = node.first(name)
     if dynamics is None:
         return "", 0.0
-    value = dynamics.bounded(dynamics.number("value"), 0.0, math.inf, "a transition of")
+    value = dynamics.number("value")
+    if value < 0.0:
+        dynamics.note(f"value={value:g} is read as {-value:g}")
+        value = -value
     kind = dynamics.get("dynamicsDimension")
     if kind not in ("rate", "time", "distance"):
         dynamics.note(f"dynamicsDimension={kind[:40]!r} is read as at once")

@@ -36,6 +36,7 @@ _USUAL = {
     "wetness": {"dry"},
 }
 """Values that change nothing in what is read, by attribute."""
+_INTEGERS = {"integer", "int", "unsignedInt", "unsignedShort"}
 _LONGEST, _MOST = 60, 6
 """Characters of a value, and attributes of an element, that a note has at most."""
 _MOST_LOOKED_AT = 100
@@ -121,9 +122,6 @@ def _declared(top: etree._Element) -> Iterator[Issue]:
                 yield Issue(
                     where(one), f"{one.get('value', '')[:_LONGEST]!r} is read though no integer"
                 )
-
-
-_INTEGERS = {"integer", "int", "unsignedInt", "unsignedShort"}
 
 
 def _has_fraction(declaration: etree._Element) -> bool:

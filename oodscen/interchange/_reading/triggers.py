@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Literal, NamedTuple
 
 from oodscen.data._scene import Trigger
@@ -24,6 +25,10 @@ _STARTED = ("startTransition", "runningState")
 _ALONG = ("longitudinal", "cartesianDistance", "euclidianDistance")
 """Kinds of distances that are taken along the road; the others are not read."""
 _OF_LANES = ("entity", "lane", "road")
+
+
+class _UnreadError(Exception):
+    """A condition for which a scene has no trigger, with the reason."""
 
 
 class Body(NamedTuple):
@@ -88,144 +93,140 @@ class TriggerReader:
     def is_at_once(self, holder: Node) -> bool:
         """Return whether something starts at once, or within the time that belongs to the start."""
         conditions = holder.all("StartTrigger", "ConditionGroup", "Condition")
-        if not conditions:
+        times = [one.first("ByValueCondition", "SimulationTimeCondition") for one in conditions]
+        if not times:
             return True
-        found = self._by_value(conditions[0])[0] if len(conditions) == 1 else None
-        return found is not None and _delayed(conditions[0], found).value <= AT_ONCE_S
+        if len(times) > 1 or times[0] is None:
+            return False
+        with suppress(_UnreadError):
+            return _delayed(conditions[0], _after(times[0])).value <= AT_ONCE_S
+        return False
 
     def _condition(self, condition: Node, owner: str) -> Trigger | None:
-        """Return the trigger for a condition, or `None` after recording that it is not read."""
-        found, why = self._by_value(condition)
-        if found is None and not why:
-            found, why = self._by_entity(condition, owner)
-        if found is None:
-            condition.leave_out(why or "this condition is not read")
+        """Return the trigger for a condition, or `None` after recording why there is none."""
+        try:
+            found = self._by_value(condition) or self._by_entity(condition, owner)
+        except _UnreadError as error:
+            condition.leave_out(str(error))
             return None
         return _delayed(condition, found)
 
-    def _by_value(self, condition: Node) -> tuple[Trigger | None, str]:
-        """Return the trigger for a condition on the time or on another element, or why there is none."""
+    def _by_value(self, condition: Node) -> Trigger | None:
+        """Return the trigger for a condition on the time or on another element, `None` for one on entities."""
         time = condition.first("ByValueCondition", "SimulationTimeCondition")
         if time is not None:
             return _after(time)
         other = condition.first("ByValueCondition", "StoryboardElementStateCondition")
         if other is None:
-            return None, ""
+            return None
         if other.get("state") not in _STARTED:
-            return None, f"the state {other.get('state')[:40]!r} is not read"
+            raise _UnreadError(f"the state {other.get('state')[:40]!r} is not read")
         kind, name = other.get("storyboardElementType"), other.get("storyboardElementRef")
         if kind not in ("story", "storyboard"):
             other.note(f"the start of {kind[:40]} {name[:40]!r} is read as that of the scene")
-        return AT_ONCE, ""
+        return AT_ONCE
 
     # ------------------------------------------------------------------ conditions on entities
 
-    def _by_entity(self, condition: Node, owner: str) -> tuple[Trigger | None, str]:
-        """Return the trigger for a condition on entities, or why there is none."""
-        holder = condition.first("ByEntityCondition")
-        if holder is None:
-            return None, ""
-        triggering = holder.first("TriggeringEntities")
+    def _by_entity(self, condition: Node, owner: str) -> Trigger:
+        """Return the trigger for a condition on one entity."""
+        for node in _children(condition.first("ByEntityCondition", "EntityCondition")):
+            if node.name in _READERS:
+                name = self._subject(condition)
+                return _READERS[node.name](self, node.touched(), name, owner)
+        raise _UnreadError("this condition is not read")
+
+    def _subject(self, condition: Node) -> str:
+        """Return the entity that meets a condition."""
+        triggering = condition.first("ByEntityCondition", "TriggeringEntities")
         subjects = [] if triggering is None else triggering.all("EntityRef")
-        names = [one.get("entityRef") for one in subjects]
+        if len(subjects) != 1:
+            raise _UnreadError("a condition of several entities is not read")
         if triggering is not None and triggering.get("triggeringEntitiesRule") == "none":
-            return None, "a condition that no entity may meet is not read"
-        if len(names) != 1:
-            return None, "a condition of several entities is not read"
-        for node in _children(holder.first("EntityCondition")):
-            reader = self._readers().get(node.name)
-            if reader is not None:
-                node.touched()
-                return reader(node, names[0], owner)
-        return None, ""
+            raise _UnreadError("a condition that no entity may meet is not read")
+        return subjects[0].get("entityRef")
 
-    def _readers(self) -> dict[str, Callable[[Node, str, str], tuple[Trigger | None, str]]]:
-        return {
-            "TimeToCollisionCondition": self._time_to_collision,
-            "RelativeDistanceCondition": self._distance,
-            "TimeHeadwayCondition": self._headway,
-            "TraveledDistanceCondition": self._travelled,
-            "DistanceCondition": self._near_place,
-            "ReachPositionCondition": self._near_place,
-        }
-
-    def _other(self, name: str, reference: Node, owner: str) -> tuple[str, str]:
-        """Return the entity to which the ego's distance is meant, or why there is none."""
+    def _other(self, name: str, reference: Node) -> str:
+        """Return the entity to which the ego's distance is meant."""
         other = reference.get("entityRef")
         for one in (name, other):
             if one not in self.bodies:
-                return "", f"there is no entity {one[:40]!r}"
+                raise _UnreadError(f"there is no entity {one[:40]!r}")
         if self.ego not in (name, other) or name == other:
-            return "", f"a condition of {name[:40]} and {other[:40]}, not of the ego, is not read"
-        return (other if name == self.ego else name), ""
+            raise _UnreadError(
+                f"a condition of {name[:40]} and {other[:40]}, not of the ego, is not read"
+            )
+        return other if name == self.ego else name
 
-    def _distance(self, node: Node, name: str, owner: str) -> tuple[Trigger | None, str]:
-        other, why = self._other(name, node, owner)
-        why = why or _unlike(node)
-        if why:
-            return None, why
-        return self._to(other, owner, "distance", node, self._centres(node, other, 1.0)), ""
-
-    def _headway(self, node: Node, name: str, owner: str) -> tuple[Trigger | None, str]:
-        other, why = self._other(name, node, owner)
-        why = why or _unlike(node)
-        speed = self.speeds.get(name, 0.0)
-        if not why and speed < _STANDS:
-            why = "a headway of what stands is not read"
-        if why:
-            return None, why
-        node.note(f"a headway is read as a distance at the first speed of {name[:40]}")
-        return self._to(other, owner, "distance", node, self._centres(node, other, speed)), ""
-
-    def _time_to_collision(self, node: Node, name: str, owner: str) -> tuple[Trigger | None, str]:
-        why = _unlike(node)
-        target = node.first("TimeToCollisionConditionTarget", "EntityRef")
-        goal = node.first("TimeToCollisionConditionTarget", "Position")
-        other = owner
-        if target is not None:
-            other, found = self._other(name, target, owner)
-            why = why or found
-        elif goal is None or name != self.ego:
-            why = why or "a time to collision without the ego is not read"
-        elif not why:
-            goal.leave_out(f"the time to this place is read as that to {owner[:40]}")
-        if why:
-            return None, why
-        if node.is_true("freespace"):
-            node.note("the time to contact is read as that of the centres")
-        return self._to(other, owner, "ttc", node, node.number("value")), ""
-
-    def _travelled(self, node: Node, name: str, owner: str) -> tuple[Trigger | None, str]:
+    def _first_speed(self, name: str) -> float:
+        """Return the speed by which a distance is read as a time, or the reverse."""
         speed = self.speeds.get(name, 0.0)
         if speed < _STANDS:
-            return None, "a distance travelled by what stands is not read"
-        node.note(f"a distance travelled is read as a time at the first speed of {name[:40]}")
-        return _trigger("time", node.number("value") / speed, node), ""
+            raise _UnreadError(f"{name[:40]!r} has no speed by which this could be read")
+        return speed
 
-    def _near_place(self, node: Node, name: str, owner: str) -> tuple[Trigger | None, str]:
+    def _distance(self, node: Node, name: str, owner: str) -> Trigger:
+        other = self._other(name, node)
+        _check_along(node)
+        return self._to(other, owner, "distance", node, self._centres(node, other, 1.0))
+
+    def _headway(self, node: Node, name: str, owner: str) -> Trigger:
+        other, speed = self._other(name, node), self._first_speed(name)
+        _check_along(node)
+        node.note(f"a headway is read as a distance at the first speed of {name[:40]}")
+        return self._to(other, owner, "distance", node, self._centres(node, other, speed))
+
+    def _time_to_collision(self, node: Node, name: str, owner: str) -> Trigger:
+        _check_along(node)
+        target = node.first("TimeToCollisionConditionTarget", "EntityRef")
+        goal = node.first("TimeToCollisionConditionTarget", "Position")
+        if target is not None:
+            other = self._other(name, target)
+        elif goal is not None and name == self.ego:
+            other = owner
+            goal.leave_out(f"the time to this place is read as that to {owner[:40]}")
+        else:
+            raise _UnreadError("a time to collision without the ego is not read")
+        if node.is_true("freespace"):
+            node.note("the time to contact is read as that of the centres")
+        return self._to(other, owner, "ttc", node, node.number("value"))
+
+    def _travelled(self, node: Node, name: str, owner: str) -> Trigger:
+        speed = self._first_speed(name)
+        node.note(f"a distance travelled is read as a time at the first speed of {name[:40]}")
+        return _trigger("time", node.number("value") / speed, node)
+
+    def _near_place(self, node: Node, name: str, owner: str) -> Trigger:
         """Read a place that the ego comes near to: as a distance to its owner if that stands, else as a time."""
         if name != self.ego:
-            return None, f"a place that {name[:40]} comes near to is not read"
-        why = _unlike(node) if node.name == "DistanceCondition" else ""
-        holder, ego = node.first("Position"), self.positions.known.get(name)
+            raise _UnreadError(f"a place that {name[:40]} comes near to is not read")
+        holder, ego = node.first("Position"), self.positions.known[self.ego]
         place = self.positions.read(holder) if holder is not None else None
-        if why or place is None or ego is None:
-            return None, why or "the place is not read"
-        reach = node.number("value" if node.name == "DistanceCondition" else "tolerance")
-        if node.is_true("freespace"):
-            reach += self.bodies[name].ahead + (self.bodies[name].reach(0.0) or 0.0)
-        its, speed = self.positions.known.get(owner), self.speeds.get(name, 0.0)
-        ahead, aside = place.offset_from(ego)
+        if place is None:
+            raise _UnreadError("the place is not read")
+        if node.name == "DistanceCondition":
+            _check_along(node)
+        reach = self._reach(node)
+        its = self.positions.known.get(owner)
         if its is not None and self.speeds.get(owner, 0.0) < _STANDS:
-            return self._to_standing(node, its, place, reach, owner), ""
-        if speed < _STANDS or ahead < 0.0:
-            return None, "a place that is not ahead is not read"
+            return self._to_standing(node, its, place, reach, owner)
+        ahead, aside = place.offset_from(ego)
+        if ahead < 0.0:
+            raise _UnreadError("a place that is not ahead is not read")
+        speed = self._first_speed(name)
         node.note("a place that the ego comes near to is read as a time at its first speed")
-        return _trigger("time", max(math.hypot(ahead, aside) - reach, 0.0) / speed, node), ""
+        return _trigger("time", max(math.hypot(ahead, aside) - reach, 0.0) / speed, node)
 
-    def _to_standing(
-        self, node: Node, its: Pose, place: Pose, reach: float, owner: str
-    ) -> Trigger | None:
+    def _reach(self, node: Node) -> float:
+        """Return the distance from a place to the ego's reference point at which a condition holds, m."""
+        if node.name == "ReachPositionCondition":
+            return node.number("tolerance")
+        body = self.bodies[self.ego]
+        if node.is_true("freespace"):
+            return node.number("value") + body.ahead + (body.reach(0.0) or 0.0)
+        return node.number("value")
+
+    def _to_standing(self, node: Node, its: Pose, place: Pose, reach: float, owner: str) -> Trigger:
         """Return the ego's distance to an owner that stands when it is near a place."""
         ego = self.positions.known[self.ego]
         apart = its.offset_from(ego)[0] - place.offset_from(ego)[0]
@@ -273,6 +274,16 @@ class TriggerReader:
         return value + halves[0] + halves[1]
 
 
+_READERS: dict[str, Callable[[TriggerReader, Node, str, str], Trigger]] = {
+    "TimeToCollisionCondition": TriggerReader._time_to_collision,
+    "RelativeDistanceCondition": TriggerReader._distance,
+    "TimeHeadwayCondition": TriggerReader._headway,
+    "TraveledDistanceCondition": TriggerReader._travelled,
+    "DistanceCondition": TriggerReader._near_place,
+    "ReachPositionCondition": TriggerReader._near_place,
+}
+
+
 def later(first: Trigger, then: Trigger) -> Trigger | None:
     """Return when both of two triggers have fired, or `None` if no single one says that."""
     if first == AT_ONCE:
@@ -289,15 +300,15 @@ def _trigger(kind: Literal["time", "distance", "ttc"], value: float, node: Node)
     return Trigger(kind=kind, value=round(kept, 3))
 
 
-def _after(time: Node) -> tuple[Trigger | None, str]:
+def _after(time: Node) -> Trigger:
     """Return the trigger for a condition on the time."""
     rule = time.get("rule")
     if rule in _LATE:
-        return _trigger("time", time.number("value"), time), ""
+        return _trigger("time", time.number("value"), time)
     if rule in (*_SOON, "notEqualTo") and time.number("value") > 0.0:
         time.note(f"rule={rule!r} holds from the start")
-        return AT_ONCE, ""
-    return None, f"rule={rule[:40]!r} is not read"
+        return AT_ONCE
+    raise _UnreadError(f"rule={rule[:40]!r} is not read")
 
 
 def _delayed(condition: Node, trigger: Trigger) -> Trigger:
@@ -310,20 +321,20 @@ def _delayed(condition: Node, trigger: Trigger) -> Trigger:
     return trigger
 
 
-def _unlike(node: Node) -> str:
-    """Return why a condition on a distance or time to collision has no trigger, or nothing."""
+def _check_along(node: Node) -> None:
+    """Refuse a condition that does not hold from a distance or time along the road on."""
     rule = node.get("rule")
     if rule not in _SOON:
-        return f"rule={rule[:40]!r} is not read"
+        raise _UnreadError(f"rule={rule[:40]!r} is not read")
     kind = node.get("relativeDistanceType") or "longitudinal"
     if kind not in _ALONG:
-        return f"a {kind[:40]} distance is not read"
+        raise _UnreadError(f"a {kind[:40]} distance is not read")
     if kind != "longitudinal" and node.name == "RelativeDistanceCondition":
         node.note(f"a {kind} is read as a distance along the road")
-    if node.get("coordinateSystem", "entity") not in _OF_LANES:
-        return f"coordinateSystem={node.get('coordinateSystem')[:40]!r} is not read"
+    system = node.get("coordinateSystem", "entity")
+    if system not in _OF_LANES:
+        raise _UnreadError(f"coordinateSystem={system[:40]!r} is not read")
     node.get("alongRoute")
-    return ""
 
 
 def _children(holder: Node | None) -> Iterator[Node]:
