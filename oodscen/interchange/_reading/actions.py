@@ -60,7 +60,7 @@ class ActionReader:
                 self._group(act, group)
 
     def _group(self, act: Node, group: Node) -> None:
-        """Read the events of a group; those of nobody but the ego have nothing that a scene holds."""
+        """Read the events of a group for its entities, of which a scene may hold nothing."""
         names = self._actors(group)
         if not names:
             group.leave_out("nobody who is in the file does this")

@@ -1,4 +1,4 @@
-"""What of an OpenSCENARIO file nobody read."""
+"""Parts of an OpenSCENARIO file from which nothing was read."""
 
 from collections.abc import Iterator, Mapping
 

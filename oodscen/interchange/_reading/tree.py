@@ -35,7 +35,7 @@ class ScenarioTree:
         data = read_regular(path, NOUN, limit=MAX_BYTES)
         element = Document(str(path), "OpenSCENARIO").parse(data).element
         self.omissions: dict[Issue, None] = {}
-        """What a scene cannot hold, or is read otherwise than it is written, in the order of reading."""
+        """Elements that a scene cannot hold, or that are read otherwise than written, in the order of reading."""
         self.attributes: set[tuple[etree._Element, str]] = set()
         """Attributes that were read."""
         self.touched: set[etree._Element] = set()

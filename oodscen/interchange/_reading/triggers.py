@@ -32,7 +32,7 @@ class _UnreadError(Exception):
 
 
 class Body(NamedTuple):
-    """What a file says of an entity's box."""
+    """The box of an entity, as far as a file tells it."""
 
     ahead: float
     """From its reference point to its centre, m."""

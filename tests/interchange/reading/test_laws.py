@@ -1,4 +1,4 @@
-"""What is read otherwise than it is written is noted: laws of the reader of other tools' files."""
+"""Laws of the reader of other tools' files: it reads them as they are written, or notes that it does not."""
 
 import math
 
@@ -7,7 +7,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
+from oodscen.driving._roads.opendrive import read_network
 from oodscen.errors import OodscenError
+from oodscen.interchange._reading.positions import MappedRoads
 from tests.interchange.reading.files import (
     ROAD,
     at,
@@ -163,19 +165,14 @@ def test_shifting_all_bodies_leaves_their_distances(tmp_path, shift, apart, besi
 @IN_FOLDER
 def test_a_place_in_the_world_is_the_same_as_on_its_road(tmp_path, s, number):
     """Also in bends, where the nearest point of the reference line has to be found."""
-    along = read(tmp_path, cars(ego_place=lane(s, number), place=lane(s + 40, number)))
-    network = along.scene
-    from oodscen.driving._roads.opendrive import read_network
-    from oodscen.interchange._reading.positions import MappedRoads
-
     roads = MappedRoads(read_network(ROAD, source="road"))
     poses = [roads.at(None, "1", one, number, 0.0) for one in (s, s + 40)]
     own, its = (world(one.x, one.y, one.heading) for one in poses)
     there = read(tmp_path, cars(ego_place=own, place=its)).scene
-    assert there.ego == network.ego
-    assert there.actors[0].placement.ahead_m == pytest.approx(
-        network.actors[0].placement.ahead_m, abs=0.0021
-    )
+    along = read(tmp_path, cars(ego_place=lane(s, number), place=lane(s + 40, number))).scene
+    assert there.ego == along.ego
+    ahead = [one.actors[0].placement.ahead_m for one in (there, along)]
+    assert ahead[0] == pytest.approx(ahead[1], abs=0.0021)
 
 
 def mirrored_road():
