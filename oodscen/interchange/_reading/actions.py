@@ -145,9 +145,17 @@ class ActionReader:
         relative = node.first("SpeedActionTarget", "RelativeTargetSpeed")
         if relative is None:
             return None
-        its = self.speeds.get(relative.get("entityRef"), 0.0)
+        other = relative.get("entityRef")
+        if other not in self.triggers.bodies:
+            relative.note(f"there is no entity {other[:40]!r}")
+            return None
+        its = self.speeds.get(other, 0.0)
         value = relative.number("value")
-        return its * value if relative.get("speedTargetValueType") == "factor" else its + value
+        return (
+            its * value
+            if relative.word("speedTargetValueType", "delta", "factor") == "factor"
+            else its + value
+        )
 
     def _lane_change(self, name: str, node: Node, trigger: Trigger) -> None:
         own, target = self.positions.known.get(name), self._target_lane(name, node)
@@ -223,7 +231,7 @@ class ActionReader:
         timing = _timing(node)
         if timing is None:
             return trigger
-        is_absolute = timing.get("domainAbsoluteRelative") == "absolute"
+        is_absolute = timing.word("domainAbsoluteRelative", "relative", "absolute") == "absolute"
         if not begin:
             return trigger
         if trigger.kind != "time":

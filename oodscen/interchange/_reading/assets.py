@@ -48,9 +48,11 @@ def nearest_asset(entity: Node, catalogue: Catalogue) -> Asset | None:
     named = next((one for one in catalogue.assets if one.id == body.get("name")), None)
     if named is not None:
         return named
-    category = body.get(f"{body.name[0].lower()}{body.name[1:]}Category")
-    if body.name == "Pedestrian" and category not in ("animal", "wheelchair"):
-        category = "pedestrian"
+    said = f"{body.name[0].lower()}{body.name[1:]}Category"
+    if body.name == "Pedestrian":
+        category = body.word(said, "pedestrian", "animal", "wheelchair")
+    else:
+        category = body.get(said)
     alike = [one for one in catalogue.assets if classified(one) == (body.name, category)]
     kin = alike or [one for one in catalogue.assets if classified(one)[0] == body.name]
     if not kin:

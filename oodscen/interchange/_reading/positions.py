@@ -286,6 +286,6 @@ def _turned(node: Node, pose: Pose) -> Pose:
     if orientation is None:
         return pose
     turn = orientation.number("h", 0.0)
-    if orientation.get("type", "absolute") == "relative":
+    if orientation.word("type", "absolute", "relative") == "relative":
         return pose._replace(heading=pose.heading + turn)
     return pose._replace(heading=turn) if orientation.get("h") else pose

@@ -242,7 +242,15 @@ class Node:
 
     def is_true(self, name: str) -> bool:
         """Return whether an attribute is true; a missing one is not."""
-        return self.get(name).strip() in ("true", "1")
+        return self.word(name, "false", "true", "0", "1") in ("true", "1")
+
+    def word(self, name: str, usual: str, *others: str) -> str:
+        """Return an attribute that is one of some words, the usual one if it is missing or, as recorded, unknown."""
+        word = self.get(name).strip() or usual
+        if word in (usual, *others):
+            return word
+        self.note(f"{name}={word[:40]!r} is read as {usual!r}")
+        return usual
 
     def bounded(self, value: float, low: float, high: float, what: str) -> float:
         """Return the value nearest to one of this element that a scene can hold, and record that it differs."""

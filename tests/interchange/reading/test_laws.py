@@ -61,7 +61,7 @@ OTHERS = {
     "delay": ["2.5"],
     "value": ["7", "-7"],
     "tolerance": ["2"],
-    "freespace": ["true"],
+    "freespace": ["true", "purple"],
     "relativeDistanceType": ["lateral", "purple"],
     "coordinateSystem": ["trajectory", "purple"],
     "entityRef": ["b", "zz"],
@@ -328,3 +328,25 @@ def test_odd_parameters_are_noted(parameters, note, tmp_path):
 def test_a_lane_with_a_fraction_is_refused(tmp_path):
     with pytest.raises(OodscenError, match=r"LanePosition @laneId: -1\.5 is not an integer"):
         read(tmp_path, cars(place=lane(250, -1.5)))
+
+
+WORDS = {
+    '<RelativeTargetSpeed entityRef="ego" value="-10" speedTargetValueType="purple"/>': "'delta'",
+    '<RelativeTargetSpeed entityRef="zz" value="-10" speedTargetValueType="delta"/>': "no entity 'zz'",
+}
+
+
+@pytest.mark.parametrize("target", WORDS)
+def test_unknown_words_of_a_speed_are_noted(target, tmp_path):
+    stop = STOP.replace('<AbsoluteTargetSpeed value="0"/>', target)
+    found = notes(read(tmp_path, cars(event(stop, at(3)))))
+    assert any(WORDS[target] in one for one in found)
+
+
+def test_unknown_words_of_a_place_or_a_person_are_noted(tmp_path):
+    place = lane(250).replace("/>", '><Orientation type="purple" h="0.1"/></LanePosition>')
+    assert any("type='purple'" in one for one in notes(read(tmp_path, cars(place=place))))
+    starts = [start("ego", lane(200), 10), start("a", lane(250))]
+    person = entity("a", "pedestrian", 0.0, 0.5, 0.6).replace('="pedestrian"', '="purple"')
+    found = notes(read(tmp_path, file([entity("ego"), person], starts)))
+    assert any("pedestrianCategory='purple' is read as 'pedestrian'" in one for one in found)
