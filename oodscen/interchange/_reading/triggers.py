@@ -93,13 +93,11 @@ class TriggerReader:
     def is_at_once(self, holder: Node) -> bool:
         """Return whether something starts at once, or within the time that belongs to the start."""
         conditions = holder.all("StartTrigger", "ConditionGroup", "Condition")
-        times = [one.first("ByValueCondition", "SimulationTimeCondition") for one in conditions]
-        if not times:
-            return True
-        if len(times) > 1 or times[0] is None:
-            return False
+        if len(conditions) != 1:
+            return not conditions
         with suppress(_UnreadError):
-            return _delayed(conditions[0], _after(times[0])).value <= AT_ONCE_S
+            found = self._by_value(conditions[0])
+            return found is not None and _delayed(conditions[0], found).value <= AT_ONCE_S
         return False
 
     def _condition(self, condition: Node, owner: str) -> Trigger | None:

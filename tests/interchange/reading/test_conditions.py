@@ -103,6 +103,25 @@ def test_an_event_starts_after_its_act(tmp_path):
     assert any("the act starts by a time" in one for one in notes(found))
 
 
+@pytest.mark.parametrize(
+    ("condition", "kept"),
+    [
+        (at(0), 7.0),
+        (
+            '<ByValueCondition><StoryboardElementStateCondition storyboardElementType="story" '
+            'storyboardElementRef="s" state="runningState"/></ByValueCondition>',
+            7.0,
+        ),
+        (at(4), 10.0),
+        (by_entity(near(20)), 10.0),
+        ("<ByEntityCondition/>", 10.0),
+    ],
+)
+def test_only_what_the_ego_does_at_once_is_its_first_speed(condition, kept, tmp_path):
+    found = read(tmp_path, cars(event(speed(7), condition, name="ego")))
+    assert found.scene.ego.speed == kept
+
+
 def test_what_ends_an_act_is_noted(tmp_path):
     found = read(tmp_path, cars(event(STOP, at(3), act=act(at(1), "StopTrigger"))))
     assert any("StopTrigger: is not read" in one for one in notes(found))
