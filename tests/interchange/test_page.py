@@ -1,11 +1,13 @@
 from oodscen._cli.interchange import export
 from oodscen.driving._motion.behaviours import BEHAVIOURS, MOVES_BEFORE_TRIGGER, WITHOUT_TRIGGER
-from oodscen.interchange._reading.actions import _KNOWN
+from oodscen.interchange._reading import actions, positions, triggers
 from tests.interchange.page import table
 
 
-def test_every_action_that_is_read_is_listed_as_read():
-    assert {element for element, _, read in table("elements") if read} >= _KNOWN
+def test_every_element_that_is_read_is_listed_as_read():
+    listed = {element for element, _, read in table("elements") if read}
+    for module in (actions, positions, triggers):
+        assert listed >= module._READERS.keys()
 
 
 def test_the_formats_are_those_of_the_command():

@@ -1,31 +1,27 @@
 """Behaviours for what the entities of an OpenSCENARIO file do."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from itertools import pairwise
 from typing import Literal, NamedTuple
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Behaviour, Trigger
 from oodscen.interchange._reading.positions import Pose, Positions
 from oodscen.interchange._reading.tree import Node
+from oodscen.interchange._reading.triggers import AT_ONCE, AT_ONCE_S, TriggerReader, later
 
 Kind = Literal["lane_change", "brake", "course", "start"]
 
 _STANDS = 0.1
 """Speed below which an entity counts as standing, m/s."""
-_AT_ONCE_S = 0.5
-"""Time up to which an event belongs to the start, s."""
 _HARD = 3.0
 """Deceleration from which braking is hard, m/s^2."""
-_WALK, _DISTANCE_M, _STRAIGHT_M = 1.4, 12.0, 1.0
-_KNOWN = {
-    "SpeedAction",
-    "LaneChangeAction",
-    "FollowTrajectoryAction",
-    "AcquirePositionAction",
-    "AssignRouteAction",
-    "SynchronizeAction",
-}
+_WALK, _DRIVE, _DISTANCE_M, _STRAIGHT_M = 1.4, 8.0, 12.0, 1.0
+_FASTEST = 45.0
+"""Highest speed of a scene, m/s."""
+_LATEST_S = 500.0
+_LATER = Trigger(value=_LATEST_S)
 
 
 class Action(NamedTuple):
@@ -42,44 +38,84 @@ class Action(NamedTuple):
 class ActionReader:
     """Reads what every entity does."""
 
-    def __init__(self, root: Node, positions: Positions, ego: str) -> None:
+    def __init__(self, root: Node, positions: Positions, triggers: TriggerReader, ego: str) -> None:
         self.root = root
         self.positions = positions
+        self.triggers = triggers
         self.ego = ego
-        self.speeds: dict[str, float] = {}
+        self.speeds = triggers.speeds
         self.actions: dict[str, list[Action]] = {}
 
     def read(self) -> None:
         """Read the speeds of the start, then the events of all stories."""
         for private in self.root.all("Storyboard", "Init", "Actions", "Private"):
             name = private.get("entityRef")
+            if name not in self.triggers.bodies:
+                private.leave_out(f"there is no entity {name[:40]!r}")
+                continue
             for action in private.all("PrivateAction"):
-                self._act(name, action, Trigger())
-        for group in self.root.within("ManeuverGroup"):
-            names = [one.get("entityRef") for one in group.all("Actors", "EntityRef")]
-            for event in group.within("Event"):
-                for name in names:
-                    trigger = self._trigger(event, name)
-                    for action in event.all("Action"):
-                        self._act(name, action, trigger)
+                self._act(name, action, AT_ONCE)
+        for act in self.root.all("Storyboard", "Story", "Act"):
+            for group in act.within("ManeuverGroup"):
+                self._group(act, group)
+
+    def _group(self, act: Node, group: Node) -> None:
+        """Read the events of a group for its entities, of which a scene may hold nothing."""
+        names = self._actors(group)
+        if not names:
+            group.leave_out("nobody who is in the file does this")
+            return
+        for event in group.within("Event"):
+            kept = [self._event(act, event, name) for name in names]
+            if not any(kept):
+                event.settle()
+
+    def _actors(self, group: Node) -> list[str]:
+        names = []
+        for one in group.all("Actors", "EntityRef"):
+            name = one.get("entityRef")
+            if name in self.triggers.bodies:
+                names.append(name)
+            else:
+                one.leave_out(f"there is no entity {name[:40]!r}")
+        return names
+
+    def _event(self, act: Node, event: Node, name: str) -> bool:
+        """Read what an entity does in an event, and return whether a scene holds any of it."""
+        trigger = self._start(act, event, name)
+        kept = [self._act(name, action, trigger) for action in event.all("Action")]
+        return any(kept)
+
+    def _start(self, act: Node, event: Node, name: str) -> Trigger:
+        """Return when an event starts, which is after its act."""
+        if name == self.ego:
+            is_start = all(map(self.triggers.is_at_once, (act, event)))
+            return AT_ONCE if is_start else _LATER
+        first, then = self.triggers.read(act, name), self.triggers.read(event, name)
+        both = later(first, then)
+        if both is None:
+            event.note(f"the act starts by a {first.kind}, the event by a {then.kind}: that counts")
+        return both or then
 
     # ------------------------------------------------------------------ actions
 
-    def _act(self, name: str, action: Node, trigger: Trigger) -> None:
-        for node in _leaves(action):
-            if node.name == "TeleportAction":
-                continue
-            if name == self.ego and not (node.name == "SpeedAction" and _is_start(trigger)):
-                node.leave_out("the ego is driven by a driver")
-                continue
-            if node.name not in _KNOWN:
+    def _act(self, name: str, action: Node, trigger: Trigger) -> bool:
+        """Read the actions in an element, and return whether a scene holds any of them."""
+        kept = [self._leaf(name, node, trigger) for node in _leaves(action)]
+        return any(kept)
+
+    def _leaf(self, name: str, node: Node, trigger: Trigger) -> bool:
+        if node.name == "TeleportAction":
+            if trigger != AT_ONCE:
                 node.leave_out("no behaviour does this")
-            elif node.name == "SpeedAction":
-                self._speed(name, node, trigger)
-            elif node.name == "LaneChangeAction":
-                self._lane_change(name, node, trigger)
-            else:
-                self._course(name, node, trigger)
+            return trigger == AT_ONCE
+        if name == self.ego and not (node.name == "SpeedAction" and _is_start(trigger)):
+            node.leave_out("the ego is driven by a driver")
+        elif node.name not in _READERS:
+            node.leave_out("no behaviour does this")
+        else:
+            _READERS[node.name](self, name, node.touched(), trigger)
+        return node.element not in node.tree.settled
 
     def _add(self, name: str, action: Action) -> None:
         self.actions.setdefault(name, []).append(action)
@@ -88,13 +124,17 @@ class ActionReader:
         before, target = self.speeds.get(name, 0.0), self._target(node)
         if target is None:
             node.leave_out("the target speed is not read")
-        elif _is_start(trigger):
-            self.speeds[name] = abs(target)
+            return
+        target = node.bounded(target, 0.0, _FASTEST, "a speed of")
+        if _is_start(trigger):
+            self.speeds[name] = target
+            _leave_out_dynamics(node)
         elif target < _STANDS and before >= _STANDS:
             values = {"deceleration": _deceleration(node, before)}
             self._add(name, Action("brake", node, trigger, values))
         elif before < _STANDS <= target:
             self._add(name, Action("start", node, trigger, {"speed": target}))
+            _leave_out_dynamics(node)
         else:
             node.leave_out(f"no behaviour changes the speed from {before:.1f} to {target:.1f} m/s")
 
@@ -105,69 +145,100 @@ class ActionReader:
         relative = node.first("SpeedActionTarget", "RelativeTargetSpeed")
         if relative is None:
             return None
-        its = self.speeds.get(relative.get("entityRef"), 0.0)
+        other = relative.get("entityRef")
+        if other not in self.triggers.bodies:
+            relative.note(f"there is no entity {other[:40]!r}")
+            return None
+        its = self.speeds.get(other, 0.0)
         value = relative.number("value")
-        return its * value if relative.get("speedTargetValueType") == "factor" else its + value
+        return (
+            its * value
+            if relative.word("speedTargetValueType", "delta", "factor") == "factor"
+            else its + value
+        )
 
     def _lane_change(self, name: str, node: Node, trigger: Trigger) -> None:
+        own, target = self.positions.known.get(name), self._target_lane(name, node)
+        if own is None or target is None:
+            node.leave_out("the lane is not known")
+        elif target == own.lane:
+            node.leave_out("it is in that lane already")
+        elif not self.positions.roads.has_lane(own.road, own.s, target):
+            node.leave_out(f"road {own.road[:40]!r} has no lane {target} at {own.s:g} m")
+        else:
+            ego = self.positions.known.get(self.ego, own)
+            lanes = own.lanes_to(target) * (ego.direction or own.direction)
+            speed = self.speeds.get(name, 0.0)
+            values = {"lanes": float(lanes), "duration": _duration(node, speed)}
+            self._add(name, Action("lane_change", node, trigger, values))
+
+    def _target_lane(self, name: str, node: Node) -> int | None:
+        """Return the id of the lane into which an entity changes, if it and its road are known."""
         own = self.positions.known.get(name)
         absolute = node.first("LaneChangeTarget", "AbsoluteTargetLane")
         relative = node.first("LaneChangeTarget", "RelativeTargetLane")
-        if own is None or not own.road or (absolute is None and relative is None):
-            node.leave_out("the lane is not known")
-            return
+        if own is None or not own.lane or (absolute is None and relative is None):
+            return None
         if absolute is not None:
-            target = int(absolute.number("value"))
-        else:
-            assert relative is not None
-            its = self.positions.known.get(relative.get("entityRef"))
-            if its is None or not its.road:
-                node.leave_out("the lane is not known")
-                return
-            target = its.lane + int(relative.number("value"))
-        lanes = target - own.lane
-        if target * own.lane < 0:
-            lanes -= 1 if lanes > 0 else -1
-        ego = self.positions.known.get(self.ego, own)
-        lanes = lanes if ego.lane <= 0 else -lanes
-        if lanes == 0:
-            node.leave_out("it is in that lane already")
-            return
-        speed = self.speeds.get(name, 0.0)
-        values = {"lanes": float(lanes), "duration": _duration(node, speed)}
-        self._add(name, Action("lane_change", node, trigger, values))
+            return absolute.integer("value")
+        assert relative is not None
+        its = self.positions.known.get(relative.get("entityRef"))
+        if its is None or not its.lane:
+            return None
+        return its.lane_beside(relative.integer("value"))
 
     def _course(self, name: str, node: Node, trigger: Trigger) -> None:
         """Add a straight way from the first to the last point of a course."""
-        pairs = [
-            (vertex.number("time", 0.0), pose)
-            for vertex, pose in self._points(node)
-            if pose is not None
-        ]
+        points = [(vertex, pose) for vertex, pose in self._points(node) if pose is not None]
         start = self.positions.known.get(name)
-        if start is None and pairs:
-            start = self.positions.known[name] = pairs[0][1]
-        if start is None or not pairs:
+        if start is None and points:
+            start = self.positions.known[name] = points[0][1]
+        if start is None or not points:
             node.leave_out("the course has no points that are read")
             return
-        end = pairs[-1][1]
+        end = points[-1][1]
         way = math.hypot(end.x - start.x, end.y - start.y)
         if way < _STANDS:
             node.leave_out("the course leads nowhere")
             return
         heading = math.atan2(end.y - start.y, end.x - start.x)
         values = {"distance": way}
-        seconds = pairs[-1][0] - pairs[0][0]
         if node.name == "SynchronizeAction":
-            values = self._met(node, way)
+            values |= self._met(node)
             if "speed" in values:
                 trigger = Trigger(kind="ttc", value=round(0.5 * way / values["speed"], 3))
-                node.leave_out("a meeting is read as a start by time to collision")
-        elif seconds > 0.0:
-            values["speed"] = way / seconds
-        if any(_aside(one, start, heading) > _STRAIGHT_M for _, one in pairs):
-            node.leave_out("the course is read as a straight way from its first point to its last")
+                node.note("a meeting is read as a start by time to collision")
+        else:
+            begin, seconds = _timed(node, [vertex for vertex, _ in points])
+            if seconds > 0.0 and self._is_timed(name, node):
+                values["speed"] = way / seconds
+                trigger = self._begun(node, trigger, begin)
+        if any(_aside(one, start, heading) > _STRAIGHT_M for _, one in points):
+            node.note("the course is read as a straight way from its first point to its last")
         self._add(name, Action("course", node, trigger, values, heading))
+
+    def _is_timed(self, name: str, node: Node) -> bool:
+        """Return whether the times of a course count: without a time reference only for what stands."""
+        if _timing(node) is not None:
+            return True
+        if self.speeds.get(name, 0.0) >= _STANDS:
+            return False
+        node.note("the times of the course count though the entity has no speed of its own")
+        return True
+
+    def _begun(self, node: Node, trigger: Trigger, begin: float) -> Trigger:
+        """Return when an entity leaves the first point of a course with times of its own."""
+        timing = _timing(node)
+        if timing is None:
+            return trigger
+        is_absolute = timing.word("domainAbsoluteRelative", "relative", "absolute") == "absolute"
+        if not begin:
+            return trigger
+        if trigger.kind != "time":
+            timing.note(f"the course begins at its {trigger.kind}, not at {begin:g} s")
+            return trigger
+        start = max(begin, trigger.value) if is_absolute else trigger.value + begin
+        return Trigger(value=round(timing.bounded(start, 0.0, _LATEST_S, "a time of"), 3))
 
     def _points(self, node: Node) -> Iterator[tuple[Node, Pose | None]]:
         for kind in ("Vertex", "Waypoint", "ControlPoint"):
@@ -177,98 +248,79 @@ class ActionReader:
         if node.name == "AcquirePositionAction" and (goal := node.first("Position")) is not None:
             yield goal, self.positions.read(goal)
 
-    def _met(self, node: Node, way: float) -> dict[str, float]:
+    def _met(self, node: Node) -> dict[str, float]:
         final = node.first("FinalSpeed", "AbsoluteSpeed")
-        values = {"distance": way}
-        if final is not None and (speed := final.number("value", 0.0)) > _STANDS:
-            values["speed"] = speed
-        return values
+        if final is None:
+            return {}
+        speed = final.bounded(final.number("value", 0.0), 0.0, _FASTEST, "a speed of")
+        return {"speed": speed} if speed > _STANDS else {}
 
-    # ------------------------------------------------------------------ triggers
 
-    def _trigger(self, event: Node, name: str) -> Trigger:
-        groups = event.all("StartTrigger", "ConditionGroup")
-        conditions = [one for group in groups for one in group.all("Condition")]
-        if len(conditions) > 1:
-            event.leave_out("of several conditions the first that is known counts")
-        for condition in conditions:
-            found = self._condition(condition, name)
-            if found is not None:
-                return found
-        return Trigger()
-
-    def _condition(self, condition: Node, name: str) -> Trigger | None:
-        delay = condition.number("delay", 0.0)
-        time = condition.first("ByValueCondition", "SimulationTimeCondition")
-        if time is not None:
-            return _trigger("time", time.number("value") + delay)
-        after = condition.first("ByValueCondition", "StoryboardElementStateCondition")
-        if after is not None and after.get("state") in ("startTransition", "runningState"):
-            return _trigger("time", delay)
-        for node in condition.all("ByEntityCondition", "EntityCondition"):
-            for one in node.children():
-                found = self._ego_condition(one, name)
-                if found is not None:
-                    return found
-        condition.leave_out("this condition is not read; the event starts at once")
-        return None
-
-    def _ego_condition(self, node: Node, name: str) -> Trigger | None:
-        speed = self.speeds.get(self.ego, 0.0)
-        if node.name == "TimeToCollisionCondition":
-            return _trigger("ttc", node.number("value"))
-        if node.name == "RelativeDistanceCondition":
-            return _trigger("distance", node.number("value"))
-        if node.name == "TimeHeadwayCondition":
-            node.leave_out("a headway is read as a distance at the ego's first speed")
-            return _trigger("distance", node.number("value") * speed)
-        if node.name == "TraveledDistanceCondition" and speed > _STANDS:
-            node.leave_out("a distance travelled is read as a time at the ego's first speed")
-            return _trigger("time", node.number("value") / speed)
-        if node.name in ("DistanceCondition", "ReachPositionCondition"):
-            holder = node.first("Position")
-            place = self.positions.read(holder) if holder is not None else None
-            its = self.positions.known.get(name)
-            if place is not None and its is not None:
-                reach = node.number("value" if node.name[0] == "D" else "tolerance", 0.0)
-                far = math.hypot(place.x - its.x, place.y - its.y)
-                return _trigger("distance", far + reach)
-        return None
+_READERS: dict[str, Callable[[ActionReader, str, Node, Trigger], None]] = {
+    "SpeedAction": ActionReader._speed,
+    "LaneChangeAction": ActionReader._lane_change,
+    "FollowTrajectoryAction": ActionReader._course,
+    "AcquirePositionAction": ActionReader._course,
+    "AssignRouteAction": ActionReader._course,
+    "SynchronizeAction": ActionReader._course,
+}
 
 
 # ------------------------------------------------------------------ behaviours
 
 
 def behaviour(
-    asset: Asset, actions: list[Action], speed: float, is_against: bool, catalogue: Catalogue
+    entity: Node,
+    asset: Asset,
+    actions: list[Action],
+    speed: float,
+    is_against: bool,
+    catalogue: Catalogue,
 ) -> tuple[Behaviour, float | None]:
     """Return an actor's one behaviour, and the direction of its course if it has one.
 
     The rarest kind of action counts; the others are recorded as left out.
     """
     is_driver = asset.category in ("vehicle", "cyclist")
+    action = _rarest(actions, is_driver=is_driver)
+    if action is None:
+        name = _plain(asset, speed, is_against)
+        if name == "stand" and speed >= _STANDS:
+            entity.note(f"its first speed, {speed:g} m/s, is left out: a {asset.category} stands")
+        return _within(entity, name, {"speed": speed}, AT_ONCE, catalogue), None
+    name, values = (_driving if is_driver else _walking)(action, speed)
+    if asset.category not in catalogue.behaviour(name).categories:
+        action.node.note(f"a {asset.category} cannot {name}: this is left out")
+        return Behaviour(name="stand"), None
+    if speed >= _STANDS and not is_driver and action.trigger != AT_ONCE:
+        action.node.note(f"its first speed, {speed:g} m/s, is left out: it stands until this")
+    return _within(action.node, name, values, action.trigger, catalogue), action.heading
+
+
+def _rarest(actions: list[Action], *, is_driver: bool) -> Action | None:
+    """Return the one thing that an actor does, after recording the others as left out."""
     order = {"lane_change": 0, "brake": 1, "course": 2, "start": 3}
     ranked = sorted(actions, key=lambda action: (order[action.kind], "speed" not in action.values))
     if not is_driver:
         ranked = [one for one in ranked if one.kind in ("course", "start")]
+    found = ranked[0] if ranked else None
     for one in actions:
-        if not ranked or one is not ranked[0]:
-            one.node.leave_out("an actor does one thing")
-    name, values, trigger, heading = _plain(asset, speed, is_against), {"speed": speed}, None, None
-    if ranked:
-        action = ranked[0]
-        trigger, heading = action.trigger, action.heading
-        name, values = (_driving if is_driver else _walking)(action, speed)
-        if asset.category not in catalogue.behaviour(name).categories:
-            action.node.leave_out(f"a {asset.category} cannot {name}")
-            name, values, trigger, heading = "stand", {}, None, None
+        if one is not found:
+            one.node.note("an actor does one thing: this is left out")
+    return found
+
+
+def _within(
+    node: Node, name: str, values: dict[str, float], trigger: Trigger, catalogue: Catalogue
+) -> Behaviour:
+    """Return a behaviour with the parameters that it has, within their limits."""
     limits = catalogue.behaviour(name).parameters
     kept = {
-        key: round(min(max(value, limits[key].minimum), limits[key].maximum), 3)
+        key: round(node.bounded(value, limits[key].minimum, limits[key].maximum, f"a {key} of"), 3)
         for key, value in values.items()
         if key in limits
     }
-    return Behaviour(name=name, parameters=kept, trigger=trigger or Trigger()), heading
+    return Behaviour(name=name, parameters=kept, trigger=trigger)
 
 
 def _plain(asset: Asset, speed: float, is_against: bool) -> str:
@@ -288,14 +340,20 @@ def _driving(action: Action, speed: float) -> tuple[str, dict[str, float]]:
     if action.kind == "start":
         return "pull_out", values
     if values["speed"] < _STANDS:
-        values["speed"] = 8.0
+        values["speed"] = _DRIVE
+        action.node.note(f"the course has no speed; {_DRIVE:g} m/s is taken")
     return "run_red", values
 
 
 def _walking(action: Action, speed: float) -> tuple[str, dict[str, float]]:
-    pace = action.values.get("speed", speed)
-    far = action.values.get("distance", _DISTANCE_M)
-    return "cross_road", {"speed": pace if pace >= _STANDS else _WALK, "distance": far}
+    values = {"speed": speed, **action.values}
+    if values["speed"] < _STANDS:
+        values["speed"] = _WALK
+        action.node.note(f"the course has no speed; {_WALK:g} m/s is taken")
+    if "distance" not in values:
+        values["distance"] = _DISTANCE_M
+        action.node.note(f"the way has no end; {_DISTANCE_M:g} m are taken")
+    return "cross_road", values
 
 
 def _leaves(action: Node) -> Iterator[Node]:
@@ -314,12 +372,8 @@ def _leaves(action: Node) -> Iterator[Node]:
             yield node
 
 
-def _trigger(kind: Literal["time", "distance", "ttc"], value: float) -> Trigger:
-    return Trigger(kind=kind, value=round(min(max(value, 0.0), 500.0), 3))
-
-
 def _is_start(trigger: Trigger) -> bool:
-    return trigger.kind == "time" and trigger.value <= _AT_ONCE_S
+    return trigger.kind == "time" and trigger.value <= AT_ONCE_S
 
 
 def _aside(point: Pose, start: Pose, heading: float) -> float:
@@ -327,25 +381,63 @@ def _aside(point: Pose, start: Pose, heading: float) -> float:
     return abs((point.y - start.y) * math.cos(heading) - (point.x - start.x) * math.sin(heading))
 
 
-def _deceleration(node: Node, speed: float) -> float:
-    dynamics = node.first("SpeedActionDynamics")
-    if dynamics is None or dynamics.get("dynamicsShape") == "step":
-        return 9.0
-    value = abs(dynamics.number("value"))
+def _leave_out_dynamics(node: Node) -> None:
+    """Record that it is left out how a speed is reached, unless that is at once."""
+    if _dynamics(node, "SpeedActionDynamics")[0]:
+        node.note("how the speed is reached is left out")
+
+
+def _timing(node: Node) -> Node | None:
+    """Return how the times of a course are meant, or `None` if they do not count."""
+    reference = node.first("TimeReference")
+    return None if reference is None else reference.first("Timing")
+
+
+def _timed(node: Node, vertices: list[Node]) -> tuple[float, float]:
+    """Return the time at which a course begins and how long it takes, s; 0 if its times cannot be used."""
+    times = [one.number("time", 0.0) for one in vertices]
+    timing = _timing(node)
+    scale, offset = 1.0, 0.0
+    if timing is not None:
+        scale, offset = timing.number("scale", 1.0), timing.number("offset", 0.0)
+    if any(later <= earlier for earlier, later in pairwise(times)) and any(times):
+        node.note("the times of the course do not grow and are left out")
+        return 0.0, 0.0
+    if scale <= 0.0 and timing is not None:
+        timing.note(f"times cannot be scaled by {scale:g} and are left out")
+        return 0.0, 0.0
+    return offset + scale * times[0], scale * (times[-1] - times[0])
+
+
+def _dynamics(node: Node, name: str) -> tuple[str, float]:
+    """Return the dimension and the value in which a transition is told, `""` for one at once."""
+    dynamics = node.first(name)
+    if dynamics is None:
+        return "", 0.0
+    value = dynamics.number("value")
+    if value < 0.0:
+        dynamics.note(f"value={value:g} is read as {-value:g}")
+        value = -value
     kind = dynamics.get("dynamicsDimension")
-    if value <= 0.0:
-        return 9.0
+    if kind not in ("rate", "time", "distance"):
+        dynamics.note(f"dynamicsDimension={kind[:40]!r} is read as at once")
+        return "", 0.0
+    if dynamics.get("dynamicsShape") == "step" or value == 0.0:
+        return "", 0.0
+    return kind, value
+
+
+def _deceleration(node: Node, speed: float) -> float:
+    kind, value = _dynamics(node, "SpeedActionDynamics")
     if kind == "rate":
         return value
-    return speed / value if kind == "time" else 0.5 * speed * speed / value
+    if kind == "time":
+        return speed / value
+    return 0.5 * speed * speed / value if kind == "distance" else 9.0
 
 
 def _duration(node: Node, speed: float) -> float:
-    dynamics = node.first("LaneChangeActionDynamics")
-    if dynamics is None:
-        return 2.0
-    value = abs(dynamics.number("value"))
-    kind = dynamics.get("dynamicsDimension")
-    if kind == "time" or value <= 0.0:
-        return value
-    return value / max(speed, 1.0) if kind == "distance" else 3.5 / value
+    kind, value = _dynamics(node, "LaneChangeActionDynamics")
+    if kind == "rate":
+        return 3.5 / value
+    return value / max(speed, 1.0) if kind == "distance" else value

@@ -9,8 +9,18 @@ from oodscen.interchange._reading.tree import Node
 from oodscen.interchange._writing.entities import classified
 from oodscen.interchange._writing.environment import OKTAS
 
-_CLOUDS = {"free": 0.0, "skyOff": 0.0, "cloudy": 0.5, "overcast": 1.0, "rainy": 1.0}
-"""Cloud cover by the cloud states of version 1.0 and 1.1."""
+_CLOUDS = {
+    "free": 0.0,
+    "skyOff": 0.0,
+    "cloudy": 0.5,
+    "overcast": 1.0,
+    "rainy": 1.0,
+    **{name: eighths / 8.0 for eighths, name in enumerate(OKTAS)},
+    "nineOktas": 1.0,
+}
+"""Cloud cover by the cloud states of version 1.0 and 1.1, and by the oktas of later ones."""
+_UNSEEN = {"skyOff", "nineOktas"}
+"""States of which a cloud cover is not all that they say."""
 _HEAVIEST_MM_H = 100.0
 _TYPICAL = {
     "car": "car",
@@ -34,19 +44,22 @@ def nearest_asset(entity: Node, catalogue: Catalogue) -> Asset | None:
     if body is None:
         entity.leave_out("is not a vehicle, pedestrian or object")
         return None
+    body.touched()
     named = next((one for one in catalogue.assets if one.id == body.get("name")), None)
     if named is not None:
         return named
-    category = body.get(f"{body.name[0].lower()}{body.name[1:]}Category")
-    if body.name == "Pedestrian" and category not in ("animal", "wheelchair"):
-        category = "pedestrian"
+    said = f"{body.name[0].lower()}{body.name[1:]}Category"
+    if body.name == "Pedestrian":
+        category = body.word(said, "pedestrian", "animal", "wheelchair")
+    else:
+        category = body.get(said)
     alike = [one for one in catalogue.assets if classified(one) == (body.name, category)]
     kin = alike or [one for one in catalogue.assets if classified(one)[0] == body.name]
     if not kin:
         body.leave_out(f"the catalogue has nothing like a {category or body.name}")
         return None
     if not alike:
-        body.leave_out(f"the catalogue has no {category}; another {body.name} stands for it")
+        body.note(f"the catalogue has no {category}; another {body.name} stands for it")
     size = body.first("BoundingBox", "Dimensions")
     words = set(re.findall(r"[a-z]+", f"{body.get('name')} {entity.get('name')}".lower()))
     order = {one.id: index for index, one in enumerate(kin)}
@@ -66,9 +79,9 @@ def nearest_asset(entity: Node, catalogue: Catalogue) -> Asset | None:
 def weather(root: Node) -> Weather:
     """Return the weather of the first environment of a file, or ordinary weather."""
     environment = next(root.within("Environment"), None)
-    sky = environment.first("Weather") if environment is not None else None
-    if environment is None or sky is None:
+    if environment is None:
         return Weather()
+    sky = environment.first("Weather") or environment
     sun, fog = sky.first("Sun"), sky.first("Fog")
     elevation = 45.0
     if sun is not None:
@@ -78,32 +91,48 @@ def weather(root: Node) -> Weather:
     kind, amount = _precipitation(sky)
     road = environment.first("RoadCondition")
     friction = road.number("frictionScaleFactor", 1.0) if road is not None else 1.0
-    sight = fog.number("visualRange", CLEAR_AIR_M) if fog is not None else CLEAR_AIR_M
-    for left in ("Wind", "DomeImage"):
-        if (node := sky.first(left)) is not None:
-            node.leave_out("a scene's weather has none")
     return Weather(
-        sun_elevation_deg=round(min(max(elevation, -90.0), 90.0), 2),
-        fog_visual_range_m=round(min(max(sight, 1.0), CLEAR_AIR_M), 2),
+        sun_elevation_deg=round(
+            _kept(sun, elevation, -90.0, 90.0, "an elevation in degrees of"), 2
+        ),
+        fog_visual_range_m=round(_sight(fog), 2),
         precipitation=kind,
         precipitation_mm_h=amount,
         cloud_cover=_clouds(sky),
-        friction=round(min(max(friction, 0.01), 1.5), 3),
+        friction=round(_kept(road, friction, 0.01, 1.5, "a friction of"), 3),
     )
+
+
+def _kept(node: Node | None, value: float, low: float, high: float, what: str) -> float:
+    return value if node is None else node.bounded(value, low, high, what)
+
+
+def _sight(fog: Node | None) -> float:
+    """Return the visual range; all that is clear air is the same."""
+    if fog is None:
+        return CLEAR_AIR_M
+    sight = min(fog.number("visualRange", CLEAR_AIR_M), CLEAR_AIR_M)
+    return fog.bounded(sight, 1.0, CLEAR_AIR_M, "a visual range of")
 
 
 def _elevation(day: Node) -> float:
     """Return a plausible elevation of the sun at a time of day, degrees."""
     found = re.search(r"T(\d\d):", day.get("dateTime"))
     hour = int(found[1]) if found else 12
-    return round(50.0 * math.sin((hour - 6.0) / 12.0 * math.pi), 2)
+    elevation = round(50.0 * math.sin((hour - 6.0) / 12.0 * math.pi), 2)
+    day.note(f"the hour is read as {hour}, with the sun at {elevation:g} degrees")
+    return elevation
 
 
 def _clouds(sky: Node) -> float:
-    oktas = sky.get("fractionalCloudCover")
-    if oktas in OKTAS:
-        return OKTAS.index(oktas) / 8.0
-    return _CLOUDS.get(sky.get("cloudState"), 0.1)
+    oktas, state = sky.get("fractionalCloudCover"), sky.get("cloudState")
+    said = oktas or state
+    cover = _CLOUDS.get(said, Weather().cloud_cover)
+    if said and (said not in _CLOUDS or said in _UNSEEN):
+        sky.note(f"clouds {said[:40]!r} are read as a cover of {cover:g}")
+    if oktas and state and _CLOUDS.get(state) != cover:
+        sky.note(f"cloudState={state[:40]!r} is left out")
+    return cover
 
 
 def _precipitation(sky: Node) -> tuple[Precipitation, float]:
@@ -111,15 +140,21 @@ def _precipitation(sky: Node) -> tuple[Precipitation, float]:
     if falling is None:
         return "none", 0.0
     name = falling.get("precipitationType")
+    amount = _intensity(falling)
     kind: Precipitation = next((one for one in PRECIPITATIONS if one == name), "none")
-    if kind == "none":
-        return "none", 0.0
+    if kind == "none" and name not in ("dry", "none"):
+        falling.note(f"precipitation of kind {name[:40]!r} is left out")
+    elif kind == "none" and amount > 0.0:
+        falling.note(f"{amount:g} mm/h of nothing are left out")
+    amount = round(falling.bounded(amount, 0.0, _HEAVIEST_MM_H, "an intensity in mm/h of"), 2)
+    return (kind, amount) if kind != "none" and amount > 0.0 else ("none", 0.0)
+
+
+def _intensity(falling: Node) -> float:
+    """Return the precipitation, mm/h."""
     if falling.get("precipitationIntensity"):
-        amount = falling.number("precipitationIntensity")
-    else:
-        amount = 50.0 * falling.number("intensity", 0.0)
-        falling.leave_out("an intensity from 0 to 1 is read as up to 50 mm/h")
-    amount = round(min(amount, _HEAVIEST_MM_H), 2)
-    if amount <= 0.0:
-        return "none", 0.0
-    return kind, amount
+        return falling.number("precipitationIntensity")
+    amount = falling.number("intensity", 0.0)
+    if amount:
+        falling.note("an intensity from 0 to 1 is read as up to 50 mm/h")
+    return 50.0 * amount

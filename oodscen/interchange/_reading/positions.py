@@ -1,17 +1,24 @@
 """Positions in scenarios of other tools as poses, on their own roads or on an imagined straight one."""
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from oodscen.driving._roads.geometry import piecewise
-from oodscen.driving._roads.network import Network, Road
-from oodscen.driving._roads.routes import road_point
+from oodscen.driving._roads.network import Lane, LaneSection, Network, Road
+from oodscen.driving._roads.routes import Leg, road_point
 from oodscen.interchange._reading.tree import Node
 
 LANE_M = 3.5
 """Width of a lane of an imagined road, m."""
+_OVERHANG_M = 0.01
+"""Length by which a place may lie beyond the end of its road, m."""
 _ROUNDING_M = 1e-6
 """Distance before a lane section from which a place belongs to it, m."""
+_SAMPLE_M = 2.0
+"""Distance of the points of a road among which the nearest is looked for, m."""
+_STEPS = 20
+"""Steps in which the place beside a pose is found; each squares its error."""
 
 
 class Pose(NamedTuple):
@@ -23,6 +30,8 @@ class Pose(NamedTuple):
     road: str = ""
     lane: int = 0
     s: float = 0.0
+    direction: int = 0
+    """+1 in a lane with traffic along the road's reference line, -1 against it, 0 if no lane is known."""
 
     def moved(self, ahead: float, left: float, turn: float = 0.0) -> "Pose":
         """Return a pose relative to this one."""
@@ -36,9 +45,29 @@ class Pose(NamedTuple):
         dx, dy = self.x - origin.x, self.y - origin.y
         return dx * cos + dy * sin, dy * cos - dx * sin
 
+    def lanes_to(self, lane: int) -> int:
+        """Return the number of lanes to another of the road, positive where ids grow; 0 is not a lane."""
+        lanes = lane - self.lane
+        if lane * self.lane < 0:
+            lanes -= 1 if lanes > 0 else -1
+        return lanes
+
+    def lane_beside(self, count: int) -> int:
+        """Return the id of the lane that is a number of lanes to the left in this one's direction."""
+        lane = self.lane + self.direction * count
+        return lane + self.direction if lane * self.lane <= 0 else lane
+
 
 class Roads(Protocol):
     """The places of lanes."""
+
+    def has_lane(self, road: str, s: float, lane: int) -> bool:
+        """Return whether a road has a lane at `s`."""
+        ...
+
+    def reaches(self, road: str, s: float) -> bool:
+        """Return whether `s` is on a road."""
+        ...
 
     def at(self, node: Node, road: str, s: float, lane: int, offset: float) -> Pose:
         """Return the pose at an offset from a lane's centre; lane 0 is the reference line."""
@@ -48,11 +77,19 @@ class Roads(Protocol):
 class StraightRoad:
     """One straight road, for scenarios without the file of their own roads."""
 
+    def has_lane(self, road: str, s: float, lane: int) -> bool:
+        """Return whether a lane is one: all are but the reference line."""
+        return lane != 0
+
+    def reaches(self, road: str, s: float) -> bool:
+        """Return true: the road has no ends."""
+        return True
+
     def at(self, node: Node, road: str, s: float, lane: int, offset: float) -> Pose:
         """Return the pose on a road along x whose right lanes have negative ids."""
         middle = (lane + 0.5 if lane < 0 else lane - 0.5) * LANE_M if lane else 0.0
         turned = math.pi if lane > 0 else 0.0
-        return Pose(s, middle + offset, turned, road, lane, s)
+        return Pose(s, middle + offset, turned, road, lane, s, -1 if lane > 0 else 1)
 
 
 class MappedRoads:
@@ -65,33 +102,77 @@ class MappedRoads:
         """Return the pose on a road of the file.
 
         Raises:
-            DataError: If there is no such road or lane.
+            DataError: If there is no such road or lane, or the road ends before.
         """
         found = self.network.roads.get(road)
         if found is None:
             raise node.fault(f"the map has no road {road[:40]!r}")
+        if not self.reaches(road, s):
+            raise node.fault(f"road {road[:40]!r} goes from 0 to {found.length:g} m, not to {s:g}")
         s = min(max(s, 0.0), found.length)
         point = road_point(found, s)
         t = _lane_centre(node, found, s, lane) + offset
         x, y = point.x - t * math.sin(point.heading), point.y + t * math.cos(point.heading)
-        against = lane > 0 if not found.left_hand else lane < 0
-        return Pose(x, y, point.heading + (math.pi if against else 0.0), road, lane, s)
+        direction = _direction(found, s, lane)
+        heading = point.heading + (math.pi if direction < 0 else 0.0)
+        return Pose(x, y, heading, road, lane, s, direction)
+
+    def has_lane(self, road: str, s: float, lane: int) -> bool:
+        """Return whether a road has a lane at `s`; the reference line is none."""
+        found = self.network.roads.get(road)
+        return found is not None and lane != 0 and lane in _lanes(found, s)
+
+    def reaches(self, road: str, s: float) -> bool:
+        """Return whether `s` is on a road, but for rounding."""
+        return -_OVERHANG_M <= s <= self.network.roads[road].length + _OVERHANG_M
 
     def nearest(self, pose: Pose) -> tuple[Road, float, bool]:
-        """Return the road under a pose, s on it, and true if the pose heads along it."""
-        best: tuple[float, Road, float, bool] | None = None
-        for road in self.network.roads.values():
-            if road.junction:
-                continue
-            steps = max(1, int(road.length / 2.0))
+        """Return the road of a pose, s on it, and true if the pose heads along it."""
+        best: tuple[float, Road, float] | None = None
+        for road in self._candidates(pose):
+            steps = max(1, int(road.length / _SAMPLE_M))
             for index in range(steps + 1):
                 s = road.length * index / steps
                 point = road_point(road, s)
                 far = math.hypot(point.x - pose.x, point.y - pose.y)
                 if best is None or far < best[0]:
-                    best = (far, road, s, math.cos(point.heading - pose.heading) >= 0.0)
+                    best = (far, road, s)
         assert best is not None, "a network has roads"
-        return best[1:]
+        _, road, near = best
+        s = _projected(road, pose, near)
+        along = math.cos(road_point(road, s).heading - pose.heading) >= 0.0
+        return road, s, pose.direction > 0 if pose.direction else along
+
+    def _candidates(self, pose: Pose) -> list[Road]:
+        """Return the road that a pose names, or all outside junctions."""
+        if pose.road in self.network.roads:
+            return [self.network.roads[pose.road]]
+        return [one for one in self.network.roads.values() if not one.junction]
+
+
+def _projected(road: Road, pose: Pose, near: float) -> float:
+    """Return s of the point of a reference line that a pose stands beside, from an s near it."""
+    s = near
+    for _ in range(_STEPS):
+        point = road_point(road, s)
+        along, left = pose.offset_from(Pose(point.x, point.y, point.heading))
+        bend = max(1.0 - point.curvature * left, 0.1)
+        s = min(max(s + along / bend, 0.0, near - _SAMPLE_M), road.length, near + _SAMPLE_M)
+    return s
+
+
+def _lanes(road: Road, s: float) -> dict[int, Lane]:
+    """Return the lanes of a road at `s`, by id."""
+    return {one.id: one for one in _section(road, s).lanes}
+
+
+def _section(road: Road, s: float) -> LaneSection:
+    return [one for one in road.sections if one.s <= s + _ROUNDING_M][-1]
+
+
+def _direction(road: Road, s: float, lane: int) -> int:
+    """Return +1 if a lane's traffic runs along the reference line, as that line itself does, else -1."""
+    return Leg(road, True).direction_of(_lanes(road, s)[lane]) if lane else 1
 
 
 def _lane_centre(node: Node, road: Road, s: float, lane: int) -> float:
@@ -99,7 +180,7 @@ def _lane_centre(node: Node, road: Road, s: float, lane: int) -> float:
     base = piecewise(road.lane_offset, s)
     if lane == 0:
         return base
-    section = [one for one in road.sections if one.s <= s + _ROUNDING_M][-1]
+    section = _section(road, s)
     side = 1 if lane > 0 else -1
     widths = {one.id: piecewise(one.widths, s - section.s) for one in section.lanes}
     if lane not in widths:
@@ -120,50 +201,85 @@ class Positions:
         self.side = -1.0 if is_mirrored else 1.0
         self.known: dict[str, Pose] = {}
 
+    def reference(self, holder: Node) -> str:
+        """Return the entity to which a `Position` is relative, if it is."""
+        return next((one.get("entityRef") for one in holder.children()), "")
+
     def read(self, holder: Node) -> Pose | None:
         """Return the pose of a `Position`, or `None` after recording that it cannot be used."""
         for node in holder.children():
             found = self._pose(node)
-            if found is None:
-                node.leave_out("this kind of position is not read")
-            return None if found is None else _turned(node, found)
+            if found is not None:
+                return _turned(node, found)
+            reference = node.get("entityRef")
+            node.leave_out(
+                f"is relative to {reference[:40]!r}, whose place is not known"
+                if reference
+                else "this kind of position is not read"
+            )
+            return None
         return None
 
     def _pose(self, node: Node) -> Pose | None:
-        kind = node.name
-        if kind == "WorldPosition":
-            y, heading = self.side * node.number("y"), self.side * node.number("h", 0.0)
-            return Pose(node.number("x"), y, heading)
-        if kind == "LanePosition":
-            road, s, lane = node.get("roadId"), node.number("s"), int(node.number("laneId"))
-            return self.roads.at(node, road, s, lane, node.number("offset", 0.0))
-        if kind == "RoadPosition":
-            road, s, t = node.get("roadId"), node.number("s"), node.number("t")
-            return self.roads.at(node, road, s, 0, t)
+        reader = _READERS.get(node.name)
+        return None if reader is None else reader(self, node)
+
+    def _world(self, node: Node) -> Pose:
+        y, heading = self.side * node.number("y"), self.side * node.number("h", 0.0)
+        return Pose(node.number("x"), y, heading)
+
+    def _lane(self, node: Node) -> Pose:
+        road, s, lane = node.get("roadId"), node.number("s"), node.integer("laneId")
+        if lane == 0:
+            node.note("lane 0 is the reference line of the road and is read as that")
+        return self.roads.at(node, road, s, lane, node.number("offset", 0.0))
+
+    def _road(self, node: Node) -> Pose:
+        return self.roads.at(node, node.get("roadId"), node.number("s"), 0, node.number("t"))
+
+    def _relative_object(self, node: Node) -> Pose | None:
+        origin = self.known.get(node.get("entityRef"))
+        return origin and origin.moved(node.number("dx"), node.number("dy"))
+
+    def _relative_world(self, node: Node) -> Pose | None:
         origin = self.known.get(node.get("entityRef"))
         if origin is None:
             return None
-        if kind in ("RelativeObjectPosition", "RelativeWorldPosition"):
-            dx, dy = node.number("dx"), node.number("dy")
-            if kind == "RelativeObjectPosition":
-                return origin.moved(dx, dy)
-            return origin._replace(x=origin.x + dx, y=origin.y + dy, road="")
-        if kind == "RelativeRoadPosition":
-            return origin.moved(node.number("ds"), node.number("dt"))
-        if kind == "RelativeLanePosition":
-            return self._relative_lane(node, origin)
-        return None
+        dx, dy = node.number("dx"), self.side * node.number("dy")
+        return Pose(origin.x + dx, origin.y + dy, origin.heading)
 
-    def _relative_lane(self, node: Node, origin: Pose) -> Pose:
-        ahead, lanes = node.number("ds", node.number("dsLane", 0.0)), int(node.number("dLane"))
-        offset = node.number("offset", 0.0)
-        if not origin.road:
-            return origin.moved(ahead, lanes * LANE_M + offset)
-        side = -1 if origin.lane > 0 else 1
-        lane = origin.lane + side * lanes
-        if lane * origin.lane <= 0:
-            lane += side
-        return self.roads.at(node, origin.road, origin.s + side * ahead, lane, offset)
+    def _relative_road(self, node: Node) -> Pose | None:
+        origin = self.known.get(node.get("entityRef"))
+        if origin is None:
+            return None
+        node.note("is read as ahead of the entity and to its left")
+        return origin.moved(node.number("ds"), node.number("dt"))
+
+    def _relative_lane(self, node: Node) -> Pose | None:
+        origin = self.known.get(node.get("entityRef"))
+        if origin is None:
+            return None
+        ahead, lanes = node.number("ds", node.number("dsLane", 0.0)), node.integer("dLane")
+        offset, s = node.number("offset", 0.0), origin.s + origin.direction * ahead
+        if not origin.lane:
+            node.note(f"is read as ahead of the entity, with lanes of {LANE_M:g} m")
+        elif not self.roads.reaches(origin.road, s):
+            node.note(f"leaves road {origin.road[:40]!r} and is read as straight ahead")
+        else:
+            lane = origin.lane_beside(lanes)
+            return self.roads.at(node, origin.road, s, lane, offset)
+        return origin.moved(ahead, lanes * LANE_M + offset)
+
+
+_READERS: dict[str, Callable[[Positions, Node], Pose | None]] = {
+    "WorldPosition": Positions._world,
+    "LanePosition": Positions._lane,
+    "RoadPosition": Positions._road,
+    "RelativeObjectPosition": Positions._relative_object,
+    "RelativeWorldPosition": Positions._relative_world,
+    "RelativeRoadPosition": Positions._relative_road,
+    "RelativeLanePosition": Positions._relative_lane,
+}
 
 
 def _turned(node: Node, pose: Pose) -> Pose:
@@ -172,6 +288,6 @@ def _turned(node: Node, pose: Pose) -> Pose:
     if orientation is None:
         return pose
     turn = orientation.number("h", 0.0)
-    if orientation.get("type", "absolute") == "relative":
+    if orientation.word("type", "absolute", "relative") == "relative":
         return pose._replace(heading=pose.heading + turn)
     return pose._replace(heading=turn) if orientation.get("h") else pose

@@ -20,6 +20,7 @@ from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import DataError, Issue, OodscenError, UsageError
 from oodscen.interchange._reading.actions import ActionReader, behaviour
 from oodscen.interchange._reading.assets import nearest_asset, weather
+from oodscen.interchange._reading.leftovers import leftovers
 from oodscen.interchange._reading.positions import (
     LANE_M,
     MappedRoads,
@@ -29,6 +30,7 @@ from oodscen.interchange._reading.positions import (
     StraightRoad,
 )
 from oodscen.interchange._reading.tree import NOUN, Node, ScenarioTree
+from oodscen.interchange._reading.triggers import AT_ONCE, TriggerReader
 from oodscen.interchange._writing.properties import DIGEST, SCENE, content_digest
 from oodscen.interchange._writing.roads import ROAD_DIGEST, road_file
 
@@ -44,6 +46,10 @@ _DECISION_TTC_S = 3.0
 _LONGEST_TITLE = 500
 _NEAR_M, _FAR_M = -150.0, 300.0
 """Limits of an actor's place ahead of the ego, m."""
+_LANES = 6
+"""Limit of the lanes between the ego and an actor."""
+_ASIDE_M, _TURNED_DEG = 0.05, 1.0
+"""Offset and turn of the ego in its lane that are not worth a note."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -94,7 +100,7 @@ def read_openscenario(
             )
         return ImportedScene(own)
     scene = _Assembly(tree, catalogue, road, hazards, llm).scene()
-    found = [*tree.omissions, *staging_issues(scene, catalogue)]
+    found = [*tree.omissions, *leftovers(tree), *staging_issues(scene, catalogue)]
     return ImportedScene(scene, tuple(found))
 
 
@@ -127,7 +133,7 @@ def _check_version(tree: ScenarioTree) -> bool:
     if major != _MAJOR:
         raise header.fault(f"version {major[:20]!r} is not read; 1.0 to 1.3 are", "revMajor")
     if minor not in _MINORS:
-        header.leave_out(f"version 1.{minor[:20]} is unknown and read as 1.3")
+        header.note(f"version 1.{minor[:20]} is unknown and read as 1.3")
     return minor in _MINORS
 
 
@@ -141,15 +147,13 @@ def _own_scene(tree: ScenarioTree, catalogue: Catalogue) -> Scene | None:
     if SCENE not in said:
         return None
     if said.get(DIGEST) != content_digest(tree.root.element, said[SCENE]):
-        header.leave_out("the file was changed after its export and is read by its elements")
+        header.note("the file was changed after its export and is read by its elements")
         return None
     scene = Scene.parse(said[SCENE], source=str(tree.path))
     road = tree.root.first("RoadNetwork", "LogicFile")
     if road is None or _is_own_road(tree.path.parent / road.get("filepath"), scene, catalogue):
         return scene
-    road.leave_out(
-        "the road file was changed after the export, and the file is read by its elements"
-    )
+    road.note("the road file was changed after the export, and the file is read by its elements")
     return None
 
 
@@ -195,12 +199,13 @@ class _Assembly:
             roads = MappedRoads(read_network(read_map(self.map), source=self.map))
         is_mirrored = _header(tree).get("description").startswith(_MIRRORED)
         self.positions = Positions(roads, is_mirrored=is_mirrored)
-        self.actions = ActionReader(self.root, self.positions, self.ego)
         self._place_entities()
-        self.actions.read()
         start = self._centre(self.ego)
         if start is None:
-            raise self.entities[self.ego].fault("the ego has no start that can be read")
+            raise self._no_start()
+        self.triggers = TriggerReader(self.positions, self.entities, self.ego, _identifier)
+        self.actions = ActionReader(self.root, self.positions, self.triggers, self.ego)
+        self.actions.read()
         self.start = start
         self.is_mapped = is_mapped
         self.corridor = (
@@ -208,6 +213,8 @@ class _Assembly:
         )
         if not self.corridor.ego_lanes:
             raise self.entities[self.ego].fault("the ego does not start beside a driving lane")
+        if is_mapped:
+            self._note_start()
 
     def scene(self) -> Scene:
         """Return the scene.
@@ -220,6 +227,7 @@ class _Assembly:
             for name, entity in self.entities.items()
             if name != self.ego and (actor := self._actor(name, entity)) is not None
         ]
+        actors = self._with_known_triggers(actors)
         unusual = self._unusual(actors)
         name = _identifier(self.tree.path.stem)
         decision = self._decision(next(one for one in actors if one.id == unusual[0]))
@@ -237,6 +245,18 @@ class _Assembly:
             source=str(self.tree.path),
         )
 
+    def _with_known_triggers(self, actors: list[Actor]) -> list[Actor]:
+        """Return the actors, without triggers by those that are not in the scene."""
+        names = {None, *(one.id for one in actors)}
+        kept = []
+        for actor in actors:
+            does = actor.behaviour
+            if does.trigger.actor not in names:
+                self.root.note(f"{actor.id} acts at once: {does.trigger.actor} is not in the scene")
+                does = does.model_copy(update={"trigger": AT_ONCE})
+            kept.append(actor.model_copy(update={"behaviour": does}))
+        return kept
+
     def _unusual(self, actors: Sequence[Actor]) -> list[str]:
         """Return the actors that are the hazard: the given ones, those that a model names, or the first that acts."""
         unusual = [_identifier(name) for name in self.hazards]
@@ -251,11 +271,19 @@ class _Assembly:
             return self._asked(self.llm, actors)
         acting = [one for one in actors if one.behaviour.name not in USUAL]
         first = (acting or actors)[0].id
-        self.root.leave_out(f"no hazard was named; {first} is taken to be it")
+        self.root.note(f"no hazard was named; {first} is taken to be it")
         return [first]
 
     def _no_hazard(self, message: str) -> DataError:
-        return DataError(NOUN, [Issue("hazard", message)], source=str(self.tree.path))
+        return self._refused(Issue("hazard", message))
+
+    def _no_start(self) -> DataError:
+        where = self.entities[self.ego].where
+        return self._refused(Issue(where, "the ego has no start that can be read"))
+
+    def _refused(self, issue: Issue) -> DataError:
+        """Return the error for what a scene must have, with all that was left out and may be its cause."""
+        return DataError(NOUN, [issue, *self.tree.omissions], source=str(self.tree.path))
 
     def _asked(self, llm: "LLM", actors: Sequence[Actor]) -> list[str]:
         """Return the unusual actors as a model names them."""
@@ -274,7 +302,7 @@ class _Assembly:
             for one in actors
         )
         answer = ask(llm, MarkHazard(title=title[:_LONGEST_TITLE], actors=lines))
-        self.root.leave_out(
+        self.root.note(
             f"no hazard was named; {llm.name} takes {', '.join(answer.actors)} to be it: {answer.reasoning[:200]}"
         )
         return answer.actors
@@ -286,7 +314,7 @@ class _Assembly:
             if name.lower() in _EGO_NAMES or "ego" in name.lower():
                 return name
         for name in self.entities:
-            self.root.leave_out(f"no entity is called ego; {name} is taken to be it")
+            self.root.note(f"no entity is called ego; {name} is taken to be it")
             return name
         raise self.root.fault("has no entities")
 
@@ -302,19 +330,20 @@ class _Assembly:
         return str(path.resolve())
 
     def _place_entities(self) -> None:
-        waiting = {
-            private.get("entityRef"): holder
-            for private in self.root.all("Storyboard", "Init", "Actions", "Private")
-            if (holder := _teleport(private)) is not None
-        }
-        for _ in range(len(waiting)):
-            before = len(self.tree.omissions)
-            for name, holder in list(waiting.items()):
-                if (pose := self.positions.read(holder)) is not None:
-                    self.positions.known[name] = pose
-                    del waiting[name]
-            if waiting:
-                del self.tree.omissions[before:]
+        """Read the starts, each after that of the entity to which it is relative."""
+        waiting: dict[str, list[tuple[str, Node]]] = {}
+        for private in self.root.all("Storyboard", "Init", "Actions", "Private"):
+            if (holder := _teleport(private)) is not None:
+                reference = self.positions.reference(holder)
+                waiting.setdefault(reference, []).append((private.get("entityRef"), holder))
+        ready = waiting.pop("", [])
+        for name, holder in ready:  # It grows by those that wait for an entity.
+            if (pose := self.positions.read(holder)) is not None:
+                self.positions.known[name] = pose
+                ready.extend(waiting.pop(name, []))
+        for held in waiting.values():
+            for _, holder in held:
+                self.positions.read(holder)  # Records why it cannot be read.
 
     def _centre(self, name: str) -> Pose | None:
         """Return the pose of an entity's centre, which is ahead of a vehicle's reference point."""
@@ -324,25 +353,32 @@ class _Assembly:
             return pose
         ahead, left = middle.number("x", 0.0), middle.number("y", 0.0)
         centre = pose.moved(ahead, left)
-        side = -1 if pose.lane > 0 else 1
-        return centre._replace(road=pose.road, lane=pose.lane, s=pose.s + side * ahead)
+        return centre._replace(road=pose.road, direction=pose.direction)
 
     def _corridor(self, start: Pose) -> Corridor:
         """Return the corridor on which the ego starts in the file."""
         roads = self.positions.roads
         assert isinstance(roads, MappedRoads)
         road, s, forward = roads.nearest(start)
-        if start.road and start.road in roads.network.roads:
-            road, s = roads.network.roads[start.road], start.s
-            forward = start.lane < 0 or (start.lane == 0 and forward)
         usual = find_map(self.map, self.catalogue)
         if usual.road != road.id or abs(usual.start_m - s) > 1.0 or usual.forward != forward:
-            self.entities[self.ego].leave_out(
+            self.entities[self.ego].note(
                 f"the ego starts at {usual.start_m:g} m of road {usual.road}, not {s:g} m of {road.id}; actors keep "
                 "their distances to it"
             )
         place = {"road": road.id, "start_m": s, "forward": forward, "route": ()}
         return load_corridor(usual.model_copy(update=place))
+
+    def _note_start(self) -> None:
+        """Record how the ego stands in its lane, as in a scene it starts in the middle and along it."""
+        s, t = self.corridor.locate(self.start.x, self.start.y)
+        aside = t - self.corridor.centre(self._ego_strip(), s)
+        turn = math.degrees(math.remainder(self.start.heading - self.corridor.heading(s), math.tau))
+        if abs(aside) > _ASIDE_M or abs(turn) > _TURNED_DEG:
+            self.entities[self.ego].note(
+                f"the ego starts in the middle of its lane and along it, not {aside:.2f} m to the left and turned by "
+                f"{turn:.1f} degrees; actors keep their places on the road"
+            )
 
     def _ego_strip(self) -> int:
         """Return the strip in which the ego starts: the rightmost on a map that is not the file's own."""
@@ -354,10 +390,10 @@ class _Assembly:
         return strip if strip in lanes else lanes[0]
 
     def _ego(self) -> Ego:
-        speed = min(self.actions.speeds.get(self.ego, 0.0), 45.0)
+        speed = self.actions.speeds.get(self.ego, 0.0)
         if speed == 0.0:
             speed = round(self.corridor.speed_limit, 2)
-            self.entities[self.ego].leave_out(
+            self.entities[self.ego].note(
                 f"the ego has no speed at the start; {speed:g} m/s is the limit of its road"
             )
         return Ego(speed=round(speed, 3), lane=self.corridor.ego_lanes.index(self._ego_strip()))
@@ -367,7 +403,9 @@ class _Assembly:
     def _actor(self, name: str, entity: Node) -> Actor | None:
         asset = nearest_asset(entity, self.catalogue)
         pose = self._centre(name)
-        if asset is None or pose is None:
+        if asset is None:
+            return None
+        if pose is None:
             entity.leave_out("has no start that can be read")
             return None
         placed = self._placement(pose)
@@ -377,7 +415,7 @@ class _Assembly:
         is_against = abs(placed.heading_deg) > 135.0
         speed = self.actions.speeds.get(name, 0.0)
         actions = self.actions.actions.get(name, [])
-        does, heading = behaviour(asset, actions, speed, is_against, self.catalogue)
+        does, heading = behaviour(entity, asset, actions, speed, is_against, self.catalogue)
         if heading is not None:
             placed = self._placement(pose._replace(heading=heading))
         if does.name == "wrong_way":
@@ -399,11 +437,13 @@ class _Assembly:
             strip = own
         if road.strips[strip].direction < 0:
             turn += math.pi
-        lanes = road.driving.index(strip) - road.driving.index(own)
+        here = road.driving.index(own)
+        lanes = min(max(road.driving.index(strip) - here, -_LANES), _LANES)
+        strip = road.driving[here + lanes]
         # Its distances are checked later.
         return Placement.model_construct(
             ahead_m=round(s - road.start, 3),
-            lane=min(max(lanes, -6), 6),
+            lane=lanes,
             offset_m=round(t - road.centre(strip, s), 3),
             heading_deg=round(math.degrees(math.remainder(turn, math.tau)), 3),
         )
@@ -415,7 +455,8 @@ class _Assembly:
             return Trigger(kind="time", value=min(trigger.value + 0.5, 500.0))
         if trigger.kind == "time":
             return Trigger(kind="ttc", value=_DECISION_TTC_S, actor=hazard.id)
-        return Trigger(kind=trigger.kind, value=round(0.9 * trigger.value, 3), actor=hazard.id)
+        value = round(0.9 * trigger.value, 3)
+        return Trigger(kind=trigger.kind, value=value, actor=trigger.actor or hazard.id)
 
 
 def _teleport(private: Node) -> Node | None:

@@ -1,7 +1,7 @@
 """The tree of an OpenSCENARIO file with its parameters and catalogue references resolved."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from lxml import etree
@@ -23,7 +23,7 @@ _MAX_REFERENCES = 20_000
 
 
 class ScenarioTree:
-    """One file, the catalogues that it names, and the elements that a scene cannot hold."""
+    """One file, the catalogues that it names, what was read of them, and what a scene cannot hold."""
 
     def __init__(self, path: str | Path) -> None:
         """Read the file.
@@ -34,8 +34,17 @@ class ScenarioTree:
         self.path = Path(path)
         data = read_regular(path, NOUN, limit=MAX_BYTES)
         element = Document(str(path), "OpenSCENARIO").parse(data).element
-        self.omissions: list[Issue] = []
-        self._catalogues: dict[str, etree._Element] | None = None
+        self.omissions: dict[Issue, None] = {}
+        """Elements that a scene cannot hold, or that are read otherwise than written, in the order of reading."""
+        self.attributes: set[tuple[etree._Element, str]] = set()
+        """Attributes that were read."""
+        self.touched: set[etree._Element] = set()
+        """Elements that were read themselves or below."""
+        self.settled: set[etree._Element] = set()
+        """Elements with nothing more to tell: they are listed as left out, or mean nothing here."""
+        self.entered: dict[etree._Element, None] = {}
+        """Catalogue entries that references were resolved to."""
+        self._catalogues: _Catalogues | None = None
         self._followed = 0
         self.root = Node(self, element, {})
         if self.root.first("Storyboard") is None:
@@ -52,48 +61,70 @@ class ScenarioTree:
         self._followed += 1
         if self._followed > _MAX_REFERENCES:
             raise reference.fault(f"more than {_MAX_REFERENCES} catalogue references are followed")
-        name = reference.get("entryName")
-        found = self._entries().get(name)
-        if found is None:
-            raise reference.fault(f"no catalogue has an entry {name[:60]!r}")
+        found = self._entry(reference)
         given = {}
         for one in reference.element.iter():
             if name_of(one) == "ParameterAssignment":
                 assigned = Node(self, one, reference.scope)
-                given[one.get("parameterRef", "").lstrip("$")] = assigned.get("value")
+                given[assigned.get("parameterRef").lstrip("$")] = assigned.get("value")
+        self.entered[found] = None
         declared = declarations(found)
         return Node(self, found, {**reference.scope, **declared, **given}, depth + 1, given)
 
-    def _entries(self) -> dict[str, etree._Element]:
-        """Return the entries of all catalogues beside the file, by name."""
+    def touch(self, element: etree._Element) -> None:
+        """Record that an element is read, and with it that those around it are entered."""
+        one: etree._Element | None = element
+        while one is not None and one not in self.touched:
+            self.touched.add(one)
+            one = one.getparent()
+
+    def _entry(self, reference: "Node") -> etree._Element:
+        """Return the entry that a reference names."""
         if self._catalogues is None:
-            self._catalogues = {}
-            for folder in self._folders():
-                for path in sorted(folder.glob("*.xosc"))[:_MAX_CATALOGUES]:
-                    self._catalogues.update(_entries_of(path))
-        return self._catalogues
+            self._catalogues = _Catalogues(self._folders())
+        catalogue, name = reference.get("catalogName"), reference.get("entryName")
+        found = self._catalogues.entries.get((catalogue, name), [])
+        if not found:
+            message = f"no catalogue {catalogue[:60]!r} has an entry {name[:60]!r}"
+            raise reference.fault("; ".join([message, *self._catalogues.unread]))
+        if len(found) > 1:
+            reference.note(f"the entry {name[:60]!r} occurs {len(found)} times; the first counts")
+        if name_of(found[0]) == "CatalogReference":
+            raise reference.fault(f"the entry {name[:60]!r} is a reference itself")
+        return found[0]
 
     def _folders(self) -> Iterator[Path]:
         for one in self.root.element.iter():
             if name_of(one) == "Directory":
-                folder = self.path.parent / Node(self, one, self.root.scope).get("path")
-                if folder.is_dir():
-                    yield folder
+                yield self.path.parent / Node(self, one, self.root.scope).get("path")
 
 
-def _entries_of(path: Path) -> dict[str, etree._Element]:
-    try:
-        root = Document(str(path), "OpenSCENARIO").parse(
-            read_regular(path, "catalogue", limit=MAX_BYTES)
-        )
-    except DataError:
-        return {}  # References to it fail as missing entries.
-    found = {}
-    for catalogue in root.all("Catalog"):
-        for entry in catalogue.element:
-            if isinstance(entry.tag, str) and entry.get("name"):
-                found[entry.get("name", "")] = entry
-    return found
+class _Catalogues:
+    """The entries of the catalogues in some folders, and the files that could not be read."""
+
+    def __init__(self, folders: Iterable[Path]) -> None:
+        self.entries: dict[tuple[str, str], list[etree._Element]] = {}
+        self.unread: list[str] = []
+        for folder in dict.fromkeys(one.resolve() for one in folders):
+            if not folder.is_dir():
+                self.unread.append(f"there is no folder {folder.name[:60]!r}")
+                continue
+            for path in sorted(folder.glob("*.xosc"))[:_MAX_CATALOGUES]:
+                self._add(path)
+
+    def _add(self, path: Path) -> None:
+        try:
+            data = read_regular(path, "catalogue", limit=MAX_BYTES)
+            root = Document(str(path), "OpenSCENARIO").parse(data)
+            root.element.getroottree().docinfo.URL = path.name
+        except DataError as error:
+            self.unread.append(f"{path.name} cannot be read: {error.issues[0].message[:200]}")
+            return
+        for catalogue in root.all("Catalog"):
+            for entry in catalogue.element:
+                if isinstance(entry.tag, str) and (name := entry.get("name")):
+                    key = catalogue.element.get("name", ""), name
+                    self.entries.setdefault(key, []).append(entry)
 
 
 def declarations(element: etree._Element) -> dict[str, str]:
@@ -105,6 +136,12 @@ def declarations(element: etree._Element) -> dict[str, str]:
         for one in child
         if name_of(one) == "ParameterDeclaration"
     }
+
+
+def where(element: etree._Element) -> str:
+    """Return the line, the catalogue's file if it is in one, and the element, for messages."""
+    file = f" of {element.base}" if element.base else ""
+    return f"line {element.sourceline}{file}: {name_of(element)}"
 
 
 class Node:
@@ -133,7 +170,7 @@ class Node:
     @property
     def where(self) -> str:
         """The line and the element, for messages."""
-        return f"line {self.element.sourceline}: {self.name}"
+        return where(self.element)
 
     def fault(self, message: str, attribute: str = "") -> DataError:
         """Return the error that refuses the file for a fault here."""
@@ -142,9 +179,22 @@ class Node:
 
     def leave_out(self, why: str) -> None:
         """Record that a scene cannot hold this element."""
-        issue = Issue(self.where, why)
-        if issue not in self.tree.omissions:
-            self.tree.omissions.append(issue)
+        self.note(why)
+        self.settle()
+
+    def note(self, what: str) -> None:
+        """Record that this element is read otherwise than it is written."""
+        self.tree.omissions[Issue(self.where, what)] = None
+
+    def touched(self) -> "Node":
+        """Return this node after recording that it is read."""
+        self.tree.touch(self.element)
+        return self
+
+    def settle(self) -> None:
+        """Record that nothing more is to be told of this element and those in it."""
+        self.tree.touch(self.element)
+        self.tree.settled.add(self.element)
 
     def get(self, name: str, default: str = "") -> str:
         """Return an attribute with its parameters replaced.
@@ -152,6 +202,8 @@ class Node:
         Raises:
             DataError: If a parameter is unknown or cyclic.
         """
+        self.tree.touch(self.element)
+        self.tree.attributes.add((self.element, name))
         text = self.element.get(name)
         if text is None:
             return default
@@ -177,6 +229,36 @@ class Node:
             raise self.fault(f"{text[:40]!r} is not a number within +-1e9", name)
         return value
 
+    def integer(self, name: str, default: int | None = None) -> int:
+        """Return an integer attribute.
+
+        Raises:
+            DataError: If it is missing without a default, or no integer.
+        """
+        value = self.number(name, default)
+        if not value.is_integer():
+            raise self.fault(f"{value:g} is not an integer", name)
+        return int(value)
+
+    def is_true(self, name: str) -> bool:
+        """Return whether an attribute is true; a missing one is not."""
+        return self.word(name, "false", "true", "0", "1") in ("true", "1")
+
+    def word(self, name: str, usual: str, *others: str) -> str:
+        """Return an attribute that is one of some words, the usual one if it is missing or, as recorded, unknown."""
+        word = self.get(name).strip() or usual
+        if word in (usual, *others):
+            return word
+        self.note(f"{name}={word[:40]!r} is read as {usual!r}")
+        return usual
+
+    def bounded(self, value: float, low: float, high: float, what: str) -> float:
+        """Return the value nearest to one of this element that a scene can hold, and record that it differs."""
+        kept = min(max(value, low), high)
+        if kept != value:
+            self.note(f"{what} {value:g} is read as {kept:g}")
+        return kept
+
     def children(self) -> Iterator["Node"]:
         """Yield the child elements, with catalogue references resolved."""
         for one in self.element:
@@ -192,18 +274,18 @@ class Node:
             if found is None:
                 return None
             found = next((one for one in found.children() if one.name == name), None)
-        return found
+        return found and found.touched()
 
     def all(self, *names: str) -> list["Node"]:
         """Return the elements at the end of a chain of names, in order."""
         found = [self]
         for name in names:
             found = [one for parent in found for one in parent.children() if one.name == name]
-        return found
+        return [one.touched() for one in found]
 
     def within(self, name: str) -> Iterator["Node"]:
         """Yield all descendants of a name, references resolved."""
         for one in self.children():
             if one.name == name:
-                yield one
+                yield one.touched()
             yield from one.within(name)

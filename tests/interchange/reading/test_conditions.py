@@ -1,0 +1,242 @@
+"""Conditions, acts and the times of courses as triggers of a scene."""
+
+import pytest
+
+from oodscen.errors import OodscenError
+from tests.interchange.reading.files import (
+    at,
+    by_entity,
+    cars,
+    entity,
+    event,
+    file,
+    lane,
+    near,
+    notes,
+    read,
+    speed,
+    start,
+    world,
+)
+
+STOP = speed(0, "linear", 6, "rate")
+
+
+def trigger(found):
+    one = found.scene.actors[0].behaviour.trigger
+    return one.kind, one.value, one.actor
+
+
+def crowd(condition, lengths=(4.5, 4.5, 4.5), ahead=(1.4, 1.4, 1.4)):
+    names, places = ("ego", "a", "b"), (lane(200), lane(250), lane(300, -2))
+    bodies = [
+        entity(name, ahead=far, length=length)
+        for name, far, length in zip(names, ahead, lengths, strict=True)
+    ]
+    starts = [start(name, place, 5) for name, place in zip(names, places, strict=True)]
+    return file(bodies, starts, event(STOP, condition))
+
+
+@pytest.mark.parametrize(
+    ("condition", "expected"),
+    [
+        (by_entity(near(20)), ("distance", 20.0, None)),
+        (by_entity(near(20, "ego"), "a"), ("distance", 20.0, None)),
+        (by_entity(near(20, "b")), ("distance", 20.0, "b")),
+        (by_entity(near(20, freespace="true")), ("distance", 25.5, None)),
+    ],
+)
+def test_a_distance_is_that_of_the_entities_which_it_names(condition, expected, tmp_path):
+    found = read(tmp_path, crowd(condition, lengths=(4.5, 6.5, 4.5)))
+    assert trigger(found) == expected
+
+
+def test_a_distance_of_reference_points_is_read_as_that_of_centres(tmp_path):
+    found = read(tmp_path, crowd(by_entity(near(20)), ahead=(1.4, 3.4, 1.4)))
+    assert trigger(found) == ("distance", 22.0, None)
+
+
+@pytest.mark.parametrize(
+    ("condition", "note"),
+    [
+        (by_entity(near(20, "b"), "a"), "a condition of a and b, not of the ego"),
+        (by_entity(near(20, "zz")), "there is no entity 'zz'"),
+        (by_entity(near(20), "zz"), "there is no entity 'zz'"),
+        (by_entity(near(20), "ego", "b"), "a condition of several entities"),
+        (by_entity(near(20, kind="lateral")), "a lateral distance is not read"),
+        (by_entity(near(20, rule="greaterThan")), "rule='greaterThan' is not read"),
+    ],
+)
+def test_a_condition_that_no_trigger_says_is_noted(condition, note, tmp_path):
+    found = notes(read(tmp_path, crowd(condition)))
+    assert any(note in one for one in found)
+    assert any("it starts at once" in one for one in found)
+
+
+def test_a_delay_after_a_distance_is_noted_and_after_a_time_added(tmp_path):
+    found = read(tmp_path, cars(event(STOP, at(3), delay=2)))
+    assert trigger(found) == ("time", 5.0, None)
+    found = read(tmp_path, cars(event(STOP, by_entity(near(20)), delay=2)))
+    assert trigger(found) == ("distance", 20.0, None)
+    assert any("the delay of 2 s" in one for one in notes(found))
+
+
+@pytest.mark.parametrize(("seconds", "kept"), [(1e6, 500.0), (-3, 0.0)])
+def test_a_time_beyond_a_scene_is_noted(seconds, kept, tmp_path):
+    found = read(tmp_path, cars(event(STOP, at(seconds))))
+    assert trigger(found)[1] == kept
+    assert any(f"is read as {kept:g}" in one for one in notes(found))
+
+
+def act(condition, tag="StartTrigger"):
+    held = f'<Condition name="d" delay="0" conditionEdge="none">{condition}</Condition>'
+    return f"<{tag}><ConditionGroup>{held}</ConditionGroup></{tag}>"
+
+
+def test_an_event_starts_after_its_act(tmp_path):
+    for first, then, both in ((5, 3, 5.0), (3, 5, 5.0), (0, 3, 3.0)):
+        found = read(tmp_path, cars(event(STOP, at(then), act=act(at(first)))))
+        assert trigger(found) == ("time", both, None)
+    found = read(tmp_path, cars(event(STOP, at(0), act=act(by_entity(near(20))))))
+    assert trigger(found) == ("distance", 20.0, None)
+    found = read(tmp_path, cars(event(STOP, by_entity(near(20)), act=act(at(5)))))
+    assert any("the act starts by a time" in one for one in notes(found))
+
+
+@pytest.mark.parametrize(
+    ("condition", "kept"),
+    [
+        (at(0), 7.0),
+        (
+            '<ByValueCondition><StoryboardElementStateCondition storyboardElementType="story" '
+            'storyboardElementRef="s" state="runningState"/></ByValueCondition>',
+            7.0,
+        ),
+        (at(4), 10.0),
+        (by_entity(near(20)), 10.0),
+        ("<ByEntityCondition/>", 10.0),
+    ],
+)
+def test_only_what_the_ego_does_at_once_is_its_first_speed(condition, kept, tmp_path):
+    found = read(tmp_path, cars(event(speed(7), condition, name="ego")))
+    assert found.scene.ego.speed == kept
+
+
+def test_what_ends_an_act_is_noted(tmp_path):
+    found = read(tmp_path, cars(event(STOP, at(3), act=act(at(1), "StopTrigger"))))
+    assert any("StopTrigger: is not read" in one for one in notes(found))
+
+
+def test_the_event_of_an_entity_that_does_not_exist_is_noted(tmp_path):
+    found = notes(read(tmp_path, cars(event(STOP, at(3), name="zz"))))
+    assert any("EntityRef: there is no entity 'zz'" in one for one in found)
+
+
+def test_a_change_to_a_lane_that_does_not_exist_is_left_out(tmp_path):
+    change = (
+        "<PrivateAction><LateralAction><LaneChangeAction><LaneChangeTarget>"
+        '<AbsoluteTargetLane value="9"/></LaneChangeTarget></LaneChangeAction></LateralAction></PrivateAction>'
+    )
+    found = read(tmp_path, cars(event(change, at(3))))
+    assert found.scene.actors[0].behaviour.name == "follow_lane"
+    assert any("road '1' has no lane 9" in one for one in notes(found))
+
+
+# ------------------------------------------------------------------ courses
+
+
+def course(timing, times=(0, 8), closed="false", condition=None, first=0):
+    vertices = "".join(
+        f'<Vertex time="{time}"><Position>{world(250, y, 1.5708)}</Position></Vertex>'
+        for time, y in zip(times, (-8, 8), strict=True)
+    )
+    action = (
+        f'<PrivateAction><RoutingAction><FollowTrajectoryAction><Trajectory name="t" closed="{closed}">'
+        f"<Shape><Polyline>{vertices}</Polyline></Shape></Trajectory><TimeReference>{timing}</TimeReference>"
+        '<TrajectoryFollowingMode followingMode="position"/></FollowTrajectoryAction></RoutingAction></PrivateAction>'
+    )
+    starts = [start("ego", lane(200), 10), start("a", world(250, -8, 1.5708), first)]
+    bodies = [entity("ego"), entity("a", "pedestrian", 0.0, 0.5, 0.6)]
+    return file(bodies, starts, event(action, condition or at(3)))
+
+
+def timing(scale=1, offset=0, domain="relative"):
+    return f'<Timing domainAbsoluteRelative="{domain}" scale="{scale}" offset="{offset}"/>'
+
+
+@pytest.mark.parametrize(
+    ("timed", "times", "pace", "begins"),
+    [
+        (timing(), (0, 8), 2.0, 3.0),
+        (timing(2), (0, 8), 1.0, 3.0),
+        (timing(1, 4), (0, 8), 2.0, 7.0),
+        (timing(1, 0, "absolute"), (10, 18), 2.0, 10.0),
+        (timing(1, 0, "absolute"), (1, 9), 2.0, 3.0),
+    ],
+)
+def test_a_course_keeps_its_times(timed, times, pace, begins, tmp_path):
+    found = read(tmp_path, course(timed, times))
+    assert found.scene.actors[0].behaviour.parameters == {"distance": 16.0, "speed": pace}
+    assert trigger(found) == ("time", begins, None)
+
+
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        (course(timing(0)), "times cannot be scaled by 0"),
+        (course(timing(-1)), "times cannot be scaled by -1"),
+        (course(timing(), (8, 0)), "the times of the course do not grow"),
+        (course(timing(), closed="true"), "closed='true' is not read"),
+        (course(timing(1, 4), condition=by_entity(near(20))), "not at 4 s"),
+        (course("<None/>"), "no speed of its own"),
+    ],
+)
+def test_a_course_whose_times_cannot_be_kept_is_noted(text, note, tmp_path):
+    assert any(note in one for one in notes(read(tmp_path, text)))
+
+
+def test_times_without_a_reference_do_not_count_for_what_moves(tmp_path):
+    found = read(tmp_path, course("<None/>", first=1.0))
+    assert found.scene.actors[0].behaviour.parameters["speed"] == 1.0
+
+
+# ------------------------------------------------------------------ catalogues
+
+CAR = '<Vehicle name="v" vehicleCategory="car"/>'
+HELD = "<VehicleCatalog><Directory path='cars'/></VehicleCatalog>"
+USED = '<ScenarioObject name="a"><CatalogReference catalogName="C" entryName="v"/></ScenarioObject>'
+
+
+def from_catalogue(folder, content, name="C"):
+    (folder / "cars").mkdir()
+    text = f'<OpenSCENARIO><FileHeader/><Catalog name="{name}">{content}</Catalog></OpenSCENARIO>'
+    (folder / "cars" / "c.xosc").write_text(text)
+    starts = [start("ego", lane(200), 10), start("a", lane(250), 5)]
+    return read(folder, file([entity("ego"), USED], starts, catalogues=HELD))
+
+
+def test_an_entry_that_occurs_twice_is_noted(tmp_path):
+    found = from_catalogue(tmp_path, CAR + CAR)
+    assert any("the entry 'v' occurs 2 times" in one for one in notes(found))
+
+
+@pytest.mark.parametrize(
+    ("content", "name", "why"),
+    [
+        (CAR, "D", "no catalogue 'C' has an entry 'v'"),
+        ("<Vehicle", "C", "c.xosc cannot be read: not well-formed XML"),
+        (
+            '<CatalogReference catalogName="C" entryName="v" name="v"/>',
+            "C",
+            "is a reference itself",
+        ),
+    ],
+)
+def test_the_cause_of_a_missing_entry_is_named(content, name, why, tmp_path):
+    with pytest.raises(OodscenError, match=why):
+        from_catalogue(tmp_path, content, name)
+
+
+def test_what_is_not_read_of_an_entry_has_its_file(tmp_path):
+    found = from_catalogue(tmp_path, CAR.replace("/>", '><Trailer mass="3"/></Vehicle>'))
+    assert any("line 1 of c.xosc: Trailer: is not read" in one for one in notes(found))

@@ -1,0 +1,352 @@
+"""Laws of the reader of other tools' files: it reads them as they are written, or notes that it does not."""
+
+import math
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from lxml import etree
+
+from oodscen.driving._roads.opendrive import read_network
+from oodscen.errors import OodscenError
+from oodscen.interchange._reading.positions import MappedRoads
+from tests.interchange.reading.files import (
+    ROAD,
+    at,
+    by_entity,
+    cars,
+    entity,
+    event,
+    file,
+    lane,
+    near,
+    notes,
+    read,
+    speed,
+    start,
+    weather,
+    world,
+)
+
+IN_FOLDER = settings(
+    max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None
+)
+STOP = speed(0, "linear", 6, "rate")
+_PLACE = f"<Position>{lane(250)}</Position>"
+CONDITIONS = {
+    "time": at(3),
+    "distance": by_entity(near(20)),
+    "ttc": by_entity(
+        '<TimeToCollisionCondition value="2" freespace="false" rule="lessThan" alongRoute="true" '
+        'coordinateSystem="lane" relativeDistanceType="longitudinal">'
+        '<TimeToCollisionConditionTarget><EntityRef entityRef="a"/></TimeToCollisionConditionTarget>'
+        "</TimeToCollisionCondition>"
+    ),
+    "headway": by_entity(
+        '<TimeHeadwayCondition entityRef="a" value="2" freespace="false" rule="lessThan" '
+        'coordinateSystem="lane" relativeDistanceType="longitudinal"/>'
+    ),
+    "travelled": by_entity('<TraveledDistanceCondition value="30"/>'),
+    "place": by_entity(
+        f'<DistanceCondition value="20" freespace="false" rule="lessThan" coordinateSystem="road" '
+        f'relativeDistanceType="longitudinal">{_PLACE}</DistanceCondition>'
+    ),
+    "reach": by_entity(f'<ReachPositionCondition tolerance="5">{_PLACE}</ReachPositionCondition>'),
+    "state": '<ByValueCondition><StoryboardElementStateCondition storyboardElementType="story" '
+    'storyboardElementRef="s" state="runningState"/></ByValueCondition>',
+}
+OTHERS = {
+    "rule": ["greaterThan", "equalTo", "notEqualTo", "purple", ""],
+    "conditionEdge": ["falling", "risingOrFalling"],
+    "delay": ["2.5"],
+    "value": ["7", "-7"],
+    "tolerance": ["2"],
+    "freespace": ["true", "purple"],
+    "relativeDistanceType": ["lateral", "purple"],
+    "coordinateSystem": ["trajectory", "purple"],
+    "entityRef": ["b", "zz"],
+    "triggeringEntitiesRule": ["none"],
+    "maximumExecutionCount": ["0", "3"],
+    "priority": ["skip"],
+    "selectTriggeringEntities": ["true"],
+    "state": ["endTransition"],
+    "storyboardElementType": ["event"],
+    "s": ["260"],
+    "laneId": ["9"],
+    "roadId": ["2"],
+}
+SAME = {("SimulationTimeCondition", "equalTo")}
+"""Elements and values that start an event at the same moment."""
+
+
+def three(condition):
+    """Return a file of the ego, a car that stops by a condition, and another car."""
+    starts = [start("ego", lane(200), 10), start("a", lane(250), 5), start("b", lane(290), 4)]
+    return file([entity("ego"), entity("a"), entity("b")], starts, event(STOP, condition))
+
+
+def told(folder, text):
+    """Return all that is told of a file: its scene and notes, or why it is refused."""
+    try:
+        found = read(folder, text)
+    except OodscenError as error:
+        return str(error)
+    return found.scene, notes(found)
+
+
+@pytest.mark.parametrize("name", CONDITIONS)
+def test_every_attribute_of_a_condition_matters_or_is_noted(name, tmp_path):
+    text = three(CONDITIONS[name])
+    before = told(tmp_path, text)
+    assert not isinstance(before, str)
+    tree = etree.fromstring(text)
+    changes = list(changes_of(tree.find(".//Story")))
+    assert len(changes) > 3
+    for element, attribute, other in changes:
+        value = element.get(attribute)
+        element.set(attribute, other)
+        after = told(tmp_path, etree.tostring(tree, encoding="unicode"))
+        element.set(attribute, value)
+        assert after != before, f"{element.tag} @{attribute}: {value} -> {other}"
+
+
+def changes_of(story):
+    """Yield the attributes of a story that start its event, with other values that mean something else."""
+    actions = {one for action in story.iter("Action") for one in action.iter()}
+    for element in story.iter():
+        for attribute, value in element.attrib.items():
+            for other in OTHERS.get(attribute, []):
+                if element not in actions and other != value and (element.tag, other) not in SAME:
+                    yield element, attribute, other
+
+
+ELEMENTS = [
+    index
+    for index, one in enumerate(etree.fromstring(three(CONDITIONS["distance"])).iter())
+    if not {"FileHeader", "ParameterDeclarations", "CatalogLocations", "BoundingBox", "Vehicle"}
+    & {one.tag, *(above.tag for above in one.iterancestors())}
+]
+
+
+@pytest.mark.parametrize("index", ELEMENTS)
+def test_what_nobody_reads_is_noted_with_line_and_element(index, tmp_path):
+    for change in ("attribute", "element"):
+        tree = etree.fromstring(three(CONDITIONS["distance"]))
+        one = list(tree.iter())[index]
+        if change == "attribute":
+            one.set("odd", "9")
+        else:
+            etree.SubElement(one, "Odd", odd="9")
+        found = notes(read(tmp_path, etree.tostring(tree, encoding="unicode")))
+        names = ("odd=", ": Odd: ", f"{one.tag}: is not read")
+        assert any(name in note for name in names for note in found), one.tag
+        assert all(note.startswith("line ") for note in found)
+
+
+def test_a_plain_file_has_nothing_to_note(tmp_path):
+    found = notes(read(tmp_path, cars(event(STOP, at(3)), place=lane(212), ego_place=lane(158.6))))
+    assert len(found) == 1
+    assert "no hazard was named" in found[0]
+
+
+# ------------------------------------------------------------------ places
+
+
+@given(st.floats(0.0, 200.0), st.floats(5.0, 100.0), st.floats(-1.0, 1.0))
+@IN_FOLDER
+def test_shifting_all_bodies_leaves_their_distances(tmp_path, shift, apart, beside):
+    own, its = world(160 + shift, -1.7), world(160 + shift + apart, -1.7 + beside)
+    placed = read(tmp_path, cars(ego_place=own, place=its)).scene.actors[0].placement
+    assert placed.ahead_m == pytest.approx(apart, abs=0.0011)
+    assert placed.offset_m == pytest.approx(beside, abs=0.0011)
+
+
+@given(st.floats(160.0, 900.0), st.sampled_from([-2, -1, 1, 2]))
+@IN_FOLDER
+def test_a_place_in_the_world_is_the_same_as_on_its_road(tmp_path, s, number):
+    """Also in bends, where the nearest point of the reference line has to be found."""
+    roads = MappedRoads(read_network(ROAD, source="road"))
+    poses = [roads.at(None, "1", one, number, 0.0) for one in (s, s + 40)]
+    own, its = (world(one.x, one.y, one.heading) for one in poses)
+    there = read(tmp_path, cars(ego_place=own, place=its)).scene
+    along = read(tmp_path, cars(ego_place=lane(s, number), place=lane(s + 40, number))).scene
+    assert there.ego == along.ego
+    ahead = [one.actors[0].placement.ahead_m for one in (there, along)]
+    assert ahead[0] == pytest.approx(ahead[1], abs=0.0021)
+
+
+def mirrored_road():
+    """Return the road, whose cross-section is symmetric, as in a mirror: its traffic keeps to the left."""
+    tree = etree.fromstring(ROAD)
+    for one in tree.iter():
+        for name in ("y", "hdg", "curvature", "curvStart", "curvEnd"):
+            if name in one.attrib:
+                one.set(name, str(-float(one.get(name))))
+        if one.get("rule"):
+            one.set("rule", "LHT")
+    return etree.tostring(tree)
+
+
+@given(
+    st.floats(170.0, 800.0),
+    st.floats(-40.0, 60.0),
+    *[st.sampled_from([-2, -1, 1, 2])] * 2,
+    st.floats(-1.0, 1.0),
+)
+@IN_FOLDER
+def test_a_mirrored_road_gives_the_mirrored_scene(tmp_path, s, apart, own, its, offset):
+    scenes = []
+    for side, road in ((1, ROAD), (-1, mirrored_road())):
+        change = (
+            '<PrivateAction><LateralAction><LaneChangeAction><LaneChangeActionDynamics value="3" '
+            'dynamicsShape="sinusoidal" dynamicsDimension="time"/><LaneChangeTarget>'
+            f'<AbsoluteTargetLane value="{side * (3 - abs(its)) * (1 if its > 0 else -1)}"/>'
+            "</LaneChangeTarget></LaneChangeAction></LateralAction></PrivateAction>"
+        )
+        text = cars(
+            event(change, at(2)),
+            ego_place=lane(s, side * own),
+            place=lane(s + apart, side * its, side * offset),
+        )
+        scenes.append(read(tmp_path, text, road).scene)
+    (plain,), (mirrored,) = (one.actors for one in scenes)
+    assert mirrored.placement.ahead_m == pytest.approx(plain.placement.ahead_m, abs=0.0011)
+    assert mirrored.placement.lane == -plain.placement.lane
+    assert mirrored.placement.offset_m == pytest.approx(-plain.placement.offset_m, abs=0.0011)
+    assert math.remainder(
+        mirrored.placement.heading_deg + plain.placement.heading_deg, 360.0
+    ) == pytest.approx(0.0, abs=0.01)
+    turned = {**plain.behaviour.parameters}
+    turned["lanes"] = -turned["lanes"]
+    assert mirrored.behaviour.parameters == turned
+
+
+@pytest.mark.parametrize(
+    "place",
+    [world(200, -1.2), world(200, -1.7, 0.4), lane(200, offset=0.8), lane(200, offset=-0.8)],
+)
+def test_how_the_ego_stands_in_its_lane_is_noted(place, tmp_path):
+    found = read(tmp_path, cars(ego_place=place))
+    assert any("the ego starts in the middle of its lane" in note for note in notes(found))
+    assert not any("in the middle" in note for note in notes(read(tmp_path, cars())))
+
+
+@pytest.mark.parametrize("s", [-20, 1050, 2500])
+def test_a_place_beyond_its_road_is_refused(s, tmp_path):
+    with pytest.raises(OodscenError, match="road '1' goes from 0 to 1000 m"):
+        read(tmp_path, cars(place=lane(s)))
+
+
+def test_a_start_that_waits_for_itself_is_named_as_the_cause(tmp_path):
+    place = '<RelativeObjectPosition entityRef="a" dx="50" dy="0"/>'
+    with pytest.raises(OodscenError, match="relative to 'a', whose place is not known"):
+        read(tmp_path, cars(place=place))
+
+
+# ------------------------------------------------------------------ values beyond what a scene holds
+
+
+@given(st.floats(-1e6, 1e6, allow_nan=False))
+@IN_FOLDER
+def test_a_speed_is_kept_or_noted(tmp_path, value):
+    found = read(tmp_path, cars(first=value))
+    kept = found.scene.actors[0].behaviour.parameters.get("speed", 0.0)
+    assert kept == pytest.approx(value, abs=0.1) or any("is read as" in one for one in notes(found))
+
+
+SKIES = {
+    'fractionalCloudCover="eightOktas"': ("cloud_cover", 1.0, None),
+    'fractionalCloudCover="nineOktas"': ("cloud_cover", 1.0, "nineOktas"),
+    'fractionalCloudCover="purple"': ("cloud_cover", 0.1, "purple"),
+    'cloudState="skyOff"': ("cloud_cover", 0.0, "skyOff"),
+    'cloudState="overcast"': ("cloud_cover", 1.0, None),
+}
+
+
+@pytest.mark.parametrize("said", SKIES)
+def test_clouds_are_read_or_noted(said, tmp_path):
+    name, value, note = SKIES[said]
+    found = read(tmp_path, cars(environment=weather(f"<Weather {said}/>")))
+    assert getattr(found.scene.weather, name) == value
+    assert any("clouds" in one for one in notes(found)) is bool(note)
+
+
+@pytest.mark.parametrize(
+    ("sky", "friction", "note"),
+    [
+        ("<Weather/>", 5, "a friction of 5 is read as 1.5"),
+        ("<Weather/>", -1, "a friction of -1 is read as 0.01"),
+        ('<Weather><Fog visualRange="-3"/></Weather>', 1, "a visual range of -3 is read as 1"),
+        ('<Weather><Sun elevation="30"/></Weather>', 1, "1718.87 is read as 90"),
+        ('<Weather temperature="250"/>', 1, "temperature='250' is not read"),
+        (
+            '<Weather><Precipitation precipitationType="hail" precipitationIntensity="9"/></Weather>',
+            1,
+            "'hail'",
+        ),
+        (
+            '<Weather><Precipitation precipitationType="rain" precipitationIntensity="-9"/></Weather>',
+            1,
+            "-9",
+        ),
+        (
+            '<Weather><Precipitation precipitationType="rain" precipitationIntensity="900"/></Weather>',
+            1,
+            "900",
+        ),
+    ],
+)
+def test_weather_beyond_a_scene_is_noted(sky, friction, note, tmp_path):
+    assert any(
+        note in one for one in notes(read(tmp_path, cars(environment=weather(sky, friction))))
+    )
+
+
+def test_friction_without_weather_is_read(tmp_path):
+    assert read(tmp_path, cars(environment=weather("", 0.4))).scene.weather.friction == 0.4
+
+
+@pytest.mark.parametrize(
+    ("parameters", "note"),
+    [
+        (
+            '<ParameterDeclaration name="p" value="7"/><ParameterDeclaration name="p" value="8"/>',
+            "declared again",
+        ),
+        (
+            '<ParameterDeclaration name="p" parameterType="integer" value="7.9"/>',
+            "though no integer",
+        ),
+    ],
+)
+def test_odd_parameters_are_noted(parameters, note, tmp_path):
+    assert any(
+        note in one for one in notes(read(tmp_path, cars(first="$p", parameters=parameters)))
+    )
+
+
+def test_a_lane_with_a_fraction_is_refused(tmp_path):
+    with pytest.raises(OodscenError, match=r"LanePosition @laneId: -1\.5 is not an integer"):
+        read(tmp_path, cars(place=lane(250, -1.5)))
+
+
+WORDS = {
+    '<RelativeTargetSpeed entityRef="ego" value="-10" speedTargetValueType="purple"/>': "'delta'",
+    '<RelativeTargetSpeed entityRef="zz" value="-10" speedTargetValueType="delta"/>': "no entity 'zz'",
+}
+
+
+@pytest.mark.parametrize("target", WORDS)
+def test_unknown_words_of_a_speed_are_noted(target, tmp_path):
+    stop = STOP.replace('<AbsoluteTargetSpeed value="0"/>', target)
+    found = notes(read(tmp_path, cars(event(stop, at(3)))))
+    assert any(WORDS[target] in one for one in found)
+
+
+def test_unknown_words_of_a_place_or_a_person_are_noted(tmp_path):
+    place = lane(250).replace("/>", '><Orientation type="purple" h="0.1"/></LanePosition>')
+    assert any("type='purple'" in one for one in notes(read(tmp_path, cars(place=place))))
+    starts = [start("ego", lane(200), 10), start("a", lane(250))]
+    person = entity("a", "pedestrian", 0.0, 0.5, 0.6).replace('="pedestrian"', '="purple"')
+    found = notes(read(tmp_path, file([entity("ego"), person], starts)))
+    assert any("pedestrianCategory='purple' is read as 'pedestrian'" in one for one in found)
