@@ -43,7 +43,7 @@ _IMPOSSIBLE = tuple(
         r"\b(?:road|street|lane)s? (?:suddenly )?(?:comes alive|bends upwards into|becomes (?:lava|glass|water|vertical))\b",
     )
 )
-_WHOLE: Final = r"(?<![\d.,])([1-9]\d{0,2}(?:[%s\s]\d{3})+|\d+)(?:[.,]\d+)?[\s-]*"
+_WHOLE: Final = r"(?<![\d.,])([1-9]\d{0,2}(?:[%s\s]\d{3}){1,4}|\d+)(?:[.,]\d+)?[\s-]*"
 """A number whose groups of three digits these signs part."""
 _AN_HOUR, _A_SECOND = r"\s?(?:/|per|an)\s?h(?:our)?", r"\s?(?:/|per)\s?s(?:ec(?:ond)?)?"
 _FASTEST: Final = tuple(
@@ -79,7 +79,7 @@ def is_impossible(text: str) -> bool:
         if pattern.search(lower) and not (number == 0 and _DISPLAYED.search(lower)):
             return True
     return any(
-        int(re.sub(r"\D", "", whole)) > limit
+        float(re.sub(r"\D", "", whole)) > limit
         for speed, limit in _FASTEST
         for whole in speed.findall(lower)
     )

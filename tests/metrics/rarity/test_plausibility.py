@@ -89,6 +89,7 @@ def test_speeds_are_read_in_every_unit(measured, value, separator, fraction, bla
         ("A van rolls at 1.200 m/s.", False),
         ("A van rolls at 0.500 m/s.", False),
         ("The tram 2, 600 m away, waits.", False),
+        ("A bus at " + "9" * 9_000 + " km/h.", True),
         ("A camera at 600 fps.", False),
         ("After 500 metres a second car waits.", False),
     ],
