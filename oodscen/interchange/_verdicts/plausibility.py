@@ -93,8 +93,8 @@ def check_motion(names: Sequence[str], time: Floats, poses: Floats, steered: Seq
         DataError: With the body, the time, and the unit that is likely wrong.
     """
     _check_jumps(names, time, poses)
-    _check_turns([names[row] for row in steered], time, poses[:, steered])
     _check_ego(time, poses[:, 0])
+    _check_turns([names[row] for row in steered], time, poses[:, steered])
 
 
 def _check_jumps(names: Sequence[str], time: Floats, poses: Floats) -> None:
@@ -177,7 +177,7 @@ def heading_note(time: Floats, poses: Floats) -> str:
 
 
 class _MeanMotion(NamedTuple):
-    """How a body moves over short spans of time, one from each step on."""
+    """The mean motion of a body over short spans of time, one from each step on."""
 
     width: int
     """Steps in a span."""

@@ -285,6 +285,10 @@ def across(poses, row, since):
 
 
 UNUSABLE = {
+    "height": lambda one: change(
+        one,
+        pose=lambda p: moved(p, one.names.index("ego"), (one.time > 1.0)[:, None] * [0, 0, 9, 0]),
+    ),
     "sideways": lambda one: across(one, one.names.index("ego"), 1.0),
     "milliseconds": lambda one: change(one, time=lambda t: 1000.0 * t),
     "minutes": lambda one: change(one, time=lambda t: t / 60.0),
