@@ -1,6 +1,7 @@
 import csv
 import json
 import shutil
+import struct
 
 import pytest
 from click.testing import CliRunner
@@ -10,6 +11,7 @@ from oodscen._cli import main
 from oodscen._cli.exporting import LIST
 from oodscen.interchange import read_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, replayed
+from oodscen.interchange._traces.osi_reading import read_osi_trace
 from tests.interchange.staging import SCENES
 
 
@@ -149,6 +151,18 @@ def test_traces_are_exported_and_judged(study, tmp_path):
         (told,) = json.loads(run("verdict", study, path, "--json").stdout)
         outcome = episodes[path.stem].actions["stop"]
         assert outcome.marginal or told["outcome"]["safe"] == outcome.safe
+
+
+def test_a_trace_with_a_huge_value_leaves_the_others_judged(study, tmp_path):
+    assert run("export", study, "-o", tmp_path, "--to", "osi").exit_code == 0
+    first, *others = sorted(tmp_path.glob("*.osi"))
+    data = first.read_bytes()
+    _, name, (x, *_) = next(read_osi_trace(data, first.name))
+    first.write_bytes(data.replace(struct.pack("<d", x), struct.pack("<d", 1.7e308), 1))
+    found = run("verdict", study, first, *others, "--json")
+    assert found.exit_code == 1
+    assert f"{name}: x is 1.7e+308 at 0 s" in found.stderr
+    assert {one["scene_id"] for one in json.loads(found.stdout)} == {one.stem for one in others}
 
 
 def test_a_played_run_enters_the_table_of_drivers(study, tmp_path):

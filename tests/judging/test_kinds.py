@@ -49,6 +49,14 @@ def test_what_frames_cannot_tell_apart_is_one_kind_in_visible_words():
     assert kinds[0].label == "Jogger running in the lane"
 
 
+def test_a_label_stays_whole_if_nothing_but_a_missing_value_would_be_left_of_it():
+    kinds = merge_kinds({"a": "Sudden NA", "b": "Unexpected nothing is out of the ordinary"})
+    assert [kind.label for kind in kinds] == [
+        "Sudden NA",
+        "Unexpected nothing is out of the ordinary",
+    ]
+
+
 def test_a_leaf_without_a_map_is_offered_all_the_same():
     scenarios = [scenario(number) for number in range(10)]
     listed = Kinds.of(scenarios, {}).offered(scenarios[9].leaf, "nowhere")

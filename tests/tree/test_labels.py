@@ -1,6 +1,8 @@
 """What can be a label, and which labels are the same."""
 
+import csv
 import html
+import io
 import unicodedata
 
 import pytest
@@ -8,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.author._knowledge.loading import load_knowledge
+from oodscen.judging._questions import NOTHING_UNUSUAL
 from oodscen.tree._labels import label_fault, same_words
 from tests.tree.woods import HOSTILE, REFUSED
 
@@ -71,6 +74,34 @@ def test_plain_words_about_driving_are_labels(label):
 def test_what_is_no_label_is_told(label):
     assert label_fault(label)
     assert len(label_fault(label)) < 120
+
+
+MISSING = (
+    *("", " ", "NA", "N/A", "n/a", "NaN", "nan", "-NaN", "-nan", "NULL", "null", "None", "<NA>"),
+    *("#N/A", "#N/A N/A", "#NA", "1.#IND", "-1.#IND", "1.#QNAN", "-1.#QNAN"),
+)
+"""What pandas takes for a missing value."""
+
+
+@given(st.sampled_from(MISSING) | st.text(max_size=4) | st.text("NAna#/-.1IDQU<>", max_size=6))
+def test_no_label_is_a_missing_value_to_readers_of_tables(label):
+    pandas = pytest.importorskip("pandas")
+    cell = io.StringIO()
+    csv.writer(cell, delimiter="\t").writerows([["option", "answer"], [label, "A"]])
+    cell.seek(0)
+    if not label_fault(label):
+        assert not pandas.read_csv(cell, sep="\t").isna().any(axis=None)
+
+
+@pytest.mark.parametrize("label", MISSING)
+def test_missing_values_are_no_labels(label):
+    assert label_fault(label)
+    assert label_fault(f" {label.lower()} ")
+
+
+def test_the_option_beside_the_kinds_is_no_label():
+    for label in (NOTHING_UNUSUAL.label, NOTHING_UNUSUAL.label.upper() + "."):
+        assert "names nothing" in label_fault(label)
 
 
 ALIKE = {"a": "а", "c": "с", "e": "е", "o": "о", "p": "р", "x": "х", "i": "ι", "v": "ν", "A": "Α"}

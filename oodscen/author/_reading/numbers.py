@@ -33,21 +33,33 @@ COUNT = (
 )
 """Regular expression of a number in full that counts several things; `one` and `a dozen` are none."""
 
+_BEGINS = re.compile(r"(?:^\s*|(?:[^\W_]|[.,;:!?)\]}\"'”’–—-])\s+|[—(\[])[(\[\"'“‘]*$")
+"""Matches text before a number that begins there: nothing, or a word or a sign of sentences and then a blank.
+
+Any other sign belongs to the number and makes it another one.
+"""
+_EARLIER = rf"(?:(?<![\w:.,-])[0-9][0-9.,'’]*|\b{_WORD}|[½¼¾])"
+_METRES = r" ?(?:[ckm]?m|(?:centi|kilo)?met(?:re|er)s?)\b"
+_JOINT = r"-?,? (?:to|or|and|by|in|till|until|through|plus|x)(?: an?)? "
+_APART = r"\s*(?:[^\w\s.;!?()\[\]]|_|\.\.)\W*"
+"""A sign that does not end a clause, between two numbers."""
 _GOES_ON = re.compile(
-    rf"(?:(?<![\w:.,-])[0-9][0-9.,'’]*|\b{_WORD}|[½¼¾])(?: ?(?:m|metres?|meters?)|[ -]lanes?)?"
-    r"(?:-? (?:to|or|and|by|till|until|through)(?: an?)? | ?[–—−/+*×x-] ?)$"
-    rf"|\b(?:{_TEN}|{_SCALE}),? $|[0-9.,:'’/+*^–−<>≤≥±½¼¾-]$",
+    rf"{_EARLIER}(?:(?: ?[^\W\d_]+)?{_JOINT}|(?:{_METRES})?{_APART})$|\b(?:{_TEN}|{_SCALE}) $",
     re.IGNORECASE,
 )
-"""Matches text before a number that is the end of a larger one, or of a range."""
-_MORE = r"(?: (?:the|an?|some|about|around|roughly|next|first|last))* $|[<>≤≥] ?$"
+"""Matches text before a number of metres that is the end of a larger one, of a range, or of a sum."""
+_COUNT_GOES_ON = re.compile(
+    rf"{_EARLIER}(?:(?:[ -]lanes?)?{_JOINT}|{_APART})$|\b(?:{_TEN}|{_SCALE}) $", re.IGNORECASE
+)
+_MORE = r"(?: (?:the|an?|some|about|around|roughly|next|first|last))* $"
+_CHANGED = "minus|plus|point|times|twice|thrice|double|triple"
 _BOUNDED = re.compile(
     r"\b(?:than|over|under|below|above|beyond|within|up to|upwards? of|at (?:most|least)|between|maximum of|minimum of"
-    rf"|not|not even|exceed(?:s|ing)|every|minus|point){_MORE}",
+    rf"|not|not even|exceed(?:s|ing)|every|{_CHANGED}){_MORE}",
     re.IGNORECASE,
 )
 _BOUNDED_COUNT = re.compile(
-    rf"\b(?:than|up to|at most|maximum of|almost|nearly|not|not even|no|minus|point){_MORE}",
+    rf"\b(?:than|up to|at most|maximum of|almost|nearly|not|not even|no|{_CHANGED}){_MORE}",
     re.IGNORECASE,
 )
 
@@ -74,6 +86,7 @@ def number_at(text: str, start: int, end: int, *, counts: bool = False) -> int |
     things, `at least` and `over` are no bounds.
     """
     lead = text[max(0, start - 40) : start]
-    if _GOES_ON.search(lead) or (_BOUNDED_COUNT if counts else _BOUNDED).search(lead):
+    others = (_COUNT_GOES_ON, _BOUNDED_COUNT) if counts else (_GOES_ON, _BOUNDED)
+    if not _BEGINS.search(lead) or any(other.search(lead) for other in others):
         return None
     return whole_number(text[start:end])

@@ -15,6 +15,8 @@ _TOPICS = {TRUTH: "ground_truth", ROAD: "ground_truth_map"}
 """Topics by message type, as omega-prime has them."""
 _MADE = "2026-01-01T00:00:00Z"
 """Time of making in every file: the same run gives the same bytes."""
+_MAGIC = b"\x89MCAP0\r\n"
+"""First and last bytes of a file."""
 _MAX_RECORD_BYTES = 256 * 1024 * 1024
 _NOUN = "MCAP trace"
 
@@ -58,19 +60,28 @@ def mcap_messages(data: bytes, source: str) -> Iterator[bytes]:
     _library()
     from mcap.reader import SeekingReader
 
+    if not data.startswith(_MAGIC):
+        raise _fault("is not an MCAP file", source)
+    if not data.endswith(_MAGIC):
+        raise _fault("is cut off: MCAP files end as they begin", source)
     try:
         reader = SeekingReader(io.BytesIO(data), record_size_limit=_MAX_RECORD_BYTES)
         summary = reader.get_summary()
         chunks = summary.chunk_indexes if summary is not None else []
-        if max((one.uncompressed_size for one in chunks), default=0) > _MAX_RECORD_BYTES:
-            raise ValueError("a chunk has more than 256 MiB")
-        for schema, _, message in reader.iter_messages():
+        is_large = max((one.uncompressed_size for one in chunks), default=0) > _MAX_RECORD_BYTES
+        messages = () if is_large else reader.iter_messages()
+        for schema, _, message in messages:
             if schema is not None and schema.name == TRUTH:
                 yield message.data
-    except Exception as error:
-        # The reader lets errors of several packages through.
-        said = str(error) or type(error).__name__
-        raise DataError(_NOUN, [Issue("", said)], source=source) from None
+    except Exception:
+        # The reader lets errors of several packages through, in words of their own.
+        raise _fault("is damaged: a record of the MCAP file cannot be read", source) from None
+    if is_large:
+        raise _fault("a chunk has more than 256 MiB", source)
+
+
+def _fault(message: str, source: str) -> DataError:
+    return DataError(_NOUN, [Issue("", message)], source=source)
 
 
 def _library() -> Any:

@@ -8,7 +8,7 @@ import numpy as np
 from oodscen.driving import KinematicWorld
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import ROUNDING_S
-from oodscen.interchange._verdicts.plausibility import ASKEW, IN_DEGREES, unusable
+from oodscen.interchange._verdicts.plausibility import ASKEW, IN_DEGREES, turn, unusable
 from oodscen.numerics._exact import Floats
 from oodscen.protocols import Control, State
 
@@ -115,12 +115,12 @@ def _misplaced(world: KinematicWorld, poses: Floats, since_s: float) -> str:
 def _askew(world: KinematicWorld, poses: Floats) -> str:
     """Return the first body that faces another way than in the scene, or an empty text."""
     heading = world.poses()[:, 3]
-    off = _turn(poses[:, 3] - heading)
+    off = turn(poses[:, 3] - heading)
     askew = np.flatnonzero(off > ASKEW)
     if not len(askew):
         return ""
     row = askew[0]
-    if _turn(np.radians(poses[:, 3]) - heading).max() <= ASKEW:
+    if turn(np.radians(poses[:, 3]) - heading).max() <= ASKEW:
         raise unusable(world.ids[row], IN_DEGREES)
     return f"{world.ids[row]} starts turned by {np.degrees(off[row]):.0f} degrees"
 
@@ -134,11 +134,6 @@ def _wrong_speed(usual: float, pace: _Pace, since_s: float) -> str:
     )
     is_off = abs(pace.speed - usual) > tolerance
     return f"ego starts at {pace.speed:.1f} m/s, not {usual:.1f} m/s" if is_off else ""
-
-
-def _turn(angle: Floats) -> Floats:
-    """Return the sizes of angles, at most half a turn, rad."""
-    return np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
 def strayed(world: KinematicWorld, states: Sequence[State], decision_s: float) -> str:

@@ -13,13 +13,12 @@ import numpy as np
 from oodscen._display import Brief
 from oodscen._files import read_regular
 from oodscen.errors import DataError, Issue
-from oodscen.interchange._traces.osi_reading import Row, read_osi_trace
+from oodscen.interchange._traces.osi_reading import Pose, Row, read_osi_trace
 from oodscen.numerics._exact import Floats
 
 COLUMNS = ("time", "name", "x", "y", "h")
 """Columns that a CSV file of poses must have; `z` is optional."""
 MAX_BYTES = 512 * 1024 * 1024
-_FARTHEST = 1e7
 _NOUN = "file of poses"
 _REST = "\n"
 """Key of the cells beyond the last column, which no column can have."""
@@ -34,6 +33,8 @@ class PlayedPoses(Brief):
     """[n], s, increasing."""
     poses: Floats
     """[n, bodies, 4] x, y, z of the footprints' centres, m, and heading, rad; NaN where a body is missing."""
+    unnamed: int = 0
+    """Most bodies without a name at one time."""
 
 
 def read_poses(path: str | Path) -> PlayedPoses:
@@ -61,23 +62,27 @@ def read_poses(path: str | Path) -> PlayedPoses:
 
 
 def _collected(rows: Iterator[Row], source: str) -> PlayedPoses:
-    times: dict[float, int] = {}
     names: dict[str, int] = {}
-    found = list(rows)
-    for time, name, _ in found:
-        times.setdefault(time, len(times))
-        names.setdefault(name, len(names))
-    moments = sorted(times)
-    if len(moments) < 2:
+    found: list[Row] = []
+    unnamed: dict[float, set[Pose]] = {}
+    for time, name, pose in rows:
+        if name:
+            names.setdefault(name, len(names))
+            found.append((time, name, pose))
+        else:
+            unnamed.setdefault(time, set()).add(pose)
+    times = sorted({time for time, _, _ in found})
+    if len(times) < 2:
         raise _fault("", "holds fewer than two moments", source)
-    order = {time: index for index, time in enumerate(moments)}
-    poses = np.full((len(moments), len(names), 4), np.nan)
+    order = {time: index for index, time in enumerate(times)}
+    poses = np.full((len(times), len(names), 4), np.nan)
     for time, name, pose in found:
         before = poses[order[time], names[name]]
         if not np.isnan(before[0]) and tuple(before) != pose:
             raise _fault(name, f"has two poses at {time:g} s", source)
         poses[order[time], names[name]] = pose
-    return PlayedPoses(tuple(names), np.array(moments), poses)
+    most = max(map(len, unnamed.values()), default=0)
+    return PlayedPoses(tuple(names), np.array(times), poses, most)
 
 
 def _plain_rows(text: str, source: str) -> Iterator[Row]:
@@ -163,9 +168,8 @@ def _number(text: str | None, where: str, name: str, source: str) -> float:
         value = math.nan if "_" in (text or "") else float(text or "")
     except ValueError:
         value = math.nan
-    if not abs(value) <= _FARTHEST:
-        message = f"{(text or '')[:40]!r} is not a number within +-1e7"
-        raise _fault(f"{where}: {name}", message, source)
+    if not math.isfinite(value):
+        raise _fault(f"{where}: {name}", f"{(text or '')[:40]!r} is not a finite number", source)
     return value
 
 

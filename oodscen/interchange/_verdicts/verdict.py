@@ -19,7 +19,13 @@ from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import DataError, Issue
 from oodscen.interchange._verdicts.expected import start_of, strayed
-from oodscen.interchange._verdicts.plausibility import check_motion, check_steps, unusable
+from oodscen.interchange._verdicts.plausibility import (
+    check_bounds,
+    check_motion,
+    check_steps,
+    heading_note,
+    unusable,
+)
 from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
 from oodscen.numerics._exact import Floats
 from oodscen.protocols import State
@@ -82,6 +88,7 @@ def verdict(
     """
     if not isinstance(played, PlayedPoses):
         played = read_poses(played)
+    check_bounds(played.names, played.time, played.poses)
     check_steps(played.time)
     corridor = load_corridor(scene.map, catalogue)
 
@@ -99,7 +106,10 @@ def verdict(
     after = _until_harm([one for one in states[first + 1 :] if one.time <= end + _ROUNDING_S])
     whole = states[: first + 1 + len(after)]
     last, dt = whole[-1], float(np.median(np.diff(played.time)))
-    check_motion(last.ids, played.time[: len(whole)], poses[: len(whole)])
+    time, course = played.time[: len(whole)], poses[: len(whole)]
+    check_motion(last.ids, time, course, _steered(scene, catalogue))
+    if askew := heading_note(time, course[:, 0]):
+        notes.append(askew)
     harmed = bool(last.contacts) or last.off_road
     ends = harmed or last.time >= end - max(_EARLY_S, 1.5 * dt)
     doubt = doubt or strayed(world(), whole, decision.time)
@@ -123,6 +133,12 @@ def verdict(
         outcome=outcome,
         drive=drive,
     )
+
+
+def _steered(scene: Scene, catalogue: Catalogue) -> list[int]:
+    """Return the rows of the bodies that turn by steering."""
+    bodies = enumerate(catalogue.bodies(scene))
+    return [row for row, (_, asset, _) in bodies if asset.category in ("vehicle", "cyclist")]
 
 
 def _outcome(
@@ -149,6 +165,8 @@ def _poses_of(scene: Scene, played: PlayedPoses, ids: tuple[str, ...]) -> tuple[
         step, row = np.argwhere(np.isnan(poses).any(axis=2))[0]
         raise unusable(ids[row], f"has no pose at {played.time[step]:g} s")
     others = [name for name in played.names if name not in ids]
+    if played.unnamed:
+        others.append(f"{played.unnamed} without a name")
     return poses, [f"not in the scene, and not looked at: {', '.join(others)}"] if others else []
 
 

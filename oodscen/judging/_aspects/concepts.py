@@ -8,6 +8,7 @@ from functools import cache, lru_cache
 from importlib import resources
 from typing import Any, Literal, get_args
 
+from oodscen._wording import is_left_out
 from oodscen.claims._taken_back import ENDED, IN_A_NAME
 
 Kind = Literal["odd", "ordinary", "state", "act", "place", "aside"]
@@ -80,11 +81,16 @@ def _table() -> dict[str, dict[str, Any]]:
 
 @cache
 def seen_label(label: str) -> str:
-    """Return a label without the words for what no frame shows: "Sudden police checkpoint" loses "Sudden"."""
+    """Return a label without the words for what no frame shows: "Sudden police checkpoint" loses "Sudden".
+
+    A label of which nothing that names something would be left stays as it is.
+    """
     words = sorted(_table()["unseen"]["words"], key=len, reverse=True)
     pattern = r"\b(?:" + "|".join(map(re.escape, words)) + r")\b,?"
     left = " ".join(re.sub(pattern, " ", label, flags=re.IGNORECASE).split())
-    return left[:1].upper() + left[1:] if re.search(r"\w", left) else label
+    if not re.search(r"\w", left) or is_left_out(left):
+        return label
+    return left[:1].upper() + left[1:]
 
 
 @lru_cache(maxsize=4096)

@@ -43,9 +43,21 @@ _IMPOSSIBLE = tuple(
         r"\b(?:road|street|lane)s? (?:suddenly )?(?:comes alive|bends upwards into|becomes (?:lava|glass|water|vertical))\b",
     )
 )
-_SPEED = re.compile(r"(\d[\d,. ]*\d|\d)\s*(km/h|kmh|kph|mph|m/s)\b")
-_FASTEST: Final = {"m/s": 140.0, "mph": 310.0}
-"""Greatest speeds of a road vehicle; 500 in km/h."""
+_WHOLE: Final = r"(?<![\d.,])([1-9]\d{0,2}(?:[%s\s]\d{3}){1,4}|\d+)(?:[.,]\d+)?[\s-]*"
+"""A number whose groups of three digits these signs part."""
+_AN_HOUR, _A_SECOND = r"\s?(?:/|per|an)\s?h(?:our)?", r"\s?(?:/|per)\s?s(?:ec(?:ond)?)?"
+_FASTEST: Final = tuple(
+    (re.compile(rf"{_WHOLE % separators}(?:{units})\b"), limit)
+    for units, separators, limit in (
+        (rf"k(?:ilo)?m(?:et(?:re|er)s?)?{_AN_HOUR}|km?ph|kmh", ",.'’", 500),
+        (rf"mi(?:les?)?{_AN_HOUR}|mph", ",.'’", 310),
+        ("knots?|kts", ",.'’", 270),
+        # Slow speeds have three decimals in these.
+        (rf"m(?:et(?:re|er)s?)?{_A_SECOND}", ",'’", 140),
+        (rf"f(?:ee|oo)?t{_A_SECOND}", ",'’", 456),
+    )
+)
+"""Speeds by their units, and the greatest of a road vehicle in each."""
 
 _EVENT = re.compile(
     r"\b(?:explod|collaps|burst|erupt|overturn|derail|ignit|faint|capsiz|jackknif|run(?:s|ning)? loose|ran loose)\w*"
@@ -66,11 +78,11 @@ def is_impossible(text: str) -> bool:
     for number, pattern in enumerate(_IMPOSSIBLE):
         if pattern.search(lower) and not (number == 0 and _DISPLAYED.search(lower)):
             return True
-    for digits, unit in _SPEED.findall(lower):
-        value = re.sub(r"[, ](?=\d{3}\b)", "", digits).replace(",", ".").replace(" ", "")
-        if value.count(".") < 2 and float(value) > _FASTEST.get(unit, 500.0):
-            return True
-    return False
+    return any(
+        float(re.sub(r"\D", "", whole)) > limit
+        for speed, limit in _FASTEST
+        for whole in speed.findall(lower)
+    )
 
 
 def parts(text: str) -> list[str]:

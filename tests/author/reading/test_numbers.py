@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from oodscen.author._reading.numbers import NUMBER, number_at, whole_number
@@ -62,11 +62,54 @@ def test_what_is_no_whole_number_up_to_a_thousand_is_none(words):
         "within",
         "up to",
         "not even",
+        "twice",
+        "60 km and",
+        "60 metres plus",
+        "1 in",
+        "10 metres by",
     ],
 )
 def test_a_bound_and_an_end_of_a_range_are_none(lead):
     text = f"It is {lead} 60"
     assert number_at(text, len(text) - 2, len(text)) is None
+
+
+SIGNS = st.characters(categories=["P", "S"])
+ENDS = ".;!?()[]"
+"""Signs that end a clause."""
+BLANKS = st.sampled_from(["", " ", "\u00a0"])
+
+
+@given(
+    st.sampled_from(["60", "sixty", "6.5"]),
+    st.sampled_from(["", " metres", "m", " km"]),
+    BLANKS,
+    st.text(SIGNS, min_size=1, max_size=3).filter(lambda signs: not set(signs) & set(ENDS)),
+    BLANKS,
+)
+@example("60", "", " ", "_", " ")
+@example("60", " metres", " ", "±", " ")
+@example("60", "", "", "…", " ")
+def test_no_sign_between_two_numbers_leaves_the_second(first, unit, before, signs, after):
+    lead = f"A box is {first}{unit}{before}{signs}{after}"
+    text = f"{lead}5 metres ahead"
+    assert number_at(text, len(lead), len(lead) + 1) is None
+
+
+@given(SIGNS.filter(lambda sign: sign not in ".,:;!?)]}\"'”’([“‘–—-"), BLANKS)
+@example("_", " ")
+def test_only_signs_of_sentences_stand_before_a_number(sign, blank):
+    lead = f"A box is {sign}{blank}"
+    assert number_at(f"{lead}5 metres ahead", len(lead), len(lead) + 1) is None
+
+
+@given(
+    st.sampled_from(["A box stands", "a two-lane road", "of three lorries", "Ten cows (large)"]),
+    st.sampled_from([" ", ", ", "; ", ". ", ": ", " - ", " – ", "—", " — ", " (", ' "', ", ("]),
+)
+def test_a_number_may_begin_after_words_and_signs_of_sentences(words, sign):
+    lead = words + sign
+    assert number_at(f"{lead}60 metres ahead", len(lead), len(lead) + 2) == 60
 
 
 @pytest.mark.parametrize("lead", ["about", "some", "a good", "the lane is one of two;", "At noon,"])

@@ -1,6 +1,10 @@
+import re
 import struct
+from functools import cache
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from oodscen.errors import DataError, UnknownComponent
 from oodscen.interchange._traces.mcap_files import mcap_trace
@@ -12,6 +16,7 @@ from tests.interchange.staging import SCENES, catalogue
 SCENE = SCENES[0]
 
 
+@cache
 def mcap():
     pytest.importorskip("betterosi")
     return osi_trace(SCENE, catalogue(), container="mcap")
@@ -41,8 +46,22 @@ def test_the_published_library_reads_the_messages_and_the_road(tmp_path):
 @pytest.mark.parametrize("cut", [0, 1, 9, 5_000, -1, -40])
 def test_what_is_cut_off_is_refused(cut):
     whole = mcap()
-    with pytest.raises(DataError):
+    with pytest.raises(DataError, match=r"not an MCAP file|cut off"):
         list(read_osi_trace(whole[:cut], "run.mcap"))
+
+
+@given(st.data())
+@settings(max_examples=30)
+def test_a_changed_file_is_read_or_refused_in_plain_words(data):
+    whole = mcap()
+    place = data.draw(st.integers(8, len(whole) - 16))
+    changed = whole[:place] + data.draw(st.binary(max_size=8)) + whole[place + 8 :]
+    try:
+        list(read_osi_trace(changed, "run.mcap"))
+        said = ""
+    except DataError as error:
+        said = error.issues[0].message
+    assert re.match("$|is damaged|cannot be read as ground truth", said)
 
 
 def test_messages_that_are_no_ground_truth_are_refused():

@@ -1,3 +1,4 @@
+import re
 from functools import cache
 
 import numpy as np
@@ -11,6 +12,11 @@ from oodscen.errors import DataError
 from oodscen.interchange import verdict
 from oodscen.interchange._recording import UnrenderedSimulator, replayed
 from oodscen.interchange._traces.osi_writing import osi_trace
+from oodscen.interchange._verdicts.plausibility import (
+    check_motion,
+    check_steps,
+    heading_note,
+)
 from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
 from oodscen.interchange._verdicts.verdict import _speeds
 from oodscen.interchange._writing.scenario import to_openscenario
@@ -236,12 +242,26 @@ def test_a_hazard_that_leaves_its_course_makes_a_run_inconclusive():
     assert "from its course" in verdict(scene, strays, catalogue()).inconclusive
 
 
-def test_a_run_that_ends_before_the_horizon_is_inconclusive():
+@cache
+def stopping():
+    """Return a scene in which stopping is safe, the run, and its verdict."""
     for scene in SCENES:
         poses = played(scene, "stop")
-        whole = verdict(scene, poses, catalogue())
-        if whole.outcome.safe:
-            break
+        found = verdict(scene, poses, catalogue())
+        if found.outcome.safe:
+            return scene, poses, found
+    raise AssertionError("stopping is nowhere safe")
+
+
+def test_five_poses_a_second_can_be_judged():
+    scene, poses, whole = stopping()
+    found = verdict(scene, change(poses, slice(None, None, 4)), catalogue())
+    assert found.outcome.safe
+    assert found.decision_s == pytest.approx(whole.decision_s, abs=0.2)
+
+
+def test_a_run_that_ends_before_the_horizon_is_inconclusive():
+    scene, poses, whole = stopping()
     early = change(poses, poses.time < whole.decision_s + 0.5 * scene.horizon_s)
     found = verdict(scene, early, catalogue())
     assert "before the horizon" in found.inconclusive
@@ -258,7 +278,18 @@ def leaping(poses):
     )
 
 
+def across(poses, row, since):
+    """Let a body head across its motion from a time on."""
+    turned = np.where(poses.time > since, np.pi / 2, 0.0)[:, None] * [0, 0, 0, 1]
+    return change(poses, pose=lambda p: moved(p, row, turned))
+
+
 UNUSABLE = {
+    "height": lambda one: change(
+        one,
+        pose=lambda p: moved(p, one.names.index("ego"), (one.time > 1.0)[:, None] * [0, 0, 9, 0]),
+    ),
+    "sideways": lambda one: across(one, one.names.index("ego"), 1.0),
     "milliseconds": lambda one: change(one, time=lambda t: 1000.0 * t),
     "minutes": lambda one: change(one, time=lambda t: t / 60.0),
     "hole": lambda one: change(one, np.abs(one.time - one.time[-1] + 0.6) > 0.3),
@@ -288,6 +319,65 @@ def test_the_first_hole_is_named_by_its_time():
     scene, poses, _ = crash()
     with pytest.raises(DataError, match=r"from 0.95 s to 1.5 s"):
         verdict(scene, change(poses, (poses.time < 0.97) | (poses.time > 1.48)), catalogue())
+
+
+@pytest.mark.filterwarnings("error")
+@given(
+    st.data(),
+    st.sampled_from("xyzh"),
+    st.floats(1.1e7, exclude_min=True) | st.floats(max_value=-1.1e7),
+)
+def test_a_value_that_no_run_has_is_refused_with_its_body_and_time(data, column, value):
+    scene, poses, _ = crash()
+    step, row = (data.draw(st.integers(0, size - 1)) for size in poses.poses.shape[:2])
+    wrong = change(poses)
+    wrong.poses[step, row, "xyzh".index(column)] = value
+    with pytest.raises(
+        DataError, match=f"{poses.names[row]}: {column} is .* at {poses.time[step]:g} s"
+    ):
+        verdict(scene, wrong, catalogue())
+
+
+@given(st.floats(0.2001, 10.0))
+def test_steps_are_refused_only_if_they_are_told_to_be_too_long(step_s):
+    told = re.compile(r"steps are ([\d.e+]+) s, and at most ([\d.]+) s")
+    try:
+        check_steps(step_s * np.arange(10))
+    except DataError as error:
+        found = told.search(str(error))
+        assert float(found[1]) > float(found[2])
+    else:
+        assert step_s <= 0.2003
+
+
+@given(st.sampled_from([0.02, 0.05, 0.1, 0.2]), st.floats(0.0, 1.1), st.floats(5.0, 40.0))
+def test_vehicles_turn_only_so_fast_at_speed_and_as_they_like_at_rest(step_s, excess, speed):
+    time = step_s * np.arange(40)
+    heading = np.where(time > time[20], np.pi * step_s + 0.36 + excess, 0.0)
+    poses = np.zeros((40, 2, 4))
+    poses[:, :, 0] = speed * time[:, None]
+    poses[:, 1, 3] = heading
+    names = ("ego", "other")
+    check_motion(names, time, poses, steered=[0])
+    with pytest.raises(DataError, match=r"other: turns by \d+ degrees"):
+        check_motion(names, time, poses, steered=[0, 1])
+    poses[:, 1, 0] = 0.0
+    check_motion(names, time, poses, steered=[0, 1])
+
+
+@given(st.floats(0.0, 3.0), st.floats(0.05, 3.0), st.floats(-1.5, 1.5), st.floats(0.0, 20.0))
+def test_headings_off_the_motion_are_noted_with_their_time(since, lasts, angle, speed):
+    time = 0.05 * np.arange(160)
+    poses = np.zeros((160, 4))
+    poses[:, 0] = speed * time
+    poses[(time >= since) & (time < since + lasts), 3] = angle
+    note = heading_note(time, poses)
+    if lasts > 0.6 and abs(angle) > 0.36 and speed > 2.1:
+        told = re.fullmatch(r"ego heads (\d+) degrees off its motion for (.*) s from (.*) s", note)
+        assert float(told[1]) == pytest.approx(abs(np.degrees(angle)), abs=1.0)
+        assert [float(told[2]), float(told[3])] == pytest.approx([lasts, since], abs=0.4)
+    elif lasts < 0.2 or abs(angle) < 0.34 or speed < 1.9:
+        assert not note
 
 
 def noisy(time):
@@ -346,3 +436,15 @@ def test_bodies_beside_the_scene_are_noted():
         (*poses.names, "x"), poses.time, poses.poses[:, [*range(len(poses.names)), 0]]
     )
     assert "x" in verdict(scene, more, catalogue()).notes[0]
+
+
+def test_bodies_without_a_name_are_noted(tmp_path):
+    scene, poses, _ = crash()
+    path = tmp_path / "scene.csv"
+    lines = ["time,name,x,y,z,h"]
+    for time, name, (x, y, z, h) in rows(poses):
+        lines += [f"{time},{name},{x},{y},{z},{h}"]
+        lines += [f"{time},,{x + away},{y},{z},{h}" for away in (3, 6) if name == "ego"]
+    path.write_text("\n".join(lines))
+    assert read_poses(path).unnamed == 2
+    assert "2 without a name" in verdict(scene, path, catalogue()).notes[0]

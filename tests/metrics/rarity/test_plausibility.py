@@ -50,6 +50,54 @@ def test_unusual_things_are_possible(text):
     assert not is_impossible(text)
 
 
+UNITS = {
+    1.0: (
+        "km/h",
+        "km / h",
+        "kmh",
+        "kph",
+        "kmph",
+        "km per hour",
+        "km an hour",
+        "kilometres per hour",
+    ),
+    1.609: ("mph", "miles per hour", "miles an hour", "mi/h"),
+    1.852: ("knots", "kts"),
+    3.6: ("m/s", "metres per second", "m per second"),
+    1.097: ("feet per second", "ft/s", "foot per second"),
+}
+
+
+@given(
+    st.sampled_from([(kmh, unit) for kmh, units in UNITS.items() for unit in units]),
+    st.integers(1, 5_000),
+    st.sampled_from(["", ",", "'", "\u202f", " "]),
+    st.sampled_from(["", ".5", ",25"]),
+    st.sampled_from(["", " ", "\u00a0", "-"]),
+)
+def test_speeds_are_read_in_every_unit(measured, value, separator, fraction, blank):
+    kmh, unit = measured
+    text = f"A car at {f'{value:,}'.replace(',', separator)}{fraction}{blank}{unit} passes."
+    if not 480 < value * kmh < 520:
+        assert is_impossible(text) == (value * kmh > 500)
+
+
+@pytest.mark.parametrize(
+    ("text", "is_fast"),
+    [
+        ("A car drives at 1.200 km/h.", True),
+        ("A van rolls at 1.200 m/s.", False),
+        ("A van rolls at 0.500 m/s.", False),
+        ("The tram 2, 600 m away, waits.", False),
+        ("A bus at " + "9" * 9_000 + " km/h.", True),
+        ("A camera at 600 fps.", False),
+        ("After 500 metres a second car waits.", False),
+    ],
+)
+def test_a_point_parts_groups_of_digits_only_in_fast_units(text, is_fast):
+    assert is_impossible(text) == is_fast
+
+
 @given(st.text())
 def test_any_text_is_read(text):
     assert is_impossible(text) in (True, False)

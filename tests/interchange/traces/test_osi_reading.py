@@ -1,0 +1,90 @@
+"""OSI traces: read by the wire format, or refused in plain words."""
+
+import re
+import struct
+from functools import cache
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.errors import DataError
+from oodscen.interchange._traces.osi_reading import read_osi_trace
+from oodscen.interchange._traces.osi_writing import _message, _number, _text, _vector, osi_trace
+from tests.interchange.staging import SCENES, catalogue
+
+MOVING, STATIONARY = 5, 4
+ENTITY, ROAD = "entity_name:box", "road_object:7"
+PLAIN_WORDS = (
+    r"(cut off|is empty|the number 0|of the unknown kind \d|more than 64 bits|not an integer|not finite"
+    r"|a number stands for a message or a text|not a floating-point number)$"
+)
+
+
+def body(kind, reference, x):
+    """Return the field of one object."""
+    told = _message({MOVING: 10, STATIONARY: 5}[kind], _text(3, reference)) if reference else b""
+    return _message(kind, _message(2, _message(2, _vector(x, 0.0, 0.0))) + told)
+
+
+def fault(data):
+    """Return the fault for which a trace is refused, `None` if it is read."""
+    try:
+        list(read_osi_trace(data, "run.osi"))
+    except DataError as error:
+        (issue,) = error.issues
+        return issue
+    return None
+
+
+@cache
+def whole_trace():
+    return osi_trace(SCENES[0], catalogue())
+
+
+def trace(*objects, seconds=0, nanos=0):
+    """Return a trace of one moment."""
+    truth = _message(2, _number(1, seconds % 2**64) + _number(2, nanos)) + b"".join(objects)
+    return struct.pack("<I", len(truth)) + truth
+
+
+@given(st.integers(-(10**9), 10**9), st.integers(0, 10**9 - 1))
+def test_seconds_have_a_sign(seconds, nanos):
+    data = trace(body(MOVING, ENTITY, 1.0), seconds=seconds, nanos=nanos)
+    ((time, name, _),) = read_osi_trace(data, "run.osi")
+    assert (time, name) == (pytest.approx(seconds + 1e-9 * nanos, abs=1e-5), "box")
+
+
+@pytest.mark.parametrize(
+    ("kind", "reference", "names"),
+    [
+        (MOVING, ENTITY, ["box"]),
+        (STATIONARY, ENTITY, ["box"]),
+        (MOVING, ROAD, [""]),
+        (STATIONARY, ROAD, []),
+        (MOVING, "", [""]),
+        (STATIONARY, "", [""]),
+    ],
+)
+def test_bodies_without_a_name_are_read_but_for_things_of_the_road(kind, reference, names):
+    found = read_osi_trace(trace(body(kind, reference, 1.0)), "run.osi")
+    assert [name for _, name, _ in found] == names
+
+
+@given(st.binary())
+def test_bytes_are_read_or_refused_in_plain_words(data):
+    for found in map(fault, (data, struct.pack("<I", len(data)) + data)):
+        assert found is None or re.search(PLAIN_WORDS, found.message)
+
+
+@given(st.data())
+def test_a_changed_trace_is_read_or_refused_in_plain_words(data):
+    whole = whole_trace()
+    place = data.draw(st.integers(0, len(whole) - 8))
+    found = fault(whole[:place] + data.draw(st.binary(max_size=8)) + whole[place + 8 :])
+    assert found is None or re.search(PLAIN_WORDS, found.message)
+
+
+def test_a_file_of_zeros_is_refused_at_its_first_byte():
+    with pytest.raises(DataError, match="byte 0: the message is empty"):
+        list(read_osi_trace(bytes(1_000), "run.osi"))
