@@ -128,26 +128,6 @@ def test_simulating_touches_no_study_and_nothing_simulated_before(tmp_path):
     assert files(tmp_path / "new") == before
 
 
-@pytest.mark.parametrize("lines", [0, 1, 2])
-def test_the_same_command_continues_a_simulation_that_was_stopped(tmp_path, lines):
-    from oodscen.testing._scenes import example_scene
-
-    scenes = tmp_path / "scenes.jsonl"
-    rows = [example_scene().model_copy(update={"id": f"box-00{one}"}) for one in range(3)]
-    scenes.write_text("".join(row.to_json() + "\n" for row in rows))
-    out = tmp_path / "out"
-    order = ["simulate", str(scenes), str(out), "--simulator", "flat", "--rear-view"]
-    assert CliRunner().invoke(main, order).exit_code == 0
-    whole = files(out)
-    text = (out / "episodes.jsonl").read_bytes().splitlines(keepends=True)
-    (out / "episodes.jsonl").write_bytes(b"".join(text[:lines]) + text[lines][:40])
-    (out / "episodes.rear.jsonl").unlink()
-    (out / "frames" / "box-000" / "last.jpg").write_bytes(b"")
-    again = CliRunner().invoke(main, order)
-    assert again.exit_code == 0
-    assert files(out) == whole
-
-
 def files(folder):
     """Return the content of all files below a folder."""
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
