@@ -19,6 +19,8 @@ from oodscen.numerics._exact import Floats
 COLUMNS = ("time", "name", "x", "y", "h")
 """Columns that a CSV file of poses must have; `z` is optional."""
 MAX_BYTES = 512 * 1024 * 1024
+_LONGEST_NAME = 1_000
+"""Length of the longest name of a body, in characters."""
 _NOUN = "file of poses"
 _REST = "\n"
 """Key of the cells beyond the last column, which no column can have."""
@@ -104,7 +106,10 @@ def _plain_rows(text: str, source: str) -> Iterator[Row]:
         time, x, y, z, h = (
             _number(cells[name], where, name, source) for name in ("time", "x", "y", "z", "h")
         )
-        yield time, (row["name"] or "").strip(), (x, y, z, h)
+        name = (row["name"] or "").strip()
+        if len(name) > _LONGEST_NAME:
+            raise _fault(where, f"a name has {len(name):,} characters", source)
+        yield time, name, (x, y, z, h)
 
 
 def _table_rows(table: "csv.DictReader[str]", source: str) -> Iterator[dict[str, Any]]:

@@ -1,3 +1,4 @@
+import csv
 import re
 from functools import cache
 
@@ -160,6 +161,17 @@ def test_faulty_files_are_refused(text, tmp_path):
     path.write_text(text)
     with pytest.raises(DataError):
         read_poses(path)
+
+
+def test_a_long_name_is_refused_whatever_the_limit_of_the_process(tmp_path):
+    path = tmp_path / "scene.csv"
+    path.write_text(f"time,name,x,y,h\n0,ego,1,2,3\n1,{'x' * 200_000},1,1,3")
+    before = csv.field_size_limit(10_000_000)
+    try:
+        with pytest.raises(DataError, match="200,000 characters"):
+            read_poses(path)
+    finally:
+        csv.field_size_limit(before)
 
 
 def test_a_run_without_an_actor_is_refused():
