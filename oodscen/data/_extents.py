@@ -115,8 +115,8 @@ class Measured:
 
     @property
     def bounds(self) -> Space:
-        """The box around everything."""
-        boxes = [space for _, space in self.spaces]
+        """The box around everything; that of parts of unknown size is a point."""
+        boxes = [space for _, space in self.spaces] or [Space((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))]
         return around([point for box in boxes for point in (box.low, box.high)])
 
 

@@ -124,6 +124,13 @@ def test_what_moves_by_itself_is_no_part() -> None:
     assert check_prop(Prop.parse(taken), FLAT_CATALOGUE.assets)[0].path == "id"
 
 
+def test_a_part_that_the_catalogue_lacks_is_told_though_nothing_else_has_a_size() -> None:
+    prop = Prop.parse({**WALL, "parts": [{"asset": "nothing_known"}]})
+    assert FLAT_CATALOGUE.with_made([prop]).asset(prop.id).height > 0.0
+    (fault,) = check_prop(prop, FLAT_CATALOGUE.assets)
+    assert fault.path == "parts[0].asset"
+
+
 def test_a_scene_brings_its_things_along(scene_with_wall: Scene) -> None:
     catalogue: Catalogue = FLAT_CATALOGUE
     assert not catalogue.lacks(scene_with_wall)
