@@ -203,7 +203,9 @@ class _Assembly:
         start = self._centre(self.ego)
         if start is None:
             raise self._no_start()
-        self.triggers = TriggerReader(self.positions, self.entities, self.ego, _identifier)
+        self.triggers = TriggerReader(
+            self.root, self.positions, self.entities, self.ego, _identifier
+        )
         self.actions = ActionReader(self.root, self.positions, self.triggers, self.ego)
         self.actions.read()
         self.start = start
