@@ -20,6 +20,8 @@ _STANDS = 0.1
 _HARD = 3.0
 """Deceleration from which braking is hard, m/s^2."""
 _WALK, _DRIVE, _DISTANCE_M, _STRAIGHT_M = 1.4, 8.0, 12.0, 1.0
+_PACE_SHARE = 0.05
+"""Share of the fastest part of a course by which its parts may differ without a note."""
 _FASTEST = 45.0
 """Highest speed of a scene, m/s."""
 _LATEST_S = 500.0
@@ -236,6 +238,8 @@ class ActionReader:
                 node.note("a meeting is read as a start by time to collision")
         else:
             begin, seconds = _timed(node, [vertex for vertex, _ in points])
+            if seconds > 0.0:
+                _note_paces(node, points)
             if seconds > 0.0 and self._is_timed(name, node):
                 values["speed"] = way / seconds
                 trigger = self._begun(node, trigger, begin)
@@ -314,7 +318,8 @@ def behaviour(
         if name == "stand" and speed >= _STANDS:
             entity.note(f"its first speed, {speed:g} m/s, is left out: a {asset.category} stands")
         return _within(entity, name, {"speed": speed}, AT_ONCE, catalogue), None
-    name, values = (_driving if is_driver else _walking)(action, speed)
+    is_waiting = _waits(asset, action, speed)
+    name, values = (_driving if is_driver and not is_waiting else _walking)(action, speed)
     if asset.category not in catalogue.behaviour(name).categories:
         action.node.note(f"a {asset.category} cannot {name}: this is left out")
         return Behaviour(name="stand"), None
@@ -357,6 +362,12 @@ def _plain(asset: Asset, speed: float, is_against: bool) -> str:
     return "walk_along" if asset.category in ("pedestrian", "animal") else "stand"
 
 
+def _waits(asset: Asset, action: Action, speed: float) -> bool:
+    """Return whether a cyclist stands until a course of its own begins."""
+    is_later = action.kind == "course" and action.trigger != AT_ONCE
+    return asset.category == "cyclist" and is_later and speed < _STANDS
+
+
 def _driving(action: Action, speed: float) -> tuple[str, dict[str, float]]:
     values = {"speed": speed, **action.values}
     if action.kind == "lane_change":
@@ -368,6 +379,11 @@ def _driving(action: Action, speed: float) -> tuple[str, dict[str, float]]:
     if values["speed"] < _STANDS:
         values["speed"] = _DRIVE
         action.node.note(f"the course has no speed; {_DRIVE:g} m/s is taken")
+    if action.trigger != AT_ONCE:
+        action.node.note(
+            f"the course is driven from the start of the scene at {values['speed']:g} m/s: its own start, "
+            f"a {action.trigger.kind} of {action.trigger.value:g}, and the first speed, {speed:g} m/s, are left out"
+        )
     return "run_red", values
 
 
@@ -391,6 +407,19 @@ def _leave_out_dynamics(node: Node) -> None:
     """Record that it is left out how a speed is reached, unless that is at once."""
     if is_gradual(node, "SpeedActionDynamics"):
         node.note("how the speed is reached is left out")
+
+
+def _note_paces(node: Node, points: list[tuple[Node, Pose]]) -> None:
+    """Record the slowest and the fastest stretch of a course that is read at its mean speed."""
+    paces = [
+        math.hypot(two.x - one.x, two.y - one.y)
+        / (after.number("time", 0.0) - before.number("time", 0.0))
+        for (before, one), (after, two) in pairwise(points)
+    ]
+    if max(paces) - min(paces) > _PACE_SHARE * max(paces):
+        node.note(
+            f"the course has parts of {min(paces):.1f} and of {max(paces):.1f} m/s and is read at its mean speed"
+        )
 
 
 def _timing(node: Node) -> Node | None:

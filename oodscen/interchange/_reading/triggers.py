@@ -161,7 +161,7 @@ class TriggerReader:
         found = self._followed_to(step)
         if found is None:
             raise _UnreadError("the start of this is not known")
-        if found.kind == "time" or found.actor is not None or step.actors[0] == owner:
+        if found.kind == "time" or found.actor or step.actors[0] in (owner, self.ego):
             return found
         return found.model_copy(update={"actor": self.identifier(step.actors[0])})
 
@@ -315,7 +315,7 @@ class TriggerReader:
     ) -> Trigger:
         """Return a trigger on the ego and another entity."""
         found = _trigger(kind, value, node)
-        if other == owner:
+        if other in (owner, self.ego):
             return found
         return found.model_copy(update={"actor": self.identifier(other)})
 
