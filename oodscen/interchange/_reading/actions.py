@@ -231,18 +231,12 @@ class ActionReader:
             return
         heading = math.atan2(end.y - start.y, end.x - start.x)
         values = {"distance": way}
-        if node.name == "SynchronizeAction":
-            values |= self._met(node)
-            if "speed" in values:
-                trigger = Trigger(kind="ttc", value=round(0.5 * way / values["speed"], 3))
-                node.note("a meeting is read as a start by time to collision")
-        else:
-            begin, seconds = _timed(node, [vertex for vertex, _ in points])
-            if seconds > 0.0:
-                _note_paces(node, points)
-            if seconds > 0.0 and self._is_timed(name, node):
-                values["speed"] = way / seconds
-                trigger = self._begun(node, trigger, begin)
+        begin, seconds = _timed(node, [vertex for vertex, _ in points])
+        if seconds > 0.0:
+            _note_paces(node, points)
+        if seconds > 0.0 and self._is_timed(name, node):
+            values["speed"] = way / seconds
+            trigger = self._begun(node, trigger, begin)
         if any(_aside(one, start, heading) > _STRAIGHT_M for _, one in points):
             node.note("the course is read as a straight way from its first point to its last")
         self._add(name, Action("course", node, trigger, values, heading))
@@ -278,13 +272,6 @@ class ActionReader:
         if node.name == "AcquirePositionAction" and (goal := node.first("Position")) is not None:
             yield goal, self.positions.read(goal)
 
-    def _met(self, node: Node) -> dict[str, float]:
-        final = node.first("FinalSpeed", "AbsoluteSpeed")
-        if final is None:
-            return {}
-        speed = final.bounded(final.number("value", 0.0), 0.0, _FASTEST, "a speed of")
-        return {"speed": speed} if speed > _STANDS else {}
-
 
 _READERS: dict[str, Callable[[ActionReader, str, Node, Trigger], None]] = {
     "SpeedAction": ActionReader._speed,
@@ -292,7 +279,6 @@ _READERS: dict[str, Callable[[ActionReader, str, Node, Trigger], None]] = {
     "FollowTrajectoryAction": ActionReader._course,
     "AcquirePositionAction": ActionReader._course,
     "AssignRouteAction": ActionReader._course,
-    "SynchronizeAction": ActionReader._course,
 }
 
 

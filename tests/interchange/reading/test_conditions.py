@@ -4,6 +4,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from oodscen.data._scene import Trigger
 from oodscen.errors import OodscenError
 from tests.interchange.reading.files import (
     at,
@@ -295,6 +296,26 @@ def test_a_course_keeps_its_times(timed, times, pace, begins, tmp_path):
 )
 def test_a_course_whose_times_cannot_be_kept_is_noted(text, note, tmp_path):
     assert any(note in one for one in notes(read(tmp_path, text)))
+
+
+@pytest.mark.parametrize("kind", ["car", "bicycle"])
+@pytest.mark.parametrize("first", [0, 4])
+@pytest.mark.parametrize("condition", [at(5), by_entity(near(30))])
+def test_a_later_start_of_a_course_is_kept_or_noted(kind, first, condition, tmp_path):
+    text = course(timing(), condition=condition, first=first)
+    body = entity("a", "pedestrian", 0.0, 0.5, 0.6)
+    found = read(tmp_path, text.replace(body, entity("a").replace('="car"', f'="{kind}"')))
+    does = found.scene.actors[0].behaviour
+    is_lost = any("the first speed" in one and "are left out" in one for one in notes(found))
+    assert is_lost or (does.name == "cross_road" and does.trigger != Trigger())
+
+
+def test_a_pause_within_a_course_is_noted(tmp_path):
+    middle = (
+        f'<Vertex time="7.5"><Position>{world(250, -7, 1.5708)}</Position></Vertex><Vertex time="8"'
+    )
+    found = read(tmp_path, course(timing()).replace('<Vertex time="8"', middle))
+    assert any("is read at its mean speed" in one for one in notes(found))
 
 
 def test_times_without_a_reference_do_not_count_for_what_moves(tmp_path):
