@@ -7,9 +7,11 @@ from typing import Literal, NamedTuple
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Behaviour, Trigger
+from oodscen.interchange._reading.dynamics import deceleration, is_gradual, lane_change_s
+from oodscen.interchange._reading.phases import leaves
 from oodscen.interchange._reading.positions import Pose, Positions
 from oodscen.interchange._reading.tree import Node
-from oodscen.interchange._reading.triggers import AT_ONCE, AT_ONCE_S, TriggerReader, later
+from oodscen.interchange._reading.triggers import AT_ONCE, TriggerReader, is_start
 
 Kind = Literal["lane_change", "brake", "course", "start"]
 
@@ -18,6 +20,8 @@ _STANDS = 0.1
 _HARD = 3.0
 """Deceleration from which braking is hard, m/s^2."""
 _WALK, _DRIVE, _DISTANCE_M, _STRAIGHT_M = 1.4, 8.0, 12.0, 1.0
+_PACE_SHARE = 0.05
+"""Share of the fastest part of a course by which its parts may differ without a note."""
 _FASTEST = 45.0
 """Highest speed of a scene, m/s."""
 _LATEST_S = 500.0
@@ -45,6 +49,8 @@ class ActionReader:
         self.ego = ego
         self.speeds = triggers.speeds
         self.actions: dict[str, list[Action]] = {}
+        self.unstarted: list[tuple[str, Node]] = []
+        """Entities and events of which no condition is read."""
 
     def read(self) -> None:
         """Read the speeds of the start, then the events of all stories."""
@@ -58,6 +64,7 @@ class ActionReader:
         for act in self.root.all("Storyboard", "Story", "Act"):
             for group in act.within("ManeuverGroup"):
                 self._group(act, group)
+        self._settle_unstarted()
 
     def _group(self, act: Node, group: Node) -> None:
         """Read the events of a group for its entities, of which a scene may hold nothing."""
@@ -83,25 +90,36 @@ class ActionReader:
     def _event(self, act: Node, event: Node, name: str) -> bool:
         """Read what an entity does in an event, and return whether a scene holds any of it."""
         trigger = self._start(act, event, name)
+        if trigger is None:
+            self.unstarted.append((name, event))
+            return True
+        return self._does(event, name, trigger)
+
+    def _does(self, event: Node, name: str, trigger: Trigger) -> bool:
         kept = [self._act(name, action, trigger) for action in event.all("Action")]
         return any(kept)
 
-    def _start(self, act: Node, event: Node, name: str) -> Trigger:
-        """Return when an event starts, which is after its act."""
+    def _start(self, act: Node, event: Node, name: str) -> Trigger | None:
+        """Return when an event starts, `None` if that is not known."""
         if name == self.ego:
-            is_start = all(map(self.triggers.is_at_once, (act, event)))
-            return AT_ONCE if is_start else _LATER
-        first, then = self.triggers.read(act, name), self.triggers.read(event, name)
-        both = later(first, then)
-        if both is None:
-            event.note(f"the act starts by a {first.kind}, the event by a {then.kind}: that counts")
-        return both or then
+            at_once = all(map(self.triggers.is_at_once, (act, event)))
+            return AT_ONCE if at_once else _LATER
+        return self.triggers.start(act, event, name)
+
+    def _settle_unstarted(self) -> None:
+        """Start the events whose start is not known at once where an entity does nothing else, or leave them out."""
+        for name, event in self.unstarted:
+            if name in self.actions or self.speeds.get(name, 0.0) >= _STANDS:
+                event.leave_out(f"when it starts is not known: {name[:40]} does not do this")
+            else:
+                event.note(f"when it starts is not known: {name[:40]} does this at once")
+                self._does(event, name, AT_ONCE)
 
     # ------------------------------------------------------------------ actions
 
     def _act(self, name: str, action: Node, trigger: Trigger) -> bool:
         """Read the actions in an element, and return whether a scene holds any of them."""
-        kept = [self._leaf(name, node, trigger) for node in _leaves(action)]
+        kept = [self._leaf(name, node, trigger) for node in leaves(action)]
         return any(kept)
 
     def _leaf(self, name: str, node: Node, trigger: Trigger) -> bool:
@@ -109,7 +127,7 @@ class ActionReader:
             if trigger != AT_ONCE:
                 node.leave_out("no behaviour does this")
             return trigger == AT_ONCE
-        if name == self.ego and not (node.name == "SpeedAction" and _is_start(trigger)):
+        if name == self.ego and not (node.name == "SpeedAction" and is_start(trigger)):
             node.leave_out("the ego is driven by a driver")
         elif node.name not in _READERS:
             node.leave_out("no behaviour does this")
@@ -126,17 +144,27 @@ class ActionReader:
             node.leave_out("the target speed is not read")
             return
         target = node.bounded(target, 0.0, _FASTEST, "a speed of")
-        if _is_start(trigger):
-            self.speeds[name] = target
-            _leave_out_dynamics(node)
-        elif target < _STANDS and before >= _STANDS:
-            values = {"deceleration": _deceleration(node, before)}
+        is_stop = target < _STANDS <= before
+        if is_start(trigger) and not (is_stop and is_gradual(node, "SpeedActionDynamics")):
+            self._set_speed(name, node, target)
+        elif name == self.ego:
+            node.leave_out("the ego is driven by a driver")
+        elif is_stop:
+            values = {"deceleration": deceleration(node, before)}
             self._add(name, Action("brake", node, trigger, values))
         elif before < _STANDS <= target:
             self._add(name, Action("start", node, trigger, {"speed": target}))
             _leave_out_dynamics(node)
         else:
             node.leave_out(f"no behaviour changes the speed from {before:.1f} to {target:.1f} m/s")
+
+    def _set_speed(self, name: str, node: Node, speed: float) -> None:
+        """Set the first speed of an entity, and record which one it replaces."""
+        before = self.speeds.get(name, 0.0)
+        if before >= _STANDS and before != speed:
+            node.note(f"the first speed is {speed:g} m/s, in place of {before:g} m/s")
+        self.speeds[name] = speed
+        _leave_out_dynamics(node)
 
     def _target(self, node: Node) -> float | None:
         absolute = node.first("SpeedActionTarget", "AbsoluteTargetSpeed")
@@ -169,7 +197,7 @@ class ActionReader:
             ego = self.positions.known.get(self.ego, own)
             lanes = own.lanes_to(target) * (ego.direction or own.direction)
             speed = self.speeds.get(name, 0.0)
-            values = {"lanes": float(lanes), "duration": _duration(node, speed)}
+            values = {"lanes": float(lanes), "duration": lane_change_s(node, speed)}
             self._add(name, Action("lane_change", node, trigger, values))
 
     def _target_lane(self, name: str, node: Node) -> int | None:
@@ -203,16 +231,12 @@ class ActionReader:
             return
         heading = math.atan2(end.y - start.y, end.x - start.x)
         values = {"distance": way}
-        if node.name == "SynchronizeAction":
-            values |= self._met(node)
-            if "speed" in values:
-                trigger = Trigger(kind="ttc", value=round(0.5 * way / values["speed"], 3))
-                node.note("a meeting is read as a start by time to collision")
-        else:
-            begin, seconds = _timed(node, [vertex for vertex, _ in points])
-            if seconds > 0.0 and self._is_timed(name, node):
-                values["speed"] = way / seconds
-                trigger = self._begun(node, trigger, begin)
+        begin, seconds = _timed(node, [vertex for vertex, _ in points])
+        if seconds > 0.0:
+            _note_paces(node, points)
+        if seconds > 0.0 and self._is_timed(name, node):
+            values["speed"] = way / seconds
+            trigger = self._begun(node, trigger, begin)
         if any(_aside(one, start, heading) > _STRAIGHT_M for _, one in points):
             node.note("the course is read as a straight way from its first point to its last")
         self._add(name, Action("course", node, trigger, values, heading))
@@ -248,13 +272,6 @@ class ActionReader:
         if node.name == "AcquirePositionAction" and (goal := node.first("Position")) is not None:
             yield goal, self.positions.read(goal)
 
-    def _met(self, node: Node) -> dict[str, float]:
-        final = node.first("FinalSpeed", "AbsoluteSpeed")
-        if final is None:
-            return {}
-        speed = final.bounded(final.number("value", 0.0), 0.0, _FASTEST, "a speed of")
-        return {"speed": speed} if speed > _STANDS else {}
-
 
 _READERS: dict[str, Callable[[ActionReader, str, Node, Trigger], None]] = {
     "SpeedAction": ActionReader._speed,
@@ -262,7 +279,6 @@ _READERS: dict[str, Callable[[ActionReader, str, Node, Trigger], None]] = {
     "FollowTrajectoryAction": ActionReader._course,
     "AcquirePositionAction": ActionReader._course,
     "AssignRouteAction": ActionReader._course,
-    "SynchronizeAction": ActionReader._course,
 }
 
 
@@ -288,7 +304,8 @@ def behaviour(
         if name == "stand" and speed >= _STANDS:
             entity.note(f"its first speed, {speed:g} m/s, is left out: a {asset.category} stands")
         return _within(entity, name, {"speed": speed}, AT_ONCE, catalogue), None
-    name, values = (_driving if is_driver else _walking)(action, speed)
+    is_waiting = _waits(asset, action, speed)
+    name, values = (_driving if is_driver and not is_waiting else _walking)(action, speed)
     if asset.category not in catalogue.behaviour(name).categories:
         action.node.note(f"a {asset.category} cannot {name}: this is left out")
         return Behaviour(name="stand"), None
@@ -331,6 +348,12 @@ def _plain(asset: Asset, speed: float, is_against: bool) -> str:
     return "walk_along" if asset.category in ("pedestrian", "animal") else "stand"
 
 
+def _waits(asset: Asset, action: Action, speed: float) -> bool:
+    """Return whether a cyclist stands until a course of its own begins."""
+    is_later = action.kind == "course" and action.trigger != AT_ONCE
+    return asset.category == "cyclist" and is_later and speed < _STANDS
+
+
 def _driving(action: Action, speed: float) -> tuple[str, dict[str, float]]:
     values = {"speed": speed, **action.values}
     if action.kind == "lane_change":
@@ -342,6 +365,11 @@ def _driving(action: Action, speed: float) -> tuple[str, dict[str, float]]:
     if values["speed"] < _STANDS:
         values["speed"] = _DRIVE
         action.node.note(f"the course has no speed; {_DRIVE:g} m/s is taken")
+    if action.trigger != AT_ONCE:
+        action.node.note(
+            f"the course is driven from the start of the scene at {values['speed']:g} m/s: its own start, "
+            f"a {action.trigger.kind} of {action.trigger.value:g}, and the first speed, {speed:g} m/s, are left out"
+        )
     return "run_red", values
 
 
@@ -356,26 +384,6 @@ def _walking(action: Action, speed: float) -> tuple[str, dict[str, float]]:
     return "cross_road", values
 
 
-def _leaves(action: Node) -> Iterator[Node]:
-    """Yield the actions themselves below their grouping elements."""
-    groups = {
-        "Action",
-        "PrivateAction",
-        "LongitudinalAction",
-        "LateralAction",
-        "RoutingAction",
-    }
-    for node in action.children():
-        if node.name in groups:
-            yield from _leaves(node)
-        else:
-            yield node
-
-
-def _is_start(trigger: Trigger) -> bool:
-    return trigger.kind == "time" and trigger.value <= AT_ONCE_S
-
-
 def _aside(point: Pose, start: Pose, heading: float) -> float:
     """Return how far a point is beside a straight line, m."""
     return abs((point.y - start.y) * math.cos(heading) - (point.x - start.x) * math.sin(heading))
@@ -383,8 +391,21 @@ def _aside(point: Pose, start: Pose, heading: float) -> float:
 
 def _leave_out_dynamics(node: Node) -> None:
     """Record that it is left out how a speed is reached, unless that is at once."""
-    if _dynamics(node, "SpeedActionDynamics")[0]:
+    if is_gradual(node, "SpeedActionDynamics"):
         node.note("how the speed is reached is left out")
+
+
+def _note_paces(node: Node, points: list[tuple[Node, Pose]]) -> None:
+    """Record the slowest and the fastest stretch of a course that is read at its mean speed."""
+    paces = [
+        math.hypot(two.x - one.x, two.y - one.y)
+        / (after.number("time", 0.0) - before.number("time", 0.0))
+        for (before, one), (after, two) in pairwise(points)
+    ]
+    if max(paces) - min(paces) > _PACE_SHARE * max(paces):
+        node.note(
+            f"the course has parts of {min(paces):.1f} and of {max(paces):.1f} m/s and is read at its mean speed"
+        )
 
 
 def _timing(node: Node) -> Node | None:
@@ -407,37 +428,3 @@ def _timed(node: Node, vertices: list[Node]) -> tuple[float, float]:
         timing.note(f"times cannot be scaled by {scale:g} and are left out")
         return 0.0, 0.0
     return offset + scale * times[0], scale * (times[-1] - times[0])
-
-
-def _dynamics(node: Node, name: str) -> tuple[str, float]:
-    """Return the dimension and the value in which a transition is told, `""` for one at once."""
-    dynamics = node.first(name)
-    if dynamics is None:
-        return "", 0.0
-    value = dynamics.number("value")
-    if value < 0.0:
-        dynamics.note(f"value={value:g} is read as {-value:g}")
-        value = -value
-    kind = dynamics.get("dynamicsDimension")
-    if kind not in ("rate", "time", "distance"):
-        dynamics.note(f"dynamicsDimension={kind[:40]!r} is read as at once")
-        return "", 0.0
-    if dynamics.get("dynamicsShape") == "step" or value == 0.0:
-        return "", 0.0
-    return kind, value
-
-
-def _deceleration(node: Node, speed: float) -> float:
-    kind, value = _dynamics(node, "SpeedActionDynamics")
-    if kind == "rate":
-        return value
-    if kind == "time":
-        return speed / value
-    return 0.5 * speed * speed / value if kind == "distance" else 9.0
-
-
-def _duration(node: Node, speed: float) -> float:
-    kind, value = _dynamics(node, "LaneChangeActionDynamics")
-    if kind == "rate":
-        return 3.5 / value
-    return value / max(speed, 1.0) if kind == "distance" else value

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,7 +39,9 @@ if TYPE_CHECKING:
 
 _MAJOR, _MINORS = "1", ("0", "1", "2", "3")
 """Versions of OpenSCENARIO XML that are read."""
-_EGO_NAMES = ("ego", "hero", "ego_vehicle", "egovehicle")
+_EGO_NAMES = ("ego", "hero")
+_NOT_EGO = 4
+"""Unlikeness to the ego's name from which a name is another's."""
 _MIRRORED = "CARLA:"
 """Beginning of the description of files with CARLA's left-handed axes."""
 _DECISION_TTC_S = 3.0
@@ -192,6 +194,7 @@ class _Assembly:
                 raise one.fault(f"the name {one.get('name')!r} occurs more than once")
             self.entities[one.get("name")] = one
         self.ego = self._ego_name()
+        self.ids = _identifiers(name for name in self.entities if name != self.ego)
         self.map = road or self._own_map()
         is_mapped = road is None
         roads: Roads = StraightRoad()
@@ -203,7 +206,9 @@ class _Assembly:
         start = self._centre(self.ego)
         if start is None:
             raise self._no_start()
-        self.triggers = TriggerReader(self.positions, self.entities, self.ego, _identifier)
+        self.triggers = TriggerReader(
+            self.root, self.positions, self.entities, self.ego, self.ids.__getitem__
+        )
         self.actions = ActionReader(self.root, self.positions, self.triggers, self.ego)
         self.actions.read()
         self.start = start
@@ -259,7 +264,7 @@ class _Assembly:
 
     def _unusual(self, actors: Sequence[Actor]) -> list[str]:
         """Return the actors that are the hazard: the given ones, those that a model names, or the first that acts."""
-        unusual = [_identifier(name) for name in self.hazards]
+        unusual = [self.ids.get(name) or _identifier(name) for name in self.hazards]
         if unknown := set(unusual).difference(one.id for one in actors):
             first = next(name for name in unusual if name in unknown)
             raise self._no_hazard(f"there is no entity {first!r} in the scene")
@@ -310,13 +315,16 @@ class _Assembly:
     # ------------------------------------------------------------------ the ego and its road
 
     def _ego_name(self) -> str:
-        for name in self.entities:
-            if name.lower() in _EGO_NAMES or "ego" in name.lower():
-                return name
-        for name in self.entities:
-            self.root.note(f"no entity is called ego; {name} is taken to be it")
-            return name
-        raise self.root.fault("has no entities")
+        """Return the entity that is the ego by its name, or else the first, and record a choice that may be wrong."""
+        likely = sorted(self.entities, key=_unlike_ego)
+        if not likely:
+            raise self.root.fault("has no entities")
+        found, how = likely[0], _unlike_ego(likely[0])
+        if how >= _NOT_EGO:
+            self.root.note(f"no entity is called ego; {found} is taken to be it")
+        if how < _NOT_EGO and (how or how == min(map(_unlike_ego, likely[1:]), default=_NOT_EGO)):
+            self.root.note(f"{found} is taken to be the ego; call another one ego to change that")
+        return found
 
     def _own_map(self) -> str:
         node = self.root.first("RoadNetwork", "LogicFile")
@@ -420,7 +428,7 @@ class _Assembly:
             placed = self._placement(pose._replace(heading=heading))
         if does.name == "wrong_way":
             placed = placed.model_copy(update={"heading_deg": 0.0})
-        return Actor(id=_identifier(name), asset=asset.id, placement=placed, behaviour=does)
+        return Actor(id=self.ids[name], asset=asset.id, placement=placed, behaviour=does)
 
     def _placement(self, pose: Pose) -> Placement:
         """Return a pose relative to the ego along the road."""
@@ -464,6 +472,33 @@ def _teleport(private: Node) -> Node | None:
         if (found := action.first("TeleportAction", "Position")) is not None:
             return found
     return None
+
+
+def _unlike_ego(name: str) -> int:
+    """Return how unlike the ego's a name is: 0 is the name itself, then it begins with it, ends with it, or neither."""
+    if name.lower() in _EGO_NAMES:
+        return 0
+    words = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)
+    if not any(word.lower() in _EGO_NAMES for word in words):
+        return _NOT_EGO
+    if words[0].lower() not in _EGO_NAMES:
+        return 3
+    return 1 if len(words) == 1 or words[1].lower() in ("vehicle", "car") else 2
+
+
+def _identifiers(names: Iterable[str]) -> dict[str, str]:
+    """Return an id for every entity; none is the ego's, and no two are the same."""
+    found: dict[str, str] = {}
+    taken = {"ego"}
+    for name in names:
+        plain = one = _identifier(name)
+        number = 2
+        while one in taken:
+            one = f"{plain[:34]}-{number}"
+            number += 1
+        found[name] = one
+        taken.add(one)
+    return found
 
 
 def _identifier(name: str) -> str:

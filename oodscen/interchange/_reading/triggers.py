@@ -5,7 +5,10 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Literal, NamedTuple
 
+from lxml import etree
+
 from oodscen.data._scene import Trigger
+from oodscen.interchange._reading.phases import Step, duration, steps
 from oodscen.interchange._reading.positions import Pose, Positions
 from oodscen.interchange._reading.tree import Node
 
@@ -22,6 +25,9 @@ _LARGEST = 500.0
 _SOON = ("lessThan", "lessOrEqual")
 _LATE = ("greaterThan", "greaterOrEqual", "equalTo")
 _STARTED = ("startTransition", "runningState")
+_ENDED = ("endTransition", "completeState")
+_MOST_CHAINED = 20
+"""Number of events that wait for each other up to which their starts are followed."""
 _ALONG = ("longitudinal", "cartesianDistance", "euclidianDistance")
 """Kinds of distances that are taken along the road; the others are not read."""
 _OF_LANES = ("entity", "lane", "road")
@@ -63,6 +69,7 @@ class TriggerReader:
 
     def __init__(
         self,
+        root: Node,
         positions: Positions,
         entities: dict[str, Node],
         ego: str,
@@ -74,9 +81,24 @@ class TriggerReader:
         self.speeds: dict[str, float] = {}
         """Speeds at the start, m/s."""
         self.identifier = identifier
+        self.steps: dict[tuple[str, str], list[Step]] = {}
+        for key, step in steps(root):
+            self.steps.setdefault(key, []).append(step)
+        self._starts: dict[etree._Element, Trigger | None] = {}
+        self._followed: list[etree._Element] = []
 
-    def read(self, holder: Node, owner: str) -> Trigger:
-        """Return when an event, act or group starts for an entity; what has no start trigger starts at once."""
+    def start(self, act: Node, event: Node, owner: str) -> Trigger | None:
+        """Return when an event of an entity starts, which is after its act, or `None` if that is not known."""
+        first, then = self._read(act, owner), self._read(event, owner)
+        if first is None or then is None:
+            return None
+        both = later(first, then)
+        if both is None:
+            event.note(f"the act starts by a {first.kind}, the event by a {then.kind}: that counts")
+        return both or then
+
+    def _read(self, holder: Node, owner: str) -> Trigger | None:
+        """Return when an event or act starts for an entity: what has no condition, at once; `None` if none is read."""
         conditions = holder.all("StartTrigger", "ConditionGroup", "Condition")
         if len(conditions) > 1:
             holder.note("of several conditions the first that is known counts")
@@ -86,9 +108,7 @@ class TriggerReader:
                 found = self._condition(condition, owner)
             else:
                 condition.settle()
-        if conditions and found is None:
-            holder.note("none of its conditions is read: it starts at once")
-        return found or AT_ONCE
+        return found if conditions else AT_ONCE
 
     def is_at_once(self, holder: Node) -> bool:
         """Return whether something starts at once, or within the time that belongs to the start."""
@@ -96,33 +116,88 @@ class TriggerReader:
         if len(conditions) != 1:
             return not conditions
         with suppress(_UnreadError):
-            found = self._by_value(conditions[0])
-            return found is not None and _delayed(conditions[0], found).value <= AT_ONCE_S
+            found = self._by_value(conditions[0], self.ego)
+            return found is not None and is_start(_delayed(conditions[0], found))
         return False
 
     def _condition(self, condition: Node, owner: str) -> Trigger | None:
         """Return the trigger for a condition, or `None` after recording why there is none."""
         try:
-            found = self._by_value(condition) or self._by_entity(condition, owner)
+            found = self._by_value(condition, owner) or self._by_entity(condition, owner)
         except _UnreadError as error:
             condition.leave_out(str(error))
             return None
         return _delayed(condition, found)
 
-    def _by_value(self, condition: Node) -> Trigger | None:
+    def _by_value(self, condition: Node, owner: str) -> Trigger | None:
         """Return the trigger for a condition on the time or on another element, `None` for one on entities."""
         time = condition.first("ByValueCondition", "SimulationTimeCondition")
         if time is not None:
             return _after(time)
         other = condition.first("ByValueCondition", "StoryboardElementStateCondition")
-        if other is None:
-            return None
-        if other.get("state") not in _STARTED:
-            raise _UnreadError(f"the state {other.get('state')[:40]!r} is not read")
+        return None if other is None else self._by_state(other, owner)
+
+    # ------------------------------------------------------------------ conditions on other events
+
+    def _by_state(self, other: Node, owner: str) -> Trigger:
+        """Return the trigger for the state of another part of the storyboard."""
         kind, name = other.get("storyboardElementType"), other.get("storyboardElementRef")
+        state = other.get("state")
+        found = self.steps.get((kind, name), [])
+        if state in _ENDED:
+            return self._ended(other, found)
+        if state not in _STARTED:
+            raise _UnreadError(f"the state {state[:40]!r} is not read")
+        if kind in ("event", "action") and len(found) == 1:
+            return self._started(found[0], owner)
         if kind not in ("story", "storyboard"):
+            if not found:
+                raise _UnreadError(f"there is no {kind[:40]} {name[:40]!r}")
             other.note(f"the start of {kind[:40]} {name[:40]!r} is read as that of the scene")
         return AT_ONCE
+
+    def _started(self, step: Step, owner: str) -> Trigger:
+        """Return the trigger of another event, for an entity."""
+        found = self._followed_to(step)
+        if found is None:
+            raise _UnreadError("the start of this is not known")
+        if found.kind == "time" or found.actor or step.actors[0] in (owner, self.ego):
+            return found
+        return found.model_copy(update={"actor": self.identifier(step.actors[0])})
+
+    def _ended(self, other: Node, found: list[Step]) -> Trigger:
+        """Return the time at which all of some events have ended."""
+        ends = [end for step in found if (end := self._end(step)) is not None]
+        if not ends or len(ends) < len(found):
+            raise _UnreadError("the end of this is not known")
+        latest = _trigger("time", max(ends), other)
+        other.note(f"its end is read as the time {latest.value:g} s")
+        return latest
+
+    def _end(self, step: Step) -> float | None:
+        """Return when an event ends, s, if it starts at a time and what it does has an end."""
+        start = self._followed_to(step)
+        if start is None or start.kind != "time":
+            return None
+        lasts = duration(step.event, self.speeds.get(step.actors[0], 0.0))
+        return None if lasts is None else start.value + lasts
+
+    def _followed_to(self, step: Step) -> Trigger | None:
+        """Return when an event starts, `None` if it waits for itself, for too many others, or for nothing known."""
+        element = step.event.element
+        if element in self._starts:
+            return self._starts[element]
+        is_ring = element in self._followed
+        if (
+            is_ring
+            or len(self._followed) >= _MOST_CHAINED
+            or not self.bodies.keys() >= set(step.actors[:1])
+        ):
+            return None
+        self._followed.append(element)
+        self._starts[element] = self.start(step.act, step.event, step.actors[0])
+        self._followed.pop()
+        return self._starts[element]
 
     # ------------------------------------------------------------------ conditions on entities
 
@@ -240,7 +315,7 @@ class TriggerReader:
     ) -> Trigger:
         """Return a trigger on the ego and another entity."""
         found = _trigger(kind, value, node)
-        if other == owner:
+        if other in (owner, self.ego):
             return found
         return found.model_copy(update={"actor": self.identifier(other)})
 
@@ -280,6 +355,11 @@ _READERS: dict[str, Callable[[TriggerReader, Node, str, str], Trigger]] = {
     "DistanceCondition": TriggerReader._near_place,
     "ReachPositionCondition": TriggerReader._near_place,
 }
+
+
+def is_start(trigger: Trigger) -> bool:
+    """Return whether a trigger belongs to the start of a scene."""
+    return trigger.kind == "time" and trigger.value <= AT_ONCE_S
 
 
 def later(first: Trigger, then: Trigger) -> Trigger | None:

@@ -1,7 +1,10 @@
 """Conditions, acts and the times of courses as triggers of a scene."""
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from oodscen.data._scene import Trigger
 from oodscen.errors import OodscenError
 from tests.interchange.reading.files import (
     at,
@@ -20,6 +23,9 @@ from tests.interchange.reading.files import (
 )
 
 STOP = speed(0, "linear", 6, "rate")
+IN_FOLDER = settings(
+    max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None
+)
 
 
 def trigger(found):
@@ -68,9 +74,106 @@ def test_a_distance_of_reference_points_is_read_as_that_of_centres(tmp_path):
     ],
 )
 def test_a_condition_that_no_trigger_says_is_noted(condition, note, tmp_path):
-    found = notes(read(tmp_path, crowd(condition)))
-    assert any(note in one for one in found)
-    assert any("it starts at once" in one for one in found)
+    found = read(tmp_path, crowd(condition))
+    assert any(note in one for one in notes(found))
+    assert any("Event: when it starts is not known" in one for one in notes(found))
+    does = found.scene.actors[0].behaviour
+    assert (does.name, does.parameters) == ("follow_lane", {"speed": 5.0})
+
+
+def test_what_stands_and_does_nothing_else_starts_at_once(tmp_path):
+    found = read(tmp_path, cars(event(speed(7), by_entity(near(20, "zz"))), first=0.0))
+    does = found.scene.actors[0].behaviour
+    assert (does.name, does.parameters) == ("follow_lane", {"speed": 7.0})
+    assert any("a does this at once" in one for one in notes(found))
+
+
+def state(name, what, kind="event"):
+    return (
+        f'<ByValueCondition><StoryboardElementStateCondition storyboardElementType="{kind}" '
+        f'storyboardElementRef="{name}" state="{what}"/></ByValueCondition>'
+    )
+
+
+def chain(condition, first, action=STOP):
+    """Return a file in which `a` does something by a condition, and `b` brakes for 2 s by another."""
+    brake = event(speed(1, "linear", 2), first, name="b").replace('name="e"', 'name="f"')
+    starts = [start(name, lane(s), 5) for name, s in (("ego", 200), ("a", 250), ("b", 290))]
+    bodies = [entity(name) for name in ("ego", "a", "b")]
+    return file(bodies, starts, brake + event(action, condition))
+
+
+@given(st.floats(1.0, 100.0), st.floats(0.0, 20.0))
+@IN_FOLDER
+def test_waiting_for_an_event_is_waiting_for_its_time(tmp_path, seconds, delay):
+    began = event(STOP, state("f", "startTransition"), delay=delay)
+    found = read(tmp_path, chain("", at(seconds)).replace(event(STOP, ""), began))
+    assert trigger(found) == ("time", pytest.approx(seconds + delay, abs=0.0011), None)
+    found = read(tmp_path, chain(state("f", "completeState"), at(seconds)))
+    assert trigger(found) == ("time", pytest.approx(seconds + 2, abs=0.0011), None)
+    assert any("its end is read as the time" in one for one in notes(found))
+
+
+def test_waiting_for_an_event_by_distance_is_waiting_for_that_distance(tmp_path):
+    found = read(tmp_path, chain(state("f", "startTransition"), by_entity(near(20, "b"))))
+    assert trigger(found) == ("distance", 20.0, "b")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        chain(state("e", "startTransition"), at(3)),
+        chain(state("e", "endTransition"), at(3)),
+        chain(state("zz", "endTransition"), at(3)),
+        chain(state("f", "endTransition"), by_entity(near(20, "b"))),
+        chain(state("f", "endTransition"), state("e", "endTransition")),
+        chain(state("f", "skipTransition"), at(3)),
+    ],
+)
+def test_an_event_that_waits_for_nothing_known_is_left_out(text, tmp_path):
+    found = read(tmp_path, text)
+    assert found.scene.actors[0].behaviour.name == "follow_lane"
+    assert any("a does not do this" in one for one in notes(found))
+
+
+def test_long_chains_of_events_are_left_out(tmp_path):
+    waits = [
+        event(STOP, state(f"e{number + 1}", "startTransition")).replace(
+            'name="e"', f'name="e{number}"'
+        )
+        for number in range(500)
+    ]
+    found = read(tmp_path, cars("".join(waits)))
+    assert found.scene.actors[0].behaviour.name == "follow_lane"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "name"), [(4, "stall"), (1, "hard_brake"), (0.5, "hard_brake")]
+)
+@pytest.mark.parametrize("begins", [0, 0.3, 2])
+def test_a_brake_is_one_also_at_the_start(begins, seconds, name, tmp_path):
+    found = read(tmp_path, cars(event(speed(0, "linear", seconds), at(begins))))
+    does = found.scene.actors[0].behaviour
+    assert (does.name, does.parameters["speed"]) == (name, 5.0)
+    assert trigger(found)[1] == begins
+
+
+def test_a_first_speed_that_an_event_replaces_is_noted(tmp_path):
+    found = read(tmp_path, cars(event(speed(9), at(0))))
+    assert found.scene.actors[0].behaviour.parameters == {"speed": 9.0}
+    assert any("9 m/s, in place of 5 m/s" in one for one in notes(found))
+
+
+@pytest.mark.parametrize(
+    ("stop", "note"),
+    [
+        (speed(0), "a stop at once"),
+        (speed(0, "linear", 0), "a stop at once"),
+        (speed(0, "linear", 0, "rate"), "a rate of 0"),
+    ],
+)
+def test_a_stop_of_no_duration_is_noted(stop, note, tmp_path):
+    assert any(note in one for one in notes(read(tmp_path, cars(event(stop, at(3))))))
 
 
 def test_a_delay_after_a_distance_is_noted_and_after_a_time_added(tmp_path):
@@ -193,6 +296,26 @@ def test_a_course_keeps_its_times(timed, times, pace, begins, tmp_path):
 )
 def test_a_course_whose_times_cannot_be_kept_is_noted(text, note, tmp_path):
     assert any(note in one for one in notes(read(tmp_path, text)))
+
+
+@pytest.mark.parametrize("kind", ["car", "bicycle"])
+@pytest.mark.parametrize("first", [0, 4])
+@pytest.mark.parametrize("condition", [at(5), by_entity(near(30))])
+def test_a_later_start_of_a_course_is_kept_or_noted(kind, first, condition, tmp_path):
+    text = course(timing(), condition=condition, first=first)
+    body = entity("a", "pedestrian", 0.0, 0.5, 0.6)
+    found = read(tmp_path, text.replace(body, entity("a").replace('="car"', f'="{kind}"')))
+    does = found.scene.actors[0].behaviour
+    is_lost = any("the first speed" in one and "are left out" in one for one in notes(found))
+    assert is_lost or (does.name == "cross_road" and does.trigger != Trigger())
+
+
+def test_a_pause_within_a_course_is_noted(tmp_path):
+    middle = (
+        f'<Vertex time="7.5"><Position>{world(250, -7, 1.5708)}</Position></Vertex><Vertex time="8"'
+    )
+    found = read(tmp_path, course(timing()).replace('<Vertex time="8"', middle))
+    assert any("is read at its mean speed" in one for one in notes(found))
 
 
 def test_times_without_a_reference_do_not_count_for_what_moves(tmp_path):

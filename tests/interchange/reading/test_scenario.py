@@ -13,6 +13,7 @@ from oodscen.interchange._reading.scenario import foresee
 from oodscen.interchange._recording import ordinary_twin
 from oodscen.interchange._writing.scenario import to_openscenario
 from oodscen.testing import ScriptedLLM
+from tests.interchange.reading.files import entity, file, lane, notes, read, start
 from tests.interchange.staging import SCENES, catalogue
 
 FOREIGN = """<OpenSCENARIO>
@@ -345,3 +346,28 @@ def put(path, old, new):
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new, 1))
+
+
+NAMES = {
+    ("Lego", "Ego1"): "Ego1",
+    ("TargetEgo", "Ego"): "Ego",
+    ("Diego", "Ego"): "Ego",
+    ("Ego_Target", "Ego"): "Ego",
+    ("adversary", "HERO"): "HERO",
+    ("TargetEgo", "ego_vehicle"): "ego_vehicle",
+    ("ego", "Ego"): "ego",
+    ("a", "b"): "a",
+}
+
+
+@pytest.mark.parametrize("names", NAMES, ids="-".join)
+def test_the_ego_is_the_entity_of_that_name(names, tmp_path):
+    starts = [start(name, lane(s), 5) for name, s in zip(names, (200, 250), strict=True)]
+    found = read(tmp_path, file([entity(name) for name in names], starts))
+    (actor,) = found.scene.actors
+    assert (actor.placement.ahead_m > 0) is (NAMES[names] == names[0])
+    assert actor.id != "ego"
+    told = any("is taken to be" in one and "hazard" not in one for one in notes(found))
+    assert told is (
+        names in {("Lego", "Ego1"), ("TargetEgo", "ego_vehicle"), ("ego", "Ego"), ("a", "b")}
+    )
