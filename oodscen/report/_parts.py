@@ -91,7 +91,9 @@ def saturated(study: Study, found: Material) -> Variables | None:
     """Return the new kinds found by the rounds of red teaming, and an estimate of those left."""
     estimates = saturation(found.rounds)
     chart = saturation_chart(estimates)
-    return {"chart": chart, "estimates": estimates} if chart else None
+    if chart is None:
+        return None
+    return {"chart": chart, "estimates": estimates, "is_closed": study.config.closed_loop}
 
 
 def restored(study: Study, found: Material) -> Variables | None:

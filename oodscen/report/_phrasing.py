@@ -99,15 +99,7 @@ def place(value: Placement) -> str:
         if value.ahead_m >= 0
         else f"{amount(-value.ahead_m)} m behind"
     )
-    if value.lane == 0:
-        lane = "in the ego’s lane"
-    else:
-        count = "one lane" if abs(value.lane) == 1 else f"{abs(value.lane)} lanes"
-        lane = f"{count} to the {'left' if value.lane > 0 else 'right'}"
-    parts = [distance, lane]
-    if abs(value.offset_m) >= 0.3:
-        side = "left" if value.offset_m > 0 else "right"
-        parts.append(f"{amount(abs(value.offset_m))} m {side} of its centre")
+    parts = [distance, *_across(value)]
     turned = abs(value.heading_deg)
     if turned > 150:
         parts.append("facing against its lane")
@@ -115,6 +107,25 @@ def place(value: Placement) -> str:
         side = "left" if value.heading_deg > 0 else "right"
         parts.append(f"turned {amount(turned)}° to the {side}")
     return ", ".join(parts)
+
+
+def _across(value: Placement) -> list[str]:
+    """Describe the place across the road; what lies further off than half a lane is in none by these words."""
+    lane, within = "the ego’s lane", "in the ego’s lane"
+    if value.lane:
+        count = "one lane" if abs(value.lane) == 1 else f"{abs(value.lane)} lanes"
+        within = f"{count} to the {'left' if value.lane > 0 else 'right'}"
+        lane = f"the lane {within}"
+    off = f"{amount(abs(value.offset_m))} m {'left' if value.offset_m > 0 else 'right'} of"
+    if abs(value.offset_m) > _HALF_A_LANE_M:
+        return [f"{off} the centre of {lane}"]
+    return [within, f"{off} its centre"] if abs(value.offset_m) >= _CENTRED_M else [within]
+
+
+_HALF_A_LANE_M = 1.5
+"""Half the width of a narrow lane, m."""
+_CENTRED_M = 0.3
+"""Distance from the centre of a lane that is not worth a word, m."""
 
 
 def behaviour(value: Behaviour, motions: Mapping[str, Motion] = MappingProxyType({})) -> str:

@@ -82,12 +82,14 @@ def share_bounds(
 ) -> Interval | None:
     """Return the interval of `hits` of `n` answers on `units` clusters, from [r] bootstrap replicates if possible.
 
-    With fewer than `FEWEST_CLUSTERS` paths, or if no replicate differs from another, it is Wilson's interval with every
-    path counted as one item: more items of a path add no evidence about other paths.
+    With fewer than `FEWEST_CLUSTERS` paths, hits or misses, or if no replicate differs from another, it is Wilson's
+    interval with every path counted as one item: more items of a path add no evidence about other paths, and no
+    replicate can have a hit of a path that had none.
     """
     if not n:
         return None
-    clustered = None if replicates is None else percentiles(replicates, units)
+    is_rare = min(hits, n - hits) < FEWEST_CLUSTERS
+    clustered = None if replicates is None or is_rare else percentiles(replicates, units)
     if clustered is not None:
         return clustered
     low, high = wilson(hits * units / n, units)

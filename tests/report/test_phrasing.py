@@ -33,6 +33,13 @@ def test_places() -> None:
     )
 
 
+@given(st.floats(1.6, 30.0), st.integers(-2, 2), st.sampled_from([-1, 1]))
+def test_what_lies_off_a_lane_is_in_none(off: float, lane: int, side: int) -> None:
+    place = words.place(Placement(ahead_m=20, lane=lane, offset_m=side * off))
+    assert "in the ego’s lane" not in place
+    assert f"{'left' if side > 0 else 'right'} of the centre of the" in place
+
+
 @given(NUMBERS, st.integers(-6, 6), st.floats(-25, 25), st.floats(-180, 180))
 def test_places_never_show_a_hyphen_for_minus(
     ahead: float, lane: int, offset: float, heading: float

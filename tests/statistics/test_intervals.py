@@ -99,3 +99,16 @@ def test_ends_are_rounded_to_six_digits() -> None:
 def test_replicates_without_spread_or_without_values_give_no_interval() -> None:
     assert percentiles(np.ones(40), 9) is None
     assert percentiles(np.full(40, np.nan), 9) is None
+
+
+@given(st.integers(1, 4), st.integers(5, 80))
+def test_few_hits_are_told_no_more_surely_than_none(hits: int, paths: int) -> None:
+    """Replicates cannot have a hit of a path that had none, however many are drawn."""
+    n, replicates = 10 * paths, np.linspace(0.0, 2 * hits / (10 * paths), 200)
+    none, few = (share_bounds(count, n, paths, replicates) for count in (0, hits))
+    lost = share_bounds(n - hits, n, paths, 1.0 - replicates)
+    assert none
+    assert few
+    assert lost
+    assert few.high >= none.high
+    assert lost.low <= 1.0 - none.high + 1e-6

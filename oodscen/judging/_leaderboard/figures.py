@@ -1,6 +1,6 @@
 """The figures of an answerer as ratios over the items of a study."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,16 +35,13 @@ class PairColumns:
     is_neutral: Mask
     """True if an action about the scene or its drives scores neither way, and no other is wrong or missing."""
 
-    kinds: Mapping[str, Mask]
-    """The scenes that were asked about with an ordinary drive of a kind."""
-
     @classmethod
-    def of(cls, items: Items, sheet: AnswerColumns) -> "PairColumns":
-        """Return the columns of one answerer."""
+    def of(cls, items: Items, sheet: AnswerColumns, kind: str = "") -> "PairColumns":
+        """Return the columns of one answerer, with ordinary drives of one kind only if it is named."""
         n = len(items.episodes)
-        rows = np.flatnonzero((items.owners >= 0) & sheet.was_asked)
+        is_of_kind = np.array(items.kinds) == kind if kind else np.True_
+        rows = np.flatnonzero((items.owners >= 0) & sheet.was_asked & is_of_kind)
         owner = items.owners[rows]
-        drives = np.array(items.kinds)[rows]
         count = np.bincount(owner, minlength=n).astype(np.float64)
         safe = _sums(owner, sheet.safe[rows], n)
         share = np.divide(safe, count, out=np.full(n, np.nan), where=count > 0)
@@ -65,7 +62,6 @@ class PairColumns:
             act=np.where(acts_wrongly, 0.0, sheet.safe * fitting),
             drop=share - sheet.safe,
             is_neutral=neutral & ~acts_wrongly,
-            kinds={kind: _any(owner, drives == kind, n) for kind in sorted(set(drives.tolist()))},
         )
 
 

@@ -96,8 +96,17 @@ def _gain(scores: PairedScores, figure: str) -> str:
     parts = []
     for one, whom in against:
         if one.figure == figure and one.difference.value is not None:
-            parts.append(lead(one.difference.value, whom))
+            scored = f"in the {one.difference.n} scenes that score for both"
+            parts.append(f"{lead(one.difference.value, whom)}{_range(one.difference)} {scored}")
     return f" ({', '.join(parts)})" if parts else ""
+
+
+def _range(difference: Estimate) -> str:
+    """Return the interval of a difference of two shares as text, in points."""
+    if difference.interval is None:
+        return ""
+    low, high = 100 * difference.interval.low, 100 * difference.interval.high
+    return f" [{low:+.0f}{_TO}{high:+.0f}]".replace("-", "\N{MINUS SIGN}")
 
 
 def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
@@ -105,10 +114,10 @@ def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
     silent = sum(row.outcomes.values()) - sum(
         row.outcomes.get(name, 0) for name in ("answered", "unavailable")
     )
-    items = board.scenes + board.ordinary
+    most = max(one.asked for one in board.standings)
     parts = []
-    if row.asked < items and row.detection.specificity.n:
-        parts.append(f"was asked about {row.asked} of the {items} drives so far")
+    if row.asked < most and row.detection.specificity.n:
+        parts.append(f"was asked about {row.asked} of the {most} drives so far")
     if silent:
         parts.append(
             f"left a question unanswered in {silent} of {row.asked} drives, which its figures leave out"
@@ -126,8 +135,12 @@ def _without_models(board: "Leaderboard") -> list[str]:
             what = f"always choosing “{action}”, whatever is seen,"
         found.append(
             f"One must beat: {what} is safe in {percent(floor.control.safe.value)}"
-            f"{spread(floor.control.safe)} of the scenes"
-            + ("" if board.chance is None else f", a random action in {percent(board.chance)}")
+            f"{spread(floor.control.safe)} of the {floor.control.safe.n} scenes in which it scores"
+            + (
+                ""
+                if board.chance is None
+                else f", a random action in {percent(board.chance)} of all"
+            )
             + f". Brackets hold a 95{_GAP}% interval."
         )
     return found

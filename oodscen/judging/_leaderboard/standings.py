@@ -151,13 +151,19 @@ class _Scores:
 
     def paired(self) -> PairedScores:
         """Return the scores over scenes together with their ordinary drives."""
-        pairs = PairColumns.of(self.study.items, self.sheet)
+        items = self.study.items
+        by_kind = {
+            kind: PairColumns.of(items, self.sheet, kind)
+            for kind in sorted(set(items.kinds) - {"rare"})
+        }
+        pairs = PairColumns.of(items, self.sheet)
         return PairedScores(
             notice=self.rates["notice-both"],
             act=self.rates["act-both"],
             act_by_kind={
-                kind: self._rate(Ratio(pairs.act, pairs.mask & mask, is_neutral=pairs.is_neutral))
-                for kind, mask in pairs.kinds.items()
+                kind: self._rate(Ratio(one.act, one.mask, is_neutral=one.is_neutral))
+                for kind, one in by_kind.items()
+                if one.mask.any()
             },
             drop=mean_of(self.study.resampler, Ratio(pairs.drop, pairs.mask)),
         )

@@ -5,8 +5,9 @@ import itertools
 import pytest
 
 from oodscen.data._episode import ActionOutcome
+from oodscen.data._pairing import demand_id
 from oodscen.judging._items import AnswerColumns, Items
-from oodscen.judging._leaderboard.figures import figures
+from oodscen.judging._leaderboard.figures import PairColumns, figures
 from tests.judging.cases import Case
 
 STATES = ("right", "wrong", "neutral", "missing")
@@ -68,3 +69,22 @@ def test_a_pair_whose_scene_was_not_asked_about_is_not_there() -> None:
     for name in ("notice-both", "act-both"):
         assert not found[name].is_there.any()
         assert not found[name].missing(AnswerColumns.of(items, alone)).any()
+
+
+def test_each_kind_of_ordinary_drive_is_judged_apart() -> None:
+    case = Case(paths=1, per_path=1)
+    scene, twin = case.episodes
+    name = demand_id(scene.scene_id)
+    demand = twin.model_copy(update={"id": name, "scene_id": name})
+    items = Items.of([scene, twin, demand], {one.id: one for one in case.scenarios})
+    about_scene, about_twin = (
+        one.model_copy(update={"action": "keep_speed", "action_is_safe": True})
+        for one in case.verdicts("m", lambda index, is_twin: {})
+    )
+    asked = {"id": f"{name}@m", "scene_id": name}
+    stops = {"action": "stop", "action_is_safe": False}
+    sheet = AnswerColumns.of(
+        items, [about_scene, about_twin, about_twin.model_copy(update=asked | stops)]
+    )
+    found = {kind: PairColumns.of(items, sheet, kind).act[0] for kind in ("", "twin", "demand")}
+    assert found == {"": 0.0, "twin": 1.0, "demand": 0.0}
