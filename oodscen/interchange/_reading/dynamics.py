@@ -1,4 +1,4 @@
-"""How fast the transitions of an OpenSCENARIO file are, and how long they take."""
+"""Durations of the transitions of actions in an OpenSCENARIO file."""
 
 from oodscen.interchange._reading.positions import LANE_M
 from oodscen.interchange._reading.tree import Node
