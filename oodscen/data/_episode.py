@@ -78,7 +78,9 @@ INTERVENTIONS = (
     "pull_over",
     "emergency_brake",
 )
-"""The actions from the least to the most intrusive; unlisted actions come last."""
+"""The actions from the least to the most intrusive, of which the changes of lane count alike; unlisted ones come last."""
+_ALIKE = {"change_lane_left": "change_lane_right"}
+"""Actions that are no more intrusive than the one before them."""
 
 
 Label = Literal["safe", "unsafe", "marginal", "unavailable"]
@@ -98,8 +100,8 @@ class ActionOutcome(LeanData):
     unavailable: bool = False
     """True if the lane that the action needs does not exist; `safe` is then false."""
     margin_m: float | None = None
-    """Smallest gap to any body, m; 0 on contact; `None` if unavailable or if the road is empty. This and what
-    follows are those of the driver with the middle reaction time."""
+    """Smallest gap to any body from the first step after the decision on, m; 0 on contact; `None` if unavailable or
+    if the road is empty. This and what follows are those of the driver with the middle reaction time."""
     min_ttc_s: float | None = None
     """Minimum time to collision with any body, s; 0 on contact; `None` if there is none."""
     pet_s: float | None = None
@@ -147,8 +149,8 @@ def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
     """Return the best of the safe actions; `None` if no action is safe.
 
     Actions with enough margin come first (`has_enough_margin`); among them the least intrusive is best
-    (`INTERVENTIONS`), then the one with gentler braking. If no action has enough margin, the largest gap wins,
-    then the least intrusive action.
+    (`INTERVENTIONS`), then the one with the larger gap, then the one with gentler braking. If no action has enough
+    margin, the largest gap wins, then the least intrusive action.
     """
     ranked = []
     for index, name in enumerate(as_offered(outcomes)):
@@ -156,12 +158,16 @@ def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
         if outcome.safe:
             gap = math.inf if outcome.margin_m is None else outcome.margin_m
             braking = outcome.peak_deceleration or 0.0
-            is_listed = name in INTERVENTIONS
-            rank = INTERVENTIONS.index(name) if is_listed else len(INTERVENTIONS)
+            rank, place = _intrusion(_ALIKE.get(name, name)), _intrusion(name)
             is_enough = has_enough_margin(outcome)
-            order = (rank, braking, -gap) if is_enough else (-gap, rank, braking)
-            ranked.append((not is_enough, order, index, name))
+            order = (rank, -gap, braking) if is_enough else (-gap, rank, braking)
+            ranked.append((not is_enough, order, place, index, name))
     return min(ranked)[-1] if ranked else None
+
+
+def _intrusion(action: str) -> int:
+    """Return the place of an action in `INTERVENTIONS`."""
+    return INTERVENTIONS.index(action) if action in INTERVENTIONS else len(INTERVENTIONS)
 
 
 def base_rate(outcomes: Mapping[str, ActionOutcome]) -> float | None:
@@ -280,7 +286,8 @@ class Episode(LeanData):
     def best_action(self) -> str | None:
         """The best of the safe actions; `None` if no action is safe.
 
-        The least intrusive one with enough margin; if none has enough, the one with the largest gap.
+        The least intrusive one with enough margin, and of both changes of lane that with the larger gap; if none has
+        enough, the one with the largest gap.
         """
         return best_action(self.actions)
 

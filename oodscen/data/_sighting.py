@@ -38,14 +38,15 @@ class Sighting(Data):
     noun: ClassVar[str] = "sighting"
 
     actor: str
-    """Id of the actor; of a group, that of its largest member."""
+    """Id of the actor; of a group, that of the member that shows most. The height is its own; area, share behind other
+    things, contrast and brightness are those of the group."""
     distance_m: float
     """Distance from the camera to the middle of its box, m."""
     height_px: float
-    """Height of its visible pixels, scaled to a picture with 480 rows."""
+    """Height of the actor's visible pixels, scaled to a picture with 480 rows."""
     size_px: float
-    """The measure of its size: its height less the share that is hidden, or for what is low and wide the side of a
-    square of its area, but no more than twice the height; see `apparent_size`."""
+    """The measure of its size: the actor's height less the share of it that is hidden, or for what is low and wide the
+    side of a square of the area, but no more than twice that height; see `apparent_size`."""
     area_px: float | None = None
     """Number of its visible pixels, scaled to a picture with 480 rows; `None` without segmentation."""
     hidden: float = 0.0

@@ -69,11 +69,32 @@ def test_the_best_action_interferes_no_more_than_enough_margin_asks_for(outcomes
     best = best_action(outcomes)
     enough = [name for name, outcome in outcomes.items() if has_enough_margin(outcome)]
     if enough:
-        assert best == min(enough, key=INTERVENTIONS.index)
+        least = min(enough, key=INTERVENTIONS.index)
+        lanes = {"change_lane_left", "change_lane_right"}
+        assert {best, least} <= lanes or best == least
     elif best is not None:
         gaps = [inf if o.margin_m is None else o.margin_m for o in outcomes.values() if o.safe]
         mine = outcomes[best].margin_m
         assert (inf if mine is None else mine) == max(gaps)
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "best"),
+    [
+        (1.3, 1.2, "left"),
+        (1.2, 1.3, "right"),
+        (1.2, 1.2, "right"),
+        (1.3, 0.6, "left"),
+        (None, 9.0, "left"),
+    ],
+)
+def test_of_both_changes_of_lane_the_one_with_the_larger_gap_is_best(left, right, best):
+    outcomes = {
+        "change_lane_left": ActionOutcome(safe=True, margin_m=left, peak_deceleration=0.1),
+        "change_lane_right": ActionOutcome(safe=True, margin_m=right),
+        "stop": ActionOutcome(safe=True, margin_m=5.0),
+    }
+    assert best_action(outcomes) == f"change_lane_{best}"
 
 
 def test_actions_that_nobody_knows_are_ranked_in_a_fixed_order():

@@ -1,15 +1,18 @@
 """Parts of the page: undecidable scenes, driving stacks, coverage; models' words are text."""
 
+import pytest
 from lxml import html
 
 from oodscen import Study
+from oodscen.data._additions import Addition
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
 from oodscen.report._load import Material
-from oodscen.report._parts import covered, driving, undecided
+from oodscen.report._parts import covered, driving, restored, undecided
 from oodscen.report._render import render_part
 from oodscen.report._sections import RenderedPart
+from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 
@@ -50,6 +53,37 @@ def test_what_was_tried_is_said_for_every_undecided_scene(tmp_path):
     assert not page.xpath(".//script")
 
 
+@pytest.mark.parametrize(("count", "said"), [(1, "In 1 scene every"), (2, "In 2 scenes every")])
+def test_one_scene_is_spoken_of_as_one(tmp_path, count, said):
+    alike = [episode(f"a-{i}", "stop", "keep_speed") for i in range(count)]
+    text = drawn(tmp_path, *alike).xpath("string(.//p)")
+    assert text.startswith(said)
+    assert ("it says nothing" in text) == (count == 1)
+    assert "staged anew" not in text
+    better = episode("b", "stop").model_copy(update={"restaged": "a car beside the ego"})
+    assert "1 other was like that" in drawn(tmp_path, *alike, better).xpath("string(.//p)")
+
+
+def dropped(number):
+    return PruneDecision(
+        id=f"leaf-{number:02d}",
+        path=("rare", "family", f"leaf {number}"),
+        keep=False,
+        reason="lacks it",
+        lacks=(Addition(kind="asset", name=f"thing_{number:02d}"),),
+    )
+
+
+@pytest.mark.parametrize(
+    ("count", "said"),
+    [(1, "1 addition"), (15, "15 additions"), (16, "The first 15 of 16 additions")],
+)
+def test_a_ranking_that_is_cut_says_so(tmp_path, count, said):
+    found = Material(decisions=[dropped(number) for number in range(count)])
+    page = page_of("restoration", restored(Study(tmp_path), found))
+    assert page.xpath("string(.//summary)") == said
+
+
 def test_without_such_scenes_there_is_no_part(tmp_path):
     assert undecided(Study(tmp_path), Material(episodes=[episode("b-001", "stop")])) is None
 
@@ -79,6 +113,15 @@ def test_every_driver_has_a_row_for_scenes_and_one_for_twins(tmp_path):
     assert "by hardly driving" in " ".join(page.itertext())
     heads, cells = len(page.xpath(".//thead//th")), [len(r) for r in page.xpath(".//tbody/tr")]
     assert set(cells) == {heads}
+
+
+def test_a_mean_over_some_of_the_drives_says_over_how_many(tmp_path):
+    drives = [
+        result("mine", f"leaf-{i}", passed=True, min_ttc_s=ttc, peak_jerk=1.0)
+        for i, ttc in enumerate((2.0, None, None))
+    ]
+    row = page_of("driving", driving(Study(tmp_path), Material(drives=drives))).xpath(".//tr")[1]
+    assert " ".join(row.itertext()).count("in 1") == 1
 
 
 def test_without_drives_there_is_no_part(tmp_path):

@@ -27,13 +27,14 @@ class Leaderboard(Data):
     """Ordinary drives that ran."""
     paths: int = 0
     decidable: int = 0
-    """Scenes in which one action is safe and another is not."""
+    """Scenes in which one action is safe and another, which can be executed, is not."""
     all_safe: int = 0
     none_safe: int = 0
     chance: float | None = None
     """Probability that a random action is safe, over all scenes that ran."""
     icc: float | None = None
-    """Largest correlation of safe choices within a path, over the models (over the references without any)."""
+    """Largest intraclass correlation of safe choices within a path, over the models (over the references without any).
+    Other answers may be more alike."""
     judge: str = ""
     """The judge that scored the open aspects, as `<model>@<prompt version>`; empty for the matcher."""
     whole: int = 0

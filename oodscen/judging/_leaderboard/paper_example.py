@@ -146,7 +146,8 @@ def _not_shown(
         "66 % is more than chance, or than always braking, cannot be said.",
         "Who was right in which scene is not reported, so the paired test that the design calls "
         "for can only be bracketed.",
-        "No model named the aspect significantly more often than another.",
+        "Taking the answers of the models as independent, none named the aspect significantly more often "
+        "than another.",
         f"Telling 66 % from 51 % with power 80 % takes {independent.scenes} independent scenes"
         + (f", or {clustered.scenes} in paths of {clustered.per_path}" if effect > 1 else "")
         + f"; the paper has {N}.",

@@ -89,7 +89,7 @@ class ActionScore(Data):
     collision_free: Rate = Rate()
     """The paper's success: the action could be executed and the ego touched nothing."""
     decidable: Rate = Rate()
-    """Over the scenes in which one action is safe and another is not: a safe one was chosen."""
+    """Over the scenes in which one action is safe and another, which can be executed, is not: a safe one was chosen."""
     chance: float | None = None
     """The score of a random action on those decidable scenes."""
     above_chance: Estimate = Estimate()
