@@ -1,13 +1,12 @@
 """Simulation of scenes into a folder that is no study; the same call continues one that was stopped."""
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
 from oodscen._pipeline.steps.scenes import REAR, has_files
 from oodscen._pipeline.sweep import Job, Outputs, sweep
-from oodscen.data._base import canonical_json, digest
+from oodscen.data._base import digest
 from oodscen.data._episode import Episode
 from oodscen.data._scene import Scene
 from oodscen.errors import FolderTaken
@@ -26,7 +25,6 @@ class Simulation:
         store: The folder.
         job: Settings for the workers.
         scenes: The scenes to run.
-
         workers: Simulation processes.
 
     Raises:
@@ -36,11 +34,11 @@ class Simulation:
     def __init__(self, store: Store, job: Job, scenes: Sequence[Scene], *, workers: int) -> None:
         self._store, self._job, self._scenes, self._workers = store, job, scenes, workers
         settings = {"job": asdict(job), "scenes": digest([scene.digest() for scene in scenes])}
-        text = canonical_json(settings) + "\n"
         taken = [name for name in (SETTINGS, *_RESULTS) if store.path(name).exists()]
-        if taken and not (store.has(SETTINGS) and store.read(SETTINGS) == json.loads(text)):
+        is_same = store.has(SETTINGS) and digest(store.read(SETTINGS)) == digest(settings)
+        if taken and not is_same:
             raise FolderTaken(str(store.folder), taken)
-        store.write(SETTINGS, text)
+        store.write_lines(SETTINGS, [settings])
 
     def run(self) -> Iterator[Episode]:
         """Yield the episodes as they finish, those of an earlier call first; each is written at once."""

@@ -25,6 +25,10 @@ Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
 
 
 _LONGEST_ID = 200
+MAX_TRIGGER = 500
+"""Largest value of a trigger, s or m."""
+MAX_SPEED = 45
+"""Highest speed of the ego, m/s."""
 LONGEST_HORIZON_S = 60.0
 """Longest time for which an action is watched, s."""
 
@@ -76,7 +80,7 @@ class Trigger(Data):
 
     kind: Literal["time", "distance", "ttc"] = "time"
     """`time` since the start, `distance` from the ego along the road, `ttc` time to collision."""
-    value: float = Field(default=0.0, ge=0, le=500)
+    value: float = Field(default=0.0, ge=0, le=MAX_TRIGGER)
     """Seconds for `time` and `ttc`, metres for `distance`: fires when at or below (time: at or after)."""
     actor: str | None = None
     """Measured to which actor; `None` is the actor that owns the trigger. A decision names it."""
@@ -136,7 +140,7 @@ class Actor(LeanData):
 class Ego(Data):
     """The vehicle under test."""
 
-    speed: float = Field(ge=0, le=45)
+    speed: float = Field(ge=0, le=MAX_SPEED)
     """At the start, m/s."""
     lane: int = Field(default=0, ge=0, le=6)
     """Driving lanes of the ego's direction, counted from the right."""
@@ -282,7 +286,7 @@ class Scene(LeanData, SceneUses):
         Raises:
             UsageError: If it is no time from 0 to 500 s.
         """
-        decision_s = finite_number("decision_s", decision_s, 0.0, 500.0)
+        decision_s = finite_number("decision_s", decision_s, 0.0, MAX_TRIGGER)
         actors = (self.hazard.actors.get(actor.id, actor) for actor in self.actors)
         return Scene.model_validate(
             {

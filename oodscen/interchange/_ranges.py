@@ -12,7 +12,7 @@ from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
-from oodscen.data._scene import CLEAR_AIR_M, Scene
+from oodscen.data._scene import CLEAR_AIR_M, MAX_TRIGGER, Scene
 from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import DataError
 
@@ -153,5 +153,5 @@ def _parameters(scene: Scene, catalogue: Catalogue) -> list[tuple[str, Path, flo
             add(f"speed_{own}", path, does.parameters["speed"], limit.minimum, limit.maximum)
         if trigger.value > 0.0:
             path = (*here, "behaviour", "trigger", "value")
-            add(f"trigger_{own}", path, trigger.value, 0.0, 500.0)
+            add(f"trigger_{own}", path, trigger.value, 0.0, MAX_TRIGGER)
     return [one for one in found if one[3] < one[4]]

@@ -8,7 +8,7 @@ import numpy as np
 from oodscen._display import Brief
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._episode import NOMINAL_REACTION_S
-from oodscen.data._scene import Scene, Trigger
+from oodscen.data._scene import MAX_TRIGGER, Scene, Trigger
 from oodscen.driving import MirrorSimulator
 from oodscen.driving._motion.actions import Cruise, action_driver
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
@@ -22,7 +22,7 @@ from oodscen.stages._simulate import approach
 
 AFTER_S = 12.0
 """Duration of a reactive file beyond the nominal decision, s."""
-_NEVER_S = 500.0
+_NEVER_S = MAX_TRIGGER
 """Time after the end of every run, s."""
 _DIFFERS_M = 1e-3
 """Distance between two courses of an actor above which it minds the ego, m."""

@@ -12,10 +12,10 @@ MAX_LABEL = 200
 def label_fault(label: str) -> str:
     """Return why a text cannot be a label, or an empty string.
 
-    The following are refused: nothing visible, placeholders such as `null` or `NA`, words that nothing is unusual, more than `MAX_LABEL` characters, line
-    breaks and control characters, characters that are invisible or change the direction of writing (joiners between
-    letters are allowed), tags, HTML entities, code fences and template braces, words that mix two alphabets or use
-    look-alike letters, and instructions to a model.
+    The following are refused: nothing visible, placeholders such as `null` or `NA`, words that nothing is unusual,
+    more than `MAX_LABEL` characters, line breaks and control characters, characters that are invisible or change the
+    direction of writing (joiners between letters are allowed), tags, HTML entities, code fences and template braces,
+    words that mix two alphabets or use look-alike letters, and instructions to a model.
     """
     if not is_visible(label):
         return "the label is empty"

@@ -6,26 +6,21 @@ from itertools import pairwise
 from typing import Literal, NamedTuple
 
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Behaviour, Trigger
+from oodscen.data._scene import MAX_SPEED, MAX_TRIGGER, Behaviour, Trigger
 from oodscen.interchange._reading.dynamics import deceleration, is_gradual, lane_change_s
 from oodscen.interchange._reading.phases import leaves
 from oodscen.interchange._reading.positions import Pose, Positions
 from oodscen.interchange._reading.tree import Node
-from oodscen.interchange._reading.triggers import AT_ONCE, TriggerReader, is_start
+from oodscen.interchange._reading.triggers import AT_ONCE, STANDS, TriggerReader, is_start
 
 Kind = Literal["lane_change", "brake", "course", "start"]
 
-_STANDS = 0.1
-"""Speed below which an entity counts as standing, m/s."""
 _HARD = 3.0
 """Deceleration from which braking is hard, m/s^2."""
 _WALK, _DRIVE, _DISTANCE_M, _STRAIGHT_M = 1.4, 8.0, 12.0, 1.0
 _PACE_SHARE = 0.05
 """Share of the fastest part of a course by which its parts may differ without a note."""
-_FASTEST = 45.0
-"""Highest speed of a scene, m/s."""
-_LATEST_S = 500.0
-_LATER = Trigger(value=_LATEST_S)
+_LATER = Trigger(value=MAX_TRIGGER)
 
 
 class Action(NamedTuple):
@@ -109,7 +104,7 @@ class ActionReader:
     def _settle_unstarted(self) -> None:
         """Start the events whose start is not known at once where an entity does nothing else, or leave them out."""
         for name, event in self.unstarted:
-            if name in self.actions or self.speeds.get(name, 0.0) >= _STANDS:
+            if name in self.actions or self.speeds.get(name, 0.0) >= STANDS:
                 event.leave_out(f"when it starts is not known: {name[:40]} does not do this")
             else:
                 event.note(f"when it starts is not known: {name[:40]} does this at once")
@@ -143,8 +138,8 @@ class ActionReader:
         if target is None:
             node.leave_out("the target speed is not read")
             return
-        target = node.bounded(target, 0.0, _FASTEST, "a speed of")
-        is_stop = target < _STANDS <= before
+        target = node.bounded(target, 0.0, MAX_SPEED, "a speed of")
+        is_stop = target < STANDS <= before
         if is_start(trigger) and not (is_stop and is_gradual(node, "SpeedActionDynamics")):
             self._set_speed(name, node, target)
         elif name == self.ego:
@@ -152,7 +147,7 @@ class ActionReader:
         elif is_stop:
             values = {"deceleration": deceleration(node, before)}
             self._add(name, Action("brake", node, trigger, values))
-        elif before < _STANDS <= target:
+        elif before < STANDS <= target:
             self._add(name, Action("start", node, trigger, {"speed": target}))
             _leave_out_dynamics(node)
         else:
@@ -161,7 +156,7 @@ class ActionReader:
     def _set_speed(self, name: str, node: Node, speed: float) -> None:
         """Set the first speed of an entity, and record which one it replaces."""
         before = self.speeds.get(name, 0.0)
-        if before >= _STANDS and before != speed:
+        if before >= STANDS and before != speed:
             node.note(f"the first speed is {speed:g} m/s, in place of {before:g} m/s")
         self.speeds[name] = speed
         _leave_out_dynamics(node)
@@ -226,7 +221,7 @@ class ActionReader:
             return
         end = points[-1][1]
         way = math.hypot(end.x - start.x, end.y - start.y)
-        if way < _STANDS:
+        if way < STANDS:
             node.leave_out("the course leads nowhere")
             return
         heading = math.atan2(end.y - start.y, end.x - start.x)
@@ -245,7 +240,7 @@ class ActionReader:
         """Return whether the times of a course count: without a time reference only for what stands."""
         if _timing(node) is not None:
             return True
-        if self.speeds.get(name, 0.0) >= _STANDS:
+        if self.speeds.get(name, 0.0) >= STANDS:
             return False
         node.note("the times of the course count though the entity has no speed of its own")
         return True
@@ -262,7 +257,7 @@ class ActionReader:
             timing.note(f"the course begins at its {trigger.kind}, not at {begin:g} s")
             return trigger
         start = max(begin, trigger.value) if is_absolute else trigger.value + begin
-        return Trigger(value=round(timing.bounded(start, 0.0, _LATEST_S, "a time of"), 3))
+        return Trigger(value=round(timing.bounded(start, 0.0, MAX_TRIGGER, "a time of"), 3))
 
     def _points(self, node: Node) -> Iterator[tuple[Node, Pose | None]]:
         for kind in ("Vertex", "Waypoint", "ControlPoint"):
@@ -301,7 +296,7 @@ def behaviour(
     action = _rarest(actions, is_driver=is_driver)
     if action is None:
         name = _plain(asset, speed, is_against)
-        if name == "stand" and speed >= _STANDS:
+        if name == "stand" and speed >= STANDS:
             entity.note(f"its first speed, {speed:g} m/s, is left out: a {asset.category} stands")
         return _within(entity, name, {"speed": speed}, AT_ONCE, catalogue), None
     is_waiting = _waits(asset, action, speed)
@@ -309,7 +304,7 @@ def behaviour(
     if asset.category not in catalogue.behaviour(name).categories:
         action.node.note(f"a {asset.category} cannot {name}: this is left out")
         return Behaviour(name="stand"), None
-    if speed >= _STANDS and not is_driver and action.trigger != AT_ONCE:
+    if speed >= STANDS and not is_driver and action.trigger != AT_ONCE:
         action.node.note(f"its first speed, {speed:g} m/s, is left out: it stands until this")
     return _within(action.node, name, values, action.trigger, catalogue), action.heading
 
@@ -341,7 +336,7 @@ def _within(
 
 
 def _plain(asset: Asset, speed: float, is_against: bool) -> str:
-    if speed < _STANDS:
+    if speed < STANDS:
         return "stand"
     if asset.category in ("vehicle", "cyclist"):
         return "wrong_way" if is_against else "follow_lane"
@@ -351,7 +346,7 @@ def _plain(asset: Asset, speed: float, is_against: bool) -> str:
 def _waits(asset: Asset, action: Action, speed: float) -> bool:
     """Return whether a cyclist stands until a course of its own begins."""
     is_later = action.kind == "course" and action.trigger != AT_ONCE
-    return asset.category == "cyclist" and is_later and speed < _STANDS
+    return asset.category == "cyclist" and is_later and speed < STANDS
 
 
 def _driving(action: Action, speed: float) -> tuple[str, dict[str, float]]:
@@ -362,7 +357,7 @@ def _driving(action: Action, speed: float) -> tuple[str, dict[str, float]]:
         return ("hard_brake" if values["deceleration"] >= _HARD else "stall"), values
     if action.kind == "start":
         return "pull_out", values
-    if values["speed"] < _STANDS:
+    if values["speed"] < STANDS:
         values["speed"] = _DRIVE
         action.node.note(f"the course has no speed; {_DRIVE:g} m/s is taken")
     if action.trigger != AT_ONCE:
@@ -375,7 +370,7 @@ def _driving(action: Action, speed: float) -> tuple[str, dict[str, float]]:
 
 def _walking(action: Action, speed: float) -> tuple[str, dict[str, float]]:
     values = {"speed": speed, **action.values}
-    if values["speed"] < _STANDS:
+    if values["speed"] < STANDS:
         values["speed"] = _WALK
         action.node.note(f"the course has no speed; {_WALK:g} m/s is taken")
     if "distance" not in values:

@@ -11,7 +11,7 @@ from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._files import file_sha256
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._scene import MAX_TRIGGER, Actor, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.driving._motion.behaviours import USUAL
 from oodscen.driving._roads.building import find_map, load_corridor, read_map
 from oodscen.driving._roads.corridor import Corridor
@@ -322,7 +322,7 @@ class _Assembly:
         found, how = likely[0], _unlike_ego(likely[0])
         if how >= _NOT_EGO:
             self.root.note(f"no entity is called ego; {found} is taken to be it")
-        if how < _NOT_EGO and (how or how == min(map(_unlike_ego, likely[1:]), default=_NOT_EGO)):
+        elif how or how == min(map(_unlike_ego, likely[1:]), default=_NOT_EGO):
             self.root.note(f"{found} is taken to be the ego; call another one ego to change that")
         return found
 
@@ -460,7 +460,7 @@ class _Assembly:
         """Return the moment of choice: soon after the hazard acts, or when it is near."""
         trigger = hazard.behaviour.trigger
         if trigger.kind == "time" and trigger.value > 0.0:
-            return Trigger(kind="time", value=min(trigger.value + 0.5, 500.0))
+            return Trigger(kind="time", value=min(trigger.value + 0.5, MAX_TRIGGER))
         if trigger.kind == "time":
             return Trigger(kind="ttc", value=_DECISION_TTC_S, actor=hazard.id)
         value = round(0.9 * trigger.value, 3)

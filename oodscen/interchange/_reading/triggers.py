@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 from lxml import etree
 
-from oodscen.data._scene import Trigger
+from oodscen.data._scene import MAX_TRIGGER, Trigger
 from oodscen.interchange._reading.phases import Step, duration, steps
 from oodscen.interchange._reading.positions import Pose, Positions
 from oodscen.interchange._reading.tree import Node
@@ -16,12 +16,10 @@ AT_ONCE = Trigger()
 AT_ONCE_S = 0.5
 """Time up to which an event belongs to the start, s."""
 
-_STANDS = 0.1
+STANDS = 0.1
 """Speed below which an entity counts as standing, m/s."""
 _NEAR_M = 0.1
 """Difference of two distances that is not worth a note, m."""
-_LARGEST = 500.0
-"""Largest value of a trigger, s or m."""
 _SOON = ("lessThan", "lessOrEqual")
 _LATE = ("greaterThan", "greaterOrEqual", "equalTo")
 _STARTED = ("startTransition", "runningState")
@@ -234,7 +232,7 @@ class TriggerReader:
     def _first_speed(self, name: str) -> float:
         """Return the speed by which a distance is read as a time, or the reverse."""
         speed = self.speeds.get(name, 0.0)
-        if speed < _STANDS:
+        if speed < STANDS:
             raise _UnreadError(f"{name[:40]!r} has no speed by which this could be read")
         return speed
 
@@ -281,7 +279,7 @@ class TriggerReader:
             _check_along(node)
         reach = self._reach(node)
         its = self.positions.known.get(owner)
-        if its is not None and self.speeds.get(owner, 0.0) < _STANDS:
+        if its is not None and self.speeds.get(owner, 0.0) < STANDS:
             return self._to_standing(node, its, place, reach, owner)
         ahead, aside = place.offset_from(ego)
         if ahead < 0.0:
@@ -374,7 +372,7 @@ def later(first: Trigger, then: Trigger) -> Trigger | None:
 
 
 def _trigger(kind: Literal["time", "distance", "ttc"], value: float, node: Node) -> Trigger:
-    kept = node.bounded(value, 0.0, _LARGEST, f"a {kind} of")
+    kept = node.bounded(value, 0.0, MAX_TRIGGER, f"a {kind} of")
     return Trigger(kind=kind, value=round(kept, 3))
 
 

@@ -1,10 +1,16 @@
 """Small OpenSCENARIO files of others, on a road of the catalogue."""
 
+from hypothesis import HealthCheck, settings
+
 from oodscen.driving._roads.building import find_map, read_map
 from oodscen.interchange import read_openscenario
 from tests.interchange.staging import catalogue
 
 ROAD = read_map(find_map("urban_avenue", catalogue()).file)
+IN_FOLDER = settings(
+    max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None
+)
+"""Settings of laws that write their files into one folder."""
 _BODY = {"car": ("Vehicle", "vehicleCategory"), "pedestrian": ("Pedestrian", "pedestrianCategory")}
 
 

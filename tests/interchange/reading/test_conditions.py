@@ -1,12 +1,13 @@
 """Conditions, acts and the times of courses as triggers of a scene."""
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._scene import Trigger
 from oodscen.errors import OodscenError
 from tests.interchange.reading.files import (
+    IN_FOLDER,
     at,
     by_entity,
     cars,
@@ -23,9 +24,6 @@ from tests.interchange.reading.files import (
 )
 
 STOP = speed(0, "linear", 6, "rate")
-IN_FOLDER = settings(
-    max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None
-)
 
 
 def trigger(found):

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from lxml import etree
 
@@ -11,6 +11,7 @@ from oodscen.driving._roads.opendrive import read_network
 from oodscen.errors import OodscenError
 from oodscen.interchange._reading.positions import MappedRoads
 from tests.interchange.reading.files import (
+    IN_FOLDER,
     ROAD,
     at,
     by_entity,
@@ -28,9 +29,6 @@ from tests.interchange.reading.files import (
     world,
 )
 
-IN_FOLDER = settings(
-    max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None
-)
 STOP = speed(0, "linear", 6, "rate")
 _PLACE = f"<Position>{lane(250)}</Position>"
 CONDITIONS = {
