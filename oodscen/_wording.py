@@ -56,6 +56,10 @@ _ADDRESSED = re.compile(
             rf"{_BEGINS}(?:answer|reply|respond)\s+(?:with|only|always|never|in|as|to (?:this|every|all|the question))\b",
             r"\b(?:in|as|to)\s+your\s+(?:\w+\s+)?(?:answer|response|reply|output)\b",
             r"\b(?:the|your) (?:correct|right|only|final|expected) (?:answer|response|output|decision)\b",
+            r"\banswer\s*(?:[:=]|(?:is|was|must be|should be|would be|will be)\b)",
+            # an option by its letter: "option B", "answer (C)", "choice: D"
+            r"\b(?:option|answer|choice)(?:\s+is\b)?[\s:=]+[(\[\"'“‘]*(?-i:[A-H])(?![\w'’-])",
+            r"\b(?:choose|pick|select|correct)[\s:]+[(\[\"'“‘]*(?-i:[A-H])\W*$",
             # a role for the reader: "you are now ...", "you must ...", "act as an assistant"
             r"\byou (?:are (?:now|no longer|(?:an? |the )?(?:ai|assistant|language model|chatbot|judge|grader))"
             r"|must|should|shall|have to|need to|will)\b",
@@ -135,7 +139,31 @@ def description_fault(text: str) -> str:
     return wording_fault(one_line(text))
 
 
-_LISTED = re.compile(r"\s*(?:\d{1,3}[.)]|[-*\u2022])\s")
+_LISTED = re.compile(r"\s*(?:\d{1,3}[.)]|[-*+\u2022]|\(?[A-Za-z][.)]|\(\d{1,3}\))\s")
+
+
+def appearance_fault(text: str) -> str:
+    """Return why words do not describe a made thing or movement, as a predicate, or an empty string.
+
+    They stand among the options of questions. So beyond what no text may be, they have none of the characters with
+    which Markdown, JSON, tags and formulas are written, no address, and no mark of an option.
+    """
+    if fault := wording_fault(text) or description_fault(text):
+        return fault
+    shown = seen(text)
+    if found := _MARK.search(shown):
+        return f"contains {found[0]!r}: plain words without markup are wanted"
+    if _ADDRESS.search(shown):
+        return "contains an address: plain words are wanted"
+    return ""
+
+
+_MARK = re.compile(r"[*_`#\[\]{}<>|\\=$@^]|~~")
+_ADDRESS = re.compile(
+    r"://|\bwww\.|\b[a-z]{2,}:[^\W\d]|[a-z0-9-]{2,}\.[a-z]{2,}\b",
+    re.IGNORECASE,
+)
+"""Schemes and names of hosts; a full stop is followed by a space, and `1.5 m` has digits."""
 
 
 def _is_disguised(text: str) -> bool:

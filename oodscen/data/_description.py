@@ -5,11 +5,11 @@ from typing import Annotated
 from pydantic import AfterValidator, Field
 
 from oodscen._text import is_visible
-from oodscen._wording import wording_fault
+from oodscen._wording import appearance_fault
 
 
 def _plain(text: str) -> str:
-    fault = wording_fault(text) if is_visible(text) else "is empty"
+    fault = appearance_fault(text) if is_visible(text) else "is empty"
     if fault:
         raise ValueError(f"it {fault}")
     return text
@@ -17,7 +17,7 @@ def _plain(text: str) -> str:
 
 Description = Annotated[
     str,
-    Field(min_length=3, max_length=120, pattern=r"^[^\x00-\x1f\x7f<>]+$"),
+    Field(min_length=3, max_length=120),
     AfterValidator(_plain),
 ]
-"""Plain words by the rules of the tree's labels: it goes into questions and onto pages."""
+"""Plain words: it goes into questions and onto pages."""
