@@ -103,7 +103,10 @@ class SumoSimulator(DynamicSimulator):
     def move(self, control: Control) -> None:
         """Advance the guided bodies, then SUMO's drivers, who see where the others are."""
         if SumoSimulator._owner is not self:
-            raise SimulatorError("sumo: another scene runs in this process; call reset first")
+            raise SimulatorError(
+                "sumo: another SumoSimulator has taken SUMO, which runs one scene per process; call reset to take "
+                "it back, or give each scene a process of its own"
+            )
         for body in self.staged.bodies[1:]:
             waited = self.since(body.id)
             if body.id in self._present and body.behaviour in DRIVEN and waited is not None:

@@ -1,12 +1,13 @@
 """A simulator's vocabulary: static data that is readable without starting the simulator."""
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, ClassVar, Literal, Self, get_args
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from oodscen._field_docs import with_fields
-from oodscen.data._base import Data, LeanData, below
+from oodscen.data._base import Data, IssuesError, LeanData, below
 from oodscen.data._category import Category
 from oodscen.data._details import (
     AssetDetails,
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 LandmarkKind = Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"]
 LANDMARKS: tuple[LandmarkKind, ...] = get_args(LandmarkKind)
 """Places along a road at which something can be staged."""
+LONGEST_ASSET_M = 1_000.0
+"""Greatest length, width and height of an asset, m."""
 
 
 @with_fields
@@ -40,11 +43,11 @@ class Asset(LeanData):
     category: Category
     description: str
     """Visible appearance, e.g. `a large brown cardboard box`."""
-    length: float = Field(gt=0)
+    length: float = Field(gt=0, le=LONGEST_ASSET_M)
     """Extent along x, m."""
-    width: float = Field(gt=0)
+    width: float = Field(gt=0, le=LONGEST_ASSET_M)
     """Extent along y, m."""
-    height: float = Field(gt=0)
+    height: float = Field(gt=0, le=LONGEST_ASSET_M)
     """Extent along z, m."""
     tags: tuple[str, ...] = ()
     """Further words for the asset: `emergency`, `heavy`, `debris` ..."""
@@ -71,6 +74,16 @@ class BehaviourParameter(Data):
     maximum: float
     default: float
     description: str = ""
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.minimum > self.maximum:
+            fault = f"{self.minimum:g} is above the maximum, {self.maximum:g}"
+            raise IssuesError([Issue("minimum", fault)])
+        if not self.minimum <= self.default <= self.maximum:
+            fault = f"{self.default:g} is outside {self.minimum:g} to {self.maximum:g}"
+            raise IssuesError([Issue("default", fault)])
+        return self
 
 
 @with_fields
@@ -169,6 +182,23 @@ class Catalogue(LeanData):
     """Poses and states of parts that the simulator draws; left out of the JSON text if there are none."""
     draws_props: bool = False
     """Things made to order are drawn from their designs, not as boxes; left out of the JSON text if not."""
+
+    @model_validator(mode="after")
+    def _unambiguous(self) -> Self:
+        ids = {
+            "assets": [one.id for one in self.assets],
+            "behaviours": [one.id for one in self.behaviours],
+            "maps": [one.id for one in self.maps],
+        }
+        issues = [
+            Issue(kind, f"the id {name!r} occurs {count} times")
+            for kind, names in ids.items()
+            for name, count in Counter(names).items()
+            if count > 1
+        ]
+        if issues:
+            raise IssuesError(issues)
+        return self
 
     def asset(self, name: str) -> Asset:
         """Return an asset by id; raises `KeyError` if it is unknown."""

@@ -11,6 +11,7 @@ from typing import ClassVar, Literal, Self, TypeGuard, get_args
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from oodscen._numbers import finite_number
+from oodscen._wording import is_left_out
 from oodscen.data._base import Data, IssuesError, LeanData, issues_of
 from oodscen.data._claim import Claim
 from oodscen.data._details import Details
@@ -130,6 +131,13 @@ class Actor(LeanData):
     """One of the asset's states, such as lights on; empty is its first."""
     details: Details | None = None
     """Its pose, what it holds, open parts ...; left out of the JSON text if there are none."""
+
+    @field_validator("id")
+    @classmethod
+    def _names_something(cls, name: str) -> str:
+        if is_left_out(name):
+            raise ValueError(f"{name!r} is what readers of tables take for a missing value")
+        return name
 
     @field_validator("details")
     @classmethod

@@ -215,11 +215,15 @@ class Trace(Brief):
         Raises:
             UsageError: For any other suffix.
             MissingExtra: If pyarrow is not installed.
+            FolderTaken: If the file would belong to a study.
             OodscenError: If the file cannot be written.
         """
+        from oodscen.study._files import refuse_own
+
         target = table.checked_path(path)
         rows = self.to_arrow()
         with writing(target):
+            refuse_own(target)
             target.parent.mkdir(parents=True, exist_ok=True)
             table.write(rows, target)
         return target

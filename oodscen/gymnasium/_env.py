@@ -125,6 +125,19 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         """Number of episodes that have begun."""
         self._claim()
 
+    def __getstate__(self) -> Any:
+        """Return what is copied or pickled.
+
+        Raises:
+            UsageError: After `reset`: the simulator then runs a scene in this process.
+        """
+        if self._episode is not None:
+            raise UsageError(
+                "an environment cannot be copied or pickled after reset, since its simulator runs a scene in this "
+                "process; pass a function that makes one"
+            )
+        return super().__getstate__()
+
     def _count_steps(self) -> int:
         """Return the number of the simulator's steps for which an action holds."""
         dt, seconds = self.simulator.dt, self.interface.step_s

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Self
 
 from oodscen.data._base import Data
@@ -101,10 +101,10 @@ class CatalogueDigest(Data):
     @property
     def by_category(self) -> dict[str, tuple[AssetLine, ...]]:
         """The assets of each category, in the order of first appearance."""
-        found: dict[str, tuple[AssetLine, ...]] = {}
+        found: dict[str, list[AssetLine]] = {}
         for asset in self.assets:
-            found[asset.category] = (*found.get(asset.category, ()), asset)
-        return found
+            found.setdefault(asset.category, []).append(asset)
+        return {category: tuple(assets) for category, assets in found.items()}
 
     @property
     def state_sets(self) -> dict[str, tuple[str, ...]]:
@@ -115,8 +115,11 @@ class CatalogueDigest(Data):
 
     def states_of(self, asset: AssetLine) -> str:
         """Return the states of an asset in words, by the name of their set if many share them."""
-        names = {states: name for name, states in self.state_sets.items()}
-        return names.get(asset.states) or ", ".join(asset.states)
+        return self._names_of_sets.get(asset.states) or ", ".join(asset.states)
+
+    @cached_property
+    def _names_of_sets(self) -> dict[tuple[str, ...], str]:
+        return {states: name for name, states in self.state_sets.items()}
 
     @classmethod
     def of(cls, catalogue: Catalogue) -> Self:

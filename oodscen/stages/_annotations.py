@@ -161,8 +161,11 @@ class FrameAnnotations(Data):
         Raises:
             MissingExtra: When OpenCV is not installed.
             UsageError: When the name is not one of a file, or the map is not one of the frame.
+            FolderTaken: When the folder belongs to a study, such as its `frames`.
             OodscenError: When a file cannot be written.
         """
+        from oodscen.study._files import refuse_own
+
         if name in ("", ".", "..") or Path(name).name != name:
             raise UsageError(f"name must be one of a file, not {said(name, 80)}")
         if np.shape(classes) != frame.ids.shape:
@@ -172,6 +175,8 @@ class FrameAnnotations(Data):
         target = Path(folder)
         files = self.encoded(name, frame, classes)
         with writing(target):
+            for file in files:
+                refuse_own(target / file)
             target.mkdir(parents=True, exist_ok=True)
             for file, data in files.items():
                 (target / file).write_bytes(data)

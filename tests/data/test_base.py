@@ -20,7 +20,12 @@ from oodscen.protocols import Completion, Usage
 
 text = st.text(max_size=8)
 number = st.floats(allow_nan=False, allow_infinity=False)
-positive = st.floats(min_value=1e-3, max_value=1e6)
+positive = st.floats(min_value=1e-3, max_value=1e3)
+parameters = st.lists(number, min_size=3, max_size=3).map(
+    lambda three: BehaviourParameter(
+        **dict(zip(("minimum", "default", "maximum"), sorted(three), strict=True))
+    )
+)
 identifier = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,8}", fullmatch=True)
 
 values = st.one_of(
@@ -30,13 +35,8 @@ values = st.one_of(
     st.builds(Usage, input_tokens=st.integers(), cost_usd=st.none() | number),
     st.builds(Completion, text=text),
     st.builds(Asset, length=positive, width=positive, height=positive),
-    st.builds(BehaviourParameter, minimum=number, maximum=number, default=number),
-    st.builds(
-        BehaviourKind,
-        parameters=st.dictionaries(
-            text, st.builds(BehaviourParameter, minimum=number, maximum=number, default=number)
-        ),
-    ),
+    parameters,
+    st.builds(BehaviourKind, parameters=st.dictionaries(text, parameters)),
     st.builds(RoadMap, lanes=st.integers(1, 6), speed_limit=positive, length_m=positive),
     st.builds(WeatherRange, min_friction=number),
     st.builds(ActionOutcome, margin_m=st.none() | number),

@@ -247,3 +247,9 @@ def test_an_id_without_room_for_ordinary_drives_is_refused():
     for length in (201, 205, 300):
         with pytest.raises(DataError, match=r"at most 2[01]0 char"):
             Scene.parse(example(id="x" * length))
+
+
+@pytest.mark.parametrize("name", ["null", "nan", "na", "none", "undefined"])
+def test_an_actor_is_not_named_as_a_missing_value(name):
+    with pytest.raises(DataError, match="missing value"):
+        Actor(id=name, asset="car", placement=Placement(ahead_m=30.0))

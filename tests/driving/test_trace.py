@@ -10,7 +10,7 @@ from oodscen.driving._roads.projection import places
 from oodscen.driving._trace import Course, Trace, least_time_to_collision
 from oodscen.driving._trace_table import COLUMNS
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
-from oodscen.errors import DataError, OodscenError, UsageError
+from oodscen.errors import DataError, FolderTaken, OodscenError, UsageError
 from oodscen.protocols import Control
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
@@ -156,3 +156,10 @@ def test_places_are_where_the_corridor_says(road):
         np.testing.assert_allclose((found[0][index], found[1][index]), expected, atol=1e-6)
         cosine = found[2][index] * np.cos(heading) + found[3][index] * np.sin(heading)
         assert cosine == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_trace_is_not_written_into_a_study(trace, tmp_path):
+    (tmp_path / "study.json").write_text("{}")
+    with pytest.raises(FolderTaken):
+        trace.save(tmp_path / "frames" / "a.csv")
+    assert not (tmp_path / "frames").exists()

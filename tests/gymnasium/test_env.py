@@ -241,9 +241,19 @@ def test_an_open_environment_shares_its_simulator_with_no_other(made):
 
 def test_a_copy_has_no_simulator_of_its_own(made):
     env = made()
+    other = copy.copy(env)
     env.reset()
     with pytest.raises(UsageError, match="another open environment"):
-        copy.copy(env).step(env.action_space.sample())
+        other.reset()
+    env.step(env.action_space.sample())
+
+
+@pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_an_environment_that_runs_a_scene_is_not_duplicated(made, duplicate):
+    env = made()
+    env.reset()
+    with pytest.raises(UsageError, match="after reset"):
+        duplicate(env)
     env.step(env.action_space.sample())
 
 

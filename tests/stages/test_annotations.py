@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
-from oodscen.errors import OodscenError, UsageError
+from oodscen.errors import FolderTaken, OodscenError, UsageError
 from oodscen.protocols import Camera, Frame
 from oodscen.stages._annotations import (
     CLASSES,
@@ -171,3 +171,12 @@ def test_a_frame_of_another_camera_is_refused(seen):
         SCENE.annotate(frame, state, catalogue)
     with pytest.raises(UsageError, match="name the camera"):
         FrameAnnotations.semantic_map(frame, state, SCENE, catalogue)
+
+
+def test_notes_are_not_written_into_the_frames_of_a_study(seen, notes, tmp_path):
+    (tmp_path / "study.json").write_text("{}")
+    frame, _, _ = seen
+    classes = np.zeros(frame.ids.shape, np.uint8)
+    with pytest.raises(FolderTaken):
+        notes.save(tmp_path / "frames", "last", frame, classes)
+    assert not (tmp_path / "frames").exists()

@@ -28,8 +28,11 @@ class ScenarioFile(Brief):
 
         Raises:
             UsageError: If `folder` is not a usable path, or the scene's id is not a file's name.
+            FolderTaken: If a file would belong to a study.
             OodscenError: If a file cannot be written.
         """
+        from oodscen.study._files import refuse_own
+
         check_name(folder)
         if Path(self.name).name != self.name:
             raise UsageError(
@@ -39,6 +42,8 @@ class ScenarioFile(Brief):
         path = place / f"{self.name}.xosc"
         road = place / self.road.name
         with writing(place):
+            for file in (path, road, *(place / name for name in self.beside)):
+                refuse_own(file)
             place.mkdir(parents=True, exist_ok=True)
             if not road.exists() or road.read_bytes() != self.road.content:
                 replace(road, self.road.content)
