@@ -340,10 +340,9 @@ class _Assembly:
     def _place_entities(self) -> None:
         """Read the starts, each after that of the entity to which it is relative."""
         waiting: dict[str, list[tuple[str, Node]]] = {}
-        for private in self.root.all("Storyboard", "Init", "Actions", "Private"):
-            if (holder := _teleport(private)) is not None:
-                reference = self.positions.reference(holder)
-                waiting.setdefault(reference, []).append((private.get("entityRef"), holder))
+        for name, holder in _starts(self.root).items():
+            reference = self.positions.reference(holder)
+            waiting.setdefault(reference, []).append((name, holder))
         ready = waiting.pop("", [])
         for name, holder in ready:  # It grows by those that wait for an entity.
             if (pose := self.positions.read(holder)) is not None:
@@ -467,11 +466,16 @@ class _Assembly:
         return Trigger(kind=trigger.kind, value=value, actor=trigger.actor or hazard.id)
 
 
-def _teleport(private: Node) -> Node | None:
-    for action in private.all("PrivateAction"):
-        if (found := action.first("TeleportAction", "Position")) is not None:
-            return found
-    return None
+def _starts(root: Node) -> dict[str, Node]:
+    """Return the `Position` at which each entity starts: the last one, as the actions are taken in order."""
+    found: dict[str, Node] = {}
+    for private in root.all("Storyboard", "Init", "Actions", "Private"):
+        name = private.get("entityRef")
+        for holder in private.all("PrivateAction", "TeleportAction", "Position"):
+            if name in found:
+                found[name].leave_out(f"{name[:40]!r} is placed again later, which counts")
+            found[name] = holder
+    return found
 
 
 def _unlike_ego(name: str) -> int:

@@ -241,6 +241,38 @@ def test_a_start_that_waits_for_itself_is_named_as_the_cause(tmp_path):
         read(tmp_path, cars(place=place))
 
 
+def placed(*places):
+    """Return the actions that place an entity at one place after another."""
+    return "\n".join(
+        f"<PrivateAction><TeleportAction><Position>{place}</Position></TeleportAction></PrivateAction>"
+        for place in places
+    )
+
+
+@given(st.lists(st.floats(210.0, 300.0), min_size=1, max_size=4), st.integers(0, 3))
+@IN_FOLDER
+def test_the_last_of_several_starts_counts(tmp_path, places, split):
+    """In one element or in several of the entity."""
+    lanes = [lane(s) for s in places]
+    held = [placed(*lanes[:split]) + "\n", placed(*lanes[split:]) + speed(5)]
+    others = [f'<Private entityRef="a">{one}</Private>' for one in held]
+    text = file([entity("ego"), entity("a")], [start("ego", lane(200), 10), *others])
+    found = read(tmp_path, text)
+    assert found.scene.actors[0].placement.ahead_m == pytest.approx(places[-1] - 200, abs=0.0011)
+    again = [one for one in notes(found) if "'a' is placed again later" in one]
+    assert len(again) == len(places) - 1
+    assert all(one.startswith("line ") and ": Position: " in one for one in again)
+
+
+def test_a_last_start_that_cannot_be_read_is_not_replaced_by_an_earlier_one(tmp_path):
+    again = placed('<GeoPosition latitude="1" longitude="1"/>')
+    text = cars().replace(
+        "</Actions></Init>", f'<Private entityRef="a">{again}</Private></Actions></Init>'
+    )
+    with pytest.raises(OodscenError, match="GeoPosition: this kind of position is not read"):
+        read(tmp_path, text)
+
+
 # ------------------------------------------------------------------ values beyond what a scene holds
 
 
