@@ -173,6 +173,62 @@ def test_a_place_in_the_world_is_the_same_as_on_its_road(tmp_path, s, number):
     assert ahead[0] == pytest.approx(ahead[1], abs=0.0021)
 
 
+def to_lane(target):
+    return (
+        '<PrivateAction><LateralAction><LaneChangeAction><LaneChangeActionDynamics value="3" '
+        f'dynamicsShape="sinusoidal" dynamicsDimension="time"/><LaneChangeTarget>{target}'
+        "</LaneChangeTarget></LaneChangeAction></LateralAction></PrivateAction>"
+    )
+
+
+BESIDE = st.integers(-1, 1).map(
+    lambda count: f'<RelativeTargetLane entityRef="ego" value="{count}"/>'
+)
+NUMBERED = st.sampled_from([-2, -1, 1, 2]).map(lambda lane: f'<AbsoluteTargetLane value="{lane}"/>')
+
+
+@given(
+    st.floats(170.0, 800.0),
+    *[st.sampled_from([-2, -1, 1, 2])] * 2,
+    st.floats(-1.2, 1.2),
+    st.one_of(BESIDE, NUMBERED),
+)
+@IN_FOLDER
+def test_a_lane_change_is_the_same_from_a_place_in_the_world_and_on_the_road(
+    tmp_path, s, own, its, offset, target
+):
+    roads = MappedRoads(read_network(ROAD, source="road"))
+    ego = roads.at(None, "1", s, own, 0.0)
+    pose = roads.at(None, "1", s + 40, its, offset)
+    change = event(to_lane(target), at(2))
+    t = pose.offset_from(roads.at(None, "1", s + 40, 0, 0.0))[1]
+    turned = f'<Orientation h="{pose.heading}" type="absolute"/>'
+    by_road = f'<RoadPosition roadId="1" s="{s + 40}" t="{t}">{turned}</RoadPosition>'
+    found = [
+        read(tmp_path, cars(change, ego_place=one, place=other)).scene
+        for one, other in (
+            (lane(s, own), lane(s + 40, its, offset)),
+            (lane(s, own), world(pose.x, pose.y, pose.heading)),
+            (world(ego.x, ego.y, ego.heading), world(pose.x, pose.y, pose.heading)),
+            (world(ego.x, ego.y, ego.heading), by_road),
+        )
+    ]
+    first, *others = [(one.ego, one.actors[0].behaviour) for one in found]
+    assert all(one == first for one in others)
+
+
+@pytest.mark.parametrize(
+    ("place", "is_known"),
+    [(world(90, 60), False), (world(-20, -1.75), False), (world(90, -1.75), True)],
+)
+def test_a_lane_change_from_off_all_lanes_is_left_out(place, is_known, tmp_path):
+    change = event(to_lane('<AbsoluteTargetLane value="-2"/>'), at(2))
+    found = read(tmp_path, cars(change, place=place, ego_place=lane(60)))
+    assert (found.scene.actors[0].behaviour.name == "cut_in") is is_known
+    told = any("LaneChangeAction: the lane is not known" in one for one in notes(found))
+    assert told is not is_known
+
+
 def mirrored_road():
     """Return the road, whose cross-section is symmetric, as in a mirror: its traffic keeps to the left."""
     tree = etree.fromstring(ROAD)
@@ -195,12 +251,8 @@ def mirrored_road():
 def test_a_mirrored_road_gives_the_mirrored_scene(tmp_path, s, apart, own, its, offset):
     scenes = []
     for side, road in ((1, ROAD), (-1, mirrored_road())):
-        change = (
-            '<PrivateAction><LateralAction><LaneChangeAction><LaneChangeActionDynamics value="3" '
-            'dynamicsShape="sinusoidal" dynamicsDimension="time"/><LaneChangeTarget>'
-            f'<AbsoluteTargetLane value="{side * (3 - abs(its)) * (1 if its > 0 else -1)}"/>'
-            "</LaneChangeTarget></LaneChangeAction></LateralAction></PrivateAction>"
-        )
+        target = side * (3 - abs(its)) * (1 if its > 0 else -1)
+        change = to_lane(f'<AbsoluteTargetLane value="{target}"/>')
         text = cars(
             event(change, at(2)),
             ego_place=lane(s, side * own),
