@@ -46,6 +46,8 @@ _MIRRORED = "CARLA:"
 """Beginning of the description of files with CARLA's left-handed axes."""
 _DECISION_TTC_S = 3.0
 _LONGEST_TITLE = 500
+_NAMED, _LONGEST_NAME = 20, 40
+"""Number of entities that an error names, and characters of each name."""
 _NEAR_M, _FAR_M = -150.0, 300.0
 """Limits of an actor's place ahead of the ego, m."""
 _LANES = 6
@@ -70,6 +72,7 @@ def read_openscenario(
     *,
     road: str | None = None,
     hazards: Sequence[str] = (),
+    ego: str | None = None,
     llm: "LLM | None" = None,
 ) -> ImportedScene:
     """Read an OpenSCENARIO XML 1.x file.
@@ -84,24 +87,25 @@ def read_openscenario(
         catalogue: The catalogue whose assets and behaviours the scene uses.
         road: A map of the catalogue or an `.xodr` file, in place of the file's own; not for an unchanged export.
         hazards: Names of the entities that are unusual; without them, `llm` is asked. Not for an unchanged export.
+        ego: Name of the entity that is the ego; without it, its name tells. Not for an unchanged export.
         llm: The model that names the unusual entities; without one, the first that acts is taken.
 
     Raises:
-        DataError: If the file is malformed or not version 1.x, with the line and the element.
-        UsageError: If a map or hazards are named for an unchanged export.
+        DataError: If the file is malformed or not version 1.x, with the line and the element, or has no such entity.
+        UsageError: If a map, hazards or an ego are named for an unchanged export.
         UnknownComponent: If there is no such map.
         LLMError: If the model cannot be reached, or its answer cannot be used.
     """
     tree = ScenarioTree(path)
     is_known = _check_version(tree)
     if is_known and (own := _own_scene(tree, catalogue)) is not None:
-        if road is not None or hazards:
+        if road is not None or hazards or ego is not None:
             raise UsageError(
-                f"{path} is an unchanged export, which gives back its scene with its own map and hazard: name "
-                "neither a map nor a hazard, or change them in the scene"
+                f"{path} is an unchanged export, which gives back its scene with its own map, hazard and ego: name "
+                "none of them, or change them in the scene"
             )
         return ImportedScene(own)
-    scene = _Assembly(tree, catalogue, road, hazards, llm).scene()
+    scene = _Assembly(tree, catalogue, road, hazards, ego, llm).scene()
     found = [*tree.omissions, *leftovers(tree), *staging_issues(scene, catalogue)]
     return ImportedScene(scene, tuple(found))
 
@@ -181,6 +185,7 @@ class _Assembly:
         catalogue: Catalogue,
         road: str | None,
         hazards: Sequence[str],
+        ego: str | None,
         llm: "LLM | None",
     ) -> None:
         self.llm = llm
@@ -193,7 +198,7 @@ class _Assembly:
             if one.get("name") in self.entities:
                 raise one.fault(f"the name {one.get('name')!r} occurs more than once")
             self.entities[one.get("name")] = one
-        self.ego = self._ego_name()
+        self.ego = self._likely_ego() if ego is None else self._named_ego(ego)
         self.ids = _identifiers(name for name in self.entities if name != self.ego)
         self.map = road or self._own_map()
         is_mapped = road is None
@@ -314,7 +319,21 @@ class _Assembly:
 
     # ------------------------------------------------------------------ the ego and its road
 
-    def _ego_name(self) -> str:
+    def _named_ego(self, name: str) -> str:
+        """Return the name of an entity.
+
+        Raises:
+            DataError: If there is none of this name.
+        """
+        if name not in self.entities:
+            known = [repr(one[:_LONGEST_NAME]) for one in self.entities][:_NAMED]
+            message = (
+                f"there is no entity {name[:_LONGEST_NAME]!r}; the file has: {', '.join(known)}"
+            )
+            raise self._refused(Issue("ego", message))
+        return name
+
+    def _likely_ego(self) -> str:
         """Return the entity that is the ego by its name, or else the first, and record a choice that may be wrong."""
         likely = sorted(self.entities, key=_unlike_ego)
         if not likely:
