@@ -88,6 +88,10 @@ class Roads(Protocol):
 class StraightRoad:
     """One straight road, for scenarios without the file of their own roads."""
 
+    def __init__(self, *, is_left_hand: bool = False) -> None:
+        """Choose the side to which traffic keeps."""
+        self.is_left_hand = is_left_hand
+
     def has_lane(self, road: str, s: float, lane: int) -> bool:
         """Return whether a lane is one: all are but the reference line."""
         return lane != 0
@@ -99,8 +103,9 @@ class StraightRoad:
     def at(self, node: Node, road: str, s: float, lane: int, offset: float) -> Pose:
         """Return the pose on a road along x whose right lanes have negative ids."""
         middle = (lane + 0.5 if lane < 0 else lane - 0.5) * LANE_M if lane else 0.0
-        turned = math.pi if lane > 0 else 0.0
-        return Pose(s, middle + offset, turned, road, lane, s, -1 if lane > 0 else 1)
+        is_along = lane == 0 or (lane > 0) is self.is_left_hand
+        heading, direction = (0.0, 1) if is_along else (math.pi, -1)
+        return Pose(s, middle + offset, heading, road, lane, s, direction)
 
     def in_lane(self, pose: Pose) -> Pose:
         """Return the pose as it is: where the lanes of the file's own roads lie is not known."""

@@ -202,7 +202,8 @@ class _Assembly:
         self.ids = _identifiers(name for name in self.entities if name != self.ego)
         self.map = road or self._own_map()
         is_mapped = road is None
-        roads: Roads = StraightRoad()
+        self.is_left_hand = not is_mapped and _is_left_hand(self.map, catalogue)
+        roads: Roads = StraightRoad(is_left_hand=self.is_left_hand)
         if is_mapped:
             roads = MappedRoads(read_network(read_map(self.map), source=self.map))
         is_mirrored = _header(tree).get("description").startswith(_MIRRORED)
@@ -407,11 +408,11 @@ class _Assembly:
             )
 
     def _ego_strip(self) -> int:
-        """Return the strip in which the ego starts: the rightmost on a map that is not the file's own."""
+        """Return the strip in which the ego starts: the one at the kerb on a map that is not the file's own."""
         road = self.corridor
         lanes = road.ego_lanes
         if not self.is_mapped:
-            return lanes[0]
+            return lanes[-1 if self.is_left_hand else 0]
         strip = road.strip_at(*road.locate(self.start.x, self.start.y))
         return strip if strip in lanes else lanes[0]
 
@@ -483,6 +484,14 @@ class _Assembly:
             return Trigger(kind="ttc", value=_DECISION_TTC_S, actor=hazard.id)
         value = round(0.9 * trigger.value, 3)
         return Trigger(kind=trigger.kind, value=value, actor=trigger.actor or hazard.id)
+
+
+def _is_left_hand(name: str, catalogue: Catalogue) -> bool:
+    """Return whether traffic keeps to the left on the road of a map."""
+    found = find_map(name, catalogue)
+    roads = read_network(read_map(found.file), source=found.file).roads
+    road = roads.get(found.road) or next(iter(roads.values()))
+    return road.left_hand
 
 
 def _starts(root: Node) -> dict[str, Node]:

@@ -271,6 +271,27 @@ def test_a_mirrored_road_gives_the_mirrored_scene(tmp_path, s, apart, own, its, 
     assert mirrored.behaviour.parameters == turned
 
 
+@given(st.floats(-40.0, 60.0), *[st.sampled_from([-2, -1, 1, 2])] * 2, st.floats(-1.0, 1.0))
+@IN_FOLDER
+def test_a_mirrored_map_in_place_of_the_files_own_gives_the_mirrored_scene(
+    tmp_path, apart, own, its, offset
+):
+    found = []
+    for side, road in ((1, ROAD), (-1, mirrored_road())):
+        (tmp_path / f"map{side}.xodr").write_bytes(road)
+        text = cars(
+            ego_place=lane(500, side * own), place=lane(500 + apart, side * its, side * offset)
+        )
+        scene = read(tmp_path, text, road=str(tmp_path / f"map{side}.xodr")).scene
+        found.append((scene.ego.lane, scene.actors[0]))
+    (kerb, plain), (other, mirrored) = found
+    assert (kerb, other) == (0, 1)
+    assert mirrored.placement.ahead_m == pytest.approx(plain.placement.ahead_m, abs=0.0011)
+    assert mirrored.placement.lane == -plain.placement.lane
+    assert mirrored.placement.offset_m == pytest.approx(-plain.placement.offset_m, abs=0.0011)
+    assert mirrored.behaviour == plain.behaviour
+
+
 @pytest.mark.parametrize(
     "place",
     [world(200, -1.2), world(200, -1.7, 0.4), lane(200, offset=0.8), lane(200, offset=-0.8)],
