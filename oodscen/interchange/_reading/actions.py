@@ -309,7 +309,8 @@ def behaviour(
         return Behaviour(name="stand"), None
     if speed >= STANDS and not is_driver and action.trigger != AT_ONCE:
         action.node.note(f"its first speed, {speed:g} m/s, is left out: it stands until this")
-    return _within(action.node, name, values, action.trigger, catalogue), action.heading
+    trigger = AT_ONCE if name == "run_red" else action.trigger
+    return _within(action.node, name, values, trigger, catalogue), action.heading
 
 
 def _rarest(actions: list[Action], *, is_driver: bool) -> Action | None:

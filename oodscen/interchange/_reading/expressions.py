@@ -112,7 +112,9 @@ def _computed(text: str) -> str:
 
 
 def _value(node: ast.AST) -> float:
-    if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+    if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
+        if isinstance(node.value, bool):
+            raise KeyError(str(node.value))
         return float(node.value)
     if isinstance(node, ast.Name):
         return _CONSTANTS[node.id.lower()]

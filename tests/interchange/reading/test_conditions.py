@@ -308,6 +308,16 @@ def test_a_later_start_of_a_course_is_kept_or_noted(kind, first, condition, tmp_
     assert is_lost or (does.name == "cross_road" and does.trigger != Trigger())
 
 
+@pytest.mark.parametrize("condition", [at(5), by_entity(near(30))])
+def test_a_trigger_that_is_left_out_does_not_tell_the_decision(condition, tmp_path):
+    body = entity("a", "pedestrian", 0.0, 0.5, 0.6)
+    text = course(timing(), condition=condition, first=4).replace(body, entity("a"))
+    scene = read(tmp_path, text).scene
+    does, decision = scene.actors[0].behaviour, scene.decision
+    assert (does.name, does.trigger) == ("run_red", Trigger())
+    assert (decision.kind, decision.value) == ("ttc", 3.0)
+
+
 def test_a_pause_within_a_course_is_noted(tmp_path):
     middle = (
         f'<Vertex time="7.5"><Position>{world(250, -7, 1.5708)}</Position></Vertex><Vertex time="8"'
