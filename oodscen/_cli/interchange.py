@@ -228,6 +228,7 @@ def _write(
     "--map", "road", help="Map of the catalogue, or .xodr file, in place of the file's own."
 )
 @click.option("--hazard", "hazards", multiple=True, help="Name of an unusual entity; repeatable.")
+@click.option("--ego", help="Name of the entity that is the ego.")
 @click.option(
     "--llm",
     type=ComponentName("llm"),
@@ -239,6 +240,7 @@ def import_(
     files: tuple[Path, ...],
     road: str | None,
     hazards: tuple[str, ...],
+    ego: str | None,
     llm: str | None,
     api_base: str | None,
     simulator: str,
@@ -246,8 +248,8 @@ def import_(
     """Read OpenSCENARIO XML files as scenes, one per line on standard output.
 
     What a scene cannot hold is listed on standard error with its line and element. A file that cannot be read is
-    reported, and the exit code is then 1. An unchanged export gives back its scene: --map and --hazard are for files
-    of others. Two files that would give scenes of one id are refused before anything is written.
+    reported, and the exit code is then 1. An unchanged export gives back its scene: --map, --hazard and --ego are for
+    files of others. Two files that would give scenes of one id are refused before anything is written.
     """
     from oodscen import make_llm, make_simulator
     from oodscen.interchange import read_openscenario
@@ -260,11 +262,14 @@ def import_(
         refuse_idle("with --hazard", "llm")
     model = make_llm(llm, api_base=api_base) if llm is not None else None
     catalogue = make_simulator(simulator).catalogue()
-    _check_files(files, catalogue, is_told=road is not None or bool(hazards))
+    is_told = road is not None or bool(hazards) or ego is not None
+    _check_files(files, catalogue, is_told=is_told)
     failed = 0
     for path in files:
         try:
-            found = read_openscenario(path, catalogue, road=road, hazards=hazards, llm=model)
+            found = read_openscenario(
+                path, catalogue, road=road, hazards=hazards, ego=ego, llm=model
+            )
         except OodscenError as error:
             say(str(error), err=True)
             failed += 1
@@ -276,7 +281,7 @@ def import_(
 
 
 def _check_files(files: Sequence[Path], catalogue: Catalogue, *, is_told: bool) -> None:
-    """Refuse files that give scenes of one id, and unchanged exports if a map or a hazard is named.
+    """Refuse files that give scenes of one id, and unchanged exports if a map, a hazard or an ego is named.
 
     Raises:
         UsageError: Before a model is asked about any file, and before anything is written.
@@ -297,8 +302,8 @@ def _check_files(files: Sequence[Path], catalogue: Catalogue, *, is_told: bool) 
             )
     if is_told and exports:
         raise UsageError(
-            f"{exports[0]} is an unchanged export, which gives back its scene with its own map and hazard: import "
-            "it without --map and --hazard"
+            f"{exports[0]} is an unchanged export, which gives back its scene with its own map, hazard and ego: "
+            "import it without --map, --hazard and --ego"
         )
 
 

@@ -241,7 +241,7 @@ def test_files_of_one_scene_are_refused_before_anything_is_written(pair, files):
     assert f"{one} and {other} would both give a scene {name!r}" in done.stderr
 
 
-@pytest.mark.parametrize("told", [("--map", "urban_avenue"), ("--hazard", "x")])
+@pytest.mark.parametrize("told", [("--map", "urban_avenue"), ("--hazard", "x"), ("--ego", "ego")])
 def test_an_unchanged_export_takes_no_other_map_or_hazard(told, files):
     done = run("import", files[2], files[0], "--simulator", "flat", *told)
     assert (done.exit_code, done.stdout) == (2, "")

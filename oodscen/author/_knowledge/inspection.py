@@ -7,6 +7,7 @@ that must tell them apart, and with the catalogues that must show them.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import lru_cache
 from itertools import combinations
 from pathlib import Path
 
@@ -102,7 +103,12 @@ def inspect_knowledge(
 
 def showable_kinds(catalogue: Catalogue) -> tuple[int, int]:
     """Return how many of the shipped hazards that have a recipe a catalogue can show, and their number."""
-    knowledge, digest = load_knowledge(), CatalogueDigest.of(catalogue)
+    return _showable(CatalogueDigest.of(catalogue))
+
+
+@lru_cache(maxsize=8)
+def _showable(digest: CatalogueDigest) -> tuple[int, int]:
+    knowledge = load_knowledge()
     known = [hazard for hazard in knowledge.hazards if hazard.stage is not None]
     found = [realise(hazard, digest, knowledge) for hazard in known]
     return sum(not one.missing and not one.substitutes for one in found), len(known)

@@ -181,7 +181,8 @@ class ActionReader:
         )
 
     def _lane_change(self, name: str, node: Node, trigger: Trigger) -> None:
-        own, target = self.positions.known.get(name), self._target_lane(name, node)
+        own = self.positions.in_lane(name)
+        target = None if own is None or not own.lane else self._target_lane(node)
         if own is None or target is None:
             node.leave_out("the lane is not known")
         elif target == own.lane:
@@ -189,23 +190,25 @@ class ActionReader:
         elif not self.positions.roads.has_lane(own.road, own.s, target):
             node.leave_out(f"road {own.road[:40]!r} has no lane {target} at {own.s:g} m")
         else:
-            ego = self.positions.known.get(self.ego, own)
-            lanes = own.lanes_to(target) * (ego.direction or own.direction)
+            lanes = own.lanes_to(target) * self._ego_direction(own)
             speed = self.speeds.get(name, 0.0)
             values = {"lanes": float(lanes), "duration": lane_change_s(node, speed)}
             self._add(name, Action("lane_change", node, trigger, values))
 
-    def _target_lane(self, name: str, node: Node) -> int | None:
-        """Return the id of the lane into which an entity changes, if it and its road are known."""
-        own = self.positions.known.get(name)
+    def _ego_direction(self, own: Pose) -> int:
+        """Return +1 if the ego drives along the reference line of an entity's road, else -1."""
+        ego = self.positions.known.get(self.ego)
+        return own.direction if ego is None else self.positions.roads.direction_beside(ego, own)
+
+    def _target_lane(self, node: Node) -> int | None:
+        """Return the id of the lane into which an entity changes, if it is known."""
         absolute = node.first("LaneChangeTarget", "AbsoluteTargetLane")
         relative = node.first("LaneChangeTarget", "RelativeTargetLane")
-        if own is None or not own.lane or (absolute is None and relative is None):
-            return None
         if absolute is not None:
             return absolute.integer("value")
-        assert relative is not None
-        its = self.positions.known.get(relative.get("entityRef"))
+        if relative is None:
+            return None
+        its = self.positions.in_lane(relative.get("entityRef"))
         if its is None or not its.lane:
             return None
         return its.lane_beside(relative.integer("value"))
@@ -306,7 +309,8 @@ def behaviour(
         return Behaviour(name="stand"), None
     if speed >= STANDS and not is_driver and action.trigger != AT_ONCE:
         action.node.note(f"its first speed, {speed:g} m/s, is left out: it stands until this")
-    return _within(action.node, name, values, action.trigger, catalogue), action.heading
+    trigger = AT_ONCE if name == "run_red" else action.trigger
+    return _within(action.node, name, values, trigger, catalogue), action.heading
 
 
 def _rarest(actions: list[Action], *, is_driver: bool) -> Action | None:

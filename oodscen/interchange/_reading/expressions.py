@@ -1,4 +1,4 @@
-"""Parameters and arithmetic in the attributes of OpenSCENARIO files: `$name` and `${$name / 3.6}`."""
+"""Numbers, parameters and arithmetic in the attributes of OpenSCENARIO files: `$name` and `${$name / 3.6}`."""
 
 import ast
 import math
@@ -7,6 +7,11 @@ import re
 from collections.abc import Callable, Mapping
 
 _NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
+_UNSIGNED = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_DOUBLE = re.compile(rf"[+-]?{_UNSIGNED}")
+"""Finite numbers of the XML Schema type `double`, which allows fewer than Python does."""
+_ARITHMETIC = re.compile(rf"(?:(?:[A-Za-z]+|{_UNSIGNED})(?![\w.])|[-+*/%(), ])*")
+_BLANKS = " \t\r\n"
 _MOST = 200
 """Maximum characters of an expression."""
 _DEEPEST = 50
@@ -33,6 +38,18 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
     "tan": math.tan,
 }
 _CONSTANTS = {"pi": math.pi, "e": math.e}
+
+
+def double(text: str) -> float:
+    """Return the number that a text is in XML Schema.
+
+    Raises:
+        ValueError: If it is none, or not finite.
+    """
+    plain = text.strip(_BLANKS)
+    if not _DOUBLE.fullmatch(plain) or not math.isfinite(value := float(plain)):
+        raise ValueError(f"{text[:40]!r} is not a finite number")
+    return value
 
 
 def substituted(text: str, scope: Mapping[str, str]) -> str:
@@ -80,6 +97,8 @@ def _computed(text: str) -> str:
     """Return the value of an expression; text that is not arithmetic stays as it is."""
     if len(text) > _MOST:
         raise ValueError(f"an expression has more than {_MOST} characters")
+    if not _ARITHMETIC.fullmatch(text):
+        return text
     try:
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError):
@@ -94,6 +113,8 @@ def _computed(text: str) -> str:
 
 def _value(node: ast.AST) -> float:
     if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
+        if isinstance(node.value, bool):
+            raise KeyError(str(node.value))
         return float(node.value)
     if isinstance(node, ast.Name):
         return _CONSTANTS[node.id.lower()]

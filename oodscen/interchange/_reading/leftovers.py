@@ -6,6 +6,7 @@ from lxml import etree
 
 from oodscen.driving._roads.document import name_of
 from oodscen.errors import Issue
+from oodscen.interchange._reading.expressions import double
 from oodscen.interchange._reading.tree import ScenarioTree, where
 
 _SILENT = {
@@ -102,7 +103,7 @@ def _is_left(tree: ScenarioTree, element: etree._Element, attribute: str, value:
 
 def _is_zero(value: str) -> bool:
     try:
-        return float(value) == 0.0
+        return double(value) == 0.0
     except ValueError:
         return False
 
@@ -126,6 +127,6 @@ def _declared(top: etree._Element) -> Iterator[Issue]:
 
 def _has_fraction(declaration: etree._Element) -> bool:
     try:
-        return not float(declaration.get("value", "0")).is_integer()
+        return not double(declaration.get("value", "0")).is_integer()
     except ValueError:
         return False  # Another parameter's value.

@@ -4,10 +4,13 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
+import numpy as np
+
 from oodscen.driving._roads.geometry import piecewise
 from oodscen.driving._roads.network import Lane, LaneSection, Network, Road
-from oodscen.driving._roads.routes import Leg, road_point
+from oodscen.driving._roads.routes import Leg, road_point, road_points
 from oodscen.interchange._reading.tree import Node
+from oodscen.numerics._exact import Floats
 
 LANE_M = 3.5
 """Width of a lane of an imagined road, m."""
@@ -73,9 +76,21 @@ class Roads(Protocol):
         """Return the pose at an offset from a lane's centre; lane 0 is the reference line."""
         ...
 
+    def in_lane(self, pose: Pose) -> Pose:
+        """Return a pose with the lane that it is in, if the file names none and there is one."""
+        ...
+
+    def direction_beside(self, pose: Pose, other: Pose) -> int:
+        """Return +1 if a pose is in the traffic along the reference line of another's road, else -1."""
+        ...
+
 
 class StraightRoad:
     """One straight road, for scenarios without the file of their own roads."""
+
+    def __init__(self, *, is_left_hand: bool = False) -> None:
+        """Choose the side to which traffic keeps."""
+        self.is_left_hand = is_left_hand
 
     def has_lane(self, road: str, s: float, lane: int) -> bool:
         """Return whether a lane is one: all are but the reference line."""
@@ -88,8 +103,17 @@ class StraightRoad:
     def at(self, node: Node, road: str, s: float, lane: int, offset: float) -> Pose:
         """Return the pose on a road along x whose right lanes have negative ids."""
         middle = (lane + 0.5 if lane < 0 else lane - 0.5) * LANE_M if lane else 0.0
-        turned = math.pi if lane > 0 else 0.0
-        return Pose(s, middle + offset, turned, road, lane, s, -1 if lane > 0 else 1)
+        is_along = lane == 0 or (lane > 0) is self.is_left_hand
+        heading, direction = (0.0, 1) if is_along else (math.pi, -1)
+        return Pose(s, middle + offset, heading, road, lane, s, direction)
+
+    def in_lane(self, pose: Pose) -> Pose:
+        """Return the pose as it is: where the lanes of the file's own roads lie is not known."""
+        return pose
+
+    def direction_beside(self, pose: Pose, other: Pose) -> int:
+        """Return +1 for a pose in the traffic along x, else -1."""
+        return pose.direction or (1 if math.cos(pose.heading) >= 0.0 else -1)
 
 
 class MappedRoads:
@@ -97,6 +121,8 @@ class MappedRoads:
 
     def __init__(self, network: Network) -> None:
         self.network = network
+        self._samples: dict[str, tuple[Floats, Floats, Floats]] = {}
+        """Places s and points x and y among which the nearest is looked for, by road."""
 
     def at(self, node: Node, road: str, s: float, lane: int, offset: float) -> Pose:
         """Return the pose on a road of the file.
@@ -111,7 +137,10 @@ class MappedRoads:
             raise node.fault(f"road {road[:40]!r} goes from 0 to {found.length:g} m, not to {s:g}")
         s = min(max(s, 0.0), found.length)
         point = road_point(found, s)
-        t = _lane_centre(node, found, s, lane) + offset
+        centres = _centres(found, s)
+        if lane not in centres:
+            raise node.fault(f"road {road[:40]!r} has no lane {lane} at {s:g} m")
+        t = centres[lane] + offset
         x, y = point.x - t * math.sin(point.heading), point.y + t * math.cos(point.heading)
         direction = _direction(found, s, lane)
         heading = point.heading + (math.pi if direction < 0 else 0.0)
@@ -128,20 +157,47 @@ class MappedRoads:
 
     def nearest(self, pose: Pose) -> tuple[Road, float, bool]:
         """Return the road of a pose, s on it, and true if the pose heads along it."""
-        best: tuple[float, Road, float] | None = None
-        for road in self._candidates(pose):
-            steps = max(1, int(road.length / _SAMPLE_M))
-            for index in range(steps + 1):
-                s = road.length * index / steps
-                point = road_point(road, s)
-                far = math.hypot(point.x - pose.x, point.y - pose.y)
-                if best is None or far < best[0]:
-                    best = (far, road, s)
-        assert best is not None, "a network has roads"
-        _, road, near = best
+        _, road, near = min(
+            (self._sampled(one, pose) for one in self._candidates(pose)), key=lambda found: found[0]
+        )
         s = _projected(road, pose, near)
         along = math.cos(road_point(road, s).heading - pose.heading) >= 0.0
         return road, s, pose.direction > 0 if pose.direction else along
+
+    def in_lane(self, pose: Pose) -> Pose:
+        """Return a pose with the lane whose centre is nearest, unless it has one or is off all roads."""
+        if pose.lane:
+            return pose
+        road, s, _ = self.nearest(pose)
+        point = road_point(road, s)
+        ahead, left = pose.offset_from(Pose(point.x, point.y, point.heading))
+        centres = {lane: t for lane, t in _centres(road, s).items() if lane}
+        lane = min(centres, key=lambda one: abs(centres[one] - left), default=0)
+        if not lane or math.hypot(ahead, centres[lane] - left) > LANE_M:
+            return pose
+        return pose._replace(road=road.id, lane=lane, s=s, direction=_direction(road, s, lane))
+
+    def direction_beside(self, pose: Pose, other: Pose) -> int:
+        """Return +1 if a pose is in the traffic along the reference line of another's road, else -1.
+
+        That is told by its heading if it is on another road.
+        """
+        road, _, along = self.nearest(pose)
+        if road.id != other.road:
+            line = road_point(self.network.roads[other.road], other.s)
+            along = math.cos(line.heading - pose.heading) >= 0.0
+        return 1 if along else -1
+
+    def _sampled(self, road: Road, pose: Pose) -> tuple[float, Road, float]:
+        """Return the distance of the nearest sample of a road, the road, and its s."""
+        if road.id not in self._samples:
+            steps = max(1, int(road.length / _SAMPLE_M))
+            s = road.length * np.arange(steps + 1) / steps
+            self._samples[road.id] = (s, *road_points(road, s)[:2])
+        s, x, y = self._samples[road.id]
+        far = np.hypot(x - pose.x, y - pose.y)
+        nearest = int(np.argmin(far))
+        return float(far[nearest]), road, float(s[nearest])
 
     def _candidates(self, pose: Pose) -> list[Road]:
         """Return the road that a pose names, or all outside junctions."""
@@ -171,22 +227,26 @@ def _section(road: Road, s: float) -> LaneSection:
 
 
 def _direction(road: Road, s: float, lane: int) -> int:
-    """Return +1 if a lane's traffic runs along the reference line, as that line itself does, else -1."""
-    return Leg(road, True).direction_of(_lanes(road, s)[lane]) if lane else 1
+    """Return +1 if a lane's traffic runs along the reference line, -1 if against it, 0 for that line itself."""
+    return Leg(road, True).direction_of(_lanes(road, s)[lane]) if lane else 0
 
 
-def _lane_centre(node: Node, road: Road, s: float, lane: int) -> float:
-    """Return t of a lane's centre."""
-    base = piecewise(road.lane_offset, s)
-    if lane == 0:
-        return base
+def _centres(road: Road, s: float) -> dict[int, float]:
+    """Return t of the centre of every lane, by id; lane 0 is the reference line."""
     section = _section(road, s)
-    side = 1 if lane > 0 else -1
-    widths = {one.id: piecewise(one.widths, s - section.s) for one in section.lanes}
-    if lane not in widths:
-        raise node.fault(f"road {road.id[:40]!r} has no lane {lane} at {s:g} m")
-    inner = sum(width for one, width in widths.items() if one * side in range(1, abs(lane)))
-    return base + side * (inner + 0.5 * widths[lane])
+    base = piecewise(road.lane_offset, s)
+    centres = {0: base}
+    for side in (1, -1):
+        edge = base
+        for lane in sorted((one for one in section.lanes if one.id * side > 0), key=_from_middle):
+            width = piecewise(lane.widths, s - section.s)
+            centres[lane.id] = edge + side * 0.5 * width
+            edge += side * width
+    return centres
+
+
+def _from_middle(lane: Lane) -> int:
+    return abs(lane.id)
 
 
 class Positions:
@@ -200,6 +260,11 @@ class Positions:
         self.roads = roads
         self.side = -1.0 if is_mirrored else 1.0
         self.known: dict[str, Pose] = {}
+
+    def in_lane(self, name: str) -> Pose | None:
+        """Return the pose of an entity with its lane, as far as both are known."""
+        pose = self.known.get(name)
+        return None if pose is None else self.roads.in_lane(pose)
 
     def reference(self, holder: Node) -> str:
         """Return the entity to which a `Position` is relative, if it is."""
@@ -256,7 +321,7 @@ class Positions:
         return origin.moved(node.number("ds"), node.number("dt"))
 
     def _relative_lane(self, node: Node) -> Pose | None:
-        origin = self.known.get(node.get("entityRef"))
+        origin = self.in_lane(node.get("entityRef"))
         if origin is None:
             return None
         ahead, lanes = node.number("ds", node.number("dsLane", 0.0)), node.integer("dLane")

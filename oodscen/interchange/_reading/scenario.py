@@ -11,15 +11,23 @@ from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._files import file_sha256
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._scene import MAX_TRIGGER, Actor, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._scene import MAX_TRIGGER, Actor, Hazard, Placement, Scene, Trigger
 from oodscen.driving._motion.behaviours import USUAL
 from oodscen.driving._roads.building import find_map, load_corridor, read_map
-from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import DataError, Issue, OodscenError, UsageError
 from oodscen.interchange._reading.actions import ActionReader, behaviour
 from oodscen.interchange._reading.assets import nearest_asset, weather
+from oodscen.interchange._reading.ego import (
+    corridor_from,
+    ego_of,
+    keeps_left,
+    likely_ego,
+    no_entity,
+    note_start,
+    strip_of,
+)
 from oodscen.interchange._reading.leftovers import leftovers
 from oodscen.interchange._reading.positions import (
     LANE_M,
@@ -39,9 +47,6 @@ if TYPE_CHECKING:
 
 _MAJOR, _MINORS = "1", ("0", "1", "2", "3")
 """Versions of OpenSCENARIO XML that are read."""
-_EGO_NAMES = ("ego", "hero")
-_NOT_EGO = 4
-"""Unlikeness to the ego's name from which a name is another's."""
 _MIRRORED = "CARLA:"
 """Beginning of the description of files with CARLA's left-handed axes."""
 _DECISION_TTC_S = 3.0
@@ -50,8 +55,6 @@ _NEAR_M, _FAR_M = -150.0, 300.0
 """Limits of an actor's place ahead of the ego, m."""
 _LANES = 6
 """Limit of the lanes between the ego and an actor."""
-_ASIDE_M, _TURNED_DEG = 0.05, 1.0
-"""Offset and turn of the ego in its lane that are not worth a note."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -70,6 +73,7 @@ def read_openscenario(
     *,
     road: str | None = None,
     hazards: Sequence[str] = (),
+    ego: str | None = None,
     llm: "LLM | None" = None,
 ) -> ImportedScene:
     """Read an OpenSCENARIO XML 1.x file.
@@ -84,24 +88,25 @@ def read_openscenario(
         catalogue: The catalogue whose assets and behaviours the scene uses.
         road: A map of the catalogue or an `.xodr` file, in place of the file's own; not for an unchanged export.
         hazards: Names of the entities that are unusual; without them, `llm` is asked. Not for an unchanged export.
+        ego: Name of the entity that is the ego; without it, its name tells. Not for an unchanged export.
         llm: The model that names the unusual entities; without one, the first that acts is taken.
 
     Raises:
-        DataError: If the file is malformed or not version 1.x, with the line and the element.
-        UsageError: If a map or hazards are named for an unchanged export.
+        DataError: If the file is malformed or not version 1.x, with the line and the element, or has no such entity.
+        UsageError: If a map, hazards or an ego are named for an unchanged export.
         UnknownComponent: If there is no such map.
         LLMError: If the model cannot be reached, or its answer cannot be used.
     """
     tree = ScenarioTree(path)
     is_known = _check_version(tree)
     if is_known and (own := _own_scene(tree, catalogue)) is not None:
-        if road is not None or hazards:
+        if road is not None or hazards or ego is not None:
             raise UsageError(
-                f"{path} is an unchanged export, which gives back its scene with its own map and hazard: name "
-                "neither a map nor a hazard, or change them in the scene"
+                f"{path} is an unchanged export, which gives back its scene with its own map, hazard and ego: name "
+                "none of them, or change them in the scene"
             )
         return ImportedScene(own)
-    scene = _Assembly(tree, catalogue, road, hazards, llm).scene()
+    scene = _Assembly(tree, catalogue, road, hazards, ego, llm).scene()
     found = [*tree.omissions, *leftovers(tree), *staging_issues(scene, catalogue)]
     return ImportedScene(scene, tuple(found))
 
@@ -181,6 +186,7 @@ class _Assembly:
         catalogue: Catalogue,
         road: str | None,
         hazards: Sequence[str],
+        ego: str | None,
         llm: "LLM | None",
     ) -> None:
         self.llm = llm
@@ -193,11 +199,14 @@ class _Assembly:
             if one.get("name") in self.entities:
                 raise one.fault(f"the name {one.get('name')!r} occurs more than once")
             self.entities[one.get("name")] = one
-        self.ego = self._ego_name()
+        if ego is not None and ego not in self.entities:
+            raise self._refused(no_entity(ego, self.entities))
+        self.ego = likely_ego(self.root, self.entities) if ego is None else ego
         self.ids = _identifiers(name for name in self.entities if name != self.ego)
         self.map = road or self._own_map()
         is_mapped = road is None
-        roads: Roads = StraightRoad()
+        is_left_hand = not is_mapped and keeps_left(self.map, catalogue)
+        roads: Roads = StraightRoad(is_left_hand=is_left_hand)
         if is_mapped:
             roads = MappedRoads(read_network(read_map(self.map), source=self.map))
         is_mirrored = _header(tree).get("description").startswith(_MIRRORED)
@@ -213,13 +222,18 @@ class _Assembly:
         self.actions.read()
         self.start = start
         self.is_mapped = is_mapped
-        self.corridor = (
-            self._corridor(start) if is_mapped else load_corridor(self.map, self.catalogue)
-        )
+        body = self.entities[self.ego]
+        if isinstance(roads, MappedRoads):
+            self.corridor = corridor_from(body, start, roads, find_map(self.map, catalogue))
+        else:
+            self.corridor = load_corridor(self.map, catalogue)
         if not self.corridor.ego_lanes:
-            raise self.entities[self.ego].fault("the ego does not start beside a driving lane")
+            raise body.fault("the ego does not start beside a driving lane")
         if is_mapped:
-            self._note_start()
+            self.strip = strip_of(start, self.corridor)
+            note_start(body, start, self.corridor, self.strip)
+        else:
+            self.strip = self.corridor.ego_lanes[-1 if is_left_hand else 0]
 
     def scene(self) -> Scene:
         """Return the scene.
@@ -235,13 +249,15 @@ class _Assembly:
         actors = self._with_known_triggers(actors)
         unusual = self._unusual(actors)
         name = _identifier(self.tree.path.stem)
+        speed = self.actions.speeds.get(self.ego, 0.0)
+        ego = ego_of(self.entities[self.ego], speed, self.corridor, self.strip)
         decision = self._decision(next(one for one in actors if one.id == unusual[0]))
         return Scene.parse(
             {
                 "id": name,
                 "scenario_id": name,
                 "map": self.map,
-                "ego": self._ego().model_dump(),
+                "ego": ego.model_dump(),
                 "weather": weather(self.root).model_dump(),
                 "actors": [one.model_dump() for one in actors],
                 "hazard": Hazard(actors=dict.fromkeys(unusual)).model_dump(),
@@ -312,19 +328,7 @@ class _Assembly:
         )
         return answer.actors
 
-    # ------------------------------------------------------------------ the ego and its road
-
-    def _ego_name(self) -> str:
-        """Return the entity that is the ego by its name, or else the first, and record a choice that may be wrong."""
-        likely = sorted(self.entities, key=_unlike_ego)
-        if not likely:
-            raise self.root.fault("has no entities")
-        found, how = likely[0], _unlike_ego(likely[0])
-        if how >= _NOT_EGO:
-            self.root.note(f"no entity is called ego; {found} is taken to be it")
-        elif how or how == min(map(_unlike_ego, likely[1:]), default=_NOT_EGO):
-            self.root.note(f"{found} is taken to be the ego; call another one ego to change that")
-        return found
+    # ------------------------------------------------------------------ the road and the starts
 
     def _own_map(self) -> str:
         node = self.root.first("RoadNetwork", "LogicFile")
@@ -340,10 +344,9 @@ class _Assembly:
     def _place_entities(self) -> None:
         """Read the starts, each after that of the entity to which it is relative."""
         waiting: dict[str, list[tuple[str, Node]]] = {}
-        for private in self.root.all("Storyboard", "Init", "Actions", "Private"):
-            if (holder := _teleport(private)) is not None:
-                reference = self.positions.reference(holder)
-                waiting.setdefault(reference, []).append((private.get("entityRef"), holder))
+        for name, holder in _starts(self.root).items():
+            reference = self.positions.reference(holder)
+            waiting.setdefault(reference, []).append((name, holder))
         ready = waiting.pop("", [])
         for name, holder in ready:  # It grows by those that wait for an entity.
             if (pose := self.positions.read(holder)) is not None:
@@ -362,49 +365,6 @@ class _Assembly:
         ahead, left = middle.number("x", 0.0), middle.number("y", 0.0)
         centre = pose.moved(ahead, left)
         return centre._replace(road=pose.road, direction=pose.direction)
-
-    def _corridor(self, start: Pose) -> Corridor:
-        """Return the corridor on which the ego starts in the file."""
-        roads = self.positions.roads
-        assert isinstance(roads, MappedRoads)
-        road, s, forward = roads.nearest(start)
-        usual = find_map(self.map, self.catalogue)
-        if usual.road != road.id or abs(usual.start_m - s) > 1.0 or usual.forward != forward:
-            self.entities[self.ego].note(
-                f"the ego starts at {usual.start_m:g} m of road {usual.road}, not {s:g} m of {road.id}; actors keep "
-                "their distances to it"
-            )
-        place = {"road": road.id, "start_m": s, "forward": forward, "route": ()}
-        return load_corridor(usual.model_copy(update=place))
-
-    def _note_start(self) -> None:
-        """Record how the ego stands in its lane, as in a scene it starts in the middle and along it."""
-        s, t = self.corridor.locate(self.start.x, self.start.y)
-        aside = t - self.corridor.centre(self._ego_strip(), s)
-        turn = math.degrees(math.remainder(self.start.heading - self.corridor.heading(s), math.tau))
-        if abs(aside) > _ASIDE_M or abs(turn) > _TURNED_DEG:
-            self.entities[self.ego].note(
-                f"the ego starts in the middle of its lane and along it, not {aside:.2f} m to the left and turned by "
-                f"{turn:.1f} degrees; actors keep their places on the road"
-            )
-
-    def _ego_strip(self) -> int:
-        """Return the strip in which the ego starts: the rightmost on a map that is not the file's own."""
-        road = self.corridor
-        lanes = road.ego_lanes
-        if not self.is_mapped:
-            return lanes[0]
-        strip = road.strip_at(*road.locate(self.start.x, self.start.y))
-        return strip if strip in lanes else lanes[0]
-
-    def _ego(self) -> Ego:
-        speed = self.actions.speeds.get(self.ego, 0.0)
-        if speed == 0.0:
-            speed = round(self.corridor.speed_limit, 2)
-            self.entities[self.ego].note(
-                f"the ego has no speed at the start; {speed:g} m/s is the limit of its road"
-            )
-        return Ego(speed=round(speed, 3), lane=self.corridor.ego_lanes.index(self._ego_strip()))
 
     # ------------------------------------------------------------------ actors
 
@@ -432,7 +392,7 @@ class _Assembly:
 
     def _placement(self, pose: Pose) -> Placement:
         """Return a pose relative to the ego along the road."""
-        road, own = self.corridor, self._ego_strip()
+        road, own = self.corridor, self.strip
         if self.is_mapped:
             s, t = road.locate(pose.x, pose.y)
             turn = pose.heading - road.heading(s)
@@ -467,23 +427,16 @@ class _Assembly:
         return Trigger(kind=trigger.kind, value=value, actor=trigger.actor or hazard.id)
 
 
-def _teleport(private: Node) -> Node | None:
-    for action in private.all("PrivateAction"):
-        if (found := action.first("TeleportAction", "Position")) is not None:
-            return found
-    return None
-
-
-def _unlike_ego(name: str) -> int:
-    """Return how unlike the ego's a name is: 0 is the name itself, then it begins with it, ends with it, or neither."""
-    if name.lower() in _EGO_NAMES:
-        return 0
-    words = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)
-    if not any(word.lower() in _EGO_NAMES for word in words):
-        return _NOT_EGO
-    if words[0].lower() not in _EGO_NAMES:
-        return 3
-    return 1 if len(words) == 1 or words[1].lower() in ("vehicle", "car") else 2
+def _starts(root: Node) -> dict[str, Node]:
+    """Return the `Position` at which each entity starts: the last one, as the actions are taken in order."""
+    found: dict[str, Node] = {}
+    for private in root.all("Storyboard", "Init", "Actions", "Private"):
+        name = private.get("entityRef")
+        for holder in private.all("PrivateAction", "TeleportAction", "Position"):
+            if name in found:
+                found[name].leave_out(f"{name[:40]!r} is placed again later, which counts")
+            found[name] = holder
+    return found
 
 
 def _identifiers(names: Iterable[str]) -> dict[str, str]:

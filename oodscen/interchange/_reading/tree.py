@@ -9,7 +9,7 @@ from lxml import etree
 from oodscen._files import read_regular
 from oodscen.driving._roads.document import MAX_BYTES, Document, name_of
 from oodscen.errors import DataError, Issue
-from oodscen.interchange._reading.expressions import substituted
+from oodscen.interchange._reading.expressions import double, substituted
 
 Scope = Mapping[str, str]
 
@@ -222,10 +222,10 @@ class Node:
         if not text and default is not None:
             return default
         try:
-            value = float(text)
+            value = double(text)
         except ValueError:
-            value = math.nan
-        if not abs(value) <= _LARGEST:
+            value = math.inf
+        if abs(value) > _LARGEST:
             raise self.fault(f"{text[:40]!r} is not a number within +-1e9", name)
         return value
 

@@ -81,8 +81,8 @@ def check_steps(time: Floats) -> None:
         )
 
 
-def check_motion(names: Sequence[str], time: Floats, poses: Floats, steered: Sequence[int]) -> None:
-    """Refuse impossible motion, and headings of the ego that do not fit its motion.
+def check_motion(names: Sequence[str], time: Floats, poses: Floats, steered: Sequence[int]) -> str:
+    """Refuse impossible motion and headings of the ego that do not fit its motion, and return a note on less.
 
     Args:
         names: The bodies, the ego first.
@@ -94,8 +94,10 @@ def check_motion(names: Sequence[str], time: Floats, poses: Floats, steered: Seq
         DataError: With the body, the time, and the unit that is likely wrong.
     """
     _check_jumps(names, time, poses)
-    _check_ego(time, poses[:, 0])
+    ego = _mean_motion(time, poses[:, 0])
+    _check_ego(time, ego)
     _check_turns([names[row] for row in steered], time, poses[:, steered])
+    return _heading_note(time, ego)
 
 
 def _check_jumps(names: Sequence[str], time: Floats, poses: Floats) -> None:
@@ -134,9 +136,8 @@ def _check_turns(names: Sequence[str], time: Floats, poses: Floats) -> None:
         )
 
 
-def _check_ego(time: Floats, poses: Floats) -> None:
-    """Check the acceleration and the headings of the ego: [n, 4] poses."""
-    ego = _mean_motion(time, poses)
+def _check_ego(time: Floats, ego: "_MeanMotion") -> None:
+    """Check the acceleration and the headings of the ego."""
     width = ego.width
     if len(time) <= 2 * width:
         return
@@ -165,9 +166,8 @@ def _check_ego(time: Floats, poses: Floats) -> None:
         )
 
 
-def heading_note(time: Floats, poses: Floats) -> str:
-    """Return a note on the first time for which the ego, [n, 4] poses, heads off its motion, or an empty text."""
-    ego = _mean_motion(time, poses)
+def _heading_note(time: Floats, ego: "_MeanMotion") -> str:
+    """Return a note on the first time for which the ego heads off its motion, or an empty text."""
     off = _askew(ego.ways, ego.headings)
     steps = np.flatnonzero(ego.moves & (off > ASKEW))
     for run in np.split(steps, np.flatnonzero(np.diff(steps) > 1) + 1):

@@ -23,7 +23,6 @@ from oodscen.interchange._verdicts.plausibility import (
     check_bounds,
     check_motion,
     check_steps,
-    heading_note,
     unusable,
 )
 from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
@@ -107,8 +106,7 @@ def verdict(
     whole = states[: first + 1 + len(after)]
     last, dt = whole[-1], float(np.median(np.diff(played.time)))
     time, course = played.time[: len(whole)], poses[: len(whole)]
-    check_motion(last.ids, time, course, _steered(scene, catalogue))
-    if askew := heading_note(time, course[:, 0]):
+    if askew := check_motion(last.ids, time, course, _steered(scene, catalogue)):
         notes.append(askew)
     harmed = bool(last.contacts) or last.off_road
     ends = harmed or last.time >= end - max(_EARLY_S, 1.5 * dt)

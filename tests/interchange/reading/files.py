@@ -104,8 +104,8 @@ def weather(sky="<Weather/>", friction=1.0):
     )
 
 
-def read(folder, text, road=ROAD, **options):
-    (folder / "road.xodr").write_bytes(road)
+def read(folder, text, own_road=ROAD, **options):
+    (folder / "road.xodr").write_bytes(own_road)
     path = folder / "other.xosc"
     path.write_text(text)
     return read_openscenario(path, catalogue(), **options)

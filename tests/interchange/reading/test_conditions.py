@@ -308,6 +308,16 @@ def test_a_later_start_of_a_course_is_kept_or_noted(kind, first, condition, tmp_
     assert is_lost or (does.name == "cross_road" and does.trigger != Trigger())
 
 
+@pytest.mark.parametrize("condition", [at(5), by_entity(near(30))])
+def test_a_trigger_that_is_left_out_does_not_tell_the_decision(condition, tmp_path):
+    body = entity("a", "pedestrian", 0.0, 0.5, 0.6)
+    text = course(timing(), condition=condition, first=4).replace(body, entity("a"))
+    scene = read(tmp_path, text).scene
+    does, decision = scene.actors[0].behaviour, scene.decision
+    assert (does.name, does.trigger) == ("run_red", Trigger())
+    assert (decision.kind, decision.value) == ("ttc", 3.0)
+
+
 def test_a_pause_within_a_course_is_noted(tmp_path):
     middle = (
         f'<Vertex time="7.5"><Position>{world(250, -7, 1.5708)}</Position></Vertex><Vertex time="8"'
@@ -361,3 +371,43 @@ def test_the_cause_of_a_missing_entry_is_named(content, name, why, tmp_path):
 def test_what_is_not_read_of_an_entry_has_its_file(tmp_path):
     found = from_catalogue(tmp_path, CAR.replace("/>", '><Trailer mass="3"/></Vehicle>'))
     assert any("line 1 of c.xosc: Trailer: is not read" in one for one in notes(found))
+
+
+@pytest.mark.parametrize("path", ["cars", "../outside/cars"])
+def test_a_catalogue_may_lie_outside_also_through_a_link(path, tmp_path):
+    """As files of others name those of their collection."""
+    inside, outside = tmp_path / "inside", tmp_path / "outside" / "cars"
+    outside.mkdir(parents=True)
+    inside.mkdir()
+    text = f'<OpenSCENARIO><FileHeader/><Catalog name="C">{CAR}</Catalog></OpenSCENARIO>'
+    (outside / "c.xosc").write_text(text)
+    (inside / "cars").symlink_to(outside)
+    starts = [start("ego", lane(200), 10), start("a", lane(250), 5)]
+    named = HELD.replace("cars", path)
+    found = read(inside, file([entity("ego"), USED], starts, catalogues=named))
+    assert found.scene.actors[0].asset == "car"
+
+
+def test_a_time_to_contact_is_noted(tmp_path):
+    condition = (
+        '<TimeToCollisionCondition value="2" freespace="{}" rule="lessThan"><TimeToCollisionConditionTarget>'
+        '<EntityRef entityRef="a"/></TimeToCollisionConditionTarget></TimeToCollisionCondition>'
+    )
+    for freespace, is_told in (("true", True), ("false", False)):
+        found = read(tmp_path, crowd(by_entity(condition.format(freespace))))
+        assert trigger(found) == ("ttc", 2.0, None)
+        told = any("TimeToCollisionCondition: the time to contact" in one for one in notes(found))
+        assert told is is_told
+
+
+def test_a_synchronised_arrival_is_noted(tmp_path):
+    action = (
+        '<PrivateAction><SynchronizeAction masterEntityRef="ego">'
+        f"<TargetPositionMaster>{lane(280)}</TargetPositionMaster><TargetPosition>{lane(300)}</TargetPosition>"
+        '<FinalSpeed><AbsoluteSpeed value="5"/></FinalSpeed></SynchronizeAction></PrivateAction>'
+    )
+    found = read(tmp_path, cars(event(action, at(2))))
+    assert found.scene.actors[0].behaviour.name == "follow_lane"
+    (told,) = [one for one in notes(found) if "SynchronizeAction" in one]
+    assert told.startswith("line ")
+    assert "no behaviour does this" in told

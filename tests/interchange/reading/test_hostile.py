@@ -74,7 +74,9 @@ def test_any_attribute_gives_a_scene_or_a_typed_error(foreign, changes):
         foreign(changed(changes))
 
 
-@pytest.mark.parametrize("unit", ["54km/h", "54 km/h", "1,5", "30mph", "10 m", "fast"])
+@pytest.mark.parametrize(
+    "unit", ["54km/h", "54 km/h", "1,5", "30mph", "10 m", "fast", "1_0", "٣", "0x10", "INF"]
+)
 @pytest.mark.parametrize("place", NUMBERS, ids=str)
 def test_a_number_with_a_unit_is_refused_with_line_and_element(foreign, place, unit):
     with pytest.raises(DataError) as caught:

@@ -173,6 +173,62 @@ def test_a_place_in_the_world_is_the_same_as_on_its_road(tmp_path, s, number):
     assert ahead[0] == pytest.approx(ahead[1], abs=0.0021)
 
 
+def to_lane(target):
+    return (
+        '<PrivateAction><LateralAction><LaneChangeAction><LaneChangeActionDynamics value="3" '
+        f'dynamicsShape="sinusoidal" dynamicsDimension="time"/><LaneChangeTarget>{target}'
+        "</LaneChangeTarget></LaneChangeAction></LateralAction></PrivateAction>"
+    )
+
+
+BESIDE = st.integers(-1, 1).map(
+    lambda count: f'<RelativeTargetLane entityRef="ego" value="{count}"/>'
+)
+NUMBERED = st.sampled_from([-2, -1, 1, 2]).map(lambda lane: f'<AbsoluteTargetLane value="{lane}"/>')
+
+
+@given(
+    st.floats(170.0, 800.0),
+    *[st.sampled_from([-2, -1, 1, 2])] * 2,
+    st.floats(-1.2, 1.2),
+    st.one_of(BESIDE, NUMBERED),
+)
+@IN_FOLDER
+def test_a_lane_change_is_the_same_from_a_place_in_the_world_and_on_the_road(
+    tmp_path, s, own, its, offset, target
+):
+    roads = MappedRoads(read_network(ROAD, source="road"))
+    ego = roads.at(None, "1", s, own, 0.0)
+    pose = roads.at(None, "1", s + 40, its, offset)
+    change = event(to_lane(target), at(2))
+    t = pose.offset_from(roads.at(None, "1", s + 40, 0, 0.0))[1]
+    turned = f'<Orientation h="{pose.heading}" type="absolute"/>'
+    by_road = f'<RoadPosition roadId="1" s="{s + 40}" t="{t}">{turned}</RoadPosition>'
+    found = [
+        read(tmp_path, cars(change, ego_place=one, place=other)).scene
+        for one, other in (
+            (lane(s, own), lane(s + 40, its, offset)),
+            (lane(s, own), world(pose.x, pose.y, pose.heading)),
+            (world(ego.x, ego.y, ego.heading), world(pose.x, pose.y, pose.heading)),
+            (world(ego.x, ego.y, ego.heading), by_road),
+        )
+    ]
+    first, *others = [(one.ego, one.actors[0].behaviour) for one in found]
+    assert all(one == first for one in others)
+
+
+@pytest.mark.parametrize(
+    ("place", "is_known"),
+    [(world(90, 60), False), (world(-20, -1.75), False), (world(90, -1.75), True)],
+)
+def test_a_lane_change_from_off_all_lanes_is_left_out(place, is_known, tmp_path):
+    change = event(to_lane('<AbsoluteTargetLane value="-2"/>'), at(2))
+    found = read(tmp_path, cars(change, place=place, ego_place=lane(60)))
+    assert (found.scene.actors[0].behaviour.name == "cut_in") is is_known
+    told = any("LaneChangeAction: the lane is not known" in one for one in notes(found))
+    assert told is not is_known
+
+
 def mirrored_road():
     """Return the road, whose cross-section is symmetric, as in a mirror: its traffic keeps to the left."""
     tree = etree.fromstring(ROAD)
@@ -195,12 +251,8 @@ def mirrored_road():
 def test_a_mirrored_road_gives_the_mirrored_scene(tmp_path, s, apart, own, its, offset):
     scenes = []
     for side, road in ((1, ROAD), (-1, mirrored_road())):
-        change = (
-            '<PrivateAction><LateralAction><LaneChangeAction><LaneChangeActionDynamics value="3" '
-            'dynamicsShape="sinusoidal" dynamicsDimension="time"/><LaneChangeTarget>'
-            f'<AbsoluteTargetLane value="{side * (3 - abs(its)) * (1 if its > 0 else -1)}"/>'
-            "</LaneChangeTarget></LaneChangeAction></LateralAction></PrivateAction>"
-        )
+        target = side * (3 - abs(its)) * (1 if its > 0 else -1)
+        change = to_lane(f'<AbsoluteTargetLane value="{target}"/>')
         text = cars(
             event(change, at(2)),
             ego_place=lane(s, side * own),
@@ -217,6 +269,27 @@ def test_a_mirrored_road_gives_the_mirrored_scene(tmp_path, s, apart, own, its, 
     turned = {**plain.behaviour.parameters}
     turned["lanes"] = -turned["lanes"]
     assert mirrored.behaviour.parameters == turned
+
+
+@given(st.floats(-40.0, 60.0), *[st.sampled_from([-2, -1, 1, 2])] * 2, st.floats(-1.0, 1.0))
+@IN_FOLDER
+def test_a_mirrored_map_in_place_of_the_files_own_gives_the_mirrored_scene(
+    tmp_path, apart, own, its, offset
+):
+    found = []
+    for side, road in ((1, ROAD), (-1, mirrored_road())):
+        (tmp_path / f"map{side}.xodr").write_bytes(road)
+        text = cars(
+            ego_place=lane(500, side * own), place=lane(500 + apart, side * its, side * offset)
+        )
+        scene = read(tmp_path, text, road=str(tmp_path / f"map{side}.xodr")).scene
+        found.append((scene.ego.lane, scene.actors[0]))
+    (kerb, plain), (other, mirrored) = found
+    assert (kerb, other) == (0, 1)
+    assert mirrored.placement.ahead_m == pytest.approx(plain.placement.ahead_m, abs=0.0011)
+    assert mirrored.placement.lane == -plain.placement.lane
+    assert mirrored.placement.offset_m == pytest.approx(-plain.placement.offset_m, abs=0.0011)
+    assert mirrored.behaviour == plain.behaviour
 
 
 @pytest.mark.parametrize(
@@ -239,6 +312,38 @@ def test_a_start_that_waits_for_itself_is_named_as_the_cause(tmp_path):
     place = '<RelativeObjectPosition entityRef="a" dx="50" dy="0"/>'
     with pytest.raises(OodscenError, match="relative to 'a', whose place is not known"):
         read(tmp_path, cars(place=place))
+
+
+def placed(*places):
+    """Return the actions that place an entity at one place after another."""
+    return "\n".join(
+        f"<PrivateAction><TeleportAction><Position>{place}</Position></TeleportAction></PrivateAction>"
+        for place in places
+    )
+
+
+@given(st.lists(st.floats(210.0, 300.0), min_size=1, max_size=4), st.integers(0, 3))
+@IN_FOLDER
+def test_the_last_of_several_starts_counts(tmp_path, places, split):
+    """In one element or in several of the entity."""
+    lanes = [lane(s) for s in places]
+    held = [placed(*lanes[:split]) + "\n", placed(*lanes[split:]) + speed(5)]
+    others = [f'<Private entityRef="a">{one}</Private>' for one in held]
+    text = file([entity("ego"), entity("a")], [start("ego", lane(200), 10), *others])
+    found = read(tmp_path, text)
+    assert found.scene.actors[0].placement.ahead_m == pytest.approx(places[-1] - 200, abs=0.0011)
+    again = [one for one in notes(found) if "'a' is placed again later" in one]
+    assert len(again) == len(places) - 1
+    assert all(one.startswith("line ") and ": Position: " in one for one in again)
+
+
+def test_a_last_start_that_cannot_be_read_is_not_replaced_by_an_earlier_one(tmp_path):
+    again = placed('<GeoPosition latitude="1" longitude="1"/>')
+    text = cars().replace(
+        "</Actions></Init>", f'<Private entityRef="a">{again}</Private></Actions></Init>'
+    )
+    with pytest.raises(OodscenError, match="GeoPosition: this kind of position is not read"):
+        read(tmp_path, text)
 
 
 # ------------------------------------------------------------------ values beyond what a scene holds

@@ -124,9 +124,9 @@ def test_a_twin_gives_back_its_scene(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "told", [{"road": "urban_avenue"}, {"road": "nowhere"}, {"hazards": ["a"]}]
+    "told", [{"road": "urban_avenue"}, {"road": "nowhere"}, {"hazards": ["a"]}, {"ego": "ego"}]
 )
-def test_an_unchanged_export_takes_no_other_map_or_hazard(told, tmp_path):
+def test_an_unchanged_export_takes_no_other_map_hazard_or_ego(told, tmp_path):
     path = to_openscenario(SCENES[0], catalogue()).save(tmp_path)
     with pytest.raises(UsageError, match="is an unchanged export"):
         read_openscenario(path, catalogue(), **told)
@@ -371,3 +371,24 @@ def test_the_ego_is_the_entity_of_that_name(names, tmp_path):
     assert told is (
         names in {("Lego", "Ego1"), ("TargetEgo", "ego_vehicle"), ("ego", "Ego"), ("a", "b")}
     )
+
+
+@pytest.mark.parametrize("name", ["ego", "VUT", "a.b c"])
+def test_the_ego_is_the_entity_that_is_named(name, tmp_path):
+    names = ("ego", "VUT", "a.b c")
+    starts = [start(one, lane(200 + 30 * index), 5 + index) for index, one in enumerate(names)]
+    found = read(tmp_path, file([entity(one) for one in names], starts), ego=name)
+    assert found.scene.ego.speed == 5 + names.index(name)
+    aheads = {round(one.placement.ahead_m, 2) for one in found.scene.actors}
+    place = 30 * names.index(name)
+    assert aheads == {30.0 * index - place for index in range(3)} - {0.0}
+    assert not any("is taken to be the ego" in one for one in notes(found))
+
+
+@pytest.mark.parametrize("name", ["", "EGO", "nobody"])
+def test_an_ego_that_the_file_has_not_is_refused_with_those_there_are(name, tmp_path):
+    starts = [start("ego", lane(200), 5), start("a", lane(250), 5)]
+    with pytest.raises(
+        DataError, match=f"ego: there is no entity '{name}'; the file has: 'ego', 'a'"
+    ):
+        read(tmp_path, file([entity("ego"), entity("a")], starts), ego=name)

@@ -16,7 +16,6 @@ from oodscen.interchange._traces.osi_writing import osi_trace
 from oodscen.interchange._verdicts.plausibility import (
     check_motion,
     check_steps,
-    heading_note,
 )
 from oodscen.interchange._verdicts.poses import PlayedPoses, read_poses
 from oodscen.interchange._verdicts.verdict import _speeds
@@ -383,7 +382,7 @@ def test_headings_off_the_motion_are_noted_with_their_time(since, lasts, angle, 
     poses = np.zeros((160, 4))
     poses[:, 0] = speed * time
     poses[(time >= since) & (time < since + lasts), 3] = angle
-    note = heading_note(time, poses)
+    note = check_motion(["ego"], time, poses[:, None], [])
     if lasts > 0.6 and abs(angle) > 0.36 and speed > 2.1:
         told = re.fullmatch(r"ego heads (\d+) degrees off its motion for (.*) s from (.*) s", note)
         assert float(told[1]) == pytest.approx(abs(np.degrees(angle)), abs=1.0)
