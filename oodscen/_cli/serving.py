@@ -1,8 +1,10 @@
 """The command that serves scenes to the scripts of another simulator."""
 
 import importlib
+import queue
 import threading
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -63,15 +65,41 @@ def serve(source: Path | None, port: int, host: str, simulator: str | None, seed
     except ModuleNotFoundError as error:
         raise MissingExtra("oodscen serve", "carla-server", error.name or "msgpack") from None
 
-    def log(line: str) -> None:
-        say(line, err=True)
-
     with server.serve(
-        scenes, host=host, port=port, simulator=simulator, seed=seed, log=log
+        scenes, host=host, port=port, simulator=simulator, seed=seed, log=_Log().add
     ) as serving:
         say(f"serving CARLA 0.9.16's protocol on {host}:{serving.port}; Ctrl-C ends")
         say(f"maps: {', '.join(serving.maps[:12])}{' ...' if len(serving.maps) > 12 else ''}")
         threading.Event().wait()
+
+
+_MOST_WAITING = 1_000
+"""Number of lines that wait for the reader of standard error."""
+
+
+class _Log:
+    """Prints lines in a thread of its own: where nobody reads them, they are dropped, and no request waits."""
+
+    def __init__(self) -> None:
+        self._waiting: queue.Queue[str] = queue.Queue(_MOST_WAITING)
+        self._dropped = 0
+        threading.Thread(target=self._print, daemon=True).start()
+
+    def add(self, line: str) -> None:
+        """Print a line soon, or drop it if too many are waiting."""
+        try:
+            self._waiting.put_nowait(line)
+        except queue.Full:
+            self._dropped += 1
+
+    def _print(self) -> None:
+        while True:
+            line = self._waiting.get()
+            dropped, self._dropped = self._dropped, 0
+            with suppress(OSError):  # The reader has gone.
+                say(line, err=True)
+                if dropped:
+                    say(f"{dropped:,} further lines were dropped: nobody read them", err=True)
 
 
 def _study(source: Path | None) -> "Study | None":

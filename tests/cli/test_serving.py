@@ -3,6 +3,7 @@
 import queue
 import re
 import signal
+import socket
 import subprocess
 import sys
 
@@ -68,6 +69,25 @@ def test_a_script_drives_a_staged_scene(tmp_path):
                 rgb = flat.render(Camera(width=160, height=120, pitch_deg=2.0)).rgb
                 raw = np.frombuffer(shown[step].raw_data, np.uint8).reshape(120, 160, 4)
                 assert np.array_equal(raw[..., 2::-1], rgb), step
+
+
+@pytest.mark.parametrize("are_joined", [False, True])
+def test_a_log_that_nobody_reads_delays_no_request(are_joined):
+    msgpack = pytest.importorskip("msgpack")
+    order = [sys.executable, "-m", "oodscen", "serve", "--carla", "0", "--simulator", "flat"]
+    unread = subprocess.STDOUT if are_joined else subprocess.PIPE
+    question = msgpack.packb([0, 1, "x" * 80, []])
+    with subprocess.Popen(order, stdout=subprocess.PIPE, stderr=unread) as process:
+        try:
+            port = int(re.search(rb":(\d+);", process.stdout.readline())[1])
+            with socket.create_connection(("127.0.0.1", port), 20) as client:
+                for _ in range(2_000):  # More than a pipe holds and the log keeps.
+                    client.sendall(question)
+                    assert client.recv(1 << 16)
+            log = process.stdout if are_joined else process.stderr
+            assert any(b"further lines were dropped" in line for line in log)
+        finally:
+            process.kill()
 
 
 @pytest.mark.parametrize(
