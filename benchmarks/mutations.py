@@ -26,9 +26,9 @@ from tqdm import tqdm
 from oodscen import Study, StudyConfig
 from oodscen._cli import main as cli
 from oodscen._pipeline import run_study
+from oodscen._study_files import TABLES, TREES
 from oodscen.errors import OodscenError
 from oodscen.judging._constant_answerers import ConstantAnswerer
-from oodscen.study._files import TABLES, TREES
 from oodscen.testing import ScriptedLLM
 
 ORDINARY = "A car waits at a red light.\nA bus stops at its stop.\nThe road is dry and clear.\n"

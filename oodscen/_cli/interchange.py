@@ -28,6 +28,7 @@ from oodscen._cli.progress import tracked
 from oodscen._files import writing
 from oodscen._members import using
 from oodscen._processes import Processes
+from oodscen._study_files import refuse_inside
 from oodscen._text import one_line, plain
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import ACTIONS
@@ -109,8 +110,6 @@ def export(
     the same trace with its map in one file, `rerun` a recording for the Rerun viewer. Scenes that cannot be written
     are reported on standard error, and the exit code is then 1.
     """
-    from oodscen.study._files import refuse_inside
-
     if (form := options["form"]) != "openscenario":
         refuse_idle(f"with --to {form}", "mode", "target", "ego", "logical")
     if form == "openlabel" or options["mode"] == "reactive":

@@ -12,6 +12,7 @@ from oodscen._cli.options import json_option, refuse_idle
 from oodscen._cli.output import say
 from oodscen._cli.paths import PathName
 from oodscen._numbers import MOST
+from oodscen._study_files import AUDIT
 
 _COUNT = click.IntRange(1, MOST)
 
@@ -101,7 +102,6 @@ def audit(out: Path, as_json: bool) -> None:
     pictures is the floor that a model has to beat in noticing.
     """
     from oodscen.data._base import canonical_json
-    from oodscen.judging._shortcuts.audit import FILE
     from oodscen.judging._shortcuts.audit import audit as audited
     from oodscen.report._render import write_report
     from oodscen.study._frames import frames_of
@@ -115,7 +115,7 @@ def audit(out: Path, as_json: bool) -> None:
         for episode in episodes:
             frames_of(study.store, episode.frames, episode.file_sha256, study.config.camera)
         found = audited(episodes, scenes, study.scenarios, study.folder, seed=study.config.seed)
-        study.store.write(FILE, canonical_json(found.model_dump(mode="json")) + "\n")
+        study.store.write(AUDIT, canonical_json(found.model_dump(mode="json")) + "\n")
     write_report(study)
     if as_json:
         say(found.model_dump_json(indent=2))

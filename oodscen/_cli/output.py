@@ -11,6 +11,7 @@ from typing import TypeVar
 import click
 
 from oodscen._files import is_written_through, read_utf8, write_named, writing
+from oodscen._study_files import refuse_own
 from oodscen._text import plain
 from oodscen.data._base import Data
 from oodscen.errors import DataError, Issue
@@ -69,8 +70,6 @@ def write_bytes(out: Path, data: bytes) -> None:
         FolderTaken: When the file belongs to a study.
         OodscenError: When the file cannot be written.
     """
-    from oodscen.study._files import refuse_own
-
     with writing(out):
         if not is_written_through(out):
             refuse_own(out)

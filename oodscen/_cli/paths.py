@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from oodscen._files import is_written_through
+from oodscen._study_files import refuse_own
 from oodscen.errors import UsageError
 
 
@@ -70,8 +71,6 @@ class FileCommand(click.Command):
                 if _is_same(path, its):
                     raise UsageError(f"{name} would replace a file that {other} reads: {its}")
         if outputs:
-            from oodscen.study._files import refuse_own
-
             for _, path in outputs:
                 refuse_own(path)
         return super().invoke(ctx)

@@ -78,7 +78,7 @@ _MOST_WAITING = 1_000
 
 
 class _Log:
-    """Prints lines in a thread of its own: where nobody reads them, they are dropped, and no request waits."""
+    """Prints lines in a thread of its own: lines that are not read are dropped, and no request waits."""
 
     def __init__(self) -> None:
         self._waiting: queue.Queue[str] = queue.Queue(_MOST_WAITING)
@@ -99,7 +99,10 @@ class _Log:
             with suppress(OSError):  # The reader has gone.
                 say(line, err=True)
                 if dropped:
-                    say(f"{dropped:,} further lines were dropped: nobody read them", err=True)
+                    say(
+                        f"{dropped:,} further lines were dropped, since the output was not read",
+                        err=True,
+                    )
 
 
 def _study(source: Path | None) -> "Study | None":

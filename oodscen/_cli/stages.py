@@ -32,6 +32,7 @@ from oodscen._cli.progress import bars, tracked
 from oodscen._cli.summaries import rounds_in_words
 from oodscen._members import close
 from oodscen._registry import DEFAULT_ENCODER
+from oodscen._study_files import refuse_inside
 from oodscen.data._base import canonical_json
 from oodscen.data._episode import REACTIONS_S
 from oodscen.errors import LLMError, OodscenError, UsageError
@@ -336,7 +337,6 @@ def simulate(
     from oodscen import Scene, make_simulator
     from oodscen._pipeline.simulation import EPISODES, Simulation
     from oodscen._pipeline.sweep import Job, Outputs
-    from oodscen.study._files import refuse_inside
     from oodscen.study._store import Store
 
     refuse_inside(out)

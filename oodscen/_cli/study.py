@@ -39,6 +39,7 @@ from oodscen._cli.progress import bars
 from oodscen._cli.summaries import estimated, exit_code, graded, left_out, summary
 from oodscen._files import is_written_through
 from oodscen._registry import DEFAULT_ENCODER, is_builtin
+from oodscen._study_files import QUIZ, refuse_own
 from oodscen.errors import UsageError
 
 
@@ -297,7 +298,6 @@ def quiz(out: Path, file: Path | None, scenes: int, rear_view: bool | None) -> N
     from oodscen._pipeline import RunOptions
     from oodscen._pipeline.answering import rear_views
     from oodscen.report._quiz import drawn, write_quiz
-    from oodscen.study._files import QUIZ, refuse_own
     from oodscen.study._study import Study
 
     if file is not None and not is_written_through(file):

@@ -10,6 +10,7 @@ from oodscen._cli.numbers import FiniteRange
 from oodscen._cli.options import json_option, out_option, refuse_idle
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import FileCommand, PathName
+from oodscen._study_files import TREES
 from oodscen.errors import DataError, Issue, UsageError
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -19,11 +20,10 @@ if TYPE_CHECKING:
     from oodscen.study._study import Study
     from oodscen.tree._coverage import Coverage
 
-_TREES = ("initial", "diverse", "simulatable")
 _PLACE = PathName(exists=True, path_type=Path)
 _which_option = click.option(
     "--which",
-    type=click.Choice(_TREES),
+    type=click.Choice(TREES),
     default="diverse",
     show_default=True,
     help="Tree to read if a study's folder is given.",
@@ -132,7 +132,7 @@ def merge(
 @click.argument("folder", type=PathName(exists=True, file_okay=False, path_type=Path))
 @click.option(
     "--which",
-    type=click.Choice(_TREES),
+    type=click.Choice(TREES),
     default="simulatable",
     show_default=True,
     help="Tree to count.",

@@ -6,9 +6,10 @@ from pathlib import Path
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.scenes import REAR, simulate_behind
+from oodscen._study_files import PEOPLE
 from oodscen.data._episode import Episode
 from oodscen.errors import DataError, Issue, UsageError
-from oodscen.judging._people import PEOPLE, PersonAnswers, QuizAnswers, as_name
+from oodscen.judging._people import PersonAnswers, QuizAnswers, as_name
 from oodscen.study._asked import asked_drives
 from oodscen.study._study import Study
 

@@ -17,6 +17,7 @@ from oodscen._pipeline.steps.scenes import augment, simulate
 from oodscen._pipeline.steps.texts import describe, describe_sets
 from oodscen._pipeline.steps.trees import grow, prune, redteam
 from oodscen._redaction import redact
+from oodscen._study_files import ASSETS, MOTIONS
 from oodscen._version import __version__
 from oodscen.data._base import canonical_json
 from oodscen.data._pairing import kind_of
@@ -25,8 +26,6 @@ from oodscen.data._scene import Scene
 from oodscen.errors import OodscenError, RunStopped, StudyError, StudyMismatch
 from oodscen.llm._accounting import accounts
 from oodscen.report._render import write_report
-from oodscen.stages._making.files import ASSETS
-from oodscen.stages._making.motions import MOTIONS
 from oodscen.study._config import JUDGING, Status, StudyConfig
 from oodscen.study._record import record
 from oodscen.study._stale_verdicts import OPINIONS

@@ -6,6 +6,7 @@ They are the only functions that call upwards, and import what they need when th
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
+from oodscen._study_files import refuse_own
 from oodscen.data._claim import Claim
 from oodscen.errors import Issue
 
@@ -205,7 +206,6 @@ class SceneUses:
 
         from oodscen._arguments import instance_of
         from oodscen.stages._video import record
-        from oodscen.study._files import refuse_own
 
         instance_of("path", path, str, Path)
         refuse_own(Path(path))

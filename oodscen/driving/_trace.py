@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from oodscen._display import Brief
 from oodscen._files import writing
+from oodscen._study_files import refuse_own
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._prop import FLAT_M
@@ -218,8 +219,6 @@ class Trace(Brief):
             FolderTaken: If the file would belong to a study.
             OodscenError: If the file cannot be written.
         """
-        from oodscen.study._files import refuse_own
-
         target = table.checked_path(path)
         rows = self.to_arrow()
         with writing(target):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, StringConstraints
 
+from oodscen._study_files import PEOPLE
 from oodscen._wording import is_unseen
 from oodscen.data._base import Data, digest
 from oodscen.data._episode import ACTIONS, Episode
@@ -16,9 +17,6 @@ from oodscen.judging._references import Answers, Case, CaseAnswerer
 
 if TYPE_CHECKING:
     from oodscen.study._store import Store
-
-PEOPLE = "people.jsonl"
-"""File with one line of answers per person."""
 
 
 def as_name(text: str) -> str:

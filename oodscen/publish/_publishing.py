@@ -10,6 +10,7 @@ from typing import Literal, get_args
 from oodscen._arguments import checked, refuse_key
 from oodscen._files import check_name, file_sha256, writing
 from oodscen._numbers import finite_number
+from oodscen._study_files import refuse_inside
 from oodscen.errors import DataError, Issue, StudyError, UsageError
 from oodscen.publish._card import card
 from oodscen.publish._drivelm import write_drivelm
@@ -20,7 +21,6 @@ from oodscen.publish._replacing import CARD, SUMS, names, replacing
 from oodscen.publish._splits import SPLITS, VALIDATION, splits
 from oodscen.publish._vlmevalkit import write_tsv
 from oodscen.study._asked import asked_drives
-from oodscen.study._files import refuse_inside
 from oodscen.study._study import Study
 
 Form = Literal["vlmevalkit", "lmms-eval", "drivelm"]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from oodscen._study_files import refuse_inside
 from oodscen._text import plain
 from oodscen.errors import OodscenError, UsageError
 from oodscen.pytest_plugin._baseline import Baseline, Change, KnownTest, Outcome
@@ -125,8 +126,6 @@ class DrivingSession:
         Raises:
             FolderTaken: If it is a study, or lies below one of its own files or folders.
         """
-        from oodscen.study._files import refuse_inside
-
         folder = path_setting(self._config, "oodscen_pictures")
         junit = self._config.getoption("xmlpath", None)
         if folder is None and junit:

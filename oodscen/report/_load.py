@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from oodscen._files import read_bytes
 from oodscen._json import object_lines, parse_object
+from oodscen._study_files import ASSETS, AUDIT, MOTIONS, TABLES, TREES
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode
@@ -16,16 +17,13 @@ from oodscen.data._scene import Scene
 from oodscen.data._verdict import Verdict
 from oodscen.errors import DataError, OodscenError
 from oodscen.judging._drive_board import current_results
-from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.metrics._measurements import Measurements
-from oodscen.stages._making.files import ASSETS
 from oodscen.stages._making.making import MadeProp
-from oodscen.stages._making.motions import MOTIONS, MadeMotion
+from oodscen.stages._making.motions import MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._config import StudyConfig
-from oodscen.study._files import TABLES, TREES
 from oodscen.study._stale import changed_texts, in_words, stale_scenes
 from oodscen.study._stale_verdicts import Tables, stale_in_words
 from oodscen.study._store import Store

@@ -7,6 +7,7 @@ from typing import Any
 
 from oodscen._files import is_written_through, read_bytes, replace, write_named
 from oodscen._seeding import stream
+from oodscen._study_files import QUIZ, refuse_own
 from oodscen.data._base import canonical_json
 from oodscen.data._episode import in_order
 from oodscen.data._pairing import scene_of
@@ -21,7 +22,6 @@ from oodscen.judging._questions import (
 )
 from oodscen.report._render import environment
 from oodscen.study._asked import AskedDrive, asked_drives
-from oodscen.study._files import QUIZ, refuse_own
 from oodscen.study._study import Study
 
 SCENES = 20

@@ -11,6 +11,7 @@ from oodscen._arguments import checked, state_of
 from oodscen._display import png
 from oodscen._files import writing
 from oodscen._numbers import said
+from oodscen._study_files import refuse_own
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
@@ -164,8 +165,6 @@ class FrameAnnotations(Data):
             FolderTaken: When the folder belongs to a study, such as its `frames`.
             OodscenError: When a file cannot be written.
         """
-        from oodscen.study._files import refuse_own
-
         if name in ("", ".", "..") or Path(name).name != name:
             raise UsageError(f"name must be one of a file, not {said(name, 80)}")
         if np.shape(classes) != frame.ids.shape:

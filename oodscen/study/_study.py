@@ -9,6 +9,7 @@ from urllib.parse import quote
 from oodscen._arguments import checked, instance_of
 from oodscen._display import Brief, escaped, html_table
 from oodscen._files import unreadable
+from oodscen._study_files import AUDIT, FOLDERS, TABLES, TEXT_SETS, TREES, is_own
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode
@@ -34,7 +35,6 @@ from oodscen.judging._leaderboard.requirements import (
     parse_requirement,
     requirements,
 )
-from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.metrics._rarity.exposure import TreeRarity
 from oodscen.stages._prune.decisions import PruneDecision
@@ -42,16 +42,7 @@ from oodscen.stages._prune.restoration import Restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._config import StudyConfig
-from oodscen.study._files import (
-    FOLDERS,
-    LINES,
-    TABLES,
-    TEXT_SETS,
-    TREES,
-    VALUES,
-    FailedLine,
-    is_own,
-)
+from oodscen.study._files import LINES, VALUES, FailedLine
 from oodscen.study._record import Info
 from oodscen.study._rounds import rounds_on
 from oodscen.study._stale_verdicts import refuse_stale_verdicts

@@ -6,9 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen._cli import main
-from oodscen._cli.tree import _TREES
 from oodscen.data._scenario import Scenario
-from oodscen.study._files import TREES
 from oodscen.study._store import Store
 from oodscen.tree._export import to_mermaid
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
@@ -37,10 +35,6 @@ def place(tmp_path):
     store.write("study.json", json.dumps({"config": {}}))
     store.write_lines("scenarios.jsonl", [Scenario(id="fog-001", text="Fog.", leaf="fog")])
     return tmp_path
-
-
-def test_the_names_of_a_studys_trees_are_those_of_the_study():
-    assert _TREES == TREES
 
 
 def test_show_prints_a_tree_or_the_provenance_of_a_node(place):

@@ -9,8 +9,8 @@ import pytest
 
 from oodscen import Study
 from oodscen._pipeline.answering import add_answers
+from oodscen._study_files import PEOPLE
 from oodscen.errors import DataError, FolderTaken
-from oodscen.judging._people import PEOPLE
 from oodscen.report._quiz import write_quiz
 from tests.report.conftest import build_study
 

@@ -9,10 +9,10 @@ import pytest
 from lxml import html
 
 from oodscen import Study
+from oodscen._study_files import TABLES
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._verdict import verdict_id
 from oodscen.errors import StudyError
-from oodscen.study._files import TABLES
 from tests.pipeline.quick import as_made
 
 HOSTILE = (

@@ -1,10 +1,10 @@
 """The stage that compares other simulators with the study's own."""
 
 from oodscen._pipeline.context import Context
+from oodscen._study_files import CATALOGUES
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.stages._prune.side_by_side import compare
-from oodscen.study._files import CATALOGUES
 from oodscen.tree._scenario_tree import ScenarioTree
 
 

@@ -12,6 +12,7 @@ from oodscen._pipeline.models import is_asked
 from oodscen._pipeline.steps.aspects import judge_aspects
 from oodscen._pipeline.steps.questioner import Item, Questioner
 from oodscen._pipeline.steps.scenes import simulate_behind, simulate_whole
+from oodscen._study_files import AUDIT
 from oodscen.data._base import canonical_json
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import demand_id, twin_id
@@ -35,7 +36,6 @@ from oodscen.judging._references import (
     is_reference,
     takes_cases,
 )
-from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.llm._remote.rate_limit import JUDGING

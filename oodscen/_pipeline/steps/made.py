@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 from oodscen._pipeline.context import Context
+from oodscen._study_files import ASSETS, MOTIONS
 from oodscen.data._motion import Motion
 from oodscen.data._prop import Prop
-from oodscen.stages._making.files import ASSETS
 from oodscen.stages._making.making import MadeProp
-from oodscen.stages._making.motions import MOTIONS, made_motions
+from oodscen.stages._making.motions import made_motions
 
 
 class MadeToOrder(NamedTuple):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from oodscen._display import Brief
 from oodscen._files import check_name, replace, writing
+from oodscen._study_files import refuse_own
 from oodscen.errors import UsageError
 from oodscen.interchange._writing.roads import RoadFile
 
@@ -31,8 +32,6 @@ class ScenarioFile(Brief):
             FolderTaken: If a file would belong to a study.
             OodscenError: If a file cannot be written.
         """
-        from oodscen.study._files import refuse_own
-
         check_name(folder)
         if Path(self.name).name != self.name:
             raise UsageError(

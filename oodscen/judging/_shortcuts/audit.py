@@ -20,9 +20,6 @@ from oodscen.statistics._auroc import auroc_of_items
 from oodscen.statistics._intervals import Floats, percentiles
 from oodscen.statistics._resampling import Resampler
 
-FILE = "audit.json"
-"""Name of the audit in the study's folder."""
-
 Needs = Literal["ground truth", "exact places", "pictures", "settings", "outcomes"]
 _FLOOR: tuple[Needs, ...] = ("ground truth", "pictures")
 """Needs of the shortcuts that can be the floor: bodies and pictures.

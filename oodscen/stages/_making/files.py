@@ -7,13 +7,10 @@ from typing import Any
 
 from oodscen._files import read_utf8
 from oodscen._json import object_lines
+from oodscen._study_files import ASSETS, PICTURES
 from oodscen.data._prop import Prop
 from oodscen.errors import DataError, Issue
 
-ASSETS = "assets.jsonl"
-"""File of a study with one line per thing that was made."""
-PICTURES = "assets"
-"""Folder of a study with one picture per thing that was made."""
 _SCENES = "scenes.jsonl"
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
+from oodscen._study_files import MOTIONS
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
@@ -16,8 +17,6 @@ from oodscen.stages._making.making import Made, is_id, is_makeable
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.tree._scenario_tree import ScenarioTree
 
-MOTIONS = "motions.jsonl"
-"""File of a study with one line per movement that was made."""
 _TRIAL_S = 3.0
 """Time for which a movement is tried in the simulator, s."""
 

@@ -3,8 +3,9 @@
 import pytest
 
 from oodscen._lock import NAME as LOCK
+from oodscen._study_files import FOLDERS, QUIZ, TABLES, is_own, refuse_inside, refuse_own
 from oodscen.errors import FolderTaken
-from oodscen.study._files import FOLDERS, QUIZ, refuse_inside, refuse_own
+from oodscen.study._files import LINES, VALUES
 
 
 @pytest.fixture
@@ -56,3 +57,7 @@ def test_files_of_one_s_own_may_lie_in_a_study_s_folder(study, tmp_path):
     for name in ("frames/catalogues.json", "mine/../frames/x"):
         with pytest.raises(FolderTaken):
             refuse_own(study / name)
+
+
+def test_every_file_with_a_type_of_its_own_is_known():
+    assert all(map(is_own, (*LINES, *VALUES, *TABLES.values())))
