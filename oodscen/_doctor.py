@@ -9,7 +9,7 @@ from typing import NamedTuple
 from zlib import compress, crc32
 
 from oodscen._files import temporary_folder
-from oodscen._members import close, is_interruption, reason, working
+from oodscen._members import close, is_interruption, reason
 from oodscen._progress import Progress
 from oodscen.errors import DataError, OodscenError, UsageError
 from oodscen.llm._call_log import Call, LoggedLLM
@@ -61,8 +61,7 @@ def examine_simulator(
     from oodscen._registry import make_simulator
     from oodscen.testing._check import examine_parts
 
-    with working("simulator", name):
-        close(make_simulator(name))
+    close(make_simulator(name))
     results = examine_parts(name, quick=is_quick, states_only=states_only, progress=progress)
     what = f"simulator {name}"
     found = [CheckResult(what, False, line) for result in results for line in result.lines()]

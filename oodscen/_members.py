@@ -15,8 +15,11 @@ from oodscen.errors import (
     EncoderError,
     LLMError,
     LLMTimeout,
+    MissingExtra,
     OodscenError,
+    SceneError,
     SimulatorCrash,
+    SimulatorError,
     UsageError,
 )
 
@@ -148,20 +151,25 @@ def working(kind: str, label: str) -> Iterator[None]:
     """Turn any exception that a component raises into the error type of its kind.
 
     Raises:
-        OodscenError: Passed through unchanged, except for a model's own malformed data. Any other exception
-            becomes an `LLMError`, `EncoderError` or `SimulatorCrash`, or a `UsageError` for other kinds, except
-            for what `of_the_caller` lets pass.
+        OodscenError: Passed through unchanged, except for a model's own malformed data, and for all but
+            `SceneError`, `SimulatorError` and `MissingExtra` of a simulator. Any other exception becomes an
+            `LLMError`, `EncoderError` or `SimulatorCrash`, or a `UsageError` for other kinds, except for what
+            `of_the_caller` lets pass.
     """
     try:
         yield
-    except OodscenError as error:
-        if kind == "llm" and isinstance(error, DataError):
-            raise _broken(kind, label, error) from error
-        raise
     except BaseException as error:
-        if is_interruption(error) or getattr(error, _FROM_CALLER, False):
+        if is_interruption(error) or getattr(error, _FROM_CALLER, False) or _is_told(kind, error):
             raise
         raise _broken(kind, label, error) from error
+
+
+def _is_told(kind: str, error: BaseException) -> bool:
+    """Return whether an error says as it is what a component of this kind could not do."""
+    if kind == "simulator":
+        return isinstance(error, SceneError | SimulatorError | MissingExtra)
+    is_malformed = kind == "llm" and isinstance(error, DataError)
+    return isinstance(error, OodscenError) and not is_malformed
 
 
 @contextmanager

@@ -23,9 +23,12 @@ from oodscen.errors import (
     EncoderError,
     Issue,
     LLMError,
+    MissingExtra,
     OodscenError,
+    SceneError,
     SimulatorCrash,
     SimulatorError,
+    SpawnError,
     UsageError,
 )
 from oodscen.llm._ask import ask
@@ -284,12 +287,17 @@ SIMULATOR_METHODS = ("reset", "step", "render", "observe", "catalogue")
 
 
 @pytest.mark.parametrize("method", SIMULATOR_METHODS)
-@pytest.mark.parametrize("fault", ["none", "error", "exit", "base"])
+@pytest.mark.parametrize("fault", ["none", "error", "usage", "exit", "base"])
 def test_a_simulator_that_fails_while_it_works(method, fault, tmp_path, module):
     def broken(self, *given):
         if fault == "none":
             return
-        raise {"error": KeyError("a"), "exit": SystemExit(0), "base": OutsideException()}[fault]
+        raise {
+            "error": KeyError("a"),
+            "usage": UsageError("a"),
+            "exit": SystemExit(0),
+            "base": OutsideException(),
+        }[fault]
 
     module.Simulator = type("Simulator", (FlatSimulator,), {method: broken, "name": "sim"})
     kind: type[OodscenError] = SimulatorCrash
@@ -314,6 +322,21 @@ def test_a_simulator_that_fails_when_it_closes_costs_no_work(error, module):
     (result,) = run_chunk(Job("faulty_plugins:Simulator"), [example_scene()])
     assert result.episode.status == "ok"
     assert make_catalogue("faulty_plugins:Simulator").simulator == "flat"
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        SceneError("s-001", [Issue("map", "has no lane")]),
+        SimulatorError("no frame"),
+        SpawnError("a", "cone", (0.0, 0.0, 0.0, 0.0), "no room"),
+        MissingExtra("the simulator", "flat", "numpy"),
+    ],
+)
+def test_what_a_simulator_says_itself_passes(error):
+    with pytest.raises(OodscenError) as caught, working("simulator", "sim"):
+        raise error
+    assert caught.value is error
 
 
 def test_an_interruption_is_no_fault_of_the_component():

@@ -155,12 +155,14 @@ def simulate(
     if horizon is not None:
         seconds = finite_number("horizon", horizon, 0.1, LONGEST_HORIZON_S)
         scene = scene.model_copy(update={"horizon_s": seconds})
-    with working("simulator", simulator.name), exclusive(simulator):
-        catalogue = as_catalogue(simulator.catalogue(), simulator.name)
+    with exclusive(simulator):
+        with working("simulator", simulator.name):
+            offered = simulator.catalogue()
+        catalogue = as_catalogue(offered, simulator.name)
         shown = camera_for(catalogue, camera) if render else None
-        return _Run(scene, watched(simulator), seed, shown, moments, trials).simulated(
-            actions, traces
-        )
+        run = _Run(scene, watched(simulator), seed, shown, moments, trials)
+        with working("simulator", simulator.name):
+            return run.simulated(actions, traces)
 
 
 class _Shown(NamedTuple):
