@@ -40,6 +40,8 @@ Any other sign belongs to the number and makes it another one.
 """
 _EARLIER = rf"(?:(?<![\w:.,-])[0-9][0-9.,'’]*|\b{_WORD}|[½¼¾])"
 _METRES = r" ?(?:[ckm]?m|(?:centi|kilo)?met(?:re|er)s?)\b"
+_ENDS = re.compile(rf"{_METRES}|\s|(?:[.,:'’](?![0-9])|[;!?)\]}}\"”–—-])|$", re.IGNORECASE)
+"""Matches text after a number that ends there: nothing, a blank, a sign of sentences, or metres."""
 _JOINT = r"-?,? (?:to|or|and|by|in|till|until|through|plus|x)(?: an?)? "
 _APART = r"\s*(?:[^\w\s.;!?()\[\]]|_|\.\.)\W*"
 """A sign that does not end a clause, between two numbers."""
@@ -87,6 +89,7 @@ def number_at(text: str, start: int, end: int, *, counts: bool = False) -> int |
     """
     lead = text[max(0, start - 40) : start]
     others = (_COUNT_GOES_ON, _BOUNDED_COUNT) if counts else (_GOES_ON, _BOUNDED)
-    if not _BEGINS.search(lead) or any(other.search(lead) for other in others):
+    is_apart = _BEGINS.search(lead) and _ENDS.match(text, end)
+    if not is_apart or any(other.search(lead) for other in others):
         return None
     return whole_number(text[start:end])

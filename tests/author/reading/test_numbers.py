@@ -116,3 +116,27 @@ def test_a_number_may_begin_after_words_and_signs_of_sentences(words, sign):
 def test_other_words_before_a_number_leave_it(lead):
     text = f"{lead} 60"
     assert number_at(text, len(text) - 2, len(text)) == 60
+
+
+@given(
+    st.characters(categories=["L", "M", "N", "S", "P"]).filter(
+        lambda sign: sign not in ".,:;!?)]}\"'”’–—-mM"
+    )
+)
+@example("O")
+@example("²")
+@example("%")
+def test_a_number_with_anything_but_a_sign_of_sentences_or_metres_behind_it_is_none(sign):
+    assert number_at(f"a box 60{sign} ahead", 6, 8) is None
+
+
+@pytest.mark.parametrize(
+    "after", ["", " ", ".", ", ", "; ", ") ", "m", " m", "-metre", "\u00a0m", "—"]
+)
+def test_a_number_ends_at_a_blank_a_sign_of_sentences_or_metres(after):
+    assert number_at(f"a box 60{after}", 6, 8) == 60
+
+
+@pytest.mark.parametrize("after", [".5 m", ",5 m", ":30", "mm²", "O m", "'5"])
+def test_half_of_a_number_is_none(after):
+    assert number_at(f"a box 60{after}", 6, 8) is None
