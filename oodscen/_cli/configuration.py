@@ -13,7 +13,7 @@ import click
 
 from oodscen._arguments import refuse_key
 from oodscen._cli.help import option_key, sections_of
-from oodscen._cli.output import write
+from oodscen._cli.output import say, write
 from oodscen._cli.paths import READABLE, FileCommand, OutputName
 from oodscen._files import is_written_through, read_utf8
 from oodscen._registry import DEFAULT_LLM
@@ -223,7 +223,7 @@ def init(
     write(out, commented(run, chosen))
     if not is_written_through(out):
         start = f"oodscen run OUT --config {shlex.quote(str(out))}"
-        click.echo(f"{out} is written; start with: {start}", err=True)
+        say(f"{out} is written; start with: {start}", err=True)
 
 
 def is_terminal() -> bool:

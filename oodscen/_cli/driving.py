@@ -93,7 +93,7 @@ def drive(
         say(json.dumps([row.model_dump(mode="json") for row in board.rows], indent=2))
     else:
         say("\n".join([*map(_line, board.rows), *board.remarks()]))
-        click.echo(f"report: {page.resolve()}")
+        say(f"report: {page.resolve()}")
     ran = {scene.id for scene in scenes}
     here = [row for row in rows if row.driver in names and scene_of(row.scene_id) in ran]
     failed = [row for row in here if row.status == "failed"]

@@ -110,7 +110,7 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     wanted, study = asked.configuration(before), before
     if asked.dry_run:
         rows = estimate(out, wanted, RunOptions(limits=limits))
-        click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
+        say(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
     asked_at = _asked_at(before) if asked.vlms else {}
     if asked.has_questions:
@@ -251,6 +251,6 @@ def _show_board(
         say("\n".join(filter(None, (standings(board), agreement_in_words(study.info)))))
         if grades is not None:
             say(graded(grades))
-        click.echo(f"report: {(study.folder / 'report.html').resolve()}")
+        say(f"report: {(study.folder / 'report.html').resolve()}")
     for line in left_out(study.verdicts):
         say(line, err=True)

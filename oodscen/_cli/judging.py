@@ -80,15 +80,15 @@ def power(
     }
     needed = scenes_needed(first, second, power=wanted, **design)
     if scenes is None:
-        click.echo(needed.model_dump_json(indent=2) if as_json else str(needed))
+        say(needed.model_dump_json(indent=2) if as_json else str(needed))
         return
     found = power_of(first, second, scenes, **design)
     if as_json:
-        click.echo(json.dumps({"scenes": scenes, "power": found}))
+        say(json.dumps({"scenes": scenes, "power": found}))
         return
     effect = f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
     (chance,) = told_apart(found)
-    click.echo(f"{scenes} scenes{effect} detect that difference with a power of {chance}")
+    say(f"{scenes} scenes{effect} detect that difference with a power of {chance}")
 
 
 @click.command()

@@ -129,11 +129,11 @@ def _show_picture(file: Path, graphics: str) -> None:
         import cv2
         import numpy as np
     except ImportError:
-        click.echo("no picture: pip install 'oodscen[pybullet]'", err=True)
+        say("no picture: pip install 'oodscen[pybullet]'", err=True)
         return
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
     if image is None:
-        click.echo(f"no picture: {file} cannot be read", err=True)
+        say(f"no picture: {file} cannot be read", err=True)
     elif graphics == "kitty":
         click.echo(kitty(cv2.imencode(".png", image)[1].tobytes(), columns), color=True)
     else:

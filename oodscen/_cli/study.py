@@ -33,7 +33,7 @@ from oodscen._cli.options import (
     simulator_option,
     style_option,
 )
-from oodscen._cli.output import say
+from oodscen._cli.output import say, write
 from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._cli.progress import bars
 from oodscen._cli.summaries import estimated, exit_code, graded, left_out, summary
@@ -225,7 +225,7 @@ def run(
         _tell_outlook(config.simulator)
     if dry_run:
         rows = estimate(out, config, RunOptions(workers=workers or 1, limits=limits))
-        click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
+        say(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
     ledger = Ledger()
     with bars(ledger) as progress:
@@ -241,12 +241,12 @@ def run(
         )
     info = study.info
     if as_json:
-        click.echo(json.dumps(info, indent=2))
+        say(json.dumps(info, indent=2))
     else:
         say(summary(info))
         for line in left_out(study.verdicts):
             say(line, err=True)
-        click.echo(f"report: {(study.folder / 'report.html').resolve()}")
+        say(f"report: {(study.folder / 'report.html').resolve()}")
     if info["status"] != "success":
         sys.exit(1)
 
@@ -269,7 +269,7 @@ def report(out: Path, required: str | None) -> None:
     from oodscen.study._study import Study
 
     study = Study.open(out)
-    click.echo(str(study.write_report(required, warn=partial(say, err=True)).resolve()))
+    write(None, str(study.write_report(required, warn=partial(say, err=True)).resolve()))
     if required is not None:
         grades = study.requirements(required)
         say(graded(grades))
@@ -309,4 +309,4 @@ def quiz(out: Path, file: Path | None, scenes: int, rear_view: bool | None) -> N
             options = RunOptions(workers=os.cpu_count() or 1, progress=progress)
             rears = rear_views(study, drives, options)
     target = write_quiz(study, file, scenes=scenes, rears=rears)
-    click.echo(str(target.resolve()))
+    write(None, str(target.resolve()))

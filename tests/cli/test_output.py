@@ -7,11 +7,12 @@ import stat
 import sys
 import threading
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
-from oodscen import TreeGrower, make_llm
+from oodscen import TreeGrower, _cli, make_llm
 from oodscen._cli import _interruptible, main
 from oodscen._cli.output import read_lines, write
 from oodscen.data._scenario import Scenario
@@ -253,3 +254,26 @@ def test_a_document_steers_no_terminal_and_is_kept_as_it_is_elsewhere(
     shown = capsys.readouterr().out
     assert ("\u202e" in shown) == (not is_terminal)
     assert json.loads(shown) == json.loads(text)
+
+
+STEERING = "\u202e\x07\u2066\x9b"
+
+
+@pytest.mark.parametrize("name", ["init", "grow", "show", "report", "tree show", "check-claims"])
+@pytest.mark.parametrize("place", ["argument", "option", "file"])
+def test_no_word_of_the_caller_s_steers_a_terminal(tmp_path, name, place):
+    file = tmp_path / f"a{STEERING}b.jsonl"
+    file.write_text(json.dumps({"id": STEERING, STEERING: 1}, ensure_ascii=False))
+    words = {"argument": [STEERING], "option": [f"--{STEERING}"], "file": [str(file)]}[place]
+    found = CliRunner().invoke(main, [*name.split(), *words])
+    assert found.exit_code
+    assert not set(STEERING) & set(found.output)
+
+
+def test_foreign_text_reaches_the_terminal_at_one_place():
+    found = {
+        path.stem
+        for path in Path(_cli.__file__).parent.glob("*.py")
+        if "click.echo(" in path.read_text(encoding="utf-8")
+    }
+    assert found == {"output", "show", "completion"}  # Pictures and a script of our own.
