@@ -45,10 +45,7 @@ MODULES = {
     "oodscen/statistics/_intervals.py": ("tests/statistics/test_intervals.py",),
     "oodscen/metrics/_oodness.py": ("tests/metrics/test_oodness.py",),
     "oodscen/judging/_parsing/reading.py": ("tests/judging/parsing",),
-    "oodscen/judging/_parsing/stating.py": (
-        "tests/judging/parsing/test_stating.py",
-        "tests/judging/parsing/test_choices.py",
-    ),
+    "oodscen/judging/_parsing/stating.py": ("tests/judging/parsing",),
     "oodscen/judging/_leaderboard/leaderboard.py": ("tests/judging/leaderboard",),
     "oodscen/judging/_leaderboard/standings.py": ("tests/judging/leaderboard",),
     "oodscen/judging/_leaderboard/rows.py": ("tests/judging/leaderboard",),
