@@ -127,6 +127,8 @@ def test_the_study_is_counted(story: Story) -> None:
     assert board.none_safe == sum(story.safe(one) == 0 for one in acted)
     ran = [one for one in story.whole if one.status == "ok"]
     assert (board.whole, board.whole_shown) == (len(ran), sum(bool(o.hazard_visible) for o in ran))
+    assert board.shortcut is not None
+    assert board.shortcut.model.startswith("shortcut")
     judges = Counter(one.judge for one in story.given if one.judge)
     assert judges[board.judge] == max(judges.values(), default=0)
     for tally in board.actions:
