@@ -32,7 +32,7 @@ def test_an_object_is_found_where_it_stands() -> None:
 
 def test_line_ends_in_a_string_need_no_mending() -> None:
     text = "x\n" * 20_000
-    assert scan('{"a": "%s"}' % text)[0][0].value == {"a": text}
+    assert scan(f'{{"a": "{text}"}}')[0][0].value == {"a": text}
 
 
 def test_what_an_object_wraps_comes_after_it() -> None:
