@@ -45,10 +45,7 @@ MODULES = {
     "oodscen/statistics/_intervals.py": ("tests/statistics/test_intervals.py",),
     "oodscen/metrics/_oodness.py": ("tests/metrics/test_oodness.py",),
     "oodscen/judging/_parsing/reading.py": ("tests/judging/parsing",),
-    "oodscen/judging/_parsing/stating.py": (
-        "tests/judging/parsing/test_stating.py",
-        "tests/judging/parsing/test_choices.py",
-    ),
+    "oodscen/judging/_parsing/stating.py": ("tests/judging/parsing",),
     "oodscen/judging/_leaderboard/leaderboard.py": ("tests/judging/leaderboard",),
     "oodscen/judging/_leaderboard/standings.py": ("tests/judging/leaderboard",),
     "oodscen/judging/_leaderboard/rows.py": ("tests/judging/leaderboard",),
@@ -72,6 +69,7 @@ _OBJECTS = "oodscen/llm/_json_objects.py"
 _READING = "oodscen/judging/_parsing/reading.py"
 
 EQUIVALENT: dict[tuple[str, str], str] = {
+    (_GEOMETRY, "step = min(max(0.25, self.length / (40_000.0 + 1)), self.length)"): _FINER,
     (_GEOMETRY, "turn = self._turn((middle - half * node))"): _SYMMETRIC,
     (
         _GEOMETRY,
@@ -302,6 +300,11 @@ class _Finder(ast.NodeVisitor):
             if keyword.arg is not None and len(node.keywords) > 1:
                 self.found.append((keyword, ""))
         self.generic_visit(node)
+
+    def visit_keyword(self, node: ast.keyword) -> None:
+        """Leave the lengths that `zip` compares alone: they never differ."""
+        if not (node.arg == "strict" and self.text(node.value) == "True"):
+            self.generic_visit(node)
 
 
 def _is_text(node: ast.AST) -> bool:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from oodscen_pybullet._meshes import asset_mesh
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._meshes.living.people import WARDROBE, figure
+from oodscen_pybullet._meshes.living.people import load_people
 from oodscen_pybullet._meshes.living.poses import load_poses
 from oodscen_pybullet._meshes.living.posing import hands
 from oodscen_pybullet._meshes.look import BEATS, Appearance, beating
@@ -53,7 +53,7 @@ def grip_of(pose: str) -> list[float]:
 def _figure_middle(pose: str) -> float:
     """Return x of the middle of an adult's pose, m."""
     mesh = MeshBuilder()
-    figure(mesh, WARDROBE[0], Appearance(details=Details(pose=pose)))
+    load_people()["adult"].add(mesh, Appearance(details=Details(pose=pose)))
     low, high = mesh.bounds
     return float(low[0] + high[0]) / 2
 

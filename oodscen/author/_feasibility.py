@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from oodscen.author._knowledge.base import Counterpart, HazardKind, Knowledge, RecipeActor
-from oodscen.author._reading.label_reading import Alternative, LabelReading, RequiredThing
+from oodscen.author._reading.readings import Alternative, LabelReading, RequiredThing
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._settings import Showable
 from oodscen.author._staging.anchors import has_landmarks, landmarks_needed

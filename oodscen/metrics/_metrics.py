@@ -25,7 +25,7 @@ from oodscen.baselines._embedded import (
 )
 from oodscen.baselines._loading import load_baseline
 from oodscen.baselines._ordinary import ordinary_driving
-from oodscen.baselines._texts import Record, check_texts, read_records
+from oodscen.baselines._texts import check_texts
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._all_minilm import all_minilm
 from oodscen.errors import DataError, Issue, UsageError
@@ -38,6 +38,7 @@ from oodscen.metrics._rarity.asking import ask_rarity
 from oodscen.metrics._rarity.estimates import Rarity, estimate_rarity
 from oodscen.metrics._rarity.exposure import Exposure, exposure
 from oodscen.metrics._report import BaselineBatch, MetricsReport, baseline_batch, report
+from oodscen.metrics._scored_file import score_file
 from oodscen.metrics._selection import Band, BandMeasure, Method, Selection, band, select
 from oodscen.metrics._table import Table, paper_table
 from oodscen.metrics._variety import Variety, variety
@@ -428,25 +429,9 @@ class Metrics(Brief):
             UsageError: If no text lies inside the band.
             EncoderError: If the encoder fails.
         """
-        rates = chosen_rates(anchors)
-        records = read_records(path)
-        kept = None
-        if band is not None:
-            texts = [record.text for record in records]
-            kept = self.band(texts, *band, definition=definition)
-            if not kept.texts:
-                known = [value for value in kept.scores if value is not None]
-                raise UsageError(
-                    f"none of the {len(texts)} texts has an OOD-ness in [{band[0]}, {band[1]}]; "
-                    f"theirs lie in [{min(known):.3f}, {max(known):.3f}]"
-                )
-            records = [records[index] for index in kept.indices]
-        texts = [record.text for record in records]
-        found = self.report(texts, _groups(records), definition=definition)
-        update: dict[str, object] = {"band": kept}
-        if llm is not None or rates is not None:
-            update["rarity"] = self.rarity(texts, llm, anchors=rates)
-        return found.model_copy(update=update)
+        return score_file(
+            self, path, band=band, definition=definition, llm=llm, anchors=chosen_rates(anchors)
+        )
 
     def compare(
         self,
@@ -505,8 +490,3 @@ def _paths(texts: Texts) -> tuple[str, ...] | None:
     """Return the path of each text, for clustering; `None` unless all are scenarios with a path."""
     paths = [" / ".join(item.path) for item in texts if isinstance(item, Scenario) and item.path]
     return tuple(paths) if len(paths) == len(texts) else None
-
-
-def _groups(records: Sequence[Record]) -> tuple[str, ...] | None:
-    labels = tuple(record.group for record in records if record.group is not None)
-    return labels if len(labels) == len(records) else None

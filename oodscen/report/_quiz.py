@@ -8,7 +8,7 @@ from typing import Any
 from oodscen._files import is_written_through, read_bytes, replace, write_named
 from oodscen._seeding import stream
 from oodscen._study_files import QUIZ, refuse_own
-from oodscen.data._base import canonical_json
+from oodscen.data._base import canonical_json, digest
 from oodscen.data._episode import in_order
 from oodscen.data._pairing import scene_of
 from oodscen.errors import DataError, Issue
@@ -71,7 +71,12 @@ def _payload(study: Study, scenes: int, rears: Mapping[str, str]) -> str:
     if not items:
         raise DataError("study", [Issue("", "no episode has frames")], source=str(study.folder))
     actions = [[option.id, option.description] for option in OPTIONS]
-    payload = {"study": study.folder.resolve().name, "actions": actions, "items": items}
+    payload = {
+        "study": study.folder.resolve().name,
+        "page": digest(items)[:16],
+        "actions": actions,
+        "items": items,
+    }
     return canonical_json(payload).replace("<", "\\u003c")
 
 

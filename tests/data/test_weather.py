@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen.author._reading import label_reading
+from oodscen.author._reading.weather_words import WEATHER_WORDS
 from oodscen.author._staging import weather as author_weather
 from oodscen.claims import _surroundings
 from oodscen.data._claim import VALUES
@@ -49,7 +49,7 @@ def test_the_author_stages_known_claims_only():
 
 
 def test_the_author_reads_every_kind_of_weather():
-    assert {*label_reading._WEATHER, "night"} == set(WEATHER_KINDS)
+    assert {*WEATHER_WORDS, "night"} == set(WEATHER_KINDS)
 
 
 def test_other_words_are_no_kind():

@@ -30,6 +30,11 @@ def test_an_object_is_found_where_it_stands() -> None:
     assert Found({}, 3) == Found({}, 3, is_complete=True, start=0, is_altered=False)
 
 
+def test_line_ends_in_a_string_need_no_mending() -> None:
+    text = "x\n" * 20_000
+    assert scan(f'{{"a": "{text}"}}')[0][0].value == {"a": text}
+
+
 def test_what_an_object_wraps_comes_after_it() -> None:
     wrapped = '{"answer": {"a": 2}}'
     assert find_objects(f"{ONE} {wrapped}") == [

@@ -13,6 +13,7 @@ import pytest
 from oodscen import Study
 from oodscen.report import _page as pages
 from oodscen.report._load import read
+from oodscen.report._quiz import write_quiz
 from oodscen.report._render import render
 from tests.pipeline.quick import as_made
 from tests.report.conftest import build_study
@@ -335,3 +336,50 @@ def test_the_embedded_document_is_what_the_page_shows(judged: Study) -> None:
     found = source.partition('id="data">')[2].partition("</script>")[0]
     assert "<" not in found
     assert len(json.loads(found)["scenes"]) == 9
+
+
+def answer_a_drive(page: Any) -> None:
+    page.locator("input[value=no]").check()
+    page.locator("input[name=level]").first.check()
+    for _ in range(2):
+        page.locator("#go").click()
+        page.locator("#choices input").first.check()
+    page.locator("#go").click()
+
+
+def test_everybody_begins_a_quiz_anew_and_goes_on_with_the_own_answers(
+    tab: Callable[..., Tab], judged: Study, tmp_path: Path
+) -> None:
+    one = tab()
+    page = one.open(write_quiz(judged, tmp_path / "quiz.html", scenes=2))
+    for name in ("Ada", "José 李"):
+        page.locator("#name").fill(name)
+        playwright.expect(page.locator("#go")).to_have_text("Start")
+        page.locator("#go").click()
+        answer_a_drive(page)
+        playwright.expect(page.locator("#where")).to_contain_text("Drive 2 of 4")
+        page.reload()
+        playwright.expect(page.locator("#name")).to_have_value(name)
+        playwright.expect(page.locator("#go")).to_have_text(f"Go on as {name}")
+        with page.expect_download() as saved:
+            page.locator("#save").click()
+        answers = json.loads(Path(saved.value.path()).read_text("utf-8"))
+        assert (answers["id"], len(answers["answers"])) == (name, 1)
+    page.goto(write_quiz(judged, tmp_path / "fewer.html", scenes=1).as_uri())
+    page.locator("#name").fill("Ada")
+    playwright.expect(page.locator("#go")).to_have_text("Start")
+    assert one.complaints == []
+
+
+@pytest.mark.parametrize("name", ["O'Brien", " Ada", "a/b", "-" * 41])
+def test_a_name_that_no_study_takes_is_told_so(
+    tab: Callable[..., Tab], judged: Study, tmp_path: Path, name: str
+) -> None:
+    page = tab().open(write_quiz(judged, tmp_path / "quiz.html", scenes=1))
+    page.locator("#name").fill("Zoë")
+    playwright.expect(page.locator("#unfit")).to_be_hidden()
+    playwright.expect(page.locator("#go")).to_be_enabled()
+    page.locator("#name").evaluate("(box, name) => { box.value = name }", name)
+    page.locator("#name").dispatch_event("input")
+    playwright.expect(page.locator("#unfit")).to_be_visible()
+    playwright.expect(page.locator("#go")).to_be_disabled()

@@ -158,7 +158,7 @@ def test_without_a_model_it_says_what_one_must_beat(study: Study) -> None:
     )
     models = section(page(study), "top")
     assert "No vision-language model was judged" in models
-    assert "One must beat: always choosing “stop”, whatever is seen," in models
+    assert "The bar to beat: always choosing “stop”, whatever is seen," in models
 
 
 def without_model(study: Study) -> None:

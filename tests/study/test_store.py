@@ -31,6 +31,15 @@ def test_lines_come_back_as_they_were_written(tmp_path_factory, rows):
     assert list(store.lines("a.jsonl")) == rows
 
 
+def test_an_empty_file_is_there_and_holds_nothing(tmp_path):
+    store = Store(tmp_path)
+    assert (store.has("a.jsonl"), store.holds("a.jsonl")) == (False, False)
+    store.write_lines("a.jsonl", [])
+    assert (store.has("a.jsonl"), store.holds("a.jsonl")) == (True, False)
+    store.append("a.jsonl", {"id": "x"})
+    assert store.holds("a.jsonl") is True
+
+
 @given(ROWS.filter(bool), st.data())
 def test_reading_changes_nothing_and_only_whole_lines_count(tmp_path_factory, rows, data):
     store = Store(tmp_path_factory.mktemp("store"))

@@ -7,7 +7,6 @@ import re
 from hypothesis import given
 
 from oodscen.tree._edit_log import MAX_DEPTH
-from oodscen.tree._export import to_dot, to_mermaid, to_nested_json
 from oodscen.tree._scenario_tree import ScenarioTree
 from tests.tree.woods import broad, chain, few, trees
 
@@ -21,7 +20,7 @@ def shape(tree):
 @given(trees)
 def test_a_mermaid_chart_holds_every_node_and_edge_and_no_markup(tree):
     labels, edges = {}, {}
-    for line in to_mermaid(tree).splitlines()[1:]:
+    for line in tree.to_mermaid().splitlines()[1:]:
         if found := re.fullmatch(r'  (n\d+)\["([^"<>`&\\]*)"\]', line):
             text = re.sub(r"#(\d+);", lambda code: chr(int(code[1])), found[2])
             labels[found[1]] = text
@@ -37,7 +36,7 @@ def test_a_mermaid_chart_holds_every_node_and_edge_and_no_markup(tree):
 def test_a_dot_graph_holds_every_node_and_edge(tree):
     text = r'"((?:[^"\\]|\\.)*)"'
     labels, edges = {}, {}
-    for line in to_dot(tree).splitlines()[3:-1]:
+    for line in tree.to_dot().splitlines()[3:-1]:
         if found := re.fullmatch(rf"  {text} \[label={text}(, penwidth=2)?\];", line):
             labels[found[1]] = html.unescape(re.sub(r"\\(.)", r"\1", found[2]))
         else:
@@ -50,7 +49,7 @@ def test_a_dot_graph_holds_every_node_and_edge(tree):
 @few
 @given(trees)
 def test_nested_json_is_the_tree(tree):
-    value = json.loads(to_nested_json(tree))
+    value = json.loads(tree.to_nested_json())
     found = []
     stack = [(value, None)] if value else []
     while stack:
@@ -62,11 +61,11 @@ def test_nested_json_is_the_tree(tree):
 
 def test_size_is_no_obstacle():
     for tree in (chain(MAX_DEPTH + 1), broad(10_000)):
-        for export in (to_mermaid, to_dot, to_nested_json):
-            assert len(export(tree)) < 200 * len(tree)
+        for export in (tree.to_mermaid, tree.to_dot, tree.to_nested_json):
+            assert len(export()) < 200 * len(tree)
 
 
 def test_an_empty_tree_is_an_empty_chart():
-    assert to_nested_json(ScenarioTree()) == "null"
-    assert to_mermaid(ScenarioTree()).startswith("flowchart LR\n")
-    assert to_dot(ScenarioTree()).endswith("}")
+    assert ScenarioTree().to_nested_json() == "null"
+    assert ScenarioTree().to_mermaid().startswith("flowchart LR\n")
+    assert ScenarioTree().to_dot().endswith("}")

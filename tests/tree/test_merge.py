@@ -305,6 +305,17 @@ def test_a_label_that_an_undoing_gave_back_is_told_as_such():
     )
 
 
+def test_an_undoing_gives_back_that_the_paper_names_it():
+    other = weather(("fog", "weather", "Fog")).apply(
+        TreeEdit(op="broaden", node="fog", label="Fog or smoke", attested="paper"),
+        TreeEdit(op="narrow", node="fog", label="Fog at night"),
+        TreeEdit(op="broaden", node="fog", label="Fog, smoke", attested="paper", undoes=5),
+    )
+    merged = merge(ScenarioTree.initial(), other)
+    assert merged.by_id["fog"] == other.by_id["fog"]
+    assert merged.by_id["fog"].attested == "paper"
+
+
 def test_a_former_leaf_is_kept_below_the_family_that_it_became():
     one, other = weather(SNOW), weather(SNOW, BLIZZARD)
     (kept,) = (

@@ -13,6 +13,11 @@ MAX_DEPTH = 24
 MAX_VALUES = 400_000
 """Maximum number of values in one message."""
 
+_REQUEST, _NOTIFICATION = 0, 2
+"""The kinds of messages that msgpack-rpc sends to a server."""
+_LONGEST_METHOD = 80
+"""Characters of the longest name of a method."""
+
 
 class ProtocolError(Exception):
     """The bytes are not a message that this server accepts; the connection ends."""
@@ -146,13 +151,19 @@ def _unpacked(message: bytes) -> list[Any]:
         value = msgpack.unpackb(message, raw=False, strict_map_key=False)
     except (ValueError, TypeError, RecursionError) as error:
         raise ProtocolError(f"not msgpack: {error}") from None
-    if isinstance(value, list) and len(value) >= 3 and type(value[0]) is int:
-        kind, *rest = value
-        is_request = kind == 0 and len(rest) == 3 and type(rest[0]) is int
-        if (is_request or (kind == 2 and len(rest) == 2)) and 0 <= (
-            rest[0] if is_request else 0
-        ) < 1 << 32:
-            method, arguments = rest[-2:]
-            if isinstance(method, str) and len(method) <= 80 and isinstance(arguments, list):
-                return value
-    raise ProtocolError("not a request of msgpack-rpc")
+    if not isinstance(value, list) or not _is_call(value):
+        raise ProtocolError("not a request of msgpack-rpc")
+    return value
+
+
+def _is_call(message: list[Any]) -> bool:
+    """Return whether a message is a request or a notification."""
+    if len(message) not in (3, 4) or type(message[0]) is not int:
+        return False
+    kind, *number, method, arguments = message
+    if kind != (_REQUEST if number else _NOTIFICATION):
+        return False
+    if number and not (type(number[0]) is int and 0 <= number[0] < 1 << 32):
+        return False
+    is_name = isinstance(method, str) and len(method) <= _LONGEST_METHOD
+    return is_name and isinstance(arguments, list)

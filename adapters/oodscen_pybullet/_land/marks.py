@@ -13,7 +13,7 @@ from oodscen_pybullet._land.ribbons import (
     strip_edges,
     whole_pieces,
 )
-from oodscen_pybullet._land.terrain import Theme
+from oodscen_pybullet._land.theme import Theme
 from oodscen_pybullet._types import Array, Mask
 
 _HALF_WIDTH_M, _HALF_WIDTH_OF_TWO_M = 0.075, 0.06

@@ -10,6 +10,8 @@ from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._types import Array, Mask
 
+Edges = tuple[Array | float, Array | float]
+"""Heights of the right and the left edge of a band above the road, m."""
 LAYER = 0.004
 """Height between stacked layers of the road, m."""
 PAINT = 0.008
@@ -33,27 +35,46 @@ class Ribbons:
         self,
         right: Array | float,
         left: Array | float,
-        surface: str,
+        colour: str,
         *,
-        heights: tuple[Array | float, Array | float] = (0.0, 0.0),
-        is_region: bool = False,
+        heights: Edges = (0.0, 0.0),
         where: Mask | None = None,
     ) -> None:
-        """Add a band between two lateral offsets.
+        """Add a band of one colour between two lateral offsets.
 
         Args:
             right: t of its right edge, m, along the course.
             left: t of its left edge.
-            surface: A colour, or a region of the atlas that repeats on every piece.
+            colour: A colour of the atlas.
             heights: Height of the right and the left edge above the road, m.
-            is_region: Whether `surface` is a region.
             where: [pieces] mask of the pieces to add; all by default.
         """
+        self._add_band(right, left, np.tile(swatch_uv(colour), (4, 1)), heights, where)
+
+    def tiled_band(
+        self,
+        right: Array | float,
+        left: Array | float,
+        region: str,
+        *,
+        heights: Edges = (0.0, 0.0),
+        where: Mask | None = None,
+    ) -> None:
+        """Add a band that repeats a region of the atlas on every piece; as `band` otherwise."""
+        self._add_band(right, left, region_uv(region), heights, where)
+
+    def _add_band(
+        self,
+        right: Array | float,
+        left: Array | float,
+        uv: Array,
+        heights: Edges,
+        where: Mask | None,
+    ) -> None:
         a, b = self.course.points(right, heights[0]), self.course.points(left, heights[1])
         quads = np.stack([a[:-1], a[1:], b[1:], b[:-1]], axis=1)
         if where is not None:
             quads = quads[where]
-        uv = region_uv(surface) if is_region else np.tile(swatch_uv(surface), (4, 1))
         self.quads(quads, np.broadcast_to(uv, (len(quads), 4, 2)))
 
     def quads(self, quads: Array, uv: Array) -> None:

@@ -6,7 +6,9 @@ import numpy as np
 
 from oodscen.driving._roads.corridor import DRIVABLE, LaneStrip
 from oodscen_pybullet._land.ground import Ground, Way
+from oodscen_pybullet._land.land import KERB_FOOT
 from oodscen_pybullet._land.marks import mark_lanes, paint_crossings
+from oodscen_pybullet._land.relief import KERB
 from oodscen_pybullet._land.ribbons import (
     LAYER,
     PAINT,
@@ -16,7 +18,7 @@ from oodscen_pybullet._land.ribbons import (
     strip_edges,
     whole_pieces,
 )
-from oodscen_pybullet._land.terrain import KERB, KERB_FOOT, Theme
+from oodscen_pybullet._land.theme import Theme
 from oodscen_pybullet._land.wear import add_wear
 from oodscen_pybullet._meshes.atlas import swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh
@@ -111,9 +113,7 @@ class _Roadbed:
             if strip.kind in DRIVABLE:
                 self._lay_drivable(strip, band, rng)
             elif strip.kind == "rail":
-                ribbons.band(
-                    right, left, "gravel", heights=self._heights, is_region=True, where=band.where
-                )
+                ribbons.tiled_band(right, left, "gravel", heights=self._heights, where=band.where)
             elif strip.kind == "sidewalk":
                 _raise_tunnel_walk(ribbons, band._replace(where=band.where & self._dark))
                 on_bridge = band.where & self._spanned & ~self._dark
@@ -137,9 +137,9 @@ class _Roadbed:
         surface = "gravel" if strip.kind == "shoulder" and self._theme == "rural" else "asphalt"
         if surface == "asphalt" and not way.is_connecting:
             worn = open_ & (rng.uniform(size=len(open_)) < _WORN_SHARE)
-            ribbons.band(right, left, "asphalt_worn", heights=heights, is_region=True, where=worn)
+            ribbons.tiled_band(right, left, "asphalt_worn", heights=heights, where=worn)
             open_ = open_ & ~worn
-        ribbons.band(right, left, surface, heights=heights, is_region=True, where=open_)
+        ribbons.tiled_band(right, left, surface, heights=heights, where=open_)
 
     def _lay_verge(self, band: _Band) -> list[_Band]:
         """Lay a median, or what lies beside the road on a bridge; return the median if it is raised."""
@@ -230,7 +230,7 @@ def _raise_tunnel_walk(ribbons: Ribbons, band: _Band) -> None:
 def _raise_pavement(ribbons: Ribbons, band: _Band) -> None:
     """Add a pavement with kerbs."""
     right, left, where = band
-    ribbons.band(right, left, "paving", heights=(KERB, KERB), is_region=True, where=where)
+    ribbons.tiled_band(right, left, "paving", heights=(KERB, KERB), where=where)
     _add_kerbs(ribbons, band, "kerb", "kerb_side")
 
 

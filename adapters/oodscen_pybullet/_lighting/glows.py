@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,9 @@ _RADIUS_M, _LEAST_PX = 0.055, 0.7
 """Radius of a lamp of power 1, m, and its least radius in the picture, pixels."""
 _CORE, _WIDEST_HALO = 1.5, 0.16
 """Radius of a lamp's core relative to the lamp's, and the largest of a halo relative to the picture's width."""
+_HALO_BY_DAY, _HALO_IN_DARK, _HALO_IN_FOG, _FOG_BY_DAY = 2.6, 2.5, 3.0, 0.3
+"""Radius of a halo relative to the lamp's by day; what darkness and what fog in the dark add to it; and the share of
+the latter by day."""
 _CORE_LIGHT, _HALO_LIGHT = 235.0, 95.0
 """Light at the centres of a core and a halo, 0 to 255."""
 _BEAM_GAIN = 1.4
@@ -36,8 +40,29 @@ _SIGNAL = 0.5
 """Share of a lamp's glow by day above which it is a signal."""
 _SUN_M, _SKY_M = 1_000.0, 399.0
 """Distance at which the sun's place in the picture is looked for, and depth at which it may be hidden, m."""
+_SCATTERED = 0.55
+"""Share of the veil around a hidden sun that is left, since the air scatters it."""
 _NO_RADIUS = np.float32(1e-6)
 """Added to a square of a radius, which may be 0."""
+
+
+class _Ring(NamedTuple):
+    """A part of the sun's glare, a round spot."""
+
+    radius: float
+    """As a share of the picture's width."""
+    light: float
+    """At the centre, 0 to 255."""
+    colour: Point
+    is_veil: bool
+    """True if some of it is left where the sun is hidden."""
+
+
+_GLARE = (
+    _Ring(0.6, 52.0, (1.0, 0.94, 0.80), is_veil=True),
+    _Ring(0.12, 150.0, (1.0, 0.90, 0.66), is_veil=False),
+    _Ring(0.04, 255.0, (1.0, 0.98, 0.9), is_veil=False),
+)
 
 
 def add_glows(
@@ -58,27 +83,20 @@ def add_glows(
         light: The light of the scene; by day halos are faint.
         extinction: Extinction coefficient of the air, 1/m: it dims lamps and widens their halos.
     """
-    dark = 1.0 - light.daylight
-    murk = min(1.0, extinction * _MURKY_M)
     for lamp in lamps:
         if lamp.is_street and light.daylight > _STREET_LAMPS_OFF:
             continue
-        spot = view.pixel(lamp.position)
-        if spot is None or spot[2] > _FARTHEST_M:
+        spot = _spot(view, lamp)
+        if spot is None:
             continue
-        column, row, ahead = spot
-        reach = view.width * _BESIDE
-        if not (-reach < column < view.width + reach and -reach < row < view.height + reach):
-            continue
-        seen = _facing(view, lamp) * _visible(depth, column, row, ahead)
+        seen = _facing(view, lamp) * _visible(depth, *spot)
         if seen <= 0.0:
             continue
-        through = exact.exp(-extinction * ahead)
-        strength = seen * through * (lamp.by_day + (1.0 - lamp.by_day) * dark)
-        strength *= math.sqrt(lamp.power)
-        radius = max(_LEAST_PX, view.focal * _RADIUS_M * math.sqrt(lamp.power) / ahead)
-        halo = radius * (2.6 + 2.5 * dark + 3.0 * murk * (0.3 + dark))
-        halo = min(halo, view.width * _WIDEST_HALO)
+        column, row, ahead = spot
+        size = math.sqrt(lamp.power)
+        strength = seen * exact.exp(-extinction * ahead) * _share_of_glow(lamp, light) * size
+        radius = max(_LEAST_PX, view.focal * _RADIUS_M * size / ahead)
+        halo = min(radius * _spread(light, extinction), view.width * _WIDEST_HALO)
         _add(image, column, row, radius * _CORE, _CORE_LIGHT * strength, _core(lamp))
         _add(image, column, row, halo, _HALO_LIGHT * strength, lamp.colour)
 
@@ -91,13 +109,32 @@ def add_glare(image: U8, view: CameraView, light: Light, depth: F32) -> None:
         return
     column, row, _ = spot
     disc = _visible(depth, column, row, _SKY_M)
-    veil = 0.55 + 0.45 * disc
-    for share, strength, colour in (
-        (0.6, 52.0 * veil, (1.0, 0.94, 0.80)),
-        (0.12, 150.0 * disc, (1.0, 0.90, 0.66)),
-        (0.04, 255.0 * disc, (1.0, 0.98, 0.9)),
-    ):
-        _add(image, column, row, view.width * share, strength, colour)
+    veil = _SCATTERED + (1.0 - _SCATTERED) * disc
+    for ring in _GLARE:
+        strength = ring.light * (veil if ring.is_veil else disc)
+        _add(image, column, row, view.width * ring.radius, strength, ring.colour)
+
+
+def _spot(view: CameraView, lamp: Lamp) -> Point | None:
+    """Return column, row and distance of a lamp whose halo may reach into the picture."""
+    spot = view.pixel(lamp.position)
+    if spot is None or spot[2] > _FARTHEST_M:
+        return None
+    column, row, _ = spot
+    reach = view.width * _BESIDE
+    is_near = -reach < column < view.width + reach and -reach < row < view.height + reach
+    return spot if is_near else None
+
+
+def _share_of_glow(lamp: Lamp, light: Light) -> float:
+    """Return the share of its glow in the dark that a lamp has at this daylight."""
+    return lamp.by_day + (1.0 - lamp.by_day) * (1.0 - light.daylight)
+
+
+def _spread(light: Light, extinction: float) -> float:
+    """Return the radius of a halo relative to the lamp's: wider in the dark, and in murky air."""
+    dark, murk = 1.0 - light.daylight, min(1.0, extinction * _MURKY_M)
+    return _HALO_BY_DAY + _HALO_IN_DARK * dark + _HALO_IN_FOG * murk * (_FOG_BY_DAY + dark)
 
 
 def _facing(view: CameraView, lamp: Lamp) -> float:

@@ -9,7 +9,8 @@ from oodscen_pybullet._meshes.atlas import LOOKS
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import assemble, load_designs
 from oodscen_pybullet._meshes.detailed import build_detailed
-from oodscen_pybullet._meshes.living import people, roles
+from oodscen_pybullet._meshes.living import people, wheelchair
+from oodscen_pybullet._meshes.living.people import load_people
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.made import is_made, learned, made_mesh
 from oodscen_pybullet._meshes.mesh import Lamp, Mesh, Puff
@@ -31,7 +32,7 @@ __all__ = [
     "paints_of",
 ]
 
-_MODULES = (ego, riders, wrecks, people, roles, props, cargo, flat, misc, signs, plants)
+_MODULES = (ego, riders, wrecks, people, wheelchair, props, cargo, flat, misc, signs, plants)
 _STILL: dict[str, Callable[[MeshBuilder], None]] = {
     maker.__name__: maker for module in _MODULES for maker in getattr(module, "STILL", ())
 }
@@ -60,7 +61,7 @@ SMOKING: frozenset[str] = frozenset({"burning_car", "smoke", "fire"})
 def asset_ids() -> tuple[str, ...]:
     """Return the ids of all meshes, including the ego's."""
     designed = (name for name in load_designs() if not name.startswith("_"))
-    return (*_STILL, *_VARIED, *designed)
+    return (*_STILL, *_VARIED, *load_people(), *designed)
 
 
 def paints_of(asset: str) -> tuple[str, ...]:
@@ -107,7 +108,9 @@ def _made(asset: str, shown: Appearance) -> MeshBuilder:
     if asset in load_designs():
         return assemble(asset, shown)
     mesh = MeshBuilder()
-    if asset in _STILL:
+    if asset in load_people():
+        load_people()[asset].add(mesh, shown)
+    elif asset in _STILL:
         _STILL[asset](mesh)
     else:
         _VARIED[asset](mesh, shown)

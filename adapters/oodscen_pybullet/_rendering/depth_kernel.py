@@ -3,6 +3,14 @@
 It records only the nearest triangle of every sample; `shading` gives the pixels their colours.
 All arithmetic is on scalars, so that the bits do not depend on the processor.
 
+A value that is linear over a triangle in space is, divided by the depth w, linear on the screen: the inverse of the
+matrix whose rows are the corners (right, up, ahead) turns the corners' values into that linear function, and their
+ones into 1/w itself. Only the outline of a triangle is clipped at the near plane; the function holds for all of it.
+
+Source: Olano and Greer, Triangle scan conversion using 2D homogeneous coordinates, 1997.
+
+The kernels stay whole where they are long: numba compiles smaller parts to slower code or to other bits.
+
 Kernels compile on their first call, which takes some seconds: `oodscen.numerics._kernels`.
 """
 
@@ -285,7 +293,11 @@ def _invert(outline: Outline, inverse: Array) -> float:
 
 @inlined
 def _linear(plane: Plane, a: float, b: float, c: float) -> tuple[float, float, float]:
-    """Return what the corners' values become over w: at the plane's point, per column, per row."""
+    """Return the values a, b and c of the three corners over w as a function of the screen.
+
+    Returns:
+        The function at the plane's point, its growth per column and its growth per row.
+    """
     inverse = plane.inverse
     p0 = a * inverse[0, 0] + b * inverse[1, 0] + c * inverse[2, 0]
     p1 = a * inverse[0, 1] + b * inverse[1, 1] + c * inverse[2, 1]

@@ -48,10 +48,16 @@ _FULL_DAY, _HALO_ENDS, _GRAINY = 0.99, 0.6, 0.5
 """Daylight from which beams are not seen, above which fog has no halo, and below which pictures have grain."""
 _LEAST_DARKNESS = 0.05
 """Least darkness of a shadow on level ground by which the sun's gain is computed."""
-_CLOUDY = 0.02
-"""Cover from which there are clouds."""
+_CLOUDY, _OVERCAST = 0.02, 0.75
+"""Cover from which there are clouds, and from which they leave no clear sky."""
+_CLOUD_REACH, _CLOUD_SOFTNESS = 0.9, 0.12
+"""Fall of the density at which clouds begin from a clear sky to a covered one, and from there to their soft edges."""
 _NO_CLOUDS = 9.0
-"""Edge of the clouds that none reaches."""
+"""Density at which clouds begin that none reaches."""
+_CLOUD_SHADE, _CLOUD_GLOOM = 0.86, 0.12
+"""Brightness of thin clouds, and its fall from a clear sky to a covered one."""
+_CLOUD_WHITE, _CLOUD_NIGHT = 243.0, 0.06
+"""Brightness of a white cloud by day, 0 to 255, and the share of it by night."""
 _LOW_M, _LOW_SLOPE = np.float32(0.16), np.float32(0.02)
 """Height up to which a surface counts as ground, m, and its growth per metre of distance."""
 _SURFACES_END_M = np.float32(400.0)
@@ -203,11 +209,18 @@ def _set_shadow(values: F32, picture: RawPicture, shade: Shade) -> None:
 
 
 def _set_clouds(values: F32, cover: float, daylight: float) -> None:
-    """Add how far clouds spread, how solid they are, and their brightness, by the cover of the sky, 0 to 1."""
-    values[d.CLOUD_EDGE] = 1.0 - 0.9 * cover - 0.12 if cover > _CLOUDY else _NO_CLOUDS
-    values[d.CLOUD_FLOOR] = max(0.0, (cover - 0.75) * 4.0)
-    values[d.CLOUD_SHADE] = 0.86 - 0.12 * cover
-    values[d.CLOUD_BRIGHT] = 243.0 * (0.06 + 0.94 * daylight)
+    """Add the density at which clouds begin, the share of the sky they hide everywhere, and their brightness.
+
+    Args:
+        values: The settings, changed in place.
+        cover: Share of the sky that clouds cover.
+        daylight: 0 at night to 1.
+    """
+    begins = 1.0 - _CLOUD_REACH * cover - _CLOUD_SOFTNESS
+    values[d.CLOUD_EDGE] = begins if cover > _CLOUDY else _NO_CLOUDS
+    values[d.CLOUD_FLOOR] = max(0.0, (cover - _OVERCAST) / (1.0 - _OVERCAST))
+    values[d.CLOUD_SHADE] = _CLOUD_SHADE - _CLOUD_GLOOM * cover
+    values[d.CLOUD_BRIGHT] = _CLOUD_WHITE * (_CLOUD_NIGHT + (1.0 - _CLOUD_NIGHT) * daylight)
 
 
 def _set_portal(values: F32, picture: RawPicture) -> None:

@@ -9,7 +9,8 @@ from oodscen.data._map_state import MapState
 from oodscen.driving._roads.corridor import Corridor
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.surfaces import lay_roads
-from oodscen_pybullet._land.terrain import Terrain, Theme, theme_of
+from oodscen_pybullet._land.terrain import Terrain
+from oodscen_pybullet._land.theme import Theme, theme_of
 from oodscen_pybullet._meshes.mesh import Lamp, Mesh
 from oodscen_pybullet._scenery.placing import Site
 from oodscen_pybullet._scenery.signals import stand_signals

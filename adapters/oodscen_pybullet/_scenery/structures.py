@@ -4,8 +4,9 @@ import numpy as np
 
 from oodscen.driving._roads.corridor import Structure
 from oodscen_pybullet._land.ground import Ground, RoadCourse
+from oodscen_pybullet._land.land import WIDE_M
+from oodscen_pybullet._land.relief import BANK_M, KERB, PORTAL_M, VALLEY_M
 from oodscen_pybullet._land.ribbons import Ribbons
-from oodscen_pybullet._land.terrain import BANK_M, KERB, PORTAL_M, VALLEY_M, WATER_M, WIDE_M
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.tags import Tag, tagged
@@ -13,6 +14,8 @@ from oodscen_pybullet._types import Array, Point
 
 CEILING_M = 5.4
 """Height of a tunnel's ceiling above the road, m."""
+_WATER_M = 5.5
+"""Depth of the water surface below a bridge, m."""
 _LAMP_GAP = 10.0
 _WALL = 0.35
 
@@ -165,7 +168,7 @@ def _bridge(ground: Ground, line: RoadCourse, right: Array, left: Array) -> list
             mesh.box((x, y, z - 1.3 - VALLEY_M / 2), (1.2, 1.2, VALLEY_M), "concrete", caps="")
     _arches(mesh, ground, line, right, left)
     water = Ribbons(line)
-    depth = -WATER_M - (line.z - line.z.min())
+    depth = -_WATER_M - (line.z - line.z.min())
     for side in (-1.0, 1.0):
         for a, b in ((0.0, 40.0), (40.0, 110.0), (110.0, WIDE_M + 30.0)):
             near, far = side * a, side * b

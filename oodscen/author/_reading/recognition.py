@@ -17,12 +17,8 @@ from oodscen.author._knowledge.base import (
     Knowledge,
     RoadKind,
 )
-from oodscen.author._reading.label_reading import (
-    Alternative,
-    LabelReader,
-    LabelReading,
-    RequiredThing,
-)
+from oodscen.author._reading.label_reading import LabelReader
+from oodscen.author._reading.readings import Alternative, LabelReading, RequiredThing
 from oodscen.author._reading.stemming import stems
 from oodscen.prompts._scenario.describe_path import plain
 

@@ -134,7 +134,7 @@ def _without_models(board: "Leaderboard") -> list[str]:
             action = floor.model.removeprefix("constant:").replace("_", " ")
             what = f"always choosing “{action}”, whatever is seen,"
         found.append(
-            f"One must beat: {what} is safe in {percent(floor.control.safe.value)}"
+            f"The bar to beat: {what} is safe in {percent(floor.control.safe.value)}"
             f"{spread(floor.control.safe)} of the {floor.control.safe.n} scenes in which it scores"
             + (
                 ""

@@ -192,6 +192,11 @@ def test_a_tight_spiral_is_the_integral_of_its_heading(start, end):
         assert (found.x, found.y) == pytest.approx((x, y), abs=1e-6)
 
 
+def test_a_curve_that_goes_nowhere_turns_with_its_parameter():
+    curve = ParamPoly3(0.0, 3.0, 4.0, 0.0, 5.0, (0.0,) * 4, (0.0, 0.0, 1e-12, 0.0), 2.0)
+    assert [curve._parameter(part * 5.0) for part in (0.0, 0.5, 1.0)] == [0.0, 1.0, 2.0]
+
+
 @pytest.mark.parametrize(
     "curve",
     [

@@ -84,6 +84,14 @@ def test_the_floor_is_the_best_reference_of_ours_that_does_not_know_the_truth(ro
     assert whole.standing("nobody") is None
 
 
+@pytest.mark.parametrize("kind", ["model", "reference"])
+@pytest.mark.parametrize("protocol", ["ours", "paper"])
+@pytest.mark.parametrize("model", ["blind", "oracle"])
+def test_only_the_blind_reference_of_our_protocol_is_a_blind_row(kind, protocol, model):
+    row = rows.LeaderboardRow(model=model, kind=kind, protocol=protocol)
+    assert row.is_blind is ((kind, protocol, model) == ("reference", "ours", "blind"))
+
+
 ROWS_OF_THE_BOARD = sorted(
     {kind for kind in vars(rows).values() if isinstance(kind, type) and issubclass(kind, Data)}
     - {Data, rows.Interval, rows.PairedTest}

@@ -21,6 +21,8 @@ from oodscen_pybullet._meshes.designs import fittings, openings, parts
 from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, held
 from oodscen_pybullet._meshes.look import Appearance
 
+_PLAIN, _UNMOVED = Appearance(), Placing()
+
 
 class BothSides(shapes.BothSidesOf):
     """Parts on the left side, and their mirror images on the right."""
@@ -65,7 +67,7 @@ class Component(parts.DrawnPart):
         """Add all parts of the other design."""
         if self.paint:
             shown = shown.painted(shown.colour(self.paint))
-        _add(load_designs()[self.asset].parts, mesh, shown, place)
+        add_design(mesh, self.asset, shown, place)
 
 
 def _kind(part: object) -> str | None:
@@ -91,6 +93,7 @@ _Placed = (
     | Annotated[fittings.Beacon, Tag("beacon")]
     | Annotated[fittings.RearPrint, Tag("rear_print")]
     | Annotated[fittings.FrontPrint, Tag("front_print")]
+    | Annotated[fittings.Octagon, Tag("octagon")]
     | Annotated[BothSides, Tag("both_sides")]
     | Annotated[Row, Tag("repeat")]
     | Annotated[Copies, Tag("at")]
@@ -171,6 +174,13 @@ def load_designs() -> dict[str, Design]:
 def assemble(asset: str, shown: Appearance) -> MeshBuilder:
     """Return a builder that holds an asset's design."""
     return load_designs()[asset].assemble(shown)
+
+
+def add_design(
+    mesh: MeshBuilder, name: str, shown: Appearance = _PLAIN, place: Placing = _UNMOVED
+) -> None:
+    """Add all parts of a design or component, moved or mirrored."""
+    _add(load_designs()[name].parts, mesh, shown, place)
 
 
 def _add(parts: tuple[Part, ...], mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:

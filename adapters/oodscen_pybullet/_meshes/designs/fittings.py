@@ -10,6 +10,7 @@ from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import DrawnPart, Placing, Region, add_picture
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
 from oodscen_pybullet._meshes.look import AMBER, BLUE, RED, WHITE, Appearance
+from oodscen_pybullet._meshes.objects.signs import face
 from oodscen_pybullet._meshes.shapes import upright
 
 _AMBER_LAMP = ("amber", "amber_lit", "amber_core")
@@ -292,6 +293,22 @@ class FrontPrint(DrawnPart):
         """Add the print."""
         corners = upright((self.x, -self.y), (self.x, self.y), *self.z)
         add_picture(mesh, corners, self.front_print, place)
+
+
+class Octagon(DrawnPart):
+    """The octagonal face of a sign, which looks along -x."""
+
+    octagon: Region
+    centre: Point
+    half: Length
+    """Half the height of the region's square."""
+    forward: bool = False
+    """True if it looks along x instead."""
+
+    def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
+        """Add the face."""
+        centre = place.point(self.centre)
+        face(mesh, centre, self.half, self.octagon, corners=8, is_forward=self.forward)
 
 
 class SidePrint(Fitting):

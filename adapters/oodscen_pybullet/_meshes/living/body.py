@@ -2,6 +2,9 @@
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
+
+from pydantic import ConfigDict
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
@@ -17,6 +20,8 @@ SHOULDER_M = 1.40
 @dataclass(frozen=True)
 class Clothes:
     """A person's clothes: colours by name."""
+
+    __pydantic_config__: ClassVar = ConfigDict(extra="forbid")
 
     top: str
     legs: str
@@ -158,22 +163,4 @@ def add_head(mesh: MeshBuilder, clothes: Clothes) -> None:
             (-0.13, -0.02, -0.09, 0.09, -0.2),
             (-0.12, 0.02, -0.095, 0.095, 0.06),
             clothes.hair,
-        )
-
-
-def add_vest(mesh: MeshBuilder, head: Point) -> None:
-    """Add a high-visibility vest with two reflective bands around the chest, below a given head."""
-    x, _, z = head
-    rings = (
-        ((x - 0.05, 0.0, z - 0.70), 0.13, 0.178),
-        ((x - 0.04, 0.0, z - 0.45), 0.128, 0.178),
-        ((x - 0.02, 0.0, z - 0.24), 0.142, 0.214),
-        ((x - 0.02, 0.0, z - 0.17), 0.10, 0.19),
-    )
-    mesh.column(rings, "fluor_yellow", caps="")
-    for low, high in ((-0.62, -0.56), (-0.42, -0.36)):
-        mesh.column(
-            [((x - 0.04, 0, z + low), 0.140, 0.192), ((x - 0.04, 0, z + high), 0.140, 0.194)],
-            "silver",
-            caps="",
         )

@@ -6,7 +6,7 @@ import math
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.fire import flames, smoke_column
 from oodscen_pybullet._meshes.living.body import Clothes
-from oodscen_pybullet._meshes.living.people import Posture, figure
+from oodscen_pybullet._meshes.living.figure import Posture, figure
 from oodscen_pybullet._meshes.look import Appearance
 
 

@@ -5,8 +5,8 @@ import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living.body import Clothes
+from oodscen_pybullet._meshes.living.figure import Posture, figure
 from oodscen_pybullet._meshes.living.limbs import joint, limb
-from oodscen_pybullet._meshes.living.people import Posture, figure
 from oodscen_pybullet._meshes.look import AMBER, RED, WHITE, Appearance, Lights
 from oodscen_pybullet._meshes.shapes import upright
 from oodscen_pybullet._types import Point

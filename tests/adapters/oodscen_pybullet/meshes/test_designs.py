@@ -7,6 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from oodscen_pybullet._meshes.designs import CONTEXT, Design, assemble, load_designs
+from oodscen_pybullet._meshes.living import wheelchair
+from oodscen_pybullet._meshes.living.people import load_people
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.mesh import Mesh
 from pydantic import ValidationError
@@ -121,6 +123,9 @@ def test_what_the_schema_does_not_know_is_refused_with_its_place(
 def test_components_exist_and_are_used() -> None:
     designs = load_designs()
     text = "".join(design.model_dump_json() for design in designs.values())
-    named = set(re.findall(r'"asset":"([^"]+)"', text))
+    named = {*re.findall(r'"asset":"([^"]+)"', text), wheelchair.SIDE, wheelchair.SEAT}
+    for person in load_people().values():
+        worn = (*person.worn, person.at_head, person.on_head, person.holds, person.pushes)
+        named |= {*worn} - {""}
     assert named <= set(designs)
     assert {name for name in designs if name.startswith("_")} <= named

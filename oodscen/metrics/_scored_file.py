@@ -1,0 +1,62 @@
+"""The metrics of a file of texts."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from oodscen.baselines._texts import Record, read_records
+from oodscen.errors import UsageError
+from oodscen.metrics._oodness import Definition
+from oodscen.metrics._rarity.anchors import PublishedRate
+from oodscen.metrics._report import MetricsReport
+from oodscen.metrics._selection import Band
+from oodscen.protocols import LLM
+
+if TYPE_CHECKING:
+    from oodscen.metrics._metrics import Metrics
+
+
+def score_file(
+    metrics: "Metrics",
+    path: str | Path,
+    *,
+    band: tuple[float, float] | None,
+    definition: Definition,
+    llm: LLM | None,
+    anchors: Sequence[PublishedRate] | None,
+) -> MetricsReport:
+    """Return rarity, OOD-ness and diversity of the texts in a file; see `Metrics.score_file`."""
+    records, kept = read_records(path), None
+    if band is not None:
+        kept = _inside(metrics, records, band, definition)
+        records = [records[index] for index in kept.indices]
+    texts = [record.text for record in records]
+    found = metrics.report(texts, _groups(records), definition=definition)
+    update: dict[str, object] = {"band": kept}
+    if llm is not None or anchors is not None:
+        update["rarity"] = metrics.rarity(texts, llm, anchors=anchors)
+    return found.model_copy(update=update)
+
+
+def _inside(
+    metrics: "Metrics",
+    records: Sequence[Record],
+    bounds: tuple[float, float],
+    definition: Definition,
+) -> Band:
+    """Return the texts inside a band, at least one."""
+    texts = [record.text for record in records]
+    kept = metrics.band(texts, *bounds, definition=definition)
+    if not kept.texts:
+        known = [value for value in kept.scores if value is not None]
+        raise UsageError(
+            f"none of the {len(texts)} texts has an OOD-ness in [{bounds[0]}, {bounds[1]}]; "
+            f"theirs lie in [{min(known):.3f}, {max(known):.3f}]"
+        )
+    return kept
+
+
+def _groups(records: Sequence[Record]) -> tuple[str, ...] | None:
+    """Return the group of each text; `None` unless all have one."""
+    labels = tuple(record.group for record in records if record.group is not None)
+    return labels if len(labels) == len(records) else None
