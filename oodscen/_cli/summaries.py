@@ -24,6 +24,10 @@ def summary(info: dict[str, Any]) -> str:
         f"{counts['scenarios']} scenarios, {counts['scenes']} scenes, {counts['episodes']} episodes, "
         f"{counts['verdicts']} verdicts",
     ]
+    if not counts["paths"]:
+        lines.append(
+            "no path can be shown, so there is no scene: pruned.jsonl tells what is missing"
+        )
     if below := counts.get("below_floor"):
         lines.append(
             f"{below} scenes are not judged: at the decision their hazard is too small, faint, dark or hidden to "
@@ -33,7 +37,7 @@ def summary(info: dict[str, Any]) -> str:
     if failures:
         listed = ", ".join(f"{number} in {name}" for name, number in failures.items())
         lines.append(
-            f"failed items (each line has its error): {listed}; the same command does those again that "
+            f"failed items (the report lists them): {listed}; the same command does those again that "
             "got no answer, --retry-failed all of them"
         )
     return "\n".join(lines)

@@ -137,7 +137,9 @@ def merge(
     show_default=True,
     help="Tree to count.",
 )
-@click.option("--exit-code", is_flag=True, help="Exit with 1 if a leaf, or a tag, has gaps.")
+@click.option(
+    "--exit-code", is_flag=True, help="Exit with 1 if a leaf, or a tag, has gaps, or there is none."
+)
 @click.option(
     "--odd",
     is_flag=True,
@@ -153,7 +155,7 @@ def coverage(folder: Path, which: str, exit_code: bool, odd: bool, as_json: bool
     found: Coverage | TagCoverage
     found = _tag_coverage(study, which) if odd else study_coverage(study, which)
     say(found.model_dump_json(indent=2) if as_json else str(found))
-    if exit_code and found.holes:
+    if exit_code and found.has_gaps:
         click.get_current_context().exit(1)
 
 

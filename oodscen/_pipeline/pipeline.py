@@ -12,9 +12,15 @@ from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.aspects import judged
 from oodscen._pipeline.steps.compare import compare_catalogues
 from oodscen._pipeline.steps.judge import evaluate, outcomes
-from oodscen._pipeline.steps.measure import measure
+from oodscen._pipeline.steps.measure import measure, unanswered
 from oodscen._pipeline.steps.scenes import augment, simulate
-from oodscen._pipeline.steps.texts import describe, describe_sets
+from oodscen._pipeline.steps.texts import (
+    describe,
+    describe_sets,
+    has_twins,
+    text_files,
+    without_twin,
+)
 from oodscen._pipeline.steps.trees import grow, prune, redteam
 from oodscen._redaction import redact
 from oodscen._study_files import ASSETS, MOTIONS
@@ -197,14 +203,7 @@ class Pipeline:
         write_report(self.study)
 
     def _finish(self, counts: Mapping[str, Any], seconds: float) -> None:
-        failures = {
-            name: len(self.study.failures(name))
-            for name in ("redteam", "pruned", "scenarios", "scenes", "episodes", "verdicts")
-        }
-        for name, file in (("assets", ASSETS), ("motions", MOTIONS)):
-            if self.store.holds(file):
-                lines = self.store.lines(file)
-                failures[name] = sum(line.get("status") == "failed" for line in lines)
+        failures = self._failures()
         status: Status = "incomplete" if any(failures.values()) else "success"
         self._save(
             status,
@@ -214,6 +213,23 @@ class Pipeline:
             seconds=self._times({**self.context.seconds, "total": seconds}),
         )
         self._report()
+
+    def _failures(self) -> dict[str, int]:
+        """Return the number of failed items of every table, and of what was asked for beside their lines."""
+        found = {
+            name: len(self.study.failures(name))
+            for name in ("redteam", "pruned", "scenarios", "scenes", "episodes", "verdicts")
+        }
+        files = {"texts": text_files(self.config)[1:], "assets": [ASSETS], "motions": [MOTIONS]}
+        for name, named in files.items():
+            if any(map(self.store.holds, named)):
+                lines = [line for file in named for line in self.store.lines(file)]
+                found[name] = sum(line.get("status") == "failed" for line in lines)
+        if has_twins(self.config):
+            found["ordinary"] = len(without_twin(self.store, self.config))
+        if self.context.rarity_llm is not None:
+            found["rarity"] = unanswered(self.study)
+        return found
 
     def _times(self, now: Mapping[str, float]) -> dict[str, float]:
         """Return the seconds of all runs that this study has taken, by stage."""

@@ -120,6 +120,11 @@ class TagCoverage(Data):
         """Tags that no scene has."""
         return tuple(row for row in self.rows if not row.scenes)
 
+    @property
+    def has_gaps(self) -> bool:
+        """Return whether a tag is on no scene."""
+        return bool(self.holes)
+
     def __str__(self) -> str:
         lines = [f"{self.scenes} scenes"]
         for area in KNOWN_TAGS:

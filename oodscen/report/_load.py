@@ -120,7 +120,27 @@ def read(study: Study) -> Material:
         found.restagings = list(_lines(store, "restaged.jsonl", found))
     found.calls = list(_lines(store, TABLES["calls"], found))
     found.texts = {size: _texts(store, size, found) for size in _sizes(found.config)}
+    _note_unanswered(found)
     return found
+
+
+def _note_unanswered(found: Material) -> None:
+    """Add the texts to which a model gave no ordinary twin, or no rarity, as failed items."""
+    counted = mapping(found.info.get("failures"))
+    if counted.get("ordinary"):
+        largest = max(found.texts, key=int, default="")
+        found.failures += [
+            FailedItem("ordinary", one.id, "no ordinary text was written that could be read")
+            for one in (*found.scenarios, *found.texts.get(largest, ()))
+            if one.ordinary is None
+        ]
+    asked = found.metrics.asked if found.metrics else None
+    if counted.get("rarity") and asked:
+        found.failures += [
+            FailedItem("rarity", one.id, "the model gave no rarity that could be read")
+            for one, told in zip(found.scenarios, asked.per_text, strict=False)
+            if "not answered" in told.flags
+        ]
 
 
 def _note_stale(study: Study, found: Material) -> None:
@@ -233,8 +253,14 @@ def _value(
 
 
 def _rows(store: Store, table: str, kind: type[Row], found: Material) -> list[Row]:
+    lines = _parse(_lines(store, TABLES[table], found), kind, TABLES[table], found)
+    return _sound(lines, table, found)
+
+
+def _sound(lines: Iterable[Row | dict[str, Any]], table: str, found: Material) -> list[Row]:
+    """Return the rows of a table; failed items are collected, whether rows or plain data."""
     rows = []
-    for line in _parse(_lines(store, TABLES[table], found), kind, TABLES[table], found):
+    for line in lines:
         if isinstance(line, Data):
             rows.append(line)
             status, error = getattr(line, "status", "ok"), getattr(line, "error", None)
@@ -271,8 +297,7 @@ def _optional(store: Store, name: str, kind: type[Row], found: Material) -> list
 
 def _texts(store: Store, size: str, found: Material) -> list[Scenario]:
     name = f"texts.diverse.{size}.jsonl"
-    lines = _parse(_lines(store, name, found), Scenario, name, found)
-    return [line for line in lines if isinstance(line, Scenario)]
+    return _sound(_parse(_lines(store, name, found), Scenario, name, found), "texts", found)
 
 
 def _parse(

@@ -167,12 +167,18 @@ class Describer(Brief):
 
     def _scenario(self, name: str, text: str, leaf: str, path: tuple[str, ...]) -> Scenario:
         scenario = Scenario(id=name, text=text, leaf=leaf, path=path, style=self.options.style)
-        if not self.options.twins:
-            return scenario
+        return self.twinned(scenario) if self.options.twins else scenario
+
+    def twinned(self, scenario: Scenario) -> Scenario:
+        """Return a scenario with its ordinary twin, or as it is if no answer can be read: it counts without.
+
+        Raises:
+            LLMError: When the model fails.
+        """
         try:
             return scenario.model_copy(update={"ordinary": self.ordinary(scenario)})
         except AnswerError:
-            return scenario  # The text counts without its twin.
+            return scenario
 
     def _draw(
         self, path: tuple[str, ...], count: int, avoid: Sequence[str], taken: Set[str] = frozenset()

@@ -69,6 +69,11 @@ class Coverage(Data):
         return tuple(row for row in self.rows if row.lacks)
 
     @property
+    def has_gaps(self) -> bool:
+        """Return whether a leaf lacks something, or there is no leaf at all."""
+        return bool(self.holes) or not self.of("leaf")
+
+    @property
     def exposed_holes(self) -> float | None:
         """Share of what a driver would meet that lies in leaves that lack something; `None` if not known."""
         known = [row.exposure for row in self.holes if row.exposure is not None]

@@ -70,6 +70,11 @@ def test_coverage_lists_holes_and_can_fail_a_build(place):
     assert call("coverage", place, "--exit-code").exit_code == 1
 
 
+def test_a_tree_without_leaves_covers_nothing(place):
+    (place / "tree.initial.json").write_text(ScenarioTree().to_json(), "utf-8")
+    assert call("coverage", place, "--which", "initial", "--exit-code").exit_code == 1
+
+
 def test_coverage_counts_the_tags_of_a_trees_scenes(place):
     here = SCENES[0].model_copy(update={"scenario_id": "fog-001"})
     elsewhere = SCENES[1].model_copy(update={"scenario_id": "other"})

@@ -7,6 +7,7 @@ from oodscen.data._base import digest
 from oodscen.data._scenario import Scenario
 from oodscen.metrics._measurements import Measurements, measurements
 from oodscen.metrics._metrics import Metrics
+from oodscen.study._study import Study
 
 
 def measure(
@@ -17,7 +18,8 @@ def measure(
     leaves = {leaf.id: leaf.label for leaf in run.study.tree("diverse").leaves}
     texts = {name: [[one.leaf, one.text] for one in chosen] for name, chosen in groups.items()}
     made_from = digest([texts, leaves, run.config.rarity_llm])
-    if not run.store.holds("metrics.json") or run.study.metrics.get("made_from") != made_from:
+    is_made = run.store.holds("metrics.json") and run.study.metrics.get("made_from") == made_from
+    if not is_made or (run.options.retry and unanswered(run.study)):
         run.progress("metrics", 0, 1)
         found = _metrics(run, groups, leaves).model_copy(update={"made_from": made_from})
         run.store.write("metrics.json", found.to_json() + "\n")
@@ -27,6 +29,12 @@ def measure(
     low, high = run.config.band
     values = run.study.metrics["sets"]["simulatable"]["oodness"]["per_text"]
     return [s for s, value in zip(scenarios, values, strict=True) if low <= value <= high]
+
+
+def unanswered(study: Study) -> int:
+    """Return the number of texts whose rarity a model was asked for without an answer that could be read."""
+    asked = study.metrics.get("asked") or {}
+    return sum("not answered" in text["flags"] for text in asked.get("per_text", ()))
 
 
 def _metrics(

@@ -1,6 +1,7 @@
 """The stages that write texts: for the simulatable tree, and the text sets of the diverse tree."""
 
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from oodscen._concurrency import as_finished
@@ -13,6 +14,8 @@ from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.metrics._metrics import Metrics
 from oodscen.stages._describe import Describer
 from oodscen.stages._spread import spread, spread_subset
+from oodscen.study._config import StudyConfig
+from oodscen.study._store import Store
 from oodscen.tree._scenario_tree import ScenarioTree
 
 SHORT_PATHS = "short_paths.jsonl"
@@ -94,6 +97,8 @@ def _describe(
         done[leaf] = rows
         run.progress(stage, len(done), len(paths))
     ordered = _distinct(describer, [row for leaf in paths for row in done[leaf]])
+    if run.options.retry and describer.options.twins:
+        ordered = [_twinned(describer, row) for row in ordered]
     run.store.write_lines(file, ordered)
     return [Scenario.parse(row) for row in ordered if "error" not in row]
 
@@ -111,7 +116,7 @@ def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
         candidates=config.candidates,
         band=config.band if is_chosen else None,
         metrics=metrics,
-        twins=is_builtin(config.llm) if config.twins is None else config.twins,
+        twins=has_twins(config),
         sample=sample,
         catalogue=run.simulator.catalogue() if is_shown else None,
         made={path: made.described() for path, made in made_for(run).items()} if is_shown else None,
@@ -126,6 +131,36 @@ def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str
     except LLMError:
         return rows
     return [again.get(row["id"], row) for row in rows]
+
+
+def _twinned(describer: Describer, row: dict[str, Any]) -> dict[str, Any]:
+    """Return the line of a text with its ordinary twin, which may have failed before."""
+    if not _lacks_twin(row):
+        return row
+    with suppress(LLMError):
+        return describer.twinned(Scenario.parse(row)).model_dump(mode="json")
+    return row
+
+
+def _lacks_twin(row: Mapping[str, Any]) -> bool:
+    return row.get("status") != "failed" and row.get("ordinary") is None
+
+
+def has_twins(config: StudyConfig) -> bool:
+    """Return whether the texts of a study get ordinary twins."""
+    return is_builtin(config.llm) if config.twins is None else config.twins
+
+
+def text_files(config: StudyConfig) -> list[str]:
+    """Return the files of texts that a model writes; smaller sets are drawn from the largest."""
+    largest = sorted(config.sets)[-1:]
+    return ["scenarios.jsonl", *(f"texts.diverse.{size}.jsonl" for size in largest)]
+
+
+def without_twin(store: Store, config: StudyConfig) -> list[str]:
+    """Return the ids of texts that have no ordinary twin."""
+    lines = (line for file in text_files(config) for line in store.lines(file))
+    return [line["id"] for line in lines if _lacks_twin(line)]
 
 
 def _is_whole(

@@ -192,6 +192,8 @@ def unwrap(
             rest[name] = one
         elif _is_reason(name, one):
             reasons += _texts(one)
+        elif _REASON.fullmatch(spelt(name)):
+            raise UnusableError(f"{name[:40]!r} is no text")
         elif not _is_confidence(name, one):
             raise UnusableError(f"nobody asked for {name[:40]!r}")
     inner = next(iter(rest.values())) if len(rest) == 1 else None

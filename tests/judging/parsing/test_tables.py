@@ -141,6 +141,11 @@ UNREAD_JSON = {
 """Answers with an object that ends and are asked for once more all the same."""
 
 
+def test_a_reason_that_is_no_text_is_named_and_not_called_unasked():
+    found = read_action('{"reasoning": 1, "action": "stop"}', ACTIONS)
+    assert (found.value, found.note) == (None, "'reasoning' is no text")
+
+
 @pytest.mark.parametrize("question", READERS)
 def test_json_is_read(question):
     unread = {
