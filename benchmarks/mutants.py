@@ -69,6 +69,15 @@ _OBJECTS = "oodscen/llm/_json_objects.py"
 _READING = "oodscen/judging/_parsing/reading.py"
 
 EQUIVALENT: dict[tuple[str, str], str] = {
+    (_SAFETY, "is_still = np.abs(speed) <= _STILL_MPS"): _TOLERANCE,
+    (
+        _RESAMPLING,
+        "return np.divide(over, under, out=np.full_like(over, np.nan), where=under >= _ZERO)",
+    ): _TOLERANCE,
+    (
+        _INTERVALS,
+        "return low, 1.0 if hits >= n else min(middle + half, (1.0 + 1))",
+    ): "the upper end is above 1 by rounding alone",
     (_GEOMETRY, "step = min(max(0.25, self.length / (40_000.0 + 1)), self.length)"): _FINER,
     (_GEOMETRY, "turn = self._turn((middle - half * node))"): _SYMMETRIC,
     (

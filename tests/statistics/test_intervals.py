@@ -110,5 +110,6 @@ def test_few_hits_are_told_no_more_surely_than_none(hits: int, paths: int) -> No
     assert none
     assert few
     assert lost
+    assert {one.method for one in (none, few, lost)} == {"wilson"}
     assert few.high >= none.high
     assert lost.low <= 1.0 - none.high + 1e-6

@@ -322,6 +322,20 @@ def test_a_label_that_is_none_is_found_in_a_file_too(part):
     assert "markup" in caught.value.issues[0].message
 
 
+def test_no_edit_of_a_file_undoes_itself_or_a_later_one():
+    tree = ScenarioTree.initial()
+    own = len(tree.edits)
+    edits = [edit.model_dump(mode="json") for edit in tree.edits]
+    again = {"op": "broaden", "node": "environmental", "label": "Weather and light"}
+    assert (
+        len(ScenarioTree.parse({"edits": [*edits, {**again, "undoes": own - 1}]}).edits) == own + 1
+    )
+    for undone in (own, own + 1):
+        with pytest.raises(DataError) as caught:
+            ScenarioTree.parse({"edits": [*edits, {**again, "undoes": undone}]})
+        assert [issue.path for issue in caught.value.issues] == [f"edits[{own}]"]
+
+
 def test_nodes_that_do_not_follow_from_the_edits_are_refused():
     tree = ScenarioTree.initial()
     value = json.loads(tree.to_json())

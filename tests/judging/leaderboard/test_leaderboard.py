@@ -184,9 +184,10 @@ def test_likeness_within_paths_is_measured() -> None:
     def by_path(index: int, twin: bool) -> dict[str, Any]:
         return {"action": "stop" if index // 4 % 2 else "keep_speed"}
 
-    found = board(case, case.verdicts("m", by_path))
+    found = board(case, case.verdicts("m", by_path), case.verdicts("other", careless))
     assert found.icc == pytest.approx(1)
-    interval = found.standings[0].control.safe.interval
+    (row,) = (one for one in found.standings if one.model == "m")
+    interval = row.control.safe.interval
     assert interval is not None
     assert interval.method == "cluster bootstrap"
 
