@@ -7,7 +7,7 @@ import numpy as np
 
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.mesh import Lamp
-from oodscen_pybullet._rendering.postprocess import GRID_AHEAD, GRID_ASIDE, GRID_CELL
+from oodscen_pybullet._rendering.plate import GRID_AHEAD, GRID_ASIDE, GRID_CELL
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._types import F32, Point
 
