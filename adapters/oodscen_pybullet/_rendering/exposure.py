@@ -231,5 +231,5 @@ def _halo(upwards: F32) -> F32:
 
 
 def _noise(picture: RawPicture) -> int:
-    """Return where the sequence of grain starts, anew in every picture."""
+    """Return the start of the sequence of grain, another one in every picture."""
     return int(stream(picture.seed, "grain", round(picture.time, 3)).integers(_GRAINS))

@@ -147,4 +147,4 @@ class Plate(NamedTuple):
     """Brightness of wet ground relative to dry; 0 if the ground is dry."""
     has_grain: bool
     noise: np.uint32
-    """Where the sequence of grain starts."""
+    """Start of the sequence of grain."""
