@@ -12,9 +12,9 @@
     ├── LLMError                a model could not be reached, or its answer not understood
     │   ├── AnswerError         its answer stayed invalid after repair (keeps the raw text)
     │   ├── ResponseError       the response was not an answer: empty, a web page, too large (keeps its start)
-    │   ├── LLMTimeout           the server responds, but no answer came in time
-    │   ├── ContentFiltered        the provider's content filter blocked this question
-    │   ├── ModelSkipped       not asked: the run had already given up on the model
+    │   ├── LLMTimeout          the server responds, but no answer came in time
+    │   ├── ContentFiltered     the provider's content filter blocked this question
+    │   ├── ModelSkipped        not asked: the run had already given up on the model
     │   └── ReplayMiss          a recording has no answer to this question (and what differs)
     ├── SceneError              the catalogue or the road refuses a scene
     ├── SimulatorError          the simulator failed
@@ -352,6 +352,8 @@ class StudyError(OodscenError):
 
 class StudyMissing(StudyError, UsageError):
     """The given folder holds no study."""
+
+    folder: str = ""
 
     def __init__(self, folder: str) -> None:
         self.folder = folder

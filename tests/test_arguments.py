@@ -46,7 +46,7 @@ from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Camera, Control, Image
 from oodscen.testing import ScriptedLLM, example_scene
 from oodscen.testing._flat import FlatSimulator
-from oodscen.tree._edit_log import TreeEdit
+from oodscen.tree._edits import TreeEdit
 from tests.judging.cases import episode
 
 PAGE = Path(__file__).parents[1].joinpath("docs", "api.md").read_text(encoding="utf-8")

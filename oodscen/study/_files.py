@@ -23,7 +23,7 @@ from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.side_by_side import CatalogueComparison
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._staging import Staging
-from oodscen.tree._edit_log import TreeEdit
+from oodscen.tree._edits import TreeEdit
 
 
 class FailedLine(Data):

@@ -1,83 +1,16 @@
-"""Edits of a scenario tree, and the index that results from applying them."""
+"""The index of a scenario tree: the nodes that result from applying edits one after the other."""
 
 import re
 import threading
-import unicodedata
 from collections.abc import Iterable, Sequence
-from typing import Any, ClassVar, Literal
 
-from oodscen.data._base import Data
 from oodscen.errors import Issue
+from oodscen.tree._edits import Node, TreeEdit, added
 from oodscen.tree._labels import label_fault
 
 MAX_DEPTH = 50
 """Largest number of edges from the root of a tree to a node."""
-
-
-class TreeEdit(Data):
-    """One edit of a tree."""
-
-    op: Literal["add", "broaden", "narrow", "keep", "move", "remove"]
-    """`add` a node, `broaden` or `narrow` its label, `keep` it as it is (a recorded decision),
-    `move` it with its subtree to another parent, or `remove` it."""
-    node: str
-    """Id of the edited node; new for `add`."""
-    parent: str | None = None
-    """`add` and `move`: id of the (new) parent; `None` for the root."""
-    label: str | None = None
-    """`add`, `broaden` and `narrow`: the new label of the node."""
-    attested: Literal["paper"] | None = None
-    """`add`, `broaden` and `narrow`: set if the label names a scenario that the paper simulated. A
-    broader label keeps the node's attestation, a narrower one does not."""
-    stage: str = ""
-    """Stage that made the edit: `grow`, `redteam`, `prune`, or a name chosen by the caller."""
-    round: int | None = None
-    """Red-team round, if there was one."""
-    reason: str = ""
-    """Reason, in the words of the model or person that decided."""
-    source: str = ""
-    """The text that caused the edit."""
-    model: str = ""
-    """Name of the model that decided; empty if no model was asked."""
-    prompt: str = ""
-    """The prompt that the model answered: `purpose@version`."""
-    origin: str = ""
-    """Set by a merge: name of the tree in which the edit was made. Its rounds are counted separately."""
-    origin_node: str = ""
-    """Set by a merge: id of the node in that tree. The `label` of a `keep` is the node's label there."""
-    undoes: int | None = None
-    """Index of the earlier edit that this edit undoes. A `broaden` then restores the attestation as
-    well, which otherwise is never removed."""
-
-
-class Node(Data):
-    """One node after all edits."""
-
-    noun: ClassVar[str] = "tree node"
-
-    id: str
-    parent: str | None
-    label: str
-    attested: Literal["paper"] | None = None
-
-
-def adding(node: Node, **more: Any) -> TreeEdit:
-    """Return the edit that adds a node, with further fields of the edit."""
-    fields = {"parent": node.parent, "label": node.label, "attested": node.attested, **more}
-    return TreeEdit(op="add", node=node.id, **fields)
-
-
-def added(edit: TreeEdit) -> Node:
-    """Return the node that an `add` adds."""
-    return Node(id=edit.node, parent=edit.parent, label=edit.label or "", attested=edit.attested)
-
-
-def slug(label: str, longest: int = 48) -> str:
-    """Turn a label into an id that is safe in file names and URLs, cut to a number of characters."""
-    plain = unicodedata.normalize("NFKD", label).encode("ascii", "ignore").decode().lower()
-    return re.sub(r"[^a-z0-9]+", "-", plain)[:longest].strip("-") or "node"
-
-
+_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 _TOO_DEEP = f"a node would lie more than {MAX_DEPTH} levels below the root: hang it higher up"
 
 
@@ -179,6 +112,7 @@ class EditLog:
             return candidate
 
     def _fork(self, version: int) -> "EditLog":
+        """Return a copy of the index of the first `version` edits; the lock must be held."""
         copy = EditLog()
         copy.log, copy.before = self.log.copy(), self.before.copy()
         copy.nodes, copy.born = self.nodes.copy(), self.born.copy()
@@ -196,6 +130,7 @@ class EditLog:
                 del self.born[edit.node]
 
     def _play(self, edit: TreeEdit) -> None:
+        """Apply an edit that fits."""
         before = self.nodes.get(edit.node)
         self.born.setdefault(edit.node, len(self.log))
         self.log.append(edit)
@@ -237,25 +172,29 @@ class EditLog:
         if edit.op in ("add", "broaden", "narrow") and (fault := label_fault(edit.label or "")):
             return fault
         if edit.op == "add":
-            if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", edit.node):
-                return f"{edit.node[:80]!r} is not a valid id (letters, digits, '-', '_', '.')"
-            if edit.node in self.nodes:
-                return f"the id {edit.node!r} is taken"
-            if edit.parent is None and self.nodes:
-                return f"{edit.node!r} would be a second root"
-            if edit.parent is not None and edit.parent not in self.nodes:
-                return f"the parent {edit.parent[:80]!r} does not exist (before its child)"
-            if len(self._ancestry(edit.parent)) > MAX_DEPTH:
-                return _TOO_DEEP
-        elif edit.node not in self.nodes:
+            return self._unaddable(edit)
+        if edit.node not in self.nodes:
             return f"the node {edit.node[:80]!r} does not exist"
-        elif edit.op == "move":
+        if edit.op == "move":
             return self._misplaced(edit)
-        elif edit.op == "remove" and self._children.get(edit.node):
+        if edit.op == "remove" and self._children.get(edit.node):
             return f"the node {edit.node!r} still has children"
         return ""
 
+    def _unaddable(self, edit: TreeEdit) -> str:
+        """Return why a node cannot be added, or an empty string."""
+        if not _ID.fullmatch(edit.node):
+            return f"{edit.node[:80]!r} is not a valid id (letters, digits, '-', '_', '.')"
+        if edit.node in self.nodes:
+            return f"the id {edit.node!r} is taken"
+        if edit.parent is None and self.nodes:
+            return f"{edit.node!r} would be a second root"
+        if edit.parent is not None and edit.parent not in self.nodes:
+            return f"the parent {edit.parent[:80]!r} does not exist (before its child)"
+        return _TOO_DEEP if len(self._ancestry(edit.parent)) > MAX_DEPTH else ""
+
     def _misplaced(self, edit: TreeEdit) -> str:
+        """Return why a node cannot be moved, or an empty string."""
         if edit.parent is None:
             return f"{edit.node!r} would be a second root"
         if edit.parent not in self.nodes:

@@ -4,7 +4,7 @@ import json
 import re
 from typing import TYPE_CHECKING
 
-from oodscen.tree._edit_log import Node
+from oodscen.tree._edits import Node
 
 if TYPE_CHECKING:
     from oodscen.tree._scenario_tree import ScenarioTree

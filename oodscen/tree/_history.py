@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 
 from oodscen._numbers import MOST, whole_number
 from oodscen.errors import UsageError
-from oodscen.tree._edit_log import EditLog, Node, TreeEdit, adding
+from oodscen.tree._edit_log import EditLog
+from oodscen.tree._edits import Node, TreeEdit, adding
 
 if TYPE_CHECKING:
     from oodscen.tree._scenario_tree import ScenarioTree

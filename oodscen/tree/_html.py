@@ -7,7 +7,7 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Literal
 
 from oodscen._text import plain
-from oodscen.tree._edit_log import Node, TreeEdit
+from oodscen.tree._edits import Node, TreeEdit
 from oodscen.tree._provenance import origin_words
 
 if TYPE_CHECKING:

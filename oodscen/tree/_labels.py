@@ -1,5 +1,8 @@
 """Rules for labels, and the comparison of labels; their wording is that of `oodscen._wording`."""
 
+import re
+import unicodedata
+
 from oodscen._text import is_visible, one_line
 from oodscen._wording import is_left_out, seen, wording_fault
 
@@ -30,3 +33,9 @@ def label_fault(label: str) -> str:
 def same_words(label: str) -> str:
     """Return a key that is equal for labels that differ only in case, width, spaces and invisible characters."""
     return one_line(seen(label).casefold())
+
+
+def slug(label: str, longest: int = 48) -> str:
+    """Turn a label into an id that is safe in file names and URLs, cut to a number of characters."""
+    plain = unicodedata.normalize("NFKD", label).encode("ascii", "ignore").decode().lower()
+    return re.sub(r"[^a-z0-9]+", "-", plain)[:longest].strip("-") or "node"

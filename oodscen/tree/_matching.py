@@ -13,7 +13,7 @@ from oodscen.encoders._centring import label_rows
 from oodscen.encoders._similarity import Vectors, unit
 from oodscen.errors import UsageError
 from oodscen.protocols import Encoder
-from oodscen.tree._edit_log import Node, TreeEdit
+from oodscen.tree._edits import Node, TreeEdit
 from oodscen.tree._labels import CLASSES, same_words
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from oodscen.protocols import Encoder
-from oodscen.tree._edit_log import Node, TreeEdit, added, adding
+from oodscen.tree._edits import Node, TreeEdit, added, adding
 from oodscen.tree._history import undone_edits
 from oodscen.tree._labels import same_words
 from oodscen.tree._matching import THRESHOLD, Match, match

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from oodscen._text import plain
 from oodscen.data._base import Data
 from oodscen.errors import UnknownComponent
-from oodscen.tree._edit_log import TreeEdit
+from oodscen.tree._edits import TreeEdit
 from oodscen.tree._history import undone_edits
 
 if TYPE_CHECKING:

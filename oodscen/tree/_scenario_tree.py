@@ -16,11 +16,12 @@ from oodscen.errors import DataError, Issue, UnknownComponent, UsageError
 from oodscen.protocols import Encoder
 from oodscen.tree._comparison import TreeDiff, diff
 from oodscen.tree._coverage import Coverage, coverage
-from oodscen.tree._edit_log import EditLog, Node, TreeEdit, adding, slug
+from oodscen.tree._edit_log import EditLog
+from oodscen.tree._edits import Node, TreeEdit, adding
 from oodscen.tree._export import to_dot, to_mermaid, to_nested_json
 from oodscen.tree._history import moment, replay, undo, undo_round
 from oodscen.tree._html import notebook_html, to_page
-from oodscen.tree._labels import CLASSES, MAX_LABEL, label_fault
+from oodscen.tree._labels import CLASSES, MAX_LABEL, label_fault, slug
 from oodscen.tree._matching import THRESHOLD
 from oodscen.tree._merge import merge
 from oodscen.tree._provenance import Provenance, provenance

@@ -5,7 +5,8 @@ from hypothesis import given
 
 from oodscen import ScenarioTree
 from oodscen.errors import DataError
-from oodscen.tree._edit_log import TreeEdit, slug
+from oodscen.tree._edits import TreeEdit
+from oodscen.tree._labels import slug
 from tests.tree.woods import chain, changes, few, grown
 
 FOG = ScenarioTree.initial().apply(

@@ -29,9 +29,15 @@ _APART = 40.0
 """Distance between spawn points on a lane, m."""
 _LIFT = 0.3
 """Height of spawn points above the road, m."""
+_FIRST = 10.0
+"""Largest distance of a road's first spawn points from its start, m."""
+_LANE_WIDTH = 2.0
+"""Width above which a lane has spawn points, m."""
 _MOST_POINTS = 400
 _BEFORE_END = 60.0
 """Distance from the end of the shown road within which no vehicle starts, m."""
+_SLOPE_AROUND = 0.5
+"""Distance before and after a place over which its slope is measured, m."""
 _LEAST_M = 1e-6
 """Least length by which a rise is divided, m."""
 _ROUNDING_M = 1e-9
@@ -137,12 +143,14 @@ def _shipped(catalogue: Catalogue) -> dict[str, RoadMap]:
 
 
 def _slope(road: Road, s: float) -> float:
-    before, after = max(0.0, s - 0.5), min(road.length, s + 0.5)
+    """Return the rise of a road per metre."""
+    before, after = max(0.0, s - _SLOPE_AROUND), min(road.length, s + _SLOPE_AROUND)
     rise = piecewise(road.elevation, after) - piecewise(road.elevation, before)
     return rise / max(after - before, _LEAST_M)
 
 
 def _samples(network: Network) -> NDArray[np.float64]:
+    """Return x, y, z, heading and slope along all reference lines, [n, 5]."""
     rows: list[tuple[float, float, float, float, float]] = []
     total = sum(road.length for road in network.roads.values())
     step = max(_STEP, total / _MOST_SAMPLES)
@@ -163,7 +171,7 @@ def _spawn_points(network: Network) -> tuple[Transform, ...]:
     for road in network.roads.values():
         if road.junction:
             continue
-        first = min(10.0, road.length / 2)
+        first = min(_FIRST, road.length / 2)
         for number in range(1 + int(max(0.0, road.length - 2 * first) / _APART)):
             points += _across(road, first + number * _APART)
             if len(points) >= _MOST_POINTS:
@@ -174,23 +182,26 @@ def _spawn_points(network: Network) -> tuple[Transform, ...]:
 def _across(road: Road, s: float) -> list[Transform]:
     """Return one spawn point for every driving lane at a place of a road."""
     section = next(one for one in reversed(road.sections) if one.s <= s + _ROUNDING_M)
-    point = road_point(road, s)
-    shift = piecewise(road.lane_offset, s)
-    z = piecewise(road.elevation, s) + _LIFT
     found = []
     for side in (-1, 1):
-        t = shift
+        t = piecewise(road.lane_offset, s)
         lanes = [lane for lane in section.lanes if lane.id * side > 0]
         for lane in sorted(lanes, key=lambda lane: abs(lane.id)):
             width = piecewise(lane.widths, s - section.s)
-            if lane.type == "driving" and width > 2.0:
-                middle = t + side * width / 2
-                x = point.x - middle * math.sin(point.heading)
-                y = point.y + middle * math.cos(point.heading)
+            if lane.type == "driving" and width > _LANE_WIDTH:
                 is_against = ((side > 0) != road.left_hand) != lane.reversed
-                heading = point.heading + (math.pi if is_against else 0.0)
-                pitch = math.degrees(math.atan(_slope(road, s))) * (-1 if is_against else 1)
-                yaw = math.degrees(-heading + 2 * math.pi) % 360.0
-                found.append(Transform((x, -y, z), (pitch, yaw, 0.0)))
+                found.append(_spawn_point(road, s, t + side * width / 2, is_against=is_against))
             t += side * width
     return found
+
+
+def _spawn_point(road: Road, s: float, t: float, *, is_against: bool) -> Transform:
+    """Return a place above a road for a vehicle that drives along the road, or against it."""
+    point = road_point(road, s)
+    x = point.x - t * math.sin(point.heading)
+    y = point.y + t * math.cos(point.heading)
+    z = piecewise(road.elevation, s) + _LIFT
+    heading = point.heading + (math.pi if is_against else 0.0)
+    pitch = math.degrees(math.atan(_slope(road, s))) * (-1 if is_against else 1)
+    yaw = math.degrees(-heading + 2 * math.pi) % 360.0
+    return Transform((x, -y, z), (pitch, yaw, 0.0))

@@ -1,7 +1,7 @@
 """Opens the server: the world, its drawing simulator and its ports."""
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import cast
 
@@ -62,19 +62,14 @@ def serve(
     if not hasattr(drawn, "draw_from"):
         drawn.close()
         raise UsageError(f"simulator {simulator!r} cannot draw for a server; pybullet and flat can")
-    studio = CameraRenderer(cast(BodyRenderer, drawn))
-    try:
+    with ExitStack() as stack:
+        studio = CameraRenderer(cast(BodyRenderer, drawn))
+        stack.callback(studio.close)
         world = World(drawn.catalogue(), scenes, seed)
+        stack.callback(world.close)
+        studio.warm_up(world.scene())
         faults = Faults()
-        try:
-            studio.warm_up(world.scene())
-            listener = Listener(world, studio, host=host, port=port, faults=faults, log=log)
-            try:
-                listener.start()
-                yield Serving(listener.port, tuple(world.map_names), faults)
-            finally:
-                listener.close()
-        finally:
-            world.close()
-    finally:
-        studio.close()
+        listener = Listener(world, studio, host=host, port=port, faults=faults, log=log)
+        stack.callback(listener.close)
+        listener.start()
+        yield Serving(listener.port, tuple(world.map_names), faults)

@@ -1,6 +1,7 @@
 """A scene of a study that runs inside the served world; the hero is the client's to drive."""
 
 import math
+from dataclasses import replace
 
 from oodscen.data import Catalogue, Scene
 from oodscen.driving import KinematicWorld
@@ -46,12 +47,12 @@ class ServedScene:
             self.world.step(self._demand(control))
 
     def _demand(self, control: VehicleControl | None) -> Control:
+        """Return what the pedals and the wheel demand; the hero of a scene never reverses."""
         if control is None:
             return self._cruise.act(self.world.observe())
         speed = float(self.world.speeds()[0])
-        ahead = VehicleControl(**{**vars(control), "reverse": False})
-        if control.reverse:
-            ahead.throttle = 0.0
+        throttle = 0.0 if control.reverse else control.throttle
+        ahead = replace(control, reverse=False, throttle=throttle)
         return Control(demanded(ahead, speed), -wheels(control))
 
 

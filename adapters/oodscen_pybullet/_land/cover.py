@@ -1,6 +1,6 @@
 """The area covered by triangles seen from above, and the distance of points from it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -68,24 +68,21 @@ class Cover:
             y: [n], m
         """
         found = np.full(len(x), REACH)
-        i = np.floor(x / _CELL_M).astype(np.int64) - self._low[0]
-        j = np.floor(y / _CELL_M).astype(np.int64) - self._low[1]
-        inside = (j >= 0) & (j < self._rows)
-        cell = i * self._rows + j
-        if not len(self._cells):
-            return found
-        place = np.minimum(np.searchsorted(self._cells, cell), len(self._cells) - 1)
-        first = self._starts[place]
-        count = np.where(inside & (self._cells[place] == cell), self._counts[place], 0)
-        rows = np.flatnonzero(count)
-        if not len(rows):
-            return found
-        ends = np.cumsum(count[rows])
-        splits = np.searchsorted(ends, np.arange(_BATCH, int(ends[-1]), _BATCH))
-        for some in np.split(rows, np.unique(splits)):
-            if len(some):
-                found[some] = self._measured(x[some], y[some], first[some], count[some])
+        first, count = self._candidates(x, y)
+        for rows in _batches(count):
+            found[rows] = self._measured(x[rows], y[rows], first[rows], count[rows])
         return found
+
+    def _candidates(self, x: Array, y: Array) -> tuple[Ints, Ints]:
+        """Return where in `_members` the triangles within reach of each point start, and how many there are."""
+        if not len(self._cells):
+            return np.zeros(len(x), np.int64), np.zeros(len(x), np.int64)
+        column = np.floor(x / _CELL_M).astype(np.int64) - self._low[0]
+        row = np.floor(y / _CELL_M).astype(np.int64) - self._low[1]
+        cell = column * self._rows + row
+        place = np.minimum(np.searchsorted(self._cells, cell), len(self._cells) - 1)
+        is_listed = (row >= 0) & (row < self._rows) & (self._cells[place] == cell)
+        return self._starts[place], np.where(is_listed, self._counts[place], 0)
 
     def _measured(self, x: Array, y: Array, first: Ints, count: Ints) -> Array:
         """Return the least signed distance per point, over its candidate triangles, m."""
@@ -125,6 +122,16 @@ def _oriented(triangles: Array) -> Array:
     turned = np.where((area < 0.0)[:, None, None], triangles[:, [0, 2, 1]], triangles)
     oriented: Array = turned[np.abs(area) > _LEAST_AREA]
     return oriented
+
+
+def _batches(count: Ints) -> Iterator[Ints]:
+    """Yield the rows that have candidates, in batches of limited numbers of pairs."""
+    rows = np.flatnonzero(count)
+    if not len(rows):
+        return
+    ends = np.cumsum(count[rows])
+    splits = np.searchsorted(ends, np.arange(_BATCH, int(ends[-1]), _BATCH))
+    yield from (some for some in np.split(rows, np.unique(splits)) if len(some))
 
 
 def _expanded(count: Ints) -> tuple[Ints, Ints]:

@@ -9,6 +9,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from oodscen.driving._roads.corridor import Structure
 from oodscen_pybullet._land.adaptive_grid import Squares, crossing
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.islands import Islands
@@ -152,24 +153,18 @@ class Land:
         Heights are recomputed along the cuts because they cannot be interpolated there from the corners of
         the squares.
         """
-        open_, spanned = corners, corners[:0]
-        for one in self._ground.corridor.structures:
-            ends: tuple[float, ...] = (one.start, one.end)
-            if one.kind == "bridge":
-                ends = (one.start, one.start + _DECK_END_M, one.end - _DECK_END_M, one.end)
-            before, rest, _ = cut(open_, _S, ends[0])
-            for index, end in enumerate(ends[1:]):
-                middle, rest, _ = cut(rest, _S, end)
-                if one.kind == "bridge" and index != 1:
-                    _, middle, _ = cut(middle, _PAVED, _DECK_EDGE_M)
-                spanned = np.concatenate([spanned, middle])
-            open_ = np.concatenate([before, rest])
-        if len(spanned):
+        open_, spanned = corners, [corners[:0]]
+        for structure in self._ground.corridor.structures:
+            split = _below_bridge if structure.kind == "bridge" else _above_tunnel
+            open_, within = split(open_, structure)
+            spanned += within
+        across = np.concatenate(spanned)
+        if len(across):
             open_[:, :, _Z] = self.relief.heights(*_flat_places(open_)).beside.reshape(-1, 3)
-            spanned[:, :, _Z] = self.relief.heights(*_flat_places(spanned)).across.reshape(-1, 3)
-            spanned[:, :, _ASPHALT] = np.maximum(spanned[:, :, _ASPHALT], _ROOFED_M)
-            spanned[:, :, _PAVED] = spanned[:, :, _ASPHALT]
-        return open_, spanned
+            across[:, :, _Z] = self.relief.heights(*_flat_places(across)).across.reshape(-1, 3)
+            across[:, :, _ASPHALT] = np.maximum(across[:, :, _ASPHALT], _ROOFED_M)
+            across[:, :, _PAVED] = across[:, :, _ASPHALT]
+        return open_, across
 
     def _beside_asphalt(self, open_: Array) -> tuple[Array, Array]:
         """Cut off what lies below asphalt; return the land, and the edges along the cut."""
@@ -223,6 +218,26 @@ class Land:
         else:
             uvs = np.broadcast_to(swatch_uv(surface), (len(corners), 3, 2))
         return _Piece(points.reshape(-1, 3), uvs.reshape(-1, 2))
+
+
+def _above_tunnel(land: Array, tunnel: Structure) -> tuple[Array, list[Array]]:
+    """Split land at the ends of a tunnel: the part in the open, and the part above it."""
+    before, rest, _ = cut(land, _S, tunnel.start)
+    above, after, _ = cut(rest, _S, tunnel.end)
+    return np.concatenate([before, after]), [above]
+
+
+def _below_bridge(land: Array, bridge: Structure) -> tuple[Array, list[Array]]:
+    """Split land at the ends of a bridge: the part in the open, and the part below it.
+
+    Near its ends, where the deck is close to the ground, there is none below the deck.
+    """
+    before, rest, _ = cut(land, _S, bridge.start)
+    first, rest, _ = cut(rest, _S, bridge.start + _DECK_END_M)
+    middle, rest, _ = cut(rest, _S, bridge.end - _DECK_END_M)
+    last, after, _ = cut(rest, _S, bridge.end)
+    beside = [cut(end, _PAVED, _DECK_EDGE_M)[1] for end in (first, last)]
+    return np.concatenate([before, after]), [beside[0], middle, beside[1]]
 
 
 def _flat_places(corners: Array) -> tuple[Array, Array]:

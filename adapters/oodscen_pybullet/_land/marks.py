@@ -1,6 +1,8 @@
 """The paint on roads: lane marks, the bays of parking strips, crosswalks and stop lines."""
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +18,8 @@ from oodscen_pybullet._land.ribbons import (
 from oodscen_pybullet._land.theme import Theme
 from oodscen_pybullet._types import Array, Mask
 
+_PAINTED = ("solid", "broken")
+"""Marks that are painted."""
 _HALF_WIDTH_M, _HALF_WIDTH_OF_TWO_M = 0.075, 0.06
 """Half the width of a single line, and of each line of a double one, m."""
 _DOUBLE_M = 0.14
@@ -52,29 +56,51 @@ def mark_lanes(
         outlines: Crosswalks and stop lines, which interrupt the marks.
         theme: The kind of land.
     """
-    course, strips = way.course, way.corridor.strips
     outside = (_junction_share(way) < 0.5) | (theme == "highway")
     free = whole_pieces(outside) & ~_interrupted(way, outlines)
     dark = spanned_pieces(way, "tunnel")
     height = layer + PAINT
-    for index in range(len(strips) + 1):
-        mark = strips[0].right_mark if index == 0 else strips[index - 1].mark
-        if mark not in ("solid", "broken"):
-            continue
-        owner = strips[max(index - 1, 0)]
-        right, left = strip_edges(way.corridor, course, owner)
-        edge = right if index == 0 else left
-        where = free & whole_pieces(left - right > _LANE_M) & (np.abs(np.diff(edge)) < _JUMP_M)
-        where &= ~_unmarked(course, owner, is_left=index > 0)
-        if _is_double(strips, index):
+    for mark in _edge_marks(way):
+        where = free & mark.where
+        if mark.is_double:
             for side in (-_DOUBLE_M, _DOUBLE_M):
-                _line(ribbons, edge + side, _HALF_WIDTH_OF_TWO_M, height, where, dark)
+                _line(ribbons, mark.t + side, _HALF_WIDTH_OF_TWO_M, height, where, dark)
         else:
-            drawn = where & _dashes(course) if mark == "broken" else where
-            _line(ribbons, edge, _HALF_WIDTH_M, height, drawn, dark)
-    for strip in strips:
+            _line(ribbons, mark.t, _HALF_WIDTH_M, height, where, dark)
+    for strip in way.corridor.strips:
         if strip.kind == "parking":
             _bays(way, ribbons, strip, height, outside)
+
+
+class _EdgeMark(NamedTuple):
+    """The mark along one edge of a strip."""
+
+    t: Array
+    """[n] the edge's lateral offset, m."""
+    where: Mask
+    """[n - 1] the pieces that are painted."""
+    is_double: bool
+
+
+def _edge_marks(way: Way) -> Iterator[_EdgeMark]:
+    """Yield the marks of a road from right to left: the rightmost edge, then the left one of each strip."""
+    course, strips = way.course, way.corridor.strips
+    right, left = strip_edges(way.corridor, course, strips[0])
+    if strips[0].right_mark in _PAINTED:
+        where = _painted(course, strips[0].right_mark, right, left - right)
+        yield _EdgeMark(right, where & ~_unmarked(course, strips[0], is_left=False), False)
+    for strip, neighbour in itertools.zip_longest(strips, strips[1:]):
+        if strip.mark in _PAINTED:
+            right, left = strip_edges(way.corridor, course, strip)
+            where = _painted(course, strip.mark, left, left - right)
+            where &= ~_unmarked(course, strip, is_left=True)
+            yield _EdgeMark(left, where, _parts_directions(strip, neighbour))
+
+
+def _painted(course: RoadCourse, mark: str, edge: Array, width: Array) -> Mask:
+    """Return the pieces along which the edge of a strip of some width, [n], carries paint."""
+    where = whole_pieces(width > _LANE_M) & (np.abs(np.diff(edge)) < _JUMP_M)
+    return where & _dashes(course) if mark == "broken" else where
 
 
 def _junction_share(way: Way) -> Array:
@@ -123,12 +149,12 @@ def _line(ribbons: Ribbons, t: Array, half: float, height: float, where: Mask, d
     ribbons.band(t - half, t + half, "mark_tunnel", heights=heights, where=where & dark)
 
 
-def _is_double(strips: Sequence[LaneStrip], index: int) -> bool:
-    """Return whether the mark to the left of strip `index - 1` parts opposite lanes."""
-    if not 0 < index < len(strips) or strips[index - 1].mark != "solid":
+def _parts_directions(strip: LaneStrip, neighbour: LaneStrip | None) -> bool:
+    """Return whether the mark between a strip and the one on its left parts opposite lanes."""
+    if neighbour is None or strip.mark != "solid":
         return False
-    one, two = strips[index - 1], strips[index]
-    return one.kind == two.kind == "driving" and one.direction != two.direction
+    are_lanes = strip.kind == neighbour.kind == "driving"
+    return are_lanes and strip.direction != neighbour.direction
 
 
 def _bays(way: Way, ribbons: Ribbons, strip: LaneStrip, height: float, free: Mask) -> None:

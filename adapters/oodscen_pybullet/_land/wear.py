@@ -22,6 +22,8 @@ _ASIDE_M = 0.7
 """Largest distance of a manhole cover from the lane's middle, m."""
 _RIM_M = 0.25
 """Distance of repairs from the lane's edges, m."""
+_LENGTH_M, _INWARDS_M, _WIDTH_M = (1.2, 5.0), (0.0, 0.9), (0.7, 1.9)
+"""Least and largest length of a repair, distance from that rim, and width, m."""
 _COVER = ((0.36, "asphalt_light", 0.003), (0.29, "asphalt_patch", 0.006))
 """Radius, colour and height of a manhole's frame and lid, m."""
 _DIAGONAL = 0.7071
@@ -44,6 +46,7 @@ def add_wear(way: Way, ribbons: Ribbons, rng: np.random.Generator) -> None:
 def _wear_at(
     s: float, road: Corridor, strip: LaneStrip, ribbons: Ribbons, rng: np.random.Generator
 ) -> None:
+    """Add a repair, a manhole cover or nothing at a place of a lane."""
     kind = float(rng.uniform())
     if any(one.start - _BEFORE_M < s < one.end + _AFTER_M for one in road.structures):
         return
@@ -55,9 +58,9 @@ def _wear_at(
         aside = float(rng.uniform(-_ASIDE_M, _ASIDE_M))
         _add_manhole(road, ribbons, s, 0.5 * (left + right) + aside)
     elif kind < _REPAIRS:
-        length = float(rng.uniform(1.2, 5.0))
-        low = right + _RIM_M + float(rng.uniform(0.0, 0.9))
-        high = min(left - _RIM_M, low + float(rng.uniform(0.7, 1.9)))
+        length = float(rng.uniform(*_LENGTH_M))
+        low = right + _RIM_M + float(rng.uniform(*_INWARDS_M))
+        high = min(left - _RIM_M, low + float(rng.uniform(*_WIDTH_M)))
         add_slab(road, ribbons, (s, s + length, low, high), LAYER, "asphalt_patch")
 
 

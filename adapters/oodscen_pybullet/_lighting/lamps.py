@@ -7,7 +7,7 @@ import numpy as np
 
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.mesh import Lamp
-from oodscen_pybullet._rendering.postprocess import GRID_AHEAD, GRID_ASIDE, GRID_CELL
+from oodscen_pybullet._rendering.plate import GRID_AHEAD, GRID_ASIDE, GRID_CELL
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._types import F32, Point
 
@@ -51,28 +51,38 @@ def ground_light(view: CameraView, lamps: Sequence[Lamp], light: Light) -> F32 |
     if dark < _DARK_ENOUGH:
         return None
     grid = np.zeros((GRID_AHEAD, GRID_ASIDE, 3), np.float32)
-    is_lit = False
-    for lamp in lamps:
-        aside, _, ahead = view.to_camera(lamp.position)
-        is_ahead = -_BEHIND_M < ahead < GRID_AHEAD * GRID_CELL + _BEYOND_M
-        if not (is_ahead and abs(aside) < GRID_ASIDE * GRID_CELL / 2 + _BESIDE_M):
-            continue
-        facing = (_dot(lamp.facing, view.right), _dot(lamp.facing, view.forward))
-        reach = _reach(lamp, facing)
-        rows = _cells(ahead, reach, 0.0, GRID_AHEAD)
-        columns = _cells(aside, reach, GRID_ASIDE / 2, GRID_ASIDE)
-        if not (rows and columns):
-            continue
-        cell = np.float32(GRID_CELL)
-        y = (np.array(rows, np.float32) * cell - np.float32(ahead))[:, None]
-        x = np.array(columns, np.float32) - np.float32(GRID_ASIDE / 2)
-        x = (x * cell - np.float32(aside))[None, :]
-        rim = np.maximum(_ONE - (x * x + y * y) * np.float32(1.0 / reach**2), _ZERO)
-        pool = _pool(lamp, facing, x, y) * (rim * np.float32(dark))
-        part = grid[rows.start : rows.stop, columns.start : columns.stop]
-        part += pool[..., None] * np.array(lamp.colour, np.float32)
-        is_lit = True
-    return grid if is_lit else None
+    found = [_add_pool(grid, view, lamp, np.float32(dark)) for lamp in lamps]
+    return grid if any(found) else None
+
+
+def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> bool:
+    """Add a lamp's light to the grid; return whether it reaches it.
+
+    Args:
+        grid: [GRID_AHEAD, GRID_ASIDE, 3], changed in place.
+        view: The camera.
+        lamp: The lamp.
+        dark: Darkness of the scene, 0 to 1.
+    """
+    aside, _, ahead = view.to_camera(lamp.position)
+    is_ahead = -_BEHIND_M < ahead < GRID_AHEAD * GRID_CELL + _BEYOND_M
+    if not (is_ahead and abs(aside) < GRID_ASIDE * GRID_CELL / 2 + _BESIDE_M):
+        return False
+    facing = (_dot(lamp.facing, view.right), _dot(lamp.facing, view.forward))
+    reach = _reach(lamp, facing)
+    rows = _cells(ahead, reach, 0.0, GRID_AHEAD)
+    columns = _cells(aside, reach, GRID_ASIDE / 2, GRID_ASIDE)
+    if not (rows and columns):
+        return False
+    cell = np.float32(GRID_CELL)
+    y = (np.array(rows, np.float32) * cell - np.float32(ahead))[:, None]
+    x = np.array(columns, np.float32) - np.float32(GRID_ASIDE / 2)
+    x = (x * cell - np.float32(aside))[None, :]
+    rim = np.maximum(_ONE - (x * x + y * y) * np.float32(1.0 / reach**2), _ZERO)
+    pool = _pool(lamp, facing, x, y) * (rim * dark)
+    part = grid[rows.start : rows.stop, columns.start : columns.stop]
+    part += pool[..., None] * np.array(lamp.colour, np.float32)
+    return True
 
 
 def _has_cone(lamp: Lamp, facing: _Facing) -> bool:

@@ -21,6 +21,26 @@ _LOWEST_AHEAD_DEG, _LOWEST_DEG = 4.0, 12.0
 """Lowest elevation at which either is drawn, degrees."""
 _FOGGY_M = 600.0
 """Visual range below which fog hides the sun, m."""
+_SEEN_HIDDEN, _CAST_CLEAR = 0.6, 0.25
+"""Share of the sun up to which clouds let it dazzle, and its visible share from which it casts the shadows."""
+_RED_DEG, _LOW_DEG = 20.0, 28.0
+"""Elevation below which the sun is red, and below which it hardly reaches the ground, degrees."""
+_AMBIENT, _AMBIENT_LOW, _AMBIENT_HIDDEN, _AMBIENT_SNOW = 0.54, 0.26, 0.28, 0.06
+"""Fraction of ambient light under a high sun, and what a low sun, a hidden sun and lying snow add to it."""
+_DIRECT, _DIRECT_CLEAR = 0.10, 0.50
+"""Fraction of direct light under a hidden sun, and what a clear one adds to it."""
+_SHADOW, _SHADOW_CLEAR, _SHADOW_LOW = 0.34, 0.06, -0.2
+"""Darkness of shadows under a hidden sun, and what a clear and a low one add to it."""
+_BLUE, _BLUE_RED = 0.4, 0.6
+"""Blueness of shade under a clear sky, and what a red sun adds to it."""
+_RED_TINT, _NIGHT_TINT, _BLUE_TINT = (
+    (0.08, -0.04, -0.20),
+    (-0.22, -0.10, 0.10),
+    (-0.07, -0.01, 0.08),
+)
+"""Change of the light's colour by a red sun, by night and by blue shade."""
+_LEAST_LEVEL, _MOST_BOOST = 0.02, 4.0
+"""Least of the sun's fraction on level ground by which its shadow is deepened, and the most that it is."""
 _OVERCAST = (0.12, 0.16, 0.98)
 """Direction towards the brightest part of an overcast sky."""
 GLARE_DEG = 12.0
@@ -61,23 +81,23 @@ class Light:
         elevation = weather.sun_elevation_deg
         daylight = _between(_DAYLIGHT, elevation)
         hidden = _hidden(weather)
-        has_glare = 0.0 < elevation < GLARE_DEG and hidden < 0.6
+        has_glare = 0.0 < elevation < GLARE_DEG and hidden < _SEEN_HIDDEN
         sun = _sun(elevation, heading, has_glare=has_glare)
-        clear = (1.0 - hidden) * (1.0 if elevation > 0.0 else 0.0)
-        warm = max(0.0, 1.0 - max(elevation, 0.0) / 20.0) * clear
+        clear = 1.0 - hidden if elevation > 0.0 else 0.0
+        red = _nearness(elevation, _RED_DEG) * clear
         # Where the sun hardly reaches the ground, cameras expose for the shade.
-        low = max(0.0, 1.0 - max(elevation, 0.0) / 28.0) * clear
-        blue = clear * (0.4 + 0.6 * warm)
+        low = _nearness(elevation, _LOW_DEG) * clear
+        ambient = _AMBIENT + _AMBIENT_LOW * low + _AMBIENT_HIDDEN * (1.0 - clear)
         return cls(
             sun=sun,
-            ambient=0.54 + 0.26 * low + 0.28 * (1.0 - clear) + (0.06 if reflects_snow else 0.0),
-            diffuse=0.10 + 0.50 * clear,
+            ambient=ambient + (_AMBIENT_SNOW if reflects_snow else 0.0),
+            diffuse=_DIRECT + _DIRECT_CLEAR * clear,
             daylight=daylight,
-            shadow=0.34 + 0.06 * clear - 0.2 * low,
-            tint=_tint(warm, 1.0 - daylight),
+            shadow=_SHADOW + _SHADOW_CLEAR * clear + _SHADOW_LOW * low,
+            tint=_tint(red, 1.0 - daylight),
             has_glare=has_glare,
-            shade=(1.0 - 0.07 * blue, 1.0 - 0.01 * blue, 1.0 + 0.08 * blue),
-            shades=sun if clear > 0.25 else _OVERCAST,
+            shade=_shade(clear * (_BLUE + _BLUE_RED * red)),
+            shades=sun if clear > _CAST_CLEAR else _OVERCAST,
         )
 
     def darkness(self) -> F32:
@@ -90,7 +110,7 @@ class Light:
         slant = np.arange(256, dtype=np.float32) / np.float32(255.0)
         share = self.diffuse * slant / (self.ambient + self.diffuse * slant)
         level = self.diffuse * self.sun[2] / (self.ambient + self.diffuse * self.sun[2])
-        boost = min(max(self.shadow / max(level, 0.02), 1.0), 4.0)
+        boost = min(max(self.shadow / max(level, _LEAST_LEVEL), 1.0), _MOST_BOOST)
         most = np.maximum(share, np.float32(self.shadow))
         return np.minimum(share * np.float32(boost), most).astype(np.float32)
 
@@ -109,13 +129,24 @@ def _sun(elevation: float, heading: float, *, has_glare: bool) -> Point:
     return (level * exact.cos(turn), level * exact.sin(turn), exact.sin(height))
 
 
-def _tint(warm: float, dark: float) -> Point:
+def _nearness(elevation: float, limit: float) -> float:
+    """Return how near the sun is to the horizon: 1 on it and below, 0 from a limit on, both in degrees."""
+    return max(0.0, 1.0 - max(elevation, 0.0) / limit)
+
+
+def _tint(red: float, dark: float) -> Point:
     """Return the colour of the light: red from a low sun, blue at night."""
-    return (
-        1.0 + 0.08 * warm - 0.22 * dark * (1 - warm),
-        1.0 - 0.04 * warm - 0.10 * dark * (1 - warm),
-        1.0 - 0.20 * warm + 0.10 * dark * (1 - warm),
+    x, y, z = (
+        1.0 + by_sun * red + by_night * dark * (1 - red)
+        for by_sun, by_night in zip(_RED_TINT, _NIGHT_TINT, strict=True)
     )
+    return x, y, z
+
+
+def _shade(blue: float) -> Point:
+    """Return the colour of the light in shadow."""
+    x, y, z = (1.0 + change * blue for change in _BLUE_TINT)
+    return x, y, z
 
 
 def _between(table: Sequence[tuple[float, float]], value: float) -> float:

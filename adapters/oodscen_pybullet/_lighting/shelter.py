@@ -13,6 +13,14 @@ from oodscen_pybullet._types import F32, Array, Mask, Point
 
 _WALL_M = 0.6
 """Distance by which walls extend beyond the cross-section, m."""
+_AROUND_M = 60.0
+"""Distance around the road's line within which points may lie in a tunnel, m."""
+_BELOW_M, _SHELL_M = 0.5, 0.2
+"""Heights below the road and above the ceiling that still belong to a tunnel, m."""
+_FACING = 1e-4
+"""Least change of distance to the portal per metre of depth at which a ray meets it."""
+_NEAREST_M = 0.01
+"""Least distance of a portal that counts as ahead, m."""
 _USED_M = 25.0
 """Distance into a tunnel after which a camera has adapted to the light there, m."""
 
@@ -38,7 +46,7 @@ class Portal:
             upwards: y / depth.
         """
         towards = self.normal[0] * across + self.normal[1] * upwards + self.normal[2]
-        meets = towards > 1e-4
+        meets = towards > _FACING
         depth = self.distance / np.where(meets, towards, 1.0)
         return np.where(meets, depth, np.inf).astype(np.float32)
 
@@ -59,14 +67,14 @@ class Shelter:
         if not self._tunnels or not len(points):
             return found
         road = self.corridor
-        low = np.array([road.x.min(), road.y.min()]) - 60.0
-        high = np.array([road.x.max(), road.y.max()]) + 60.0
+        low = np.array([road.x.min(), road.y.min()]) - _AROUND_M
+        high = np.array([road.x.max(), road.y.max()]) + _AROUND_M
         some = np.flatnonzero(((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1))
         s, t = road.locate_all(points[some, 0].copy(), points[some, 1].copy())
         above = points[some, 2] - np.interp(s, road.s, road.z)
         right = np.interp(s, road.s, road.strips[0].right) - _WALL_M
         left = np.interp(s, road.s, road.strips[-1].left) + _WALL_M
-        within = (t > right) & (t < left) & (above > -0.5) & (above < CEILING_M + 0.2)
+        within = (t > right) & (t < left) & (above > -_BELOW_M) & (above < CEILING_M + _SHELL_M)
         for one in self._tunnels:
             found[some] |= within & (s > one.start) & (s < one.end)
         return found
@@ -75,30 +83,35 @@ class Shelter:
         """Return the end of a tunnel that a camera looks at; `None` if there is none ahead."""
         if not self._tunnels:
             return None
-        road = self.corridor
-        s, _ = road.locate(view.eye[0], view.eye[1])
+        s, _ = self.corridor.locate(view.eye[0], view.eye[1])
+        sign = 1.0 if _along(view.forward, self._direction(s)) >= 0.0 else -1.0
         is_inside = bool(self.covers(np.array([view.eye]))[0])
-        way = self._direction(s)
-        sign = 1.0 if view.forward[0] * way[0] + view.forward[1] * way[1] >= 0.0 else -1.0
-        place = self._end_ahead(s, sign, is_inside)
-        if place is None:
+        end = self._exit(s, sign) if is_inside else self._next_entrance(s, sign)
+        if end is None:
             return None
         deep = self._adaptation(s) if is_inside else 0.0
-        x, y, _, _ = road.point(place, 0.0)
-        along = self._direction(place)
-        normal = (sign * along[0], sign * along[1])
-        parts = [
-            axis[0] * normal[0] + axis[1] * normal[1]
-            for axis in (view.right, view.up, view.forward)
-        ]
-        distance = (x - view.eye[0]) * normal[0] + (y - view.eye[1]) * normal[1]
-        return Portal(is_inside, deep, max(distance, 0.01), (parts[0], parts[1], parts[2]))
+        distance, normal = self._plane(view, end, sign)
+        return Portal(is_inside, deep, max(distance, _NEAREST_M), normal)
 
-    def _end_ahead(self, s: float, sign: float, is_inside: bool) -> float | None:
-        """Return s of the exit, or of the next entrance; `None` if no tunnel lies ahead."""
-        if is_inside:
-            tunnel = self._around(s)
-            return tunnel.end if sign > 0.0 else tunnel.start
+    def _plane(self, view: CameraView, s: float, sign: float) -> tuple[float, Point]:
+        """Return a camera's distance from the plane across the road at s, and that plane's `Portal.normal`.
+
+        The normal points along the road, or against it if the sign is -1.
+        """
+        x, y, _, _ = self.corridor.point(s, 0.0)
+        along = self._direction(s)
+        normal = (sign * along[0], sign * along[1])
+        distance = (x - view.eye[0]) * normal[0] + (y - view.eye[1]) * normal[1]
+        right, up, forward = (_along(axis, normal) for axis in (view.right, view.up, view.forward))
+        return distance, (right, up, forward)
+
+    def _exit(self, s: float, sign: float) -> float:
+        """Return s of the exit of the tunnel around a place."""
+        tunnel = self._around(s)
+        return tunnel.end if sign > 0.0 else tunnel.start
+
+    def _next_entrance(self, s: float, sign: float) -> float | None:
+        """Return s of the next entrance; `None` if no tunnel lies ahead."""
         entrances = (one.start if sign > 0.0 else one.end for one in self._tunnels)
         ahead = (at for at in entrances if (at - s) * sign > 0.0)
         return min(ahead, key=lambda at: abs(at - s), default=None)
@@ -114,3 +127,8 @@ class Shelter:
     def _direction(self, s: float) -> tuple[float, float]:
         road = self.corridor
         return float(np.interp(s, road.s, road.cos)), float(np.interp(s, road.s, road.sin))
+
+
+def _along(way: Point, direction: tuple[float, float]) -> float:
+    """Return the component of a vector along a level direction."""
+    return way[0] * direction[0] + way[1] * direction[1]

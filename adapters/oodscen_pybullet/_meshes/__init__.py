@@ -14,7 +14,7 @@ from oodscen_pybullet._meshes.living.people import load_people
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.made import is_made, learned, made_mesh
 from oodscen_pybullet._meshes.mesh import Lamp, Mesh, Puff
-from oodscen_pybullet._meshes.objects import cargo, flat, misc, plants, props, signs
+from oodscen_pybullet._meshes.objects import cargo, fires, flat, plants, props, signs
 from oodscen_pybullet._meshes.vehicles import ego, riders, wrecks
 from oodscen_pybullet._types import Point
 
@@ -32,7 +32,7 @@ __all__ = [
     "paints_of",
 ]
 
-_MODULES = (ego, riders, wrecks, people, wheelchair, props, cargo, flat, misc, signs, plants)
+_MODULES = (ego, riders, wrecks, people, wheelchair, props, cargo, flat, fires, signs, plants)
 _STILL: dict[str, Callable[[MeshBuilder], None]] = {
     maker.__name__: maker for module in _MODULES for maker in getattr(module, "STILL", ())
 }

@@ -16,7 +16,7 @@ from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal
-from oodscen_pybullet._rendering.postprocess import beam, fade
+from oodscen_pybullet._rendering.optics import beam, fade
 from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import SHELTERED
 from oodscen_pybullet._rendering.view import CameraView

@@ -23,6 +23,12 @@ Values taken from a state would otherwise fire there or a step later, as floatin
 
 
 @part
+def _closing(ahead: float, ego_speed: float, actor_speed: float) -> float:
+    """Return the speed at which the ego and an actor ahead, or behind if negative, approach each other, m/s."""
+    return ego_speed - actor_speed if ahead > 0.0 else actor_speed - ego_speed
+
+
+@part
 def fires(
     code: int, value: float, time: float, ahead: float, ego_speed: float, actor_speed: float
 ) -> bool:
@@ -41,8 +47,7 @@ def fires(
     distance = abs(ahead) - TIE
     if code == DISTANCE:
         return distance <= value
-    closing = ego_speed - actor_speed if ahead > 0.0 else actor_speed - ego_speed
-    return distance <= max(0.0, value * closing)
+    return distance <= max(0.0, value * _closing(ahead, ego_speed, actor_speed))
 
 
 def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor) -> bool:
@@ -64,7 +69,7 @@ def value_in(trigger: Trigger, state: State, corridor: Corridor) -> float:
     ahead, ego_speed, actor_speed = _between(trigger.actor or "", state, corridor)
     distance = abs(ahead)
     if trigger.kind == "ttc":
-        closing = ego_speed - actor_speed if ahead > 0.0 else actor_speed - ego_speed
+        closing = _closing(ahead, ego_speed, actor_speed)
         distance = distance / closing if closing > 0.0 else 0.0
     return math.ceil(1000.0 * distance) / 1000.0
 

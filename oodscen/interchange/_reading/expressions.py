@@ -1,4 +1,4 @@
-"""Numbers, parameters and arithmetic in the attributes of OpenSCENARIO files: `$name` and `${$name / 3.6}`."""
+"""Parameters and arithmetic in the attributes of OpenSCENARIO files: `$name` and `${$name / 3.6}`."""
 
 import ast
 import math
@@ -6,12 +6,10 @@ import operator
 import re
 from collections.abc import Callable, Mapping
 
+from oodscen._xml_numbers import UNSIGNED
+
 _NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
-_UNSIGNED = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-_DOUBLE = re.compile(rf"[+-]?{_UNSIGNED}")
-"""Finite numbers of the XML Schema type `double`, which allows fewer than Python does."""
-_ARITHMETIC = re.compile(rf"(?:(?:[A-Za-z]+|{_UNSIGNED})(?![\w.])|[-+*/%(), ])*")
-_BLANKS = " \t\r\n"
+_ARITHMETIC = re.compile(rf"(?:(?:[A-Za-z]+|{UNSIGNED})(?![\w.])|[-+*/%(), ])*")
 _MOST = 200
 """Maximum characters of an expression."""
 _DEEPEST = 50
@@ -38,18 +36,6 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
     "tan": math.tan,
 }
 _CONSTANTS = {"pi": math.pi, "e": math.e}
-
-
-def double(text: str) -> float:
-    """Return the number that a text is in XML Schema.
-
-    Raises:
-        ValueError: If it is none, or not finite.
-    """
-    plain = text.strip(_BLANKS)
-    if not _DOUBLE.fullmatch(plain) or not math.isfinite(value := float(plain)):
-        raise ValueError(f"{text[:40]!r} is not a finite number")
-    return value
 
 
 def substituted(text: str, scope: Mapping[str, str]) -> str:

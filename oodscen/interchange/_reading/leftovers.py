@@ -4,9 +4,9 @@ from collections.abc import Iterator, Mapping
 
 from lxml import etree
 
+from oodscen._xml_numbers import double
 from oodscen.driving._roads.document import name_of
 from oodscen.errors import Issue
-from oodscen.interchange._reading.expressions import double
 from oodscen.interchange._reading.tree import ScenarioTree, where
 
 _SILENT = {

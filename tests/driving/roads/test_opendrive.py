@@ -45,6 +45,7 @@ def test_reads_what_the_file_says() -> None:
     ("pattern", "replacement", "where"),
     [
         (r'x="600"', 'x="nan"', "road[1]/planView/geometry[1]@x"),
+        (r'x="600"', 'x="6_00"', "road[1]/planView/geometry[1]@x"),
         (r'x="600"', 'x="1e400"', "road[1]/planView/geometry[1]@x"),
         (r'x="600"', 'x="six"', "road[1]/planView/geometry[1]@x"),
         (r'x="600"', "", "road[1]/planView/geometry[1]@x"),
@@ -62,6 +63,7 @@ def test_reads_what_the_file_says() -> None:
         (r'(?s)<center>.*</center>', "", "road[1]/lanes/laneSection[0]/center"),
         (r'id="-1"', 'id="-7"', "road[1]/lanes/laneSection[0]"),
         (r'id="-1"', 'id="x"', "road[1]/lanes/laneSection[0]/right/lane@id"),
+        (r'id="-1"', 'id="-1_0"', "road[1]/lanes/laneSection[0]/right/lane@id"),
         (r'id="2"', 'id="-2"', "road[1]/lanes/laneSection[0]/left/lane[-2]@id"),
         (
             r'<width sOffset="0" a="3.4"[^>]*>',

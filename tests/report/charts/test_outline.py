@@ -6,7 +6,8 @@ from markupsafe import escape
 
 from oodscen import ScenarioTree, Study
 from oodscen.report._charts.outline import outline, remarks
-from oodscen.tree._edit_log import MAX_DEPTH, TreeEdit
+from oodscen.tree._edit_log import MAX_DEPTH
+from oodscen.tree._edits import TreeEdit
 
 
 def test_an_outline_holds_every_node_once_in_tree_order(study: Study) -> None:

@@ -17,7 +17,7 @@ from oodscen.data._colours import Colour
 from oodscen.data._shapes import Part
 from oodscen_pybullet._meshes.atlas import COLOURS
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._meshes.designs import fittings, openings, parts
+from oodscen_pybullet._meshes.designs import fittings, openings, parts, rings
 from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, held
 from oodscen_pybullet._meshes.look import Appearance
 
@@ -94,6 +94,8 @@ _Placed = (
     | Annotated[fittings.RearPrint, Tag("rear_print")]
     | Annotated[fittings.FrontPrint, Tag("front_print")]
     | Annotated[fittings.Octagon, Tag("octagon")]
+    | Annotated[rings.SpokedWheel, Tag("spoked_wheel")]
+    | Annotated[rings.Torus, Tag("torus")]
     | Annotated[BothSides, Tag("both_sides")]
     | Annotated[Row, Tag("repeat")]
     | Annotated[Copies, Tag("at")]

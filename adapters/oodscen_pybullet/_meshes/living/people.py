@@ -1,4 +1,4 @@
-"""People on foot, as `people.toml` describes them."""
+"""People on foot, as `people.toml` describes them, and what only looks like one."""
 
 import math
 import tomllib
@@ -81,4 +81,14 @@ def person_lying(mesh: MeshBuilder) -> None:
     mesh.add_surface(facing_left, (0.0, 0.0, 0.14), roll=math.pi / 2).flatten(0.0)
 
 
-STILL = (person_lying,)
+def mannequin(mesh: MeshBuilder) -> None:
+    """A white, faceless shop-window dummy on a stand, facing -x."""
+    doll, white = MeshBuilder(), "plastic"
+    clothes = Clothes("purple", white, sleeves=white, hair=white, skin=white, shoes=white)
+    figure(doll, clothes, Appearance(), Posture((0.3, 0.36, 1.2), (0.1, -0.42, 0.98)))
+    doll.grounded().shift((0.0, 0.0, 0.04))
+    add_design(doll, "_mannequin")
+    mesh.add_surface(doll.build(), yaw=math.pi)
+
+
+STILL = (person_lying, mannequin)

@@ -9,7 +9,7 @@ from oodscen_pybullet._meshes.living.limbs import joint, limb
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._types import Point
 
-SIDE, SEAT = "_wheelchair_side", "_wheelchair_seat"
+_SIDE, _SEAT = "_wheelchair_side", "_wheelchair_seat"
 """Designs of its parts that do not move."""
 _WHEEL: Point = (-0.1, 0.31, 0.31)
 """Centre of the left wheel, m."""
@@ -32,10 +32,10 @@ def wheelchair_user(mesh: MeshBuilder, shown: Appearance) -> None:
     push = _PUSH * math.sin(2 * math.pi * phase)
     for side in (-1.0, 1.0):
         _add_wheel(mesh, _on(side, _WHEEL), phase)
-        add_design(mesh, SIDE, place=Placing(side=side))
+        add_design(mesh, _SIDE, place=Placing(side=side))
         _add_leg(mesh, side)
         _add_arm(mesh, side, push)
-    add_design(mesh, SEAT)
+    add_design(mesh, _SEAT)
 
 
 def _add_wheel(mesh: MeshBuilder, centre: Point, phase: float) -> None:

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from oodscen_pybullet._meshes import _STILL, _VARIED, paints_of
+from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import CONTEXT, Design, assemble, load_designs
-from oodscen_pybullet._meshes.living import wheelchair
 from oodscen_pybullet._meshes.living.people import load_people
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.mesh import Mesh
@@ -120,10 +121,32 @@ def test_what_the_schema_does_not_know_is_refused_with_its_place(
     assert place in caught.value.errors()[0]["loc"]
 
 
-def test_components_exist_and_are_used() -> None:
+class Recorded(dict[str, Design]):
+    """Designs that note which of them are asked for."""
+
+    asked: set[str]
+
+    def __getitem__(self, name: str) -> Design:
+        self.asked.add(name)
+        return super().__getitem__(name)
+
+
+def asked_by_code(monkeypatch: pytest.MonkeyPatch) -> set[str]:
+    """Return the designs that assets made by code consist of."""
+    designs = Recorded(load_designs())
+    designs.asked = set()
+    monkeypatch.setattr("oodscen_pybullet._meshes.designs.load_designs", lambda: designs)
+    for still in _STILL.values():
+        still(MeshBuilder())
+    for asset, varied in _VARIED.items():
+        varied(MeshBuilder(), Appearance(paint=paints_of(asset)[0]))
+    return designs.asked
+
+
+def test_components_exist_and_are_used(monkeypatch: pytest.MonkeyPatch) -> None:
     designs = load_designs()
     text = "".join(design.model_dump_json() for design in designs.values())
-    named = {*re.findall(r'"asset":"([^"]+)"', text), wheelchair.SIDE, wheelchair.SEAT}
+    named = {*re.findall(r'"asset":"([^"]+)"', text), *asked_by_code(monkeypatch)}
     for person in load_people().values():
         worn = (*person.worn, person.at_head, person.on_head, person.holds, person.pushes)
         named |= {*worn} - {""}

@@ -11,9 +11,8 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._rendering import picture
-from oodscen_pybullet._rendering import postprocess as post
+from oodscen_pybullet._rendering.optics import fade, grain
 from oodscen_pybullet._rendering.picture import postprocessed
-from oodscen_pybullet._rendering.postprocess import fade, grain
 from oodscen_pybullet._rendering.stage import RawPicture, Shot
 from oodscen_pybullet._rendering.triangles import GROUND, PLAIN, SHELTERED, SHINING, SOFT
 from oodscen_pybullet._rendering.view import CameraView
@@ -149,7 +148,3 @@ def test_without_numba_pictures_are_the_same(
             patch.setattr(picture, "is_compiled", lambda: False)
             plain = show(shot(depth, colour=90), **weather)
         assert np.array_equal(compiled, plain)
-
-
-def test_settings_have_room() -> None:
-    assert max(post.NOISE, post.AIR_INSIDE) < post.SETTINGS
