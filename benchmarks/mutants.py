@@ -69,6 +69,10 @@ _OBJECTS = "oodscen/llm/_json_objects.py"
 _READING = "oodscen/judging/_parsing/reading.py"
 
 EQUIVALENT: dict[tuple[str, str], str] = {
+    (
+        "oodscen/judging/_leaderboard/standings.py",
+        "if ((chance is not None) or (decidable.value is not None)):",
+    ): "both are known if one decidable scene was answered, or neither is",
     (_SAFETY, "is_still = np.abs(speed) <= _STILL_MPS"): _TOLERANCE,
     (
         _RESAMPLING,

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from oodscen.data._episode import ACTIONS, ActionOutcome, Episode
 from oodscen.data._verdict import Verdict
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
-from oodscen.judging._leaderboard.rows import LeaderboardRow, Rate
+from oodscen.judging._leaderboard.rows import Estimate, LeaderboardRow, Rate
 from tests.judging.cases import Case
 
 STOPS = ("stop", "emergency_brake", "pull_over")
@@ -169,7 +169,12 @@ def test_the_rates_of_a_row_are_counted(story: Story) -> None:
         found, control = row.detection, row.control
         assert is_counted(found.sensitivity, scenes, lambda one: one.is_ood)
         assert is_counted(found.alarms, twins, lambda one: one.is_ood)
-        assert found.alarms_by_kind["twin"].hits == found.alarms.hits
+        for rate, by_kind in (
+            (found.alarms, found.alarms_by_kind),
+            (control.needless, control.needless_by_kind),
+        ):
+            assert by_kind["twin"].hits == rate.hits
+            assert by_kind["twin"].with_missing_wrong == rate.with_missing_wrong
         assert is_counted(
             found.specificity, twins, lambda one: None if one.is_ood is None else not one.is_ood
         )
@@ -201,12 +206,42 @@ def test_the_rates_of_a_row_are_counted(story: Story) -> None:
         assert is_counted(
             control.needless, quiet, lambda one: one.action in STOPS if one.action else None
         )
-        assert control.needless_by_kind["twin"].hits == control.needless.hits
+        for estimate in (
+            *(control.above_chance, found.auroc, found.d_prime),
+            *(found.balanced_accuracy, found.with_missing_wrong),
+        ):
+            assert is_held(estimate)
+
+
+def is_held(estimate: Estimate) -> bool:
+    """Return whether a value lies in its interval, if there is one."""
+    value, interval = estimate.value, estimate.interval
+    return value is None or interval is None or interval.low <= value <= interval.high
 
 
 def keeps(episode: Episode) -> bool:
     """Return whether keeping the speed is safe; no body was met, so every margin is enough."""
     return "keep_speed" in episode.actions and episode.actions["keep_speed"].safe
+
+
+def test_a_score_above_chance_lies_amid_its_replicates() -> None:
+    case = Case(paths=60, per_path=1)
+
+    def half(index: int, twin: bool) -> dict[str, Any]:
+        return {"action": "stop" if index % 2 else "keep_speed"}
+
+    (row,) = leaderboard(case.verdicts("m", half), case.episodes, case.scenarios).standings
+    found = row.control.above_chance
+    assert found.value == pytest.approx((0.5 - 2 / 7) / (1 - 2 / 7))
+    assert found.interval is not None
+    assert (found.interval.low + found.interval.high) / 2 == pytest.approx(found.value, abs=0.05)
+
+
+def test_one_verdict_makes_a_row() -> None:
+    case = Case()
+    one = case.verdicts("m", lambda index, twin: {"action": "stop"})[0]
+    (row,) = leaderboard([one], case.episodes, case.scenarios).standings
+    assert (row.asked, row.control.safe.hits) == (1, 1)
 
 
 @pytest.mark.parametrize("answered", [0, 1, 5])
