@@ -5,7 +5,6 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
-from oodscen._pipeline.steps.made import made_for
 from oodscen._registry import is_builtin
 from oodscen.data._scenario import Scenario
 from oodscen.errors import LLMError, UsageError
@@ -13,6 +12,7 @@ from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.metrics._metrics import Metrics
 from oodscen.stages._describe import Describer
 from oodscen.stages._spread import spread, spread_subset
+from oodscen.study._made import made_for
 from oodscen.tree._scenario_tree import ScenarioTree
 
 SHORT_PATHS = "short_paths.jsonl"
@@ -114,7 +114,9 @@ def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
         twins=is_builtin(config.llm) if config.twins is None else config.twins,
         sample=sample,
         catalogue=run.simulator.catalogue() if is_shown else None,
-        made={path: made.described() for path, made in made_for(run).items()} if is_shown else None,
+        made={path: made.described() for path, made in made_for(run.study).items()}
+        if is_shown
+        else None,
     )
 
 
