@@ -44,7 +44,7 @@ def props(
     """Check and show the things made to order in WHERE: a file, a folder or a study.
 
     Prints size, mass and pixels of each thing 15 m ahead. The sheet shows each from 10, 15 and 30 m by day and
-    by night. Without --captions it is for people or models who are to name what they see. The exit code is 1 if a
+    by night; what could not be made is named on standard error. Without --captions it is for people or models who are to name what they see. The exit code is 1 if a
     thing is too small or too faint to be recognised.
     """
     from oodscen._display import png
@@ -57,7 +57,7 @@ def props(
         raise click.UsageError("give WHERE, or --details without it")
     if out is None:
         refuse_idle("without --out, the file of the sheet", "captions")
-    found = read_props(where) if where is not None else []
+    found, unmade = read_props(where) if where is not None else ([], [])
     with using(make_simulator(simulator)) as shown:
         catalogue = shown.catalogue()
         known = catalogue.with_made(found)
@@ -72,6 +72,8 @@ def props(
         if picture is None:
             raise MissingExtra("a sheet of pictures", "pybullet", "cv2")
         write_bytes(out, picture)
+    if unmade:
+        say(f"not shown, since no design was made: {', '.join(unmade)}", err=True)
     looks = [one.look for one in seen]
     if as_json:
         say(json.dumps([look.model_dump(mode="json") for look in looks], indent=2))

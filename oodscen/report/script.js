@@ -6,6 +6,7 @@
   const data = JSON.parse(get("data").textContent);
   const scenes = data.scenes, models = data.models;
   const number = new Map(scenes.map((scene, index) => [scene.id, index]));
+  const leaves = new Map(Object.entries(data.leaves));
 
   // Everything is built from text nodes and known attributes; no string is ever parsed as markup.
   const NS = "http://www.w3.org/2000/svg";
@@ -18,8 +19,9 @@
   const svg = (name, attributes = {}, ...children) => fill(document.createElementNS(NS, name), attributes, children);
   const said = (text) => el("bdi", {}, text);
   const sr = (text) => el("span", { class: "sr" }, text);
+  const member = (record, name) => Object.hasOwn(record, name) ? record[name] : undefined;
   const words = (id) => id.replaceAll("_", " ").replaceAll("-", " ");
-  const leafName = (leaf) => leaf === "none" ? "nothing unusual" : (data.leaves[leaf]?.path.at(-1) ?? words(leaf));
+  const leafName = (leaf) => leaf === "none" ? "nothing unusual" : (leaves.get(leaf)?.path.at(-1) ?? words(leaf));
   const anchor = (scene) => `#scene-${encodeURIComponent(scene.id)}`;
 
   // The list and its filters
@@ -32,7 +34,7 @@
   const searched = (scene) => {
     if (!texts.has(scene)) {
       const said = [scene, ...drives(scene).map(([, one]) => one)].flatMap((one) => one.answers ?? []).flatMap((answer) => [answer.aspect, answer.reasoning, ...(answer.descriptions ?? [])]);
-      texts.set(scene, [scene.id, scene.text, scene.error, ...(data.leaves[scene.leaf]?.path ?? []), ...said].filter(Boolean).join(" ").toLowerCase());
+      texts.set(scene, [scene.id, scene.text, scene.error, ...(leaves.get(scene.leaf)?.path ?? []), ...said].filter(Boolean).join(" ").toLowerCase());
     }
     return texts.get(scene);
   };
@@ -49,7 +51,7 @@
   const by = (scene, model) => scene?.answers.find((answer) => answer.model === model);
   const others = (scene, model) => drives(scene).map(([, one]) => by(one, model)).filter(Boolean);
   const accepts = (scene, want) => {
-    const path = data.leaves[scene.leaf]?.path ?? [];
+    const path = leaves.get(scene.leaf)?.path ?? [];
     if (leaf && scene.leaf !== leaf) return false;
     if (want.class && path[0] !== want.class) return false;
     if (want.family && path[1] !== want.family) return false;
@@ -60,7 +62,7 @@
     if (want.safe && (!scene.actions.length || scene.actions.filter((action) => action.kind === "safe").length !== Number(want.safe))) return false;
     if (want.model || want.result) {
       const asked = want.model ? [Number(want.model)] : models.flatMap((one, index) => one.kind === "model" ? [index] : []);
-      const test = RESULTS[want.result] ?? ((own) => Boolean(own));
+      const test = member(RESULTS, want.result) ?? ((own) => Boolean(own));
       if (!asked.some((model) => test(by(scene, model), others(scene, model)))) return false;
     }
     const query = (want.q ?? "").toLowerCase().split(/\s+/).filter(Boolean);
@@ -105,7 +107,7 @@
     for (const scene of fits.slice(built, built + BATCH)) {
       let cards = list.lastElementChild;
       if (!cards || cards.dataset.leaf !== scene.leaf) {
-        const known = data.leaves[scene.leaf] ?? { path: [] };
+        const known = leaves.get(scene.leaf) ?? { path: [] };
         cards = el("section", { class: "path", "data-leaf": scene.leaf },
           el("h3", {}, el("a", { href: `#path-${encodeURIComponent(scene.leaf)}`, class: "plain" }, pathOf(known.path)), known.attested ? [" ", el("span", { class: "badge paper" }, "paper")] : null),
           el("div", { class: "cards" }));
@@ -150,17 +152,17 @@
   const strip = (sketch, action, hazards, hits, { left, right, top, low }) => {
     const at = (x, y, heading = 0) => `translate(${x} ${-y}) rotate(${-heading})`;
     const block = (name, body, kind) => svg("rect", { class: `body ${kind}`, x: -body[3] / 2, y: -body[4] / 2, width: Math.max(body[3], 1), height: Math.max(body[4], 0.8), rx: 0.3, transform: at(body[0], body[1], body[2]) },
-      svg("title", {}, name === "ego" ? "ego" : sketch.names[name] ?? name));
+      svg("title", {}, name === "ego" ? "ego" : member(sketch.names, name) ?? name));
     const parts = sketch.lanes.map(([kind, way, from, to]) => svg("rect", { class: `lane is-${kind === "driving" ? (way < 0 ? "oncoming" : "driving") : "side"}`, x: left, y: -to, width: right - left, height: to - from }));
     sketch.lanes.forEach((lane, index) => {
       const next = sketch.lanes[index + 1];
       if (lane[0] === "driving" && next && next[0] === "driving") parts.push(svg("path", { class: lane[1] === next[1] ? "dashes" : "line", d: `M${left} ${-lane[3]}H${right}` }));
     });
-    const path = sketch.paths[action] ?? [], ends = sketch.ends[action] ?? {};
+    const path = member(sketch.paths, action) ?? [], ends = member(sketch.ends, action) ?? {};
     const kindOf = (name) => hits.includes(name) ? "is-hit" : hazards.includes(name) ? "is-hazard" : "is-other";
     for (const [name, body] of Object.entries(sketch.bodies)) {
       if (name === "ego") continue;
-      const end = ends[name];
+      const end = member(ends, name);
       if (end) {
         parts.push(svg("path", { class: "way", d: `M${body[0]} ${-body[1]}L${end[0]} ${-end[1]}` }), block(name, body, `${kindOf(name)} ghost`));
         parts.push(block(name, [end[0], end[1], end[2], body[3], body[4]], kindOf(name)));
@@ -179,7 +181,7 @@
   };
   const rollouts = (scene, view) => el("ul", { class: "rollouts" }, scene.actions.map((action) => el("li", { class: `is-${action.kind}` },
     el("p", {}, el("b", {}, sr(`${action.kind}: `), action.name), " ", el("span", {}, action.note), action.more ? el("small", {}, action.more) : null),
-    scene.sketch && scene.sketch.paths[action.id] ? strip(scene.sketch, action.id, scene.hazards, action.hits, view) : null)));
+    scene.sketch && member(scene.sketch.paths, action.id) ? strip(scene.sketch, action.id, scene.hazards, action.hits, view) : null)));
   const looks = (scene, title, name, view) => el("section", { class: "side" },
     el("h3", {}, title),
     scene.error ? el("p", { class: "error" }, said(scene.error)) : null,
@@ -228,7 +230,7 @@
   let open = null;
   const show = (scene) => {
     open = scene;
-    const place = fits.indexOf(scene), known = data.leaves[scene.leaf] ?? { path: [] };
+    const place = fits.indexOf(scene), known = leaves.get(scene.leaf) ?? { path: [] };
     const view = extent([scene.sketch, ...drives(scene).map(([, one]) => one.sketch)]);
     const step = (other, text, rel) => other ? el("a", { href: anchor(other), rel, class: "step" }, text) : el("span", { class: "step none", "aria-hidden": "true" }, text);
     page.replaceChildren(el("article", { class: "whole", id: `scene-${scene.id}`, "aria-label": `Scene ${scene.id}` },
@@ -288,7 +290,7 @@
     }
     if (form && name.startsWith("path-")) {
       for (const control of form.elements) if (control.name) control.value = "";
-      leaf = name.slice(5) in data.leaves ? name.slice(5) : "";
+      leaf = leaves.has(name.slice(5)) ? name.slice(5) : "";
       apply();
       if (leaf) get("scenes").scrollIntoView();
       else miss(`There is no path “${name.slice(5)}” in this study; all its scenes are listed below.`);

@@ -9,10 +9,16 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 
 
-def text_digest(text: Scenario, claims: Sequence[Claim] | None) -> str:
-    """Return the digest of what a scene is staged from; the claims are `None` if they could not be read."""
+def text_digest(text: Scenario, claims: Sequence[Claim] | None, made: Sequence[str] = ()) -> str:
+    """Return the digest of what a scene is staged from.
+
+    Args:
+        text: What it shows.
+        claims: Those of the text, or `None` if they could not be read.
+        made: Digests of the designs that were made for its path.
+    """
     said = None if claims is None else [claim.model_dump(mode="json") for claim in claims]
-    return digest([text.text, text.path, said])
+    return digest([text.text, text.path, said, *([list(made)] if made else [])])
 
 
 class Staging(Data):
@@ -22,7 +28,7 @@ class Staging(Data):
 
     id: str
     made_from: str = ""
-    """SHA-256 digest of the text and its claims; see `text_digest`."""
+    """SHA-256 digest of the text, its claims and the designs made for it; see `text_digest`."""
     scene: Scene
     """The scene as it was staged."""
     how: str | None = None

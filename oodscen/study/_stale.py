@@ -9,6 +9,7 @@ from oodscen.data._pairing import scene_of
 from oodscen.data._scene import Scene
 from oodscen.errors import UsageError
 from oodscen.study._files import ClaimsLine
+from oodscen.study._made import NOTHING, made_for
 from oodscen.study._staging import text_digest
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def stale_scenes(
 def changed_texts(study: "Study") -> set[str]:
     """Return the ids of the scenes whose text is gone, or is not what they were staged from.
 
-    A text is what it says, its path, its leaf and its claims. What a study has no record of is taken as it is.
+    A text is what it says, its path, its leaf, its claims and the designs made for it. What a study has no record of is taken as it is.
 
     Raises:
         DataError: If a table or the tree is malformed.
@@ -61,6 +62,7 @@ def changed_texts(study: "Study") -> set[str]:
     claims = {str(line.get("id")): line for line in store.lines("claims.jsonl")}
     has_tree = store.holds("tree.simulatable.json")
     paths = study.tree("simulatable").paths if has_tree else None
+    made = made_for(study) if has_tree else {}
     found = set[str]()
     staged = {str(line.get("id")): line for line in store.lines("staged.jsonl")}
     for name, line in staged.items():
@@ -71,7 +73,8 @@ def changed_texts(study: "Study") -> set[str]:
             is_read = said.get("status") != "failed"
             source = f"{store.path('claims.jsonl')}, {name}"
             read = ClaimsLine.parse(said, source=source).claims if is_read else None
-            if text_digest(text, read) != line["made_from"]:
+            designs = made.get(text.path, NOTHING).digests()
+            if text_digest(text, read, designs) != line["made_from"]:
                 found.add(name)
     return found
 

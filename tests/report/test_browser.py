@@ -199,13 +199,18 @@ def test_a_link_to_a_scene_opens_it_and_an_unknown_one_is_told(
     assert one.count(".answers") == 1
     page.click("#back")
     page.locator("#models").wait_for()
-    for link in ("#scene-unknown", "#path-unknown", "#%E0%A4%A", "#scenes?outcome=x&nothing=1"):
+    inherited = ("constructor", "toString", "__proto__")
+    missed = {
+        f"#{kind}-{name}": name for kind in ("scene", "path") for name in ("unknown", *inherited)
+    }
+    odd = ("#%E0%A4%A", "#scenes?outcome=x&nothing=1", "#scenes?result=constructor", "#__proto__")
+    for link in (*missed, *odd):
         page.goto(f"{report(judged).as_uri()}{link}")
         assert page.locator("#models").is_visible()
-        is_missed = link.endswith("-unknown")
-        assert page.locator("#unknown").is_visible() == is_missed
-        if is_missed:
-            assert "“unknown” in this study" in page.locator("#unknown").inner_text()
+        assert page.locator("#unknown").is_visible() == (link in missed)
+        assert one.shown() == "9 scenes"
+        if link in missed:
+            assert f"“{missed[link]}” in this study" in page.locator("#unknown").inner_text()
     assert one.complaints == []
 
 

@@ -10,6 +10,7 @@ from oodscen._study_files import ASSETS, MOTIONS
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._motion import Motion
+from oodscen.errors import DataError, Issue
 from oodscen.stages._making.files import picture_of
 from oodscen.stages._making.looking import ShownProp, views_of
 from oodscen.stages._making.making import MadeProp, PropMaker, judged_again, wanted_things
@@ -59,13 +60,48 @@ def with_made(
     maker = PropMaker(run.llm, run.simulator, keep_picture, recogniser=recogniser)
     wanted = {one.name: one for one in wanted_things(tree, judgements, catalogue)}
     rows = _made(run, ASSETS, judgements, wanted, maker.make)
-    props = {one.id: one.prop for one in map(MadeProp.parse, rows) if one.prop is not None}
+    things = _drawn(run, maker, [MadeProp.parse(row, source=ASSETS) for row in rows])
+    props = {one.id: one.prop for one in things if one.prop is not None}
     motions = _made_motions(run, tree, judgements)
+    _refuse_lost(run, judgements)
     if not props and not motions:
         return list(judgements)
     judge = pruner(run, catalogue.with_made(props.values(), motions.values()))
     again = {one.id: one for one in judged_again(judge, tree, judgements, {*props, *motions})}
     return [again.get(one.id, one) for one in judgements]
+
+
+def _drawn(run: Context, maker: PropMaker, things: list[MadeProp]) -> list[MadeProp]:
+    """Draw the things again whose pictures are gone, or whose designs were changed by hand."""
+    drawn = [thing if _is_drawn(run, thing) else maker.draw(thing) for thing in things]
+    if drawn != things:
+        run.store.write_lines(ASSETS, drawn)
+    return drawn
+
+
+def _is_drawn(run: Context, thing: MadeProp) -> bool:
+    if thing.prop is None:
+        return True
+    return run.store.has(picture_of(thing.id)) and thing.drawn in ("", thing.prop.digest())
+
+
+def _refuse_lost(run: Context, judgements: Sequence[PruneDecision]) -> None:
+    """Refuse a leaf that is kept with a thing or movement of which neither a design nor a wish is left.
+
+    Raises:
+        DataError: If there is one.
+    """
+    known = {line["id"] for file in (ASSETS, MOTIONS) for line in run.store.lines(file)}
+    for one in judgements:
+        lost = [name for name in one.made if name not in known]
+        if one.keep and lost:
+            fault = (
+                f"{one.id} is shown with {', '.join(lost)}, of which there is no design; remove its line, and it is "
+                "judged again"
+            )
+            raise DataError(
+                "decision", [Issue("", fault)], source=str(run.store.path("pruned.jsonl"))
+            )
 
 
 def _made_motions(
@@ -77,7 +113,12 @@ def _made_motions(
     if not wanted and not run.store.holds(MOTIONS):
         return {}
     maker = MotionMaker(run.llm, run.simulator)
-    return made_motions(_made(run, MOTIONS, judgements, wanted, maker.make))
+    motions = made_motions(_made(run, MOTIONS, judgements, wanted, maker.make))
+    for name, motion in motions.items():
+        if motion.id != name:
+            issue = Issue("motion.id", f"must be {name}")
+            raise DataError(Motion.noun, [issue], source=f"{MOTIONS}, {name}")
+    return motions
 
 
 def _made(
@@ -90,10 +131,10 @@ def _made(
     """Return the lines of what was made: what is wanted, and what decisions already use."""
     used = {name for one in judgements for name in one.made}
     before = {line["id"]: line for line in run.store.lines(file) if line["id"] in used}
-    # What decisions already use keeps its line, and there is no wish to make it again.
+    # What decisions use keeps its line, also if no wish to make it is left.
     return run.each(
         "make",
         file,
-        {**dict.fromkeys(before), **wanted},
+        {**wanted, **{name: None for name in before if name not in wanted}},
         lambda todo: (make(one) for one in todo.values() if one is not None),
     )

@@ -6,7 +6,6 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
-from oodscen._pipeline.steps.made import made_for
 from oodscen._pipeline.steps.staged import SCENES, STAGED, Line, StagedScenes
 from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._base import digest
@@ -18,6 +17,7 @@ from oodscen.data._scene import Scene
 from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import LLMError
 from oodscen.stages._augment import Augmenter
+from oodscen.study._made import NOTHING, made_for
 from oodscen.study._staging import Staging, text_digest
 from oodscen.study._store import Store
 
@@ -43,9 +43,10 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     catalogue, context = run.simulator.catalogue(), run.config.context
     augmenter = partial(Augmenter, run.llm, catalogue, context=context, encoder=run.encoder)
     plain = augmenter(check=AdvisingCheck(run.simulator))
+    made = made_for(run.study)
     with_made = {
         path: augmenter(check=AdvisingCheck(), made=props, motions=motions)
-        for path, (props, motions) in made_for(run).items()
+        for path, (props, motions) in made.items()
     }
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = StagedScenes(run.store)
@@ -53,8 +54,9 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     claims_by_text = _claims(run, plain, scenarios)
 
     def made_from(name: str) -> str:
-        claims = claims_by_text[name]
-        return text_digest(by_id[name], None if isinstance(claims, LLMError) else claims)
+        text, claims = by_id[name], claims_by_text[name]
+        read = None if isinstance(claims, LLMError) else claims
+        return text_digest(text, read, made.get(text.path, NOTHING).digests())
 
     def work(scenario: Scenario) -> Staging | Line:
         claims = claims_by_text[scenario.id]

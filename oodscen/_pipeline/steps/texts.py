@@ -6,7 +6,6 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
-from oodscen._pipeline.steps.made import made_for
 from oodscen._registry import is_builtin
 from oodscen.data._scenario import Scenario
 from oodscen.errors import LLMError, UsageError
@@ -15,6 +14,7 @@ from oodscen.metrics._metrics import Metrics
 from oodscen.stages._describe import Describer
 from oodscen.stages._spread import spread, spread_subset
 from oodscen.study._config import StudyConfig
+from oodscen.study._made import made_for
 from oodscen.study._store import Store
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -119,7 +119,9 @@ def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
         twins=has_twins(config),
         sample=sample,
         catalogue=run.simulator.catalogue() if is_shown else None,
-        made={path: made.described() for path, made in made_for(run).items()} if is_shown else None,
+        made={path: made.described() for path, made in made_for(run.study).items()}
+        if is_shown
+        else None,
     )
 
 

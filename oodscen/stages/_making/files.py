@@ -3,13 +3,14 @@
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from oodscen._files import read_utf8
 from oodscen._json import object_lines
 from oodscen._study_files import ASSETS, PICTURES
 from oodscen.data._prop import Prop
 from oodscen.errors import DataError, Issue
+from oodscen.stages._making.making import MadeProp
 
 _SCENES = "scenes.jsonl"
 
@@ -19,22 +20,36 @@ def picture_of(name: str) -> str:
     return f"{PICTURES}/{name}.jpg"
 
 
-def read_props(path: Path) -> list[Prop]:
+class Designs(NamedTuple):
+    """The designs that were found, and the ids of things that could not be made."""
+
+    props: list[Prop]
+    unmade: list[str]
+
+
+def read_props(path: Path) -> Designs:
     """Return the designs in a JSON, JSON Lines or TOML file, in a folder of them, or in a study.
 
     A TOML file holds one table per design, named by its id. A line may hold a design or, as in a study's
-    `assets.jsonl`, have it as its member `prop`. Of designs with the same id the first counts.
+    `assets.jsonl`, have it as its member `prop`, which is `null` if the thing could not be made. Of designs with the
+    same id the first counts.
 
     Raises:
         DataError: When a file cannot be read or holds no valid design; it lists all faults.
     """
     found: dict[str, Prop] = {}
+    unmade: dict[str, None] = {}
     for source, value in _values(path):
+        if isinstance(value, MadeProp):
+            unmade[value.id] = None
+            continue
         prop = Prop.parse(value, source=source)
         found.setdefault(prop.id, prop)
+    left = [name for name in unmade if name not in found]
     if not found:
-        raise DataError(Prop.noun, [Issue("", "no design found")], source=str(path))
-    return list(found.values())
+        told = f"; could not be made: {', '.join(left)}" if left else ""
+        raise DataError(Prop.noun, [Issue("", f"no design found{told}")], source=str(path))
+    return Designs(list(found.values()), left)
 
 
 def _values(path: Path) -> Iterator[tuple[str, Any]]:
@@ -66,6 +81,8 @@ def _values(path: Path) -> Iterator[tuple[str, Any]]:
             made = line.get("made")
             if isinstance(made, list):
                 yield from ((here, one) for one in made)
+            elif "prop" in line and line["prop"] is None:
+                yield here, MadeProp.parse(line, source=here)
             elif "parts" in line or "prop" in line:
                 yield here, line.get("prop", line)
     else:

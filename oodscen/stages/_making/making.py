@@ -4,13 +4,14 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from threading import Lock
 from typing import Literal, NamedTuple, Self
 
+from oodscen._study_files import ASSETS
 from oodscen._text import one_line
 from oodscen.data._additions import Addition
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
 from oodscen.data._prop import Prop, check_prop
-from oodscen.errors import Issue, LLMError, OodscenError
+from oodscen.errors import DataError, Issue, LLMError, OodscenError, SceneError
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_prop import DesignedProp, DesignProp, KnownPart
 from oodscen.protocols import LLM, Simulator
@@ -55,6 +56,8 @@ class MadeProp(Made):
     """`None` if it could not be made."""
     look: PropLook | None = None
     """Its size in the simulator's pictures."""
+    drawn: str = ""
+    """SHA-256 digest of the design that the pictures show."""
 
 
 class Wanted(NamedTuple):
@@ -113,7 +116,28 @@ class PropMaker:
             reason = f"{seen.look.recognised}, which took it for: {seen.look.taken_for}"
             return MadeProp(id=wanted.name, reason=reason, **asked)
         self.keep(seen)
-        return MadeProp(id=wanted.name, prop=answer.prop, look=seen.look, **asked)
+        drawn = answer.prop.digest()
+        return MadeProp(id=wanted.name, prop=answer.prop, look=seen.look, drawn=drawn, **asked)
+
+    def draw(self, made: MadeProp) -> MadeProp:
+        """Look at a design as it is now; one that was changed counts as not shown to be recognised.
+
+        Raises:
+            DataError: When the simulator cannot show it, or it has another id than its line.
+        """
+        prop = made.prop
+        if prop is None:
+            return made
+        try:
+            if prop.id != made.id:
+                raise SceneError(prop.id, [Issue("prop.id", f"must be {made.id}")])
+            (seen,) = look_at([prop], self.simulator)
+        except SceneError as error:
+            raise DataError(Prop.noun, error.issues, source=f"{ASSETS}, {made.id}") from None
+        self.keep(seen)
+        is_same = made.drawn in ("", prop.digest())
+        look = made.look if is_same else seen.look
+        return made.model_copy(update={"look": look, "drawn": prop.digest()})
 
     def _parts(self, category: Category) -> tuple[KnownPart, ...]:
         """Return what may be a part: things that stand, and bodies of the same category."""
@@ -159,6 +183,11 @@ def is_makeable(decision: PruneDecision) -> bool:
     )
 
 
+def additions_to_make(decision: PruneDecision) -> tuple[Addition, ...]:
+    """Return what is to be made for a leaf, or was made for it."""
+    return decision.lacks if is_makeable(decision) else decision.made_as
+
+
 def wanted_things(
     tree: ScenarioTree, decisions: Iterable[PruneDecision], catalogue: Catalogue
 ) -> list[Wanted]:
@@ -168,8 +197,8 @@ def wanted_things(
     found: dict[str, Wanted] = {}
     for leaf in tree.leaves:
         decision = by_id.get(leaf.id)
-        if decision is not None and (is_makeable(decision) or decision.made):
-            for one in decision.lacks or ():
+        if decision is not None:
+            for one in additions_to_make(decision):
                 if one.kind == "asset" and is_id(one) and one.name not in known:
                     category = one.category or "object"
                     found.setdefault(one.name, Wanted(one.name, category, decision.path))
@@ -197,7 +226,9 @@ def judged_again(
     for one in pruner.decisions(tree, others):
         if one.status == "ok":
             lacks = one.lacks if one.keep else one.lacks or before[one.id].lacks
-            found.append(one.model_copy(update={"made": names[one.id], "lacks": lacks}))
+            made_as = before[one.id].lacks
+            update = {"made": names[one.id], "made_as": made_as, "lacks": lacks}
+            found.append(one.model_copy(update=update))
     return found
 
 

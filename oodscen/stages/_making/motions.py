@@ -13,7 +13,7 @@ from oodscen.errors import Issue, LLMError, OodscenError
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_motion import DesignedMotion, DesignMotion
 from oodscen.protocols import LLM, Control, Simulator
-from oodscen.stages._making.making import Made, is_id, is_makeable
+from oodscen.stages._making.making import Made, additions_to_make, is_id
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -113,10 +113,11 @@ def wanted_motions(
     found: dict[str, WantedMotion] = {}
     for leaf in tree.leaves:
         decision = by_id.get(leaf.id)
-        if decision is None or not (is_makeable(decision) or decision.made):
+        if decision is None:
             continue
-        things = dict.fromkeys(one.category for one in decision.lacks if one.category)
-        for one in decision.lacks:
+        additions = additions_to_make(decision)
+        things = dict.fromkeys(one.category for one in additions if one.category)
+        for one in additions:
             if one.kind == "behaviour" and is_id(one) and one.name not in known:
                 wanted = WantedMotion(one.name, decision.path, tuple(things))
                 found.setdefault(one.name, wanted)

@@ -64,6 +64,8 @@ class PruneDecision(Data):
     made: tuple[str, ...] = ()
     """Ids of the things that were made to order for it: for a dropped leaf they did not suffice. Left out of the
     JSON text if empty."""
+    made_as: tuple[Addition, ...] = ()
+    """The additions that they were made as. Left out of the JSON text if empty."""
     same_as: tuple[str, ...] = ()
     """Ids of the other leaves that the simulator shows with exactly the same means."""
     catalogue: str = ""
@@ -76,8 +78,9 @@ class PruneDecision(Data):
     @model_serializer(mode="wrap")
     def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
         value: dict[str, Any] = serialise(self)
-        if not value.get("made"):
-            value.pop("made", None)
+        for name in ("made", "made_as"):
+            if not value.get(name):
+                value.pop(name, None)
         return value
 
 

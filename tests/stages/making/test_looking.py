@@ -62,8 +62,8 @@ def test_designs_are_read_from_files_and_folders(tmp_path) -> None:
         '{ box = [0, 0, 0.2], size = [0.3, 2, 0.4], colour = "grey" }]\n'
     )
     (tmp_path / "c.jsonl").write_text(f'{{"id": "low_wall", "prop": {wall.to_json()}}}\n')
-    assert [prop.id for prop in read_props(tmp_path)] == ["low_wall", "kerb"]
-    assert read_props(tmp_path / "c.jsonl") == [wall]
+    assert [prop.id for prop in read_props(tmp_path).props] == ["low_wall", "kerb"]
+    assert read_props(tmp_path / "c.jsonl") == ([wall], [])
     for name, text in (
         ("x.json", "{"),
         ("x.toml", "= 1"),

@@ -157,6 +157,7 @@ def test_a_leaf_that_lacks_only_things_is_judged_again_with_them() -> None:
     assert '"made"' in again.to_json()
     assert '"made"' not in judged[0].to_json()
     assert not judged_again(pruner, tree, judged, {})
+    assert wanted_things(tree, [again, *judged[1:]], FLAT_CATALOGUE) == [wanted]
 
 
 def test_a_scene_carries_the_designs_that_it_shows() -> None:

@@ -94,6 +94,15 @@ def test_only_leaves_that_lack_what_can_be_made_want_it() -> None:
     ]
     (wanted,) = wanted_motions(tree, judged, FLAT_CATALOGUE)
     assert wanted == WantedMotion("topple", tree.path("leaf-0"), ("work_zone",))
+    again = judged[0].model_copy(
+        update={
+            "keep": True,
+            "made": ("topple", "tall_cone"),
+            "made_as": judged[0].lacks,
+            "lacks": (),
+        }
+    )
+    assert wanted_motions(tree, [again, judged[1]], FLAT_CATALOGUE) == [wanted]
 
 
 def test_a_scene_carries_the_motions_that_it_shows() -> None:

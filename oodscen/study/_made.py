@@ -1,13 +1,15 @@
 """Things and motions that a study made to order, by the leaf that they were made for."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from oodscen._pipeline.context import Context
 from oodscen._study_files import ASSETS, MOTIONS
 from oodscen.data._motion import Motion
 from oodscen.data._prop import Prop
 from oodscen.stages._making.making import MadeProp
 from oodscen.stages._making.motions import made_motions
+
+if TYPE_CHECKING:
+    from oodscen.study._study import Study
 
 
 class MadeToOrder(NamedTuple):
@@ -16,6 +18,10 @@ class MadeToOrder(NamedTuple):
     props: tuple[Prop, ...]
     motions: tuple[Motion, ...]
 
+    def digests(self) -> tuple[str, ...]:
+        """Return the digests of all of them."""
+        return tuple(one.digest() for one in self.props + self.motions)
+
     def described(self) -> tuple[str, ...]:
         """Return all of them in words, as a writer sees them."""
         return tuple(
@@ -23,20 +29,24 @@ class MadeToOrder(NamedTuple):
         )
 
 
-def made_for(run: Context) -> dict[tuple[str, ...], MadeToOrder]:
+NOTHING = MadeToOrder((), ())
+
+
+def made_for(study: "Study") -> dict[tuple[str, ...], MadeToOrder]:
     """Return what was made for the leaves that were kept, by the path of the leaf."""
-    if not run.store.holds(ASSETS):
-        return {}
-    lines = [MadeProp.parse(line, source=ASSETS) for line in run.store.lines(ASSETS)]
+    store = study.store
+    lines = [MadeProp.parse(line, source=ASSETS) for line in store.lines(ASSETS)]
     props = {one.id: one.prop for one in lines if one.prop is not None}
-    motions = made_motions(run.store.lines(MOTIONS)) if run.store.holds(MOTIONS) else {}
-    paths = run.study.tree("simulatable").paths
+    motions = made_motions(store.lines(MOTIONS))
+    if not props and not motions:
+        return {}
+    paths = study.tree("simulatable").paths
     return {
         paths[leaf.id]: MadeToOrder(
             tuple(props[name] for name in leaf.made if name in props),
             tuple(motions[name] for name in leaf.made if name in motions),
         )
-        for leaf in run.study.decisions
+        for leaf in study.decisions
         if leaf.keep
         and leaf.made
         and leaf.id in paths
