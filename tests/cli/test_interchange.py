@@ -50,6 +50,17 @@ def test_a_study_is_exported_and_its_files_are_read(study, tmp_path):
         assert json.loads(back.stdout) == scene.model_dump(mode="json")
 
 
+@pytest.mark.parametrize("mode", ["replay", "reactive"])
+def test_a_logical_export_gives_back_its_scene(mode, tmp_path):
+    scenes, out = tmp_path / "scenes.jsonl", tmp_path / "out"
+    scenes.write_text(f"{SCENES[0].to_json()}\n")
+    words = ("--simulator", "pybullet", "--no-twins", "--logical", "--mode", mode)
+    assert run("export", scenes, "-o", out, *words).exit_code == 0
+    back = run("import", out / f"{SCENES[0].id}.logical.xosc", "--simulator", "pybullet")
+    assert json.loads(back.stdout) == SCENES[0].model_dump(mode="json")
+    assert back.stderr == ""
+
+
 def test_processes_write_the_same_files(tmp_path, monkeypatch):
     monkeypatch.setattr("oodscen._cli.interchange._PART", 1)
     scenes, written = tmp_path / "scenes.jsonl", []
