@@ -107,8 +107,8 @@ def export(
 
     The scenes are those of a study, or of a file with one scene per line. `openscenario` writes OpenSCENARIO XML with
     OpenDRIVE, `openlabel` tags of the operational design domain and behaviour, `osi` a trace of ground truth, `mcap`
-    the same trace with its map in one file, `rerun` a recording for the Rerun viewer. Scenes that cannot be written
-    are reported on standard error, and the exit code is then 1.
+    the same trace with its map in one file, `rerun` a recording for the Rerun viewer. Scenes that cannot be written,
+    also as the ego has no lane for the action, are reported on standard error, and the exit code is then 1.
     """
     if (form := options["form"]) != "openscenario":
         refuse_idle(f"with --to {form}", "mode", "target", "ego", "logical")

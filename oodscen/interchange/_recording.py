@@ -10,12 +10,12 @@ from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._scene import MAX_TRIGGER, Scene, Trigger
 from oodscen.driving import MirrorSimulator
-from oodscen.driving._motion.actions import Cruise, action_driver
+from oodscen.driving._motion.actions import Cruise, action_driver, is_available
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
 from oodscen.driving._motion.triggers import MAX_APPROACH_S
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.errors import SimulatorError
+from oodscen.errors import SimulatorError, UsageError
 from oodscen.numerics._exact import Floats
 from oodscen.protocols import Camera, Driver, Frame, Simulator, State
 from oodscen.stages._simulate import approach
@@ -121,7 +121,12 @@ class Reactions(Brief):
 
 
 def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> Recording:
-    """Record the approach and one action up to the horizon, a contact or the road's edge."""
+    """Record the approach and one action up to the horizon, a contact or the road's edge.
+
+    Raises:
+        UnknownComponent: If there is no such action.
+        UsageError: If the ego lacks the lane that the action needs.
+    """
     states, _, _ = approach(scene, simulator, seed)
     decision_s = states[-1].time
     states += action_states(scene, simulator, states[-1], action)
@@ -129,8 +134,14 @@ def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> Reco
 
 
 def action_states(scene: Scene, simulator: Simulator, state: State, action: str) -> Iterator[State]:
-    """Yield the states of an action after the current one, up to the horizon, a contact or the road's edge."""
+    """Yield the states of an action after the current one, up to the horizon, a contact or the road's edge.
+
+    Raises:
+        UsageError: If the ego lacks the lane that the action needs.
+    """
     driver = action_driver(action, NOMINAL_REACTION_S)
+    if not is_available(action, simulator.observe()):
+        raise UsageError(f"the ego has no lane for its action {action}")
     for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
         if state.contacts or state.off_road:
             return

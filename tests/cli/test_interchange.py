@@ -50,6 +50,31 @@ def test_a_study_is_exported_and_its_files_are_read(study, tmp_path):
         assert json.loads(back.stdout) == scene.model_dump(mode="json")
 
 
+@pytest.mark.parametrize("form", ["openscenario", "osi"])
+def test_a_scene_without_a_lane_for_the_action_is_reported_and_not_written(form, tmp_path):
+    scenes, out = tmp_path / "scenes.jsonl", tmp_path / "out"
+    without, having = SCENES[:2]
+    scenes.write_text(f"{without.to_json()}\n{having.to_json()}\n")
+    words = ("--simulator", "pybullet", "--no-twins", "--action", "change_lane_right")
+    done = run("export", scenes, "-o", out, "--to", form, *words)
+    assert done.exit_code == 1
+    *_, told, summary = done.stderr.splitlines()
+    assert told == f"{without.id}: the ego has no lane for its action change_lane_right"
+    assert summary.endswith("1 failed")
+    assert {path.stem for path in out.glob("*.[xo]*s*")} == {having.id}
+
+
+@pytest.mark.parametrize("mode", ["replay", "reactive"])
+def test_a_logical_export_gives_back_its_scene(mode, tmp_path):
+    scenes, out = tmp_path / "scenes.jsonl", tmp_path / "out"
+    scenes.write_text(f"{SCENES[0].to_json()}\n")
+    words = ("--simulator", "pybullet", "--no-twins", "--logical", "--mode", mode)
+    assert run("export", scenes, "-o", out, *words).exit_code == 0
+    back = run("import", out / f"{SCENES[0].id}.logical.xosc", "--simulator", "pybullet")
+    assert json.loads(back.stdout) == SCENES[0].model_dump(mode="json")
+    assert back.stderr == ""
+
+
 def test_processes_write_the_same_files(tmp_path, monkeypatch):
     monkeypatch.setattr("oodscen._cli.interchange._PART", 1)
     scenes, written = tmp_path / "scenes.jsonl", []

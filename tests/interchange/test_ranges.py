@@ -75,6 +75,7 @@ def test_parameters_of_a_file_have_values_in_both_distributions(tmp_path):
 
 def test_a_logical_file_is_read_with_its_values(tmp_path):
     path = SCENE.to_openscenario(catalogue(), mode="logical").save(tmp_path)
+    path.write_text(path.read_text().replace('"oodscen.scene"', '"other.scene"'))
     found = read_openscenario(path, catalogue())
     assert found.scene.ego.speed == SCENE.ego.speed
     assert found.scene.weather.friction == SCENE.weather.friction

@@ -93,8 +93,9 @@ def items(value: Any, name: str, length: int | None = None, longest: int = 100_0
     """Return a list, of exactly `length` values if that is given."""
     if isinstance(value, list) and len(value) <= longest and length in (None, len(value)):
         return value
-    expected = "" if length is None else f" of {length} values"
-    raise CallError(f"{name} must be a list{expected}")
+    expected = f"at most {longest:,}" if length is None else str(length)
+    given = f", not {len(value):,}" if isinstance(value, list) else ""
+    raise CallError(f"{name} must be a list of {expected} values{given}")
 
 
 def vector(value: Any, name: str = "a vector") -> Vector:

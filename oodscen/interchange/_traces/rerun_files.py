@@ -12,6 +12,7 @@ from oodscen._files import replace
 from oodscen.data._episode import ACTIONS
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._motion.actions import is_available
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import MissingExtra
@@ -46,8 +47,8 @@ def write_rerun(
     """Write a scene's run as a Rerun recording (`.rrd`).
 
     `world` has the lanes and the boxes of all bodies, and the ego's camera with picture and depth; `plan` has the same
-    from above, with the ego's path by every action; `actions` has the ego's speed, acceleration and distance to the
-    nearest body, from centre to centre, by every action. Time is simulation time.
+    from above, with the ego's path by every available action; `actions` has the ego's speed, acceleration and distance
+    to the nearest body, from centre to centre, by each of them. Time is simulation time.
 
     Args:
         scene: The scene or ordinary drive.
@@ -60,6 +61,8 @@ def write_rerun(
     Raises:
         MissingExtra: If Rerun is not installed.
         SceneError: If the catalogue or the road refuses the scene.
+        UnknownComponent: If there is no such action.
+        UsageError: If the ego lacks the lane that the action needs.
         SimulatorError: If the simulator fails.
     """
     try:
@@ -69,8 +72,10 @@ def write_rerun(
     catalogue = simulator.catalogue()
     corridor = load_corridor(scene.map, catalogue)
     unrendered = UnrenderedSimulator(catalogue)
+    approach(scene, unrendered, seed)
+    offered = [name for name in ACTIONS if is_available(name, unrendered.observe())]
     runs = {
-        name: replayed(scene, unrendered, name, seed) for name in dict.fromkeys((action, *ACTIONS))
+        name: replayed(scene, unrendered, name, seed) for name in dict.fromkeys((action, *offered))
     }
     bodies = entities(scene, catalogue)
     with TemporaryDirectory() as folder:

@@ -142,8 +142,10 @@ def _esmini_rows(lines: Sequence[str], source: str) -> Iterator[Row]:
 
         def cell(name: str, cells: list[str] = cells, where: str = where) -> str:
             index = places.get(name)
-            if index is None or index >= len(cells):
+            if index is None:
                 raise _fault(where, f"no column {name!r}", source)
+            if index >= len(cells):
+                raise _fault(where, f"is short: no cell in the column {name!r}", source)
             return cells[index]
 
         time = _number(cell("TimeStamp [s]"), where, "TimeStamp", source)

@@ -10,6 +10,7 @@ from oodscen.data._scene import Scene
 from oodscen.interchange._ranges import ParameterRange, ranges
 from oodscen.interchange._writing.elements import Element, child, file_header, to_bytes
 from oodscen.interchange._writing.files import ScenarioFile
+from oodscen.interchange._writing.properties import write_digest
 from oodscen.interchange._writing.storyboard import strip_ego
 
 _STEPS = 4
@@ -54,7 +55,7 @@ def logical_file(
     used = [parameter for parameter, places in found if places]
     name = f"{scene.id}.logical"
     if not used:
-        return ScenarioFile(name, to_bytes(root), file.road, (*file.notes, _UNVARIED))
+        return ScenarioFile(name, _signed(root), file.road, (*file.notes, _UNVARIED))
     for parameter, places in found:
         for element, attribute in places:
             element.set(attribute, f"${parameter.name}")
@@ -72,7 +73,14 @@ def logical_file(
         f"{scene.id}.deterministic.xosc": _deterministic(f"{name}.xosc", used),
         f"{scene.id}.stochastic.xosc": _stochastic(f"{name}.xosc", used, seed),
     }
-    return ScenarioFile(name, to_bytes(root), file.road, file.notes, beside)
+    return ScenarioFile(name, _signed(root), file.road, file.notes, beside)
+
+
+def _signed(root: Element) -> bytes:
+    """Return a changed document as a file with the digest of its new content."""
+    etree.indent(root)
+    write_digest(root)
+    return to_bytes(root)
 
 
 def _places(root: Element, parameter: ParameterRange) -> list[tuple[Element, str]]:

@@ -72,6 +72,16 @@ def content_digest(root: Element, scene: str) -> str:
     return digest.hexdigest()
 
 
+def write_digest(root: Element) -> None:
+    """Append the digest of an indented document and of the scene in its header, in place of an earlier digest."""
+    held = root.find("FileHeader/Properties")
+    assert held is not None
+    said = {one.get("name"): one for one in held}
+    if DIGEST in said:
+        held.remove(said[DIGEST])
+    child(held, "Property", name=DIGEST, value=content_digest(root, said[SCENE].get("value", "")))
+
+
 def described(scene: Scene, mode: str, notes: Sequence[str]) -> str:
     """Return the description of a file in its header."""
     text = " ".join([f"oodscen scene {scene.id}, {mode}.", *notes])

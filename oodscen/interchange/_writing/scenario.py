@@ -22,12 +22,11 @@ from oodscen.interchange._writing.entities import entities, write_entity
 from oodscen.interchange._writing.files import ScenarioFile
 from oodscen.interchange._writing.logical import logical_file
 from oodscen.interchange._writing.properties import (
-    DIGEST,
     SCENE,
     ascii_json,
-    content_digest,
     described,
     facts,
+    write_digest,
     write_properties,
 )
 from oodscen.interchange._writing.roads import road_file
@@ -138,7 +137,6 @@ def _add_header(root: Element, scene: Scene, known: Mapping[str, str], descripti
     """Insert the header, with the scene itself and the digest of it and of the file."""
     holder = child(file_header(root, 2, description), "Properties")
     write_properties(holder, known)
-    text = ascii_json(scene)
-    child(holder, "Property", name=SCENE, value=text)
+    child(holder, "Property", name=SCENE, value=ascii_json(scene))
     etree.indent(root)
-    child(holder, "Property", name=DIGEST, value=content_digest(root, text))
+    write_digest(root)

@@ -125,6 +125,22 @@ def test_poses_come_back_from_the_log_of_esmini(tmp_path):
     assert same(poses, read_poses(path))
 
 
+def test_a_short_line_of_the_log_of_esmini_is_named_so(tmp_path):
+    columns = ("Entity_Name [-]", "bb_x [m]", "World_Position_X [m]", "World_Position_Y [m]")
+    columns += ("World_Position_Z [m]", "World_Heading_Angle [rad]", "World_Pitch_Angle [rad]")
+    head = ["Index [-]", "TimeStamp [s]", *(f"#{n} {name}" for n in (1, 2) for name in columns)]
+    cells = ["0", "0.0", *(["ego"] + ["0"] * 6), *(["other"] + ["0"] * 6)]
+    path = tmp_path / "scene.csv"
+    for count in range(3, len(cells)):
+        lines = ("esmini GIT REV: x", ", ".join(head), ", ".join(cells), ", ".join(cells[:count]))
+        path.write_text("\n".join(lines))
+        with pytest.raises(DataError, match="line 4: is short"):
+            read_poses(path)
+    path.write_text("\n".join(lines).replace("#2 bb_x", "#2 box"))
+    with pytest.raises(DataError, match="no column '#2 bb_x"):
+        read_poses(path)
+
+
 def test_poses_come_back_from_osi(tmp_path):
     path = tmp_path / "scene.osi"
     for scene in SCENES[::10]:

@@ -3,11 +3,14 @@ import pytest
 from lxml import etree
 
 from oodscen.data._motion import Motion
+from oodscen.driving._motion.actions import is_available
 from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
+from oodscen.interchange._traces.osi_writing import osi_trace
 from oodscen.interchange._writing.scenario import to_openscenario
 from oodscen.interchange._writing.scenario_runner import unplayable
+from oodscen.stages._simulate import approach
 from tests.interchange.page import table
 from tests.interchange.playing import centres, turned
 from tests.interchange.staging import SCENES, catalogue, doing
@@ -107,6 +110,20 @@ def test_what_cannot_be_written_is_refused():
     odd = SCENES[0].model_copy(update={"map": "nowhere"})
     with pytest.raises(SceneError):
         to_openscenario(odd, catalogue())
+
+
+@pytest.mark.parametrize("action", ["change_lane_left", "change_lane_right"])
+def test_an_action_is_written_exactly_where_the_ego_has_its_lane(action):
+    for scene in SCENES[:3]:
+        simulator = UnrenderedSimulator(catalogue())
+        approach(scene, simulator, 0)
+        if is_available(action, simulator.observe()):
+            assert to_openscenario(scene, catalogue(), action=action).xosc
+            assert osi_trace(scene, catalogue(), action=action)
+            continue
+        for write in (to_openscenario, osi_trace):
+            with pytest.raises(UsageError, match=f"no lane for its action {action}"):
+                write(scene, catalogue(), action=action)
 
 
 @pytest.mark.parametrize("scene", [*SCENES[::2], *DOINGS], ids=lambda one: one.id)

@@ -243,3 +243,11 @@ def test_junk_is_refused_and_never_fails_the_server(staged, method, values):
 def test_junk_in_batches_is_refused(staged, kind, values):
     assert isinstance(staged.ask("apply_batch", [[[kind, values]]], False), list)
     staged.tick()
+
+
+@pytest.mark.parametrize("count", [10_001, 100_000])
+def test_too_many_ids_are_refused_as_too_many(served, count):
+    assert served.get("get_actors_by_id", list(range(5_000, 15_000))) == []
+    message = served.error("get_actors_by_id", list(range(count)))
+    assert f"at most 10,000 values, not {count:,}" in message
+    assert served.error("get_actors_by_id", "all").endswith("list of at most 10,000 values")
