@@ -169,6 +169,7 @@ class Describer(Brief):
         scenario = Scenario(id=name, text=text, leaf=leaf, path=path, style=self.options.style)
         return self.twinned(scenario) if self.options.twins else scenario
 
+    @checked
     def twinned(self, scenario: Scenario) -> Scenario:
         """Return a scenario with its ordinary twin, or as it is if no answer can be read: it counts without.
 
