@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
 import anyio.to_thread
 from inspect_ai import Task, task
@@ -12,13 +13,14 @@ from inspect_ai.solver import Generate, Solver, TaskState, solver
 from rich.markup import escape
 
 from oodscen._registry import make_llm
-from oodscen.errors import AnswerError, OodscenError, UsageError
+from oodscen.errors import AnswerError, ContentFiltered, OodscenError, UsageError
 from oodscen.inspect._figures import figure
 from oodscen.inspect._samples import samples
 from oodscen.judging._items import answer_values
 from oodscen.judging._questions import ATTEMPTS
 from oodscen.judging._scoring import AnswerKey
-from oodscen.llm._ask import heard, repair
+from oodscen.llm._ask import heard, is_incomplete, repair
+from oodscen.llm._reading import CUT_OFF
 from oodscen.prompts._judging.choose_action import ChooseAction
 from oodscen.prompts._judging.choose_aspect import ChooseAspect
 from oodscen.prompts._judging.name_aspect import NameAspect
@@ -86,10 +88,17 @@ def _task(
     is_paired: bool = True,
 ) -> Task:
     try:
-        found = samples(study, purpose, split=split, is_paired=is_paired)
+        found = samples(_folder(study), purpose, split=split, is_paired=is_paired)
         return Task(dataset=found, solver=asked(), scorer=scorer())
     except OodscenError as error:
         raise Refused(str(error)) from error
+
+
+def _folder(study: object) -> Path:
+    """Return the folder that was named; inspect_ai reads a name of digits as a number."""
+    if not isinstance(study, str | Path):
+        raise UsageError(f"the study is a folder, not {study!r}: write -T study=./{study}")
+    return Path(study)
 
 
 @solver
@@ -102,8 +111,13 @@ def asked() -> Solver:
         for attempt in range(1, ATTEMPTS + 1):
             state = await generate(state)
             raw = heard(state.output.completion)
+            failure = _failure(state)
+            if isinstance(failure, ContentFiltered):
+                break
             try:
-                answer, issues, _ = reader.read(raw, model=str(state.model))
+                answer, issues = (None, [CUT_OFF])
+                if failure is None:
+                    answer, issues, _ = reader.read(raw, model=str(state.model))
             except AnswerError:
                 break
             if answer is not None or attempt == ATTEMPTS:
@@ -147,7 +161,11 @@ def _scoring(*kept: str, judge: str | None = None) -> Scorer:
         key, purpose = _key(state), state.metadata["purpose"]
         verdict = await anyio.to_thread.run_sync(
             lambda: key.verdict(
-                purpose, state.output.completion, model=str(state.model), judge=made
+                purpose,
+                state.output.completion,
+                model=str(state.model),
+                judge=made,
+                failure=_failure(state),
             )
         )
         values = answer_values(verdict, key.episode)
@@ -160,6 +178,16 @@ def _scoring(*kept: str, judge: str | None = None) -> Scorer:
         )
 
     return score
+
+
+def _failure(state: TaskState) -> AnswerError | ContentFiltered | None:
+    """Return why the words of an answer do not count, whatever they say: they were withheld, or a limit ended them."""
+    model, raw = str(state.model), heard(state.output.completion)
+    if state.output.stop_reason == "content_filter":
+        return ContentFiltered("the answer was withheld or cut", model=model)
+    if state.output.stop_reason in ("max_tokens", "model_length") and is_incomplete(raw):
+        return AnswerError(model, state.metadata["purpose"], [CUT_OFF], raw, 1)
+    return None
 
 
 def _explained(key: AnswerKey, action: str | None) -> str:

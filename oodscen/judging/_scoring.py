@@ -82,21 +82,34 @@ class AnswerKey(Data):
         return readers[purpose] if purpose in readers else choosing_reader(self.options)
 
     def verdict(
-        self, purpose: str, raw: str, *, model: str = "", judge: LLM | None = None
+        self,
+        purpose: str,
+        raw: str,
+        *,
+        model: str = "",
+        judge: LLM | None = None,
+        failure: OodscenError | None = None,
     ) -> Verdict:
         """Return the verdict on one answer in a model's words to the question of a purpose, e.g. `name-aspect`.
 
-        A judge decides whether an open aspect is right, instead of the documented matcher.
+        A judge decides whether an open aspect is right, instead of the documented matcher. A failure is why the words
+        do not count, whatever they say.
         """
-        reader, raw = self.reader(purpose), heard(raw)
+        if failure is None:
+            given = self._given(purpose, heard(raw), model)
+        else:
+            given = GivenAnswers(model, {}, [failure])
+        return score_answers(self, given, judge)
+
+    def _given(self, purpose: str, raw: str, model: str) -> "GivenAnswers":
+        reader = self.reader(purpose)
         try:
             answer, issues, _ = reader.read(raw, model=model)
             if answer is None:
                 raise AnswerError(model, purpose, issues, raw, 1)
-            given = GivenAnswers(model, reader.fields(answer))
+            return GivenAnswers(model, reader.fields(answer))
         except AnswerError as error:
-            given = GivenAnswers(model, {}, [error])
-        return score_answers(self, given, judge)
+            return GivenAnswers(model, {}, [error])
 
 
 def items_of(keys: Sequence[AnswerKey]) -> Items:

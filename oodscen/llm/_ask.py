@@ -70,7 +70,7 @@ def ask(
     for attempt in range(1, attempts + 1):
         completion = complete(llm, Request(prompt, messages, schema, sample, attempt))
         raw = heard(completion.text)
-        if completion.is_cut_off and not is_object(raw.encode()):
+        if completion.is_cut_off and is_incomplete(raw):
             answer, issues = None, [CUT_OFF]
         else:
             answer, issues = read(raw) if read else read_answer(raw, kind, checks)
@@ -83,6 +83,11 @@ def ask(
 def heard(text: str) -> str:
     """Return a model's text as it is read: whole characters, and no credentials."""
     return redact_keys(whole(text))
+
+
+def is_incomplete(raw: str) -> bool:
+    """Return whether an answer that a limit ended may say something else than what is there of it."""
+    return not is_object(raw.encode())
 
 
 def speaker(llm: LLM) -> str:

@@ -67,7 +67,10 @@ def _read(row: Mapping[str, Any]) -> tuple[AnswerKey, str]:
     """
     if not isinstance(row, Mapping) or not {"key", "pair", "purpose"} <= row.keys():
         raise DataError("question", [Issue("", "is not a row with a key, a pair and a purpose")])
-    if row["purpose"] not in TASKS:
+    purpose, pair = row["purpose"], row["pair"]
+    if not isinstance(purpose, str) or purpose not in TASKS:
         raise DataError("question", [Issue("purpose", f"is none of {', '.join(TASKS)}")])
+    if not isinstance(pair, str):
+        raise DataError("question", [Issue("pair", "must be a text")])
     key = AnswerKey.parse(str(row["key"]))
-    return key.model_copy(update={"item": f"{row['pair']}/{key.item}"}), str(row["purpose"])
+    return key.model_copy(update={"item": f"{pair}/{key.item}"}), purpose

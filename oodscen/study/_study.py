@@ -379,6 +379,8 @@ class Study(Brief, StudyUses):
     def to_arrow(self, name: str) -> "pa.Table":
         """Return a table as an Arrow table, one row per line; mappings become structs.
 
+        It has the fields of all lines; one that a line lacks is null there.
+
         Raises:
             StudyError: When the values of a field have several types.
         """
@@ -386,8 +388,13 @@ class Study(Brief, StudyUses):
             import pyarrow as pa
         except ImportError:
             raise MissingExtra("a table in Arrow's format", "tables", "pyarrow") from None
+        rows = self.table(name)
+        # Arrow takes the names of its columns from the first row.
+        fields = dict.fromkeys(field for row in rows for field in row)
         try:
-            return pa.Table.from_pylist(self.table(name))
+            return pa.Table.from_pylist(
+                [{field: row.get(field) for field in fields} for row in rows]
+            )
         except (pa.ArrowException, OverflowError) as error:
             raise StudyError(f"{self.folder / TABLES[name]} is not a table: {error}") from None
 

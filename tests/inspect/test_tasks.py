@@ -81,6 +81,13 @@ class Scripted:
         return Completion(text=says(turns, images))
 
 
+def said_by_the_model(text: str, **options: Any) -> ModelOutput:
+    """Return an answer with its usage, which inspect_ai would have to load a tokenizer for."""
+    output = ModelOutput.from_content("mockllm/model", text, **options)
+    output.usage = ModelUsage(input_tokens=1, output_tokens=1, total_tokens=2)
+    return output
+
+
 def mock(epochs: bool = False) -> Any:
     """Return the model as inspect_ai asks it."""
     asked: dict[str, int] = {}
@@ -98,9 +105,7 @@ def mock(epochs: bool = False) -> Any:
         told = json.dumps([turns, images])
         asked[told] = asked.get(told, -1) + 1
         text = says(turns, images, asked[told] if epochs else 0)
-        output = ModelOutput.from_content("mockllm/model", text)
-        output.usage = ModelUsage(input_tokens=1, output_tokens=1, total_tokens=2)
-        return output
+        return said_by_the_model(text)
 
     return get_model("mockllm/model", custom_outputs=answered)
 
@@ -156,19 +161,26 @@ def logs(study: Study, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Ev
     wanted = {name: getattr(tasks, name)(study=folder) for name in FIGURES}
     wanted["published"] = tasks.act(study=str(place / "data"))
     wanted["epochs"] = task_with(tasks.act(study=folder), model=mock(epochs=True), epochs=Epochs(2))
+    named = [task_with(task, name=name) for name, task in wanted.items()]
+    found = logs_of(named, mock(), place / "logs", max_tasks=len(wanted))
+    return {log.eval.task: log for log in found}
+
+
+def logs_of(tasks: list[Any], model: Any, place: Path, **options: Any) -> list[EvalLog]:
+    """Run tasks; what inspect_ai leaves open is found while its warnings are ignored."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = inspect_ai.eval(
-            [task_with(task, name=name) for name, task in wanted.items()],
-            model=mock(),
-            log_dir=str(place / "logs"),
+            tasks,
+            model=model,
+            log_dir=str(place),
             display="none",
             score_display=False,
-            max_tasks=len(wanted),
+            **options,
         )
-        gc.collect()  # What it leaves open is found while its warnings are ignored.
-    assert [log.status for log in found] == ["success"] * len(wanted)
-    return {log.eval.task: log for log in found}
+        gc.collect()
+    assert [log.status for log in found] == ["success"] * len(tasks)
+    return found
 
 
 def shares(log: EvalLog) -> dict[str, float]:
@@ -223,6 +235,34 @@ def test_epochs_are_averaged_by_answer(logs):
     assert shares(logs["act"]) != values
 
 
+@pytest.mark.parametrize(
+    ("ending", "text", "outcome", "asked"),
+    [
+        ("stop", "I would stop.", "answered", 1),
+        ("max_tokens", '{"action": "stop"}', "answered", 1),
+        ("max_tokens", "I would stop.", "unparsed", 2),
+        ("model_length", "I would stop.", "unparsed", 2),
+        ("content_filter", '{"action": "stop"}', "refused", 1),
+    ],
+)
+def test_an_answer_that_was_cut_off_or_withheld_is_none(
+    study, tmp_path, ending, text, outcome, asked
+):
+    calls = []
+
+    def answered(*_: object) -> ModelOutput:
+        calls.append(text)
+        return said_by_the_model(text, stop_reason=ending)
+
+    model = get_model("mockllm/model", custom_outputs=answered)
+    (log,) = logs_of([tasks.act(study=str(study.folder))], model, tmp_path, limit=1)
+    (sample,) = log.samples
+    (score,) = sample.scores.values()
+    assert score.metadata["outcome"] == outcome
+    assert len(calls) == asked
+    assert shares(log)["safe_missing"] == (outcome != "answered")
+
+
 @pytest.mark.parametrize("task", [tasks.notice, tasks.name, tasks.choose, tasks.act])
 def test_what_cannot_be_asked_is_refused_in_one_line(task, tmp_path, monkeypatch, study):
     tracebacks = []
@@ -230,7 +270,12 @@ def test_what_cannot_be_asked_is_refused_in_one_line(task, tmp_path, monkeypatch
     (tmp_path / "[red] neither").mkdir()
     neither = {"study": str(tmp_path / "[red] neither")}
     named = {"study": str(study.folder), "split": "test"}
-    for options, said in ((neither, "[red] neither holds neither"), (named, "has no splits")):
+    digits = {"study": 2026}
+    for options, said in (
+        (neither, "[red] neither holds neither"),
+        (named, "has no splits"),
+        (digits, "write -T study=./2026"),
+    ):
         with pytest.raises(UsageError) as caught:
             task(**options)
         exception_hook()(caught.type, caught.value, caught.tb)

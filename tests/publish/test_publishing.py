@@ -331,6 +331,13 @@ def test_a_row_without_its_pair_is_refused(data):
         score_answers([({name: row[name] for name in ("purpose", "key")}, text)])
 
 
+@pytest.mark.parametrize("wrong", [{"purpose": []}, {"purpose": {}}, {"purpose": 1}, {"pair": 5}])
+def test_a_row_of_other_types_is_refused(data, wrong):
+    row, text = acted(data, "stop", "rare")[0]
+    with pytest.raises(DataError, match=next(iter(wrong))):
+        score_answers([({**row, **wrong}, text)])
+
+
 def study_board(study: Study):
     """Return the board of a model that gives the published answers to a study's own questions."""
     verdicts = []

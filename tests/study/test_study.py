@@ -4,6 +4,8 @@ import os
 import pickle
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from oodscen import Scenario, Study
 from oodscen.errors import DataError, OodscenError, StudyError, UnknownComponent, UsageError
@@ -40,6 +42,24 @@ def test_rows_come_as_their_types_and_failures_apart(study):
 def test_tables_come_as_data_frame_and_as_arrow(study):
     assert list(study.to_pandas("redteam")["round"]) == [1, 2]
     assert study.to_arrow("redteam").column("nodes").to_pylist() == [4, 0]
+
+
+LINES = st.lists(
+    st.fixed_dictionaries(
+        {"id": st.text("ab", max_size=2)},
+        optional={"value": st.integers(-9, 9), "demand": st.just({"kind": "x"})},
+    ),
+    min_size=1,
+    max_size=5,
+)
+
+
+@given(LINES)
+def test_an_arrow_table_has_the_fields_of_all_lines(tmp_path_factory, lines):
+    folder = tmp_path_factory.mktemp("arrow")
+    Store(folder).write_lines("calls.jsonl", lines)
+    found = Study(folder).to_arrow("calls").to_pylist()
+    assert [{name: one for name, one in row.items() if one is not None} for row in found] == lines
 
 
 def test_a_folder_without_a_study_says_so(tmp_path):

@@ -29,8 +29,8 @@ class Detected:
     aspect: str = ""
     confidence: float | None = None
     """Confidence in `is_ood`, 0 to 1."""
-    beside: str = field(default="", compare=False)
-    """The words of an aspect that does not go with `is_ood`: a thing beside false, "none" beside true."""
+    beside: str | None = field(default=None, compare=False)
+    """The words of an aspect that does not go with `is_ood`: a thing beside false, "none" or nothing beside true."""
 
 
 def read_aspect(text: str) -> ParsedAnswer[Detected]:
@@ -39,11 +39,12 @@ def read_aspect(text: str) -> ParsedAnswer[Detected]:
     `is_ood` counts where the aspect does not go with it; the note then says so.
     """
     found = read(text, Question(_detection, _detected_in_prose, _DETECTION, _disowns))
-    if found.value is None or not found.value.beside:
+    if found.value is None or found.value.beside is None:
         return found
     said = "true" if found.value.is_ood else "false"
-    note = f"{found.note}, which says {said} beside the aspect {found.value.beside[:80]!r}"
-    return replace(found, note=note)
+    aspect = found.value.beside
+    beside = f"beside the aspect {aspect[:80]!r}" if aspect else "without an aspect"
+    return replace(found, note=f"{found.note}, which says {said} {beside}")
 
 
 def read_named_aspect(text: str) -> ParsedAnswer[str]:
@@ -95,7 +96,7 @@ def _detection(value: Mapping[str, Any]) -> Detected | None:
         is_ood,
         _aspect(said) if is_ood else "",
         probability(sure[0]) if sure else None,
-        said if is_odd else "",
+        said if is_odd else None,
     )
 
 

@@ -161,6 +161,12 @@ SAID = {
 }
 
 
+@pytest.mark.parametrize("aspect", ["", None, " "])
+def test_a_hazard_without_an_aspect_is_noted(aspect):
+    found = read_aspect(json.dumps({"is_ood": True, "aspect": aspect}))
+    assert (found.value.is_ood, found.note) == (True, "JSON, which says true without an aspect")
+
+
 @given(st.booleans(), st.sampled_from(sorted(SAID)), st.sampled_from(["aspect", "what"]))
 def test_an_aspect_that_does_not_go_with_the_yes_or_no_is_noted(
     is_ood: bool, said: str, name: str
