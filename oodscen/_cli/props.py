@@ -44,8 +44,8 @@ def props(
     """Check and show the things made to order in WHERE: a file, a folder or a study.
 
     Prints size, mass and pixels of each thing 15 m ahead. The sheet shows each from 10, 15 and 30 m by day and
-    by night; what could not be made is named on standard error. Without --captions it is for people or models who are to name what they see. The exit code is 1 if a
-    thing is too small or too faint to be recognised.
+    by night; what could not be made is named on standard error. Without --captions it is for people or models who are
+    to name what they see. The exit code is 1 if a thing is too small or too faint to be recognised.
     """
     from oodscen._display import png
     from oodscen._registry import make_simulator

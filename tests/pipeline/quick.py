@@ -1,7 +1,9 @@
 """The small studies that tests make variants of: small flat pictures, hashes for vectors, fifty texts as baseline."""
 
-from collections.abc import Iterable
+import json
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 from filelock import FileLock
 
@@ -27,6 +29,28 @@ QUICK = StudyConfig.quick(
 )
 SMALL = QUICK.model_copy(update={"max_paths": 1, "iterations": 2})
 """One scene of the quick study, for what needs no second one."""
+
+
+LOGS = {"study.json", "calls.jsonl", "answers.jsonl", "report.html"}
+"""Files that tell of a run and not of its study."""
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    """Return every file of a study but its logs."""
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file())
+    return {
+        str(path.relative_to(folder)): path.read_bytes() for path in files if path.name not in LOGS
+    }
+
+
+def lines(folder: Path, name: str) -> list[dict[str, Any]]:
+    """Return the lines of a table."""
+    return [json.loads(line) for line in (folder / name).read_text().splitlines()]
+
+
+def rewrite(folder: Path, name: str, rows: Iterable[Mapping[str, Any]]) -> None:
+    """Replace the lines of a table."""
+    (folder / name).write_text("".join(json.dumps(row) + "\n" for row in rows))
 
 
 def finished(config: StudyConfig, folder: Path) -> Path:

@@ -1,6 +1,5 @@
 """What a study makes to order comes back if it is removed, and is followed if it is changed by hand."""
 
-import json
 import shutil
 
 import pytest
@@ -13,14 +12,13 @@ from oodscen.stages._making.files import picture_of
 from oodscen.study._made import made_for
 from oodscen.study._stale import refuse_stale
 from tests.motions import TOPPLE
-from tests.pipeline.quick import QUICK
+from tests.pipeline.quick import QUICK, content, lines, rewrite
 
 CONFIG = QUICK.model_copy(
     update={"llm": "author", "made": True, "max_paths": 4, "iterations": 1, "sets": (), "demands": False}
 )  # fmt: skip
 FLOAT = "carnival_float"
 SCENE = "carnival-float-with-dancers-around-it-001"
-LOGS = {"study.json", "calls.jsonl", "answers.jsonl", "report.html"}
 
 
 class Author:
@@ -42,21 +40,6 @@ def run(folder):
     author = Author()
     run_study(folder, CONFIG, models={"author": author})
     return author.calls
-
-
-def content(folder):
-    files = (path for path in sorted(folder.rglob("*")) if path.is_file())
-    return {
-        str(path.relative_to(folder)): path.read_bytes() for path in files if path.name not in LOGS
-    }
-
-
-def lines(folder, name):
-    return [json.loads(line) for line in (folder / name).read_text().splitlines()]
-
-
-def rewrite(folder, name, rows):
-    (folder / name).write_text("".join(json.dumps(row) + "\n" for row in rows))
 
 
 def edit_float(folder, **changes):

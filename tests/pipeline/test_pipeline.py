@@ -5,7 +5,6 @@ import shutil
 import subprocess
 import sys
 import threading
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -28,18 +27,7 @@ from oodscen.errors import (
 )
 from oodscen.stages._making.making import MadeProp
 from oodscen.testing import AnsweringServer, ScriptedLLM
-from tests.pipeline.quick import QUICK, SMALL, asked_about
-
-TIMED = {"study.json", "calls.jsonl", "answers.jsonl", "report.html"}
-
-
-def content(folder):
-    """Return every file that must not depend on anything but the configuration."""
-    return {
-        str(path.relative_to(folder)): path.read_bytes()
-        for path in sorted(Path(folder).rglob("*"))
-        if path.is_file() and path.name not in TIMED
-    }
+from tests.pipeline.quick import QUICK, SMALL, asked_about, content
 
 
 def under(name, files, former):

@@ -13,7 +13,7 @@ from oodscen._pipeline import run_study
 from oodscen.data._pairing import scene_of
 from oodscen.errors import DataError
 from oodscen.testing import ScriptedLLM
-from tests.pipeline.quick import QUICK
+from tests.pipeline.quick import QUICK, content, lines, rewrite
 
 CONFIG = QUICK.model_copy(
     update={
@@ -22,7 +22,6 @@ CONFIG = QUICK.model_copy(
         "protocols": ("ours", "paper"),
     }
 )
-LOGS = {"study.json", "calls.jsonl", "answers.jsonl", "report.html"}
 """What was asked and when; everything else is a function of the configuration."""
 
 
@@ -56,21 +55,6 @@ def run(folder, config=CONFIG, **options):
     asked = models()
     run_study(folder, config, models=asked, **options)
     return sum(model.calls for model in asked.values())
-
-
-def content(folder):
-    files = (path for path in sorted(folder.rglob("*")) if path.is_file())
-    return {
-        str(path.relative_to(folder)): path.read_bytes() for path in files if path.name not in LOGS
-    }
-
-
-def lines(folder, name):
-    return [json.loads(line) for line in (folder / name).read_text().splitlines()]
-
-
-def rewrite(folder, name, rows):
-    (folder / name).write_text("".join(json.dumps(row) + "\n" for row in rows))
 
 
 @pytest.fixture(scope="module")

@@ -128,12 +128,13 @@ class PropMaker:
         prop = made.prop
         if prop is None:
             return made
+        source = f"{ASSETS}, {made.id}"
+        if prop.id != made.id:
+            raise DataError(Prop.noun, [Issue("prop.id", f"must be {made.id}")], source=source)
         try:
-            if prop.id != made.id:
-                raise SceneError(prop.id, [Issue("prop.id", f"must be {made.id}")])
             (seen,) = look_at([prop], self.simulator)
         except SceneError as error:
-            raise DataError(Prop.noun, error.issues, source=f"{ASSETS}, {made.id}") from None
+            raise DataError(Prop.noun, error.issues, source=source) from None
         self.keep(seen)
         is_same = made.drawn in ("", prop.digest())
         look = made.look if is_same else seen.look
