@@ -165,7 +165,8 @@ class Claim(Data):
     @model_validator(mode="after")
     def _closed(self) -> "Claim":
         if self.kind in NUMBERS:
-            if not self.value.isdecimal() or not 0 < int(self.value) <= 1000:
+            is_whole = self.value.isascii() and self.value.isdecimal()
+            if not is_whole or not 0 < int(self.value) <= 1000:
                 raise ValueError(f"{self.kind}: {self.value!r} is no whole number from 1 to 1000")
         elif self.value not in VALUES[self.kind]:
             known = ", ".join(VALUES[self.kind])

@@ -3,7 +3,6 @@
 It holds plain values only: the script inserts texts as text, and addresses are checked here.
 """
 
-import math
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -204,7 +203,7 @@ def _frames(episode: Episode, folder: Path) -> list[Row]:
     rows = []
     for moment in in_order(episode.frames or MOMENTS):
         found = picture(folder, episode.frames.get(moment))
-        caption = f"{moment} · {_seconds(times[moment])}" if moment in times else moment
+        caption = f"{moment} · {words.moment(times[moment])}" if moment in times else moment
         rows.append(
             {"moment": moment, "caption": caption, "href": found.href, "problem": found.problem}
         )
@@ -317,7 +316,7 @@ def _players(scene: Scene) -> list[Row]:
 
 def _decision(scene: Scene, episode: Episode | None, names: Mapping[str, str]) -> str:
     if scene.is_ordinary:
-        return f"The ego must choose at {_seconds(scene.decision.value)}, as in the scene."
+        return f"The ego must choose at {words.moment(scene.decision.value)}, as in the scene."
     target = scene.decision.actor
     named = scene.decision.model_copy(
         update={"actor": f"the {names.get(target, target)}" if target else None}
@@ -326,13 +325,8 @@ def _decision(scene: Scene, episode: Episode | None, names: Mapping[str, str]) -
     if episode is None or episode.decision_s is None:
         return f"The ego must choose {when}."
     if not episode.decision_fired:
-        return f"The ego must choose {when}; that never came about, so the end of the approach at {_seconds(episode.decision_s)} was taken."
-    return f"The ego must choose {when}: at {_seconds(episode.decision_s)}."
-
-
-def _seconds(time: float) -> str:
-    """Return a time with one decimal; steps end in five hundredths, and halves go up though binary ones lie beside."""
-    return f"{math.floor(10.0 * time + 0.5 + 1e-9) / 10.0:.1f} s"
+        return f"The ego must choose {when}; that never came about, so the end of the approach at {words.moment(episode.decision_s)} was taken."
+    return f"The ego must choose {when}: at {words.moment(episode.decision_s)}."
 
 
 def _facts(episode: Episode, names: Mapping[str, str]) -> list[list[str]]:

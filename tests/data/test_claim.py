@@ -33,6 +33,7 @@ def test_a_claim_survives_json_and_says_what_it_means(claim):
         {"kind": "thing", "value": "present"},
         {"kind": "lanes", "value": "many"},
         {"kind": "count", "value": "0", "subject": "car"},
+        {"kind": "count", "value": "٣", "subject": "car"},
         {"kind": "colour", "value": "red"},
     ],
 )

@@ -6,7 +6,7 @@ import pytest
 from oodscen import Study
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._scene import Scene, Weather
-from oodscen.report._gallery import _seconds, choice, conditions, payload
+from oodscen.report._gallery import choice, conditions, payload
 from oodscen.report._load import read
 
 SAFE, HIT = ActionOutcome(safe=True), ActionOutcome(safe=False)
@@ -46,21 +46,6 @@ def test_a_scene_is_told_in_words(study: Study) -> None:
     assert [action["kind"] for action in card["actions"]].count("safe") == 3
     assert card["sketch"]["bodies"]["hazard"] == [24.0, 0.1, 180.0, 5.3, 2.2]
     assert card["sketch"]["names"]["hazard"] == "van"
-
-
-@pytest.mark.parametrize(
-    ("time", "said"),
-    [
-        (6.35, "6.4 s"),
-        (2.05, "2.1 s"),
-        (1.15, "1.2 s"),
-        (1.25, "1.3 s"),
-        (21 * 0.05, "1.1 s"),
-        (1.2, "1.2 s"),
-    ],
-)
-def test_times_that_end_in_five_hundredths_go_up(time, said):
-    assert _seconds(time) == said
 
 
 def test_models_keep_their_words_and_references_only_their_choices(study: Study) -> None:

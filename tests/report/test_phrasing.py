@@ -71,7 +71,7 @@ def test_actors_and_times() -> None:
     actor = Actor(id="p", asset="police_car", placement=Placement(ahead_m=1), state="beacon")
     assert words.actor_name(actor) == "police car (beacon on)"
     assert [words.duration(t) for t in (0.25, 42, 131.4, 7300)] == [
-        "0.2 s",
+        "0.3 s",
         "42 s",
         "2 min 11 s",
         "2 h 1 min",

@@ -16,7 +16,7 @@ from oodscen.claims._things import Thing, mentions
 from oodscen.data._claim import Claim
 from oodscen.prompts._scenario.describe_path import plain
 
-_DISTANCE = re.compile(r"\b(\d{1,3})\s?(?:m|metres?|meters?)\b")
+_DISTANCE = re.compile(r"(?<![\d.,])(\d{1,3}(?:\.\d{1,9})?)\s?(?:m|metres?|meters?)\b")
 
 
 @dataclass(frozen=True)

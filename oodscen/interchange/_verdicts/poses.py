@@ -135,9 +135,9 @@ def _esmini_rows(lines: Sequence[str], source: str) -> Iterator[Row]:
     places = {name: index for index, name in enumerate(columns)}
     count = sum(name.endswith("Entity_Name [-]") for name in columns)
     for number, line in enumerate(lines[head + 1 :], start=head + 2):
-        cells = [cell.strip() for cell in line.split(",")]
-        if len(cells) < 3:
+        if not line.strip():
             continue
+        cells = [cell.strip() for cell in line.split(",")]
         where = f"line {number}"
 
         def cell(name: str, cells: list[str] = cells, where: str = where) -> str:

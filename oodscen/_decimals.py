@@ -1,0 +1,12 @@
+"""Decimal numbers as text."""
+
+from decimal import ROUND_HALF_UP, Decimal
+
+
+def tenths(value: float) -> str:
+    """Return a number with one decimal; halves go away from zero, also where the binary number lies just below.
+
+    The steps of a simulation end in five hundredths, so halves are common: 6.35 is "6.4", as people round.
+    """
+    exact = Decimal(repr(round(value, 9) + 0.0))
+    return str(exact.quantize(Decimal("0.1"), ROUND_HALF_UP) + 0)

@@ -1,0 +1,23 @@
+"""Numbers as decimal text."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen._decimals import tenths
+
+
+@given(st.integers(-100_000, 100_000))
+def test_steps_of_a_simulation_are_rounded_as_people_do(hundredths: int) -> None:
+    size = (abs(hundredths) + 5) // 10
+    sign = "-" if hundredths < 0 and size else ""
+    assert tenths(hundredths / 100) == f"{sign}{size // 10}.{size % 10}"
+
+
+@given(st.integers(0, 100_000))
+def test_sums_of_steps_are_rounded_like_their_decimal_values(steps: int) -> None:
+    assert tenths(steps * 0.05) == tenths(5 * steps / 100)
+
+
+@given(st.floats(-1e9, 1e9))
+def test_the_text_lies_within_half_a_tenth(value: float) -> None:
+    assert abs(float(tenths(value)) - value) <= 0.05 + 1e-6
