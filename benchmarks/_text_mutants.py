@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from oodscen import Scene
-from oodscen.author._knowledge.base import Condition, Knowledge, RoadKind
+from oodscen.author._knowledge.base import Conditions, Knowledge, RoadKind
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Actor
 from oodscen.driving._sight.placement import staging_issues
@@ -89,7 +89,7 @@ class Case:
         ]
 
     @cached_property
-    def conditions(self) -> list[tuple[Condition, str]]:
+    def conditions(self) -> list[tuple[Conditions, str]]:
         """Conditions mentioned in the text, each with the longest of its phrases there."""
         plain = self.text.casefold()
         found = []

@@ -30,12 +30,12 @@ from oodscen.data import Catalogue
 from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._pairing import scene_of
 from oodscen.driving._motion.actions import Cruise
-from oodscen.driving._motion.boxes import Box, gap
+from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.driving._motion.triggers import is_due
 from oodscen.driving._roads.building import load_corridor
 from oodscen.interchange import read_openscenario, verdict
 from oodscen.interchange._recording import (
-    Recording,
+    RecordedRun,
     UnrenderedSimulator,
     ordinary_twin,
     reactions,
@@ -329,7 +329,7 @@ def agree(its: PlayedVerdict, ours: Episode) -> bool:
     )
 
 
-def errors(poses: np.ndarray, names: tuple[str, ...], truth: Recording) -> list[np.ndarray]:
+def errors(poses: np.ndarray, names: tuple[str, ...], truth: RecordedRun) -> list[np.ndarray]:
     """Return the errors of position, height and heading: [steps, bodies] each."""
     rows = [names.index(name) for name in truth.ids]
     count = min(len(poses), len(truth.time))
@@ -352,7 +352,7 @@ def reactive(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
             ours = {name: simulator.world.motion(name).triggered for name in states[0].ids[1:]}
             contact = next((one.step for one in states if one.contacts), steps)
             due = (one.time for one in states if is_due(scene.decision, None, one, corridor))
-            truth = Recording.of(states, corridor, next(due, None))
+            truth = RecordedRun.of(states, corridor, next(due, None))
             path = written.save(folder)
             path.write_bytes(with_ego(written.xosc, scene, catalogue, truth))
             found = played(path, truth.dt, contact, truth.speeds[:, 0])
@@ -386,7 +386,7 @@ def driven(
 def judge(
     scene: Scene,
     label: str,
-    truth: Recording,
+    truth: RecordedRun,
     ours: dict[str, float],
     found: object,
     fired: Counter[str],
@@ -421,7 +421,7 @@ def overlaps(
     sizes = {one.name: one.asset for one in entities(scene, catalogue)}
     for its, own in zip(poses[:, row], poses[:, ego], strict=True):
         boxes = [
-            Box(pose[0], pose[1], pose[3], sizes[who].length, sizes[who].width)
+            Footprint(pose[0], pose[1], pose[3], sizes[who].length, sizes[who].width)
             for who, pose in ((name, its), ("ego", own))
         ]
         if gap(*boxes) <= 0.0:
@@ -429,7 +429,7 @@ def overlaps(
     return False
 
 
-def with_ego(xosc: bytes, scene: Scene, catalogue: Catalogue, truth: Recording) -> bytes:
+def with_ego(xosc: bytes, scene: Scene, catalogue: Catalogue, truth: RecordedRun) -> bytes:
     """Add the course of another ego to a file without one."""
     root = etree.fromstring(xosc, etree.XMLParser(remove_blank_text=True))
     corridor = load_corridor(scene.map, catalogue)

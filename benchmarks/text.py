@@ -25,13 +25,14 @@ from oodscen import Describer, Metrics, Scenario, Study, StudyConfig, make_llm
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._registry import DEFAULT_LLM, make_encoder
+from oodscen._text import folded_words
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.baselines import load_baseline
 from oodscen.encoders._cached import CachedEncoder
 from oodscen.encoders._similarity import unit
 from oodscen.errors import AnswerError
-from oodscen.prompts._scenario.describe_path import STYLES, plain
+from oodscen.prompts._scenario.describe_path import STYLES
 from oodscen.stages._spread import spread_subset
 from oodscen.statistics._intervals import Interval
 from oodscen.statistics._resampling import bootstrap_mean
@@ -130,7 +131,7 @@ def sets(measured: Measured) -> list[Row]:
     flagged = len(measured.shipped.off_topic([one.text for one in everything]).flagged)
     rows.append(row(f"flagged as off-topic, of {len(everything)}", flagged, "0", flagged == 0))
     for name, one in (("1000", largest), ("simulatable, all", measured.sets["simulatable, all"])):
-        equal = len(one) - len({plain(scenario.text) for scenario in one})
+        equal = len(one) - len({folded_words(scenario.text) for scenario in one})
         rows.append(row(f"equal but for case and punctuation, {name}", equal, "0", equal == 0))
     other = _told_otherwise(everything)
     rows.append(row(f"of another kind than the path, of {len(everything)}", other, "0", other == 0))
@@ -229,7 +230,9 @@ def twins(measured: Measured, llm: str, seed: int) -> list[Row]:
     )
     found = {number: text for (number, _), text in done}
     pairs = [(one, found[n]) for n, one in numbered if found[n] is not None]
-    words = [len(plain(text).split()) / len(plain(one.text).split()) for one, text in pairs]
+    words = [
+        len(folded_words(text).split()) / len(folded_words(one.text).split()) for one, text in pairs
+    ]
     rows = [
         row("texts with an ordinary twin", len(pairs), f"{len(chosen)}", len(pairs) == len(chosen))
     ]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from oodscen._numbers import finite_number
 from oodscen._redaction import redact
-from oodscen._text import one_line, plain, whole
+from oodscen._text import one_line, printable, whole
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import (
     DataError,
@@ -236,5 +236,5 @@ def message(error: BaseException) -> str:
 def reason(error: BaseException) -> str:
     """Return the type and message of a foreign exception on one line."""
     # Redact before truncating: a truncated key would no longer be recognised.
-    said = one_line(plain(message(error)))[:_MOST_SAID]
+    said = one_line(printable(message(error)))[:_MOST_SAID]
     return f"{type(error).__name__}: {said}" if said else type(error).__name__

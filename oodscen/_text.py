@@ -50,10 +50,15 @@ def text_fault(word: str) -> str:
             fault = "is not valid UTF-8"
     elif "\0" in word:
         fault = "holds a null character"
-    return f"{one_line(plain(shown))[:100]!r} {fault}" if fault else ""
+    return f"{one_line(printable(shown))[:100]!r} {fault}" if fault else ""
 
 
-def plain(text: str) -> str:
+def folded_words(text: str) -> str:
+    """Return a text without case and punctuation, for comparisons."""
+    return " ".join(re.findall(r"[^\W_]+", text.casefold()))
+
+
+def printable(text: str) -> str:
     r"""Escape characters that could control a terminal, e.g. as `\u001b`; tabs and line breaks stay."""
     return _UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", whole(text))
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._text import clean_surrogates, is_visible, one_line, plain, stem, text_fault, whole
+from oodscen._text import clean_surrogates, is_visible, one_line, printable, stem, text_fault, whole
 
 halves = st.text(st.characters(categories=["Cs", "Cc", "Cf", "Lo", "So"]), max_size=8)
 
@@ -28,7 +28,7 @@ def test_halves_that_belong_together_are_joined():
 
 @given(halves)
 def test_plain_text_holds_nothing_that_a_terminal_obeys(text):
-    for char in plain(text):
+    for char in printable(text):
         assert char in "\t\n" or unicodedata.category(char) not in ("Cc", "Cs")
         assert unicodedata.bidirectional(char) not in "LRE RLE LRO RLO PDF LRI RLI FSI PDI".split()
 
@@ -105,4 +105,4 @@ def test_lone_surrogates_are_replaced_and_pairs_kept():
 @given(st.dictionaries(st.text(), st.text() | st.just("gnp.\u202eexe")))
 def test_json_means_the_same_after_its_escapes(value):
     value = json.loads(whole(json.dumps(value, ensure_ascii=False)))
-    assert json.loads(plain(json.dumps(value, ensure_ascii=False))) == value
+    assert json.loads(printable(json.dumps(value, ensure_ascii=False))) == value

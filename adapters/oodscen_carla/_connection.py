@@ -9,7 +9,7 @@ from typing import Any
 from oodscen.errors import MissingExtra, SimulatorError, UsageError
 from oodscen.protocols import Camera, Frame
 from oodscen_carla._cameras import Cameras, decode
-from oodscen_carla._lights import Lamp
+from oodscen_carla._lights import VehicleLight
 from oodscen_carla._weather import WeatherParameters
 
 VERSIONS = ("0.9.15", "0.9.16")
@@ -22,7 +22,7 @@ _LAST_PORT = 65_535
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class ServerBody:
     """One body on the server."""
 
     id: int
@@ -55,7 +55,7 @@ class Connection:
         self._carla = carla = _load()
         self._cameras = Cameras()
         self._actors: list[int] = []
-        self._lit: dict[int, Lamp] = {}
+        self._lit: dict[int, VehicleLight] = {}
         self._map: str | None = None
         self._before: Any = None
         self._frame = 0
@@ -164,7 +164,7 @@ class Connection:
 
     def spawn(
         self, blueprint: str, pose: tuple[float, float, float, float], *, role: str, state: str
-    ) -> Placed:
+    ) -> ServerBody:
         """Add a body without physics.
 
         Raises:
@@ -179,19 +179,21 @@ class Connection:
         actor.set_simulate_physics(False)
         box = actor.bounding_box
         is_walker = blueprint.startswith("walker.")
-        return Placed(actor.id, actor, box.extent.z - box.location.z if is_walker else 0.0)
+        return ServerBody(actor.id, actor, box.extent.z - box.location.z if is_walker else 0.0)
 
     def place(
         self,
-        bodies: Sequence[Placed],
+        bodies: Sequence[ServerBody],
         poses: Sequence[Sequence[float]],
         speeds: Sequence[float],
-        lights: Sequence[Lamp],
+        lights: Sequence[VehicleLight],
     ) -> None:
         """Move all bodies, switch the lamps of vehicles, and take one tick."""
         command, commands = self._carla.command, []
         for body, pose, speed, lit in zip(bodies, poses, speeds, lights, strict=True):
-            if self._lit.get(body.id, Lamp(0)) != lit and hasattr(body.actor, "set_light_state"):
+            if self._lit.get(body.id, VehicleLight(0)) != lit and hasattr(
+                body.actor, "set_light_state"
+            ):
                 state = self._carla.VehicleLightState(int(lit))
                 commands.append(command.SetVehicleLightState(body.id, state))
                 self._lit[body.id] = lit
@@ -220,7 +222,7 @@ class Connection:
 
     # ------------------------------------------------------------------ cameras
 
-    def take(self, bodies: Sequence[Placed], camera: Camera) -> Frame:
+    def take(self, bodies: Sequence[ServerBody], camera: Camera) -> Frame:
         """Return the picture of the last tick by a camera on the first body; another tick is taken if the cameras slept.
 
         Raises:

@@ -3,7 +3,7 @@
 from enum import IntFlag
 
 
-class Lamp(IntFlag):
+class VehicleLight(IntFlag):
     """The part of `carla.VehicleLightState` that scenes use."""
 
     POSITION = 1
@@ -16,9 +16,9 @@ class Lamp(IntFlag):
 
 
 LAMPS_OF_STATE = {
-    "hazard": Lamp.LEFT_BLINKER | Lamp.RIGHT_BLINKER,
-    "indicate_left": Lamp.LEFT_BLINKER,
-    "indicate_right": Lamp.RIGHT_BLINKER,
-    "beacon": Lamp.SPECIAL_1,
+    "hazard": VehicleLight.LEFT_BLINKER | VehicleLight.RIGHT_BLINKER,
+    "indicate_left": VehicleLight.LEFT_BLINKER,
+    "indicate_right": VehicleLight.RIGHT_BLINKER,
+    "beacon": VehicleLight.SPECIAL_1,
 }
 """The lamps that flash in a state of an asset; brake lamps follow from the motion."""

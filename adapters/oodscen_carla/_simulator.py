@@ -18,8 +18,8 @@ from oodscen.errors import SimulatorError, SpawnError
 from oodscen.protocols import Camera, Frame
 from oodscen_carla._blueprints import blueprint_of
 from oodscen_carla._catalogue import load_catalogue
-from oodscen_carla._connection import Connection, Placed
-from oodscen_carla._lights import LAMPS_OF_STATE, Lamp
+from oodscen_carla._connection import Connection, ServerBody
+from oodscen_carla._lights import LAMPS_OF_STATE, VehicleLight
 from oodscen_carla._opendrive import for_carla
 from oodscen_carla._weather import to_carla
 
@@ -65,8 +65,8 @@ class CarlaSimulator(MirrorSimulator):
         self._source = catalogue
         self._timeout_s = timeout_s
         self._connection: Connection | None = None
-        self._bodies: list[Placed] = []
-        self._lights: list[Lamp] = []
+        self._bodies: list[ServerBody] = []
+        self._lights: list[VehicleLight] = []
         self._waits: list[bool] = []
         self._scene: Scene | None = None
 
@@ -141,9 +141,11 @@ class CarlaSimulator(MirrorSimulator):
             body = connection.spawn(name, above, role=role, state=state)
         except RuntimeError as error:
             raise SpawnError(actor_id, asset.id, pose, str(error)) from None
-        lights = Lamp.BRAKE if state == "brake" else LAMPS_OF_STATE.get(state, Lamp(0))
+        lights = (
+            VehicleLight.BRAKE if state == "brake" else LAMPS_OF_STATE.get(state, VehicleLight(0))
+        )
         if self._scene is not None and has_lamps_on(self._scene, actor_id):
-            lights |= Lamp.POSITION | Lamp.LOW_BEAM
+            lights |= VehicleLight.POSITION | VehicleLight.LOW_BEAM
         self._bodies.append(body)
         self._lights.append(lights)
         self._waits.append(self._scene is not None and waits_in_traffic(self._scene, actor_id))
@@ -152,7 +154,7 @@ class CarlaSimulator(MirrorSimulator):
         """Send poses, speeds and lights, and let the server take one tick."""
         moving = zip(speeds.tolist(), self.world.accelerations().tolist(), strict=True)
         lights = [
-            lit | Lamp.BRAKE if is_braking(speed, acceleration, waits=waits) else lit
+            lit | VehicleLight.BRAKE if is_braking(speed, acceleration, waits=waits) else lit
             for lit, waits, (speed, acceleration) in zip(
                 self._lights, self._waits, moving, strict=True
             )

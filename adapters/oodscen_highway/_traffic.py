@@ -74,7 +74,7 @@ class CorridorLane(AbstractLane):  # type: ignore[misc]  # highway-env has no ty
         return bool(super().on_lane(position, s, t, min(margin, BESIDE_M)))
 
 
-class Actor(IDMVehicle):  # type: ignore[misc]
+class HighwayActor(IDMVehicle):  # type: ignore[misc]
     """A moving body: highway-env's driver in its lane, or its bicycle straight on."""
 
     since: float | None = None
@@ -168,7 +168,7 @@ def placed(road: Road, staged: StagedScene, body: StagedScene.Body, dt: float) -
         road.objects.append(made)
     else:
         grip = GRIP * staged.scene.weather.friction
-        made = Actor(road, body, grip) if body.behaviour else Vehicle(*place, body.speed)
+        made = HighwayActor(road, body, grip) if body.behaviour else Vehicle(*place, body.speed)
         road.vehicles.append(made)
     made.LENGTH, made.WIDTH, made.dt = body.asset.length, body.asset.width, dt
     made.MAX_SPEED = math.inf

@@ -39,7 +39,7 @@ from oodscen._cli.help import COMMANDS, sections_of
 from oodscen._cli.output import drop_output, say, shortened
 from oodscen._processes import ending_children
 from oodscen._redaction import redact
-from oodscen._text import plain, text_fault
+from oodscen._text import printable, text_fault
 from oodscen._version import __version__
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llm._remote.offline import enforce
@@ -122,7 +122,7 @@ class _CommandGroup(click.Group):
 
 def _clean(error: click.ClickException) -> None:
     """Make click's own message, which quotes what was typed, safe to print, and cut very long lines."""
-    vars(error)["message"] = shortened(plain(redact(error.message)))  # click declares it final.
+    vars(error)["message"] = shortened(printable(redact(error.message)))  # click declares it final.
 
 
 _AGAIN_S = 0.5

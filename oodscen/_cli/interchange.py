@@ -29,7 +29,7 @@ from oodscen._files import writing
 from oodscen._members import using
 from oodscen._processes import Processes
 from oodscen._study_files import refuse_inside
-from oodscen._text import one_line, plain
+from oodscen._text import one_line, printable
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import ACTIONS
 from oodscen.data._pairing import is_twin, scene_of, twin_id
@@ -313,8 +313,8 @@ def _driver_name(ctx: click.Context, param: click.Parameter, value: str | None) 
     if value is None:
         return None
     name = value.strip()
-    if not name or name != plain(one_line(name)):
-        raise click.BadParameter("is empty, or no plain line.", ctx, param)
+    if not name or name != printable(one_line(name)):
+        raise click.BadParameter("is empty, or no printable line.", ctx, param)
     if name.lower() in DRIVERS:
         raise click.BadParameter(f"{name!r} is a driver of `oodscen drive`.", ctx, param)
     return name

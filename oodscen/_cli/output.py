@@ -12,7 +12,7 @@ import click
 
 from oodscen._files import is_written_through, read_utf8, write_named, writing
 from oodscen._study_files import refuse_own
-from oodscen._text import plain
+from oodscen._text import printable
 from oodscen.data._base import Data
 from oodscen.errors import DataError, Issue
 
@@ -23,7 +23,7 @@ _LONGEST = 1_000
 
 def say(text: str, *, err: bool = False) -> None:
     """Print text that a model may have written, without any control characters that steer a terminal."""
-    click.echo(plain(text), err=err)
+    click.echo(printable(text), err=err)
 
 
 def shortened(text: str) -> str:
@@ -58,7 +58,7 @@ def write(out: Path | None, text: str) -> None:
     """
     if out is None:
         # A terminal obeys what it is sent; a file or another program gets the document as it is.
-        click.echo(plain(text) if sys.stdout.isatty() else text)
+        click.echo(printable(text) if sys.stdout.isatty() else text)
         return
     write_bytes(out, f"{text}\n".encode())
 

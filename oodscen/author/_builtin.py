@@ -10,6 +10,7 @@ from pydantic import BaseModel
 
 from oodscen._display import Brief
 from oodscen._seeding import stream
+from oodscen._text import folded_words
 from oodscen.author._feasibility import BranchJudge
 from oodscen.author._imagining import Imagination
 from oodscen.author._knowledge.base import HazardKind
@@ -26,7 +27,7 @@ from oodscen.driving._motion.behaviours import USUAL
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary, OrdinaryText
-from oodscen.prompts._scenario.describe_path import DescribePath, Descriptions, plain
+from oodscen.prompts._scenario.describe_path import DescribePath, Descriptions
 from oodscen.prompts._scenario.design_motion import DesignMotion
 from oodscen.prompts._scenario.design_prop import DesignProp
 from oodscen.prompts._scenario.extract_claims import MOST_CLAIMS, Claims, ExtractClaims
@@ -137,7 +138,7 @@ class BuiltinAuthor(Brief):
         shown = {h.id for h in map(self._hazard, prompt.shown) if h is not None}
         both = [self._deck(name, shown, rng) for name in ("environmental", "interactional")]
         decks = [deck for deck in both if deck]
-        taken = {plain(text) for text in prompt.shown}
+        taken = {folded_words(text) for text in prompt.shown}
         texts = []
         for number in range(prompt.count):
             deck = decks[number % len(decks)]
@@ -154,7 +155,7 @@ class BuiltinAuthor(Brief):
 
     def _class_of(self, number: int, text: str) -> ClassifiedExample:
         hazard = self._hazard(text)
-        acts = _ACTS.intersection(plain(text).split())
+        acts = _ACTS.intersection(folded_words(text).split())
         name = "interactional" if acts else "environmental"
         if hazard is not None:
             name = hazard.class_name
@@ -183,7 +184,7 @@ class BuiltinAuthor(Brief):
         if not hazards:
             raise LLMError(f"the built-in author has no knowledge of {label!r}", model=self.name)
         rng = self._stream(request, *prompt.path, prompt.style)
-        taken = {plain(text) for text in prompt.avoid}
+        taken = {folded_words(text) for text in prompt.avoid}
         sources = [
             self._composer.texts(hazard, rng, taken, prompt.style, scope)
             for hazard, scope in self._scopes(hazards, prompt.catalogue)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from oodscen.author._knowledge.base import (
     BackgroundTraffic,
-    Condition,
+    Conditions,
     HazardKind,
     Knowledge,
     RoadKind,
@@ -86,7 +86,7 @@ class Showable:
             and (one.actor is None or one.actor.behaviour in behaviours)
         )
 
-    def _has(self, condition: Condition) -> bool:
+    def _has(self, condition: Conditions) -> bool:
         limits, weather = self.digest.limits, condition.weather
         highest = _highest(weather.get("sun_elevation_deg"), _ZENITH_DEG)
         if highest < limits.sun_deg or (highest < _LOW_DEG and not limits.sun_is_drawn):

@@ -46,7 +46,7 @@ Found = Iterator[DatasetText | Issue]
 
 
 @dataclass(frozen=True)
-class Layout:
+class FileLayout:
     """The file layout of one data set."""
 
     title: str
@@ -62,7 +62,7 @@ class Layout:
     is_csv: bool = False
 
 
-def recognise(content: str, suffix: str) -> tuple[Layout, Any] | None:
+def recognise(content: str, suffix: str) -> tuple[FileLayout, Any] | None:
     """Return the data set layout that a file's content matches, with the document or rows that its reader takes.
 
     `None` for any other file.
@@ -80,7 +80,7 @@ def recognise(content: str, suffix: str) -> tuple[Layout, Any] | None:
     return (LAYOUTS[name], document) if name else None
 
 
-def parse(content: str, layout: Layout) -> Any:
+def parse(content: str, layout: FileLayout) -> Any:
     """Return the input of the layout's reader, or an issue if the content is not of that format."""
     if layout.is_csv:
         rows = csv_reader(content)
@@ -92,7 +92,7 @@ def parse(content: str, layout: Layout) -> Any:
         return Issue("", f"is not JSON: {error}")
 
 
-def layout_of(name: str) -> Layout:
+def layout_of(name: str) -> FileLayout:
     """Return a layout by its name.
 
     Raises:
@@ -103,7 +103,7 @@ def layout_of(name: str) -> Layout:
     return LAYOUTS[name]
 
 
-def chosen_parts(layout: Layout, parts: tuple[str, ...]) -> tuple[str, ...]:
+def chosen_parts(layout: FileLayout, parts: tuple[str, ...]) -> tuple[str, ...]:
     """Return the kinds of texts to read: the requested ones, or the layout's default.
 
     Raises:
@@ -313,13 +313,13 @@ def _texts(kind: str, value: Any, where: str) -> Found:
         yield DatasetText(kind, text)
 
 
-LAYOUTS: dict[str, Layout] = {
-    "drivelm": Layout(
+LAYOUTS: dict[str, FileLayout] = {
+    "drivelm": FileLayout(
         "DriveLM", _NOT_COMMERCIAL, ("scene", "qa"), ("question", "answer", "object"), _drivelm
     ),
-    "nuscenes": Layout("nuScenes", _NOT_COMMERCIAL, ("scene",), (), _nuscenes),
-    "talk2car": Layout("Talk2Car", _NOT_COMMERCIAL, ("command",), (), _talk2car),
-    "bdd-x": Layout(
+    "nuscenes": FileLayout("nuScenes", _NOT_COMMERCIAL, ("scene",), (), _nuscenes),
+    "talk2car": FileLayout("Talk2Car", _NOT_COMMERCIAL, ("command",), (), _talk2car),
+    "bdd-x": FileLayout(
         "BDD-X",
         "UC Berkeley, educational, research and not-for-profit purposes",
         ("sentence",),
@@ -327,6 +327,6 @@ LAYOUTS: dict[str, Layout] = {
         _bdd_x,
         is_csv=True,
     ),
-    "cityflow-nl": Layout("CityFlow-NL", "Apache-2.0", ("view", "other_view"), (), _cityflow),
+    "cityflow-nl": FileLayout("CityFlow-NL", "Apache-2.0", ("view", "other_view"), (), _cityflow),
 }
 assert set(LAYOUTS) == set(get_args(LayoutName))

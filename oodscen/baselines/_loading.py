@@ -8,7 +8,7 @@ from oodscen._arguments import checked
 from oodscen._files import read_utf8
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._datasets import (
-    Layout,
+    FileLayout,
     LayoutName,
     chosen_parts,
     layout_of,
@@ -81,7 +81,7 @@ def _bundled(parts: Sequence[str] | None) -> Baseline:
     raise UsageError("the only part of the bundled baseline is `handwritten`")
 
 
-def _dataset(file: Path, layout: str) -> tuple[Layout, Any] | None:
+def _dataset(file: Path, layout: str) -> tuple[FileLayout, Any] | None:
     """Return the layout of a file, and its content in the form that the layout's reader takes."""
     if layout == "plain":
         return None
@@ -91,7 +91,9 @@ def _dataset(file: Path, layout: str) -> tuple[Layout, Any] | None:
     return chosen, parse(read_utf8(file, Baseline.noun), chosen)
 
 
-def _texts(layout: Layout, document: Any, parts: Sequence[str] | None, source: str) -> list[str]:
+def _texts(
+    layout: FileLayout, document: Any, parts: Sequence[str] | None, source: str
+) -> list[str]:
     kinds = layout.parts if parts is None else chosen_parts(layout, tuple(parts))
     issues: list[Issue] = []
     texts: list[str] = []

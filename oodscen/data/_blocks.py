@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from oodscen.data import _shapes as shapes
-from oodscen.data._extents import Place, Space, around, corners_of
+from oodscen.data._extents import Extent, Place, around, corners_of
 from oodscen.data._lettering import HEIGHT, width_of
 from oodscen.data._shapes import Part, Point
 
@@ -20,7 +20,7 @@ _SECTORS = 12
 _SMALL_M = 0.25
 """Radius up to which the box around a round body is close enough, m."""
 
-Solid = tuple[Space, Part, Place]
+Solid = tuple[Extent, Part, Place]
 """The box around a part or a piece of it, the part, and its place."""
 
 
@@ -31,7 +31,7 @@ def held(solids: Sequence[Solid], *, is_standing: bool) -> list[bool]:
         solids: The solids in the order of the design.
         is_standing: True if the road holds what reaches it; otherwise the first solid is held.
     """
-    fine: dict[int, list[Space]] = {}
+    fine: dict[int, list[Extent]] = {}
     found = [is_standing and box.low[2] <= REACH_M for box, _, _ in solids]
     for index, (_, part, _) in enumerate(solids):
         if found[index] and isinstance(part, shapes.Text):
@@ -49,7 +49,7 @@ def held(solids: Sequence[Solid], *, is_standing: bool) -> list[bool]:
     return found
 
 
-def _touch(solids: Sequence[Solid], one: int, other: int, fine: dict[int, list[Space]]) -> bool:
+def _touch(solids: Sequence[Solid], one: int, other: int, fine: dict[int, list[Extent]]) -> bool:
     if not solids[one][0].touches(solids[other][0], REACH_M):
         return False
     for index in (one, other):
@@ -60,7 +60,7 @@ def _touch(solids: Sequence[Solid], one: int, other: int, fine: dict[int, list[S
     return any(a.touches(b, REACH_M) for a in near for b in far)
 
 
-def _blocks(box: Space, part: Part, place: Place) -> list[Space]:
+def _blocks(box: Extent, part: Part, place: Place) -> list[Extent]:
     """Return small boxes that fill a solid more closely than the box around it, if they can."""
     match part:
         case shapes.Box():
@@ -127,7 +127,7 @@ def _flat(quad: Sequence[Point]) -> list[Point]:
     return [a, b, d, c, a, b, d, c]
 
 
-def _cut(box: Space, corners: Sequence[Point]) -> list[Space]:
+def _cut(box: Extent, corners: Sequence[Point]) -> list[Extent]:
     """Cut a body of eight corners into small boxes; one along the axes stays whole."""
     lengths = []
     is_slanted = False
@@ -157,7 +157,7 @@ def _cut(box: Space, corners: Sequence[Point]) -> list[Space]:
     ]
 
 
-def _turned(rings: Sequence[tuple[float, float, float, float]], place: Place) -> Iterator[Space]:
+def _turned(rings: Sequence[tuple[float, float, float, float]], place: Place) -> Iterator[Extent]:
     """Yield the boxes around the wedges of a body of revolution."""
     for start, end in itertools.pairwise(rings):
         way = [b - a for a, b in zip(start[:3], end[:3], strict=True)]
@@ -182,7 +182,7 @@ def _turned(rings: Sequence[tuple[float, float, float, float]], place: Place) ->
         yield from _wedges(start[:3], end[:3], rims[0], rims[1], place)
 
 
-def _column(part: shapes.Column, place: Place) -> Iterator[Space]:
+def _column(part: shapes.Column, place: Place) -> Iterator[Extent]:
     """Yield the boxes around the wedges of a column."""
     rims = [
         [
@@ -200,7 +200,7 @@ def _column(part: shapes.Column, place: Place) -> Iterator[Space]:
 
 def _wedges(
     low: Point, high: Point, low_rim: Sequence[Point], high_rim: Sequence[Point], place: Place
-) -> Iterator[Space]:
+) -> Iterator[Extent]:
     """Yield the boxes around the wedges of a round body between two rims."""
     count = min(4, max(1, math.ceil(math.dist(low, high) / _STEP)))
     below, above = ([place.point(point) for point in rim] for rim in (low_rim, high_rim))
@@ -258,7 +258,7 @@ def _between(corners: Sequence[Point], shares: Sequence[float]) -> Point:
 
 def _round(
     centre: Point, radii: Sequence[float], place: Place, *, lowest: float
-) -> Iterator[Space]:
+) -> Iterator[Extent]:
     """Yield the small boxes that an ellipsoid fills; `lowest` is -1, or 0 for its upper half."""
     lows = (-1.0, -1.0, lowest)
     counts = _counts([(1.0 - low) * radius for low, radius in zip(lows, radii, strict=True)])

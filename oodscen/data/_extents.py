@@ -31,7 +31,7 @@ Row = tuple[float, float, float]
 Size = tuple[float, float, float]
 
 
-class Space(NamedTuple):
+class Extent(NamedTuple):
     """A box along the axes."""
 
     low: Point
@@ -39,7 +39,7 @@ class Space(NamedTuple):
     is_airy: bool = False
     """True for what floats by itself: dust, a swarm."""
 
-    def touches(self, other: "Space", reach: float) -> bool:
+    def touches(self, other: "Extent", reach: float) -> bool:
         """Return whether two boxes are at most `reach` apart along every axis."""
         return all(
             self.low[axis] - reach <= other.high[axis]
@@ -65,7 +65,7 @@ class Place:
         x, y, z = (a + b for a, b in zip(self.direction(point), self.shift, strict=True))
         return x, y, z
 
-    def box(self, points: Iterable[Sequence[float]], is_airy: bool = False) -> Space:
+    def box(self, points: Iterable[Sequence[float]], is_airy: bool = False) -> Extent:
         """Return the box around points, as seen from outside."""
         return around([self.point(point) for point in points], is_airy)
 
@@ -96,7 +96,7 @@ class Place:
 class Measured:
     """The findings of a walk through a design."""
 
-    spaces: list[tuple[str, Space]] = field(default_factory=list)
+    spaces: list[tuple[str, Extent]] = field(default_factory=list)
     """The boxes, each with the path of its part."""
     made_of: list[tuple[Part, Place]] = field(default_factory=list)
     """The part and the place of each box."""
@@ -114,9 +114,9 @@ class Measured:
     colours: set[str] = field(default_factory=set)
 
     @property
-    def bounds(self) -> Space:
+    def bounds(self) -> Extent:
         """The box around everything; that of parts of unknown size is a point."""
-        boxes = [space for _, space in self.spaces] or [Space((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))]
+        boxes = [space for _, space in self.spaces] or [Extent((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))]
         return around([point for box in boxes for point in (box.low, box.high)])
 
 
@@ -217,7 +217,7 @@ def colours(part: Part) -> Iterator[str]:
 # ---------------------------------------------------------------------- boxes
 
 
-def spaces(part: Part, place: Place) -> list[Space]:
+def spaces(part: Part, place: Place) -> list[Extent]:
     """Return the boxes around one part that is no group, lamp or thing of the catalogue."""
     match part:
         case shapes.Box():
@@ -264,11 +264,11 @@ def spaces(part: Part, place: Place) -> list[Space]:
             raise TypeError(f"{type(part).__name__} has no box")
 
 
-def around(points: Sequence[Sequence[float]], is_airy: bool = False) -> Space:
+def around(points: Sequence[Sequence[float]], is_airy: bool = False) -> Extent:
     """Return the box around points."""
     low = tuple(min(p[axis] for p in points) for axis in range(3))
     high = tuple(max(p[axis] for p in points) for axis in range(3))
-    return Space((low[0], low[1], low[2]), (high[0], high[1], high[2]), is_airy)
+    return Extent((low[0], low[1], low[2]), (high[0], high[1], high[2]), is_airy)
 
 
 def corners_of(centre: Sequence[float], size: Sequence[float]) -> list[Point]:
@@ -279,11 +279,11 @@ def corners_of(centre: Sequence[float], size: Sequence[float]) -> list[Point]:
 
 def _upright(
     place: Place, centre: Sequence[float], size: Sequence[float], is_airy: bool = False
-) -> Space:
+) -> Extent:
     return place.box(corners_of(centre, size), is_airy)
 
 
-def _bar(start: Point, end: Point, radius: float, last: float) -> Iterator[Space]:
+def _bar(start: Point, end: Point, radius: float, last: float) -> Iterator[Extent]:
     """Yield the boxes along a round bar between two points that are placed already."""
     way = [b - a for a, b in zip(start, end, strict=True)]
     length = math.sqrt(sum(w * w for w in way))
@@ -302,17 +302,17 @@ def _bar(start: Point, end: Point, radius: float, last: float) -> Iterator[Space
         yield around(ends)
 
 
-def _round_box(part: shapes.Ball, place: Place) -> Space:
+def _round_box(part: shapes.Ball, place: Place) -> Extent:
     """Return the box around an ellipsoid."""
     x, y, z = place.point(part.ball)
     grown = [radius * (1.0 + part.jitter) for radius in part.radii]
     a, b, c = (
         math.sqrt(sum((m * r) ** 2 for m, r in zip(row, grown, strict=True))) for row in place.rows
     )
-    return Space((x - a, y - b, z - c), (x + a, y + b, z + c))
+    return Extent((x - a, y - b, z - c), (x + a, y + b, z + c))
 
 
-def _sections(part: shapes.Column, place: Place) -> Iterator[Space]:
+def _sections(part: shapes.Column, place: Place) -> Iterator[Extent]:
     """Yield the boxes between the rings of a column."""
     rings = []
     for x, y, z, one, two in _rings(part):

@@ -11,7 +11,7 @@ from oodscen.data._base import MOST_PARTS, ROUNDING, Data, IssuesError
 from oodscen.data._blocks import REACH_M, held
 from oodscen.data._category import Category
 from oodscen.data._description import Description
-from oodscen.data._extents import Measured, Size, Space, measured
+from oodscen.data._extents import Extent, Measured, Size, measured
 from oodscen.data._lettering import strokes
 from oodscen.data._shapes import A_NUMBER, Part, Parts
 from oodscen.errors import Issue
@@ -81,7 +81,7 @@ class Prop(Data):
             raise IssuesError(issues)
         return self
 
-    def space(self, sizes: Mapping[str, Size] | None = None, state: str | None = None) -> Space:
+    def space(self, sizes: Mapping[str, Size] | None = None, state: str | None = None) -> Extent:
         """Return the box around it, in the coordinates of its parts.
 
         Args:
@@ -218,7 +218,7 @@ def _cost_faults(found: Measured) -> Iterator[Issue]:
             yield Issue(path, "no letter of it can be seen")
 
 
-def _size_faults(bounds: Space) -> Iterator[Issue]:
+def _size_faults(bounds: Extent) -> Iterator[Issue]:
     names = ("long", "wide", "high")
     sizes = [bounds.high[0] - bounds.low[0], bounds.high[1] - bounds.low[1], bounds.high[2]]
     for name, size, most in zip(names, sizes, LARGEST, strict=True):

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from oodscen.interchange._writing.scenario import Mode, Target
     from oodscen.protocols import Camera, Driver, Encoder, Frame, Simulator, State
     from oodscen.stages._annotations import FrameAnnotations
-    from oodscen.stages._birds_eye import Picture
+    from oodscen.stages._birds_eye import BirdsEye
     from oodscen.stages._video import View
 
 
@@ -223,7 +223,7 @@ class SceneUses:
 
     def birds_eye(
         self, state: "State", catalogue: "Catalogue", *, size: int = 480, span_m: float = 72.0
-    ) -> "Picture":
+    ) -> "BirdsEye":
         """Draw the road and all actors from above, with the ego heading upwards.
 
         As in the report, the ego is blue, the actors that make the scene OOD are amber, and what the ego touches is

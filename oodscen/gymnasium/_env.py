@@ -24,7 +24,7 @@ from oodscen.driving._trace import Course
 from oodscen.errors import SimulatorError, UnknownComponent, UsageError
 from oodscen.gymnasium._acting import ActionDecoder
 from oodscen.gymnasium._driver_policy import DriverPolicy
-from oodscen.gymnasium._episode import Episode, PreparedScene
+from oodscen.gymnasium._episode import PreparedScene, RunningScene
 from oodscen.gymnasium._extra import gymnasium
 from oodscen.gymnasium._interface import ActionKind, Interface, ObservationKind, nearest_steps
 from oodscen.gymnasium._observing import picture
@@ -119,7 +119,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self.metadata = {**self.metadata, "render_fps": round(1.0 / self.interface.step_s)}
         self._prepared: dict[str, PreparedScene] = {}
         self._steerer = ActionDecoder(actions)
-        self._episode: Episode | None = None
+        self._episode: RunningScene | None = None
         self._is_over = True
         self.episode = 0
         """Number of episodes that have begun."""
@@ -177,7 +177,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self._is_over = True
         prepared = self._prepare(str(name))
         with working("simulator", self.simulator.name):
-            episode = self._episode = Episode.begin(prepared, self._watched, self._seed)
+            episode = self._episode = RunningScene.begin(prepared, self._watched, self._seed)
         self._steerer = ActionDecoder(self.interface.actions)
         self.episode += 1
         if episode.is_lost:
@@ -313,9 +313,9 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self._prepared[name] = PreparedScene(driven, course, steps)
         return self._prepared[name]
 
-    def _observed(self, episode: Episode) -> Any:
+    def _observed(self, episode: RunningScene) -> Any:
         frame = self.look(self.interface.camera) if self.interface.wants_frames else None
         return self.interface.observed(episode.state, episode.seen, frame, self._frame_source)
 
-    def _info(self, episode: Episode, before: State | None) -> dict[str, Any]:
+    def _info(self, episode: RunningScene, before: State | None) -> dict[str, Any]:
         return {**episode.info(before), "step_s": self.interface.step_s}

@@ -18,7 +18,7 @@ class PreparedScene(NamedTuple):
 
 
 @dataclass
-class Episode:
+class RunningScene:
     """A scene that runs in a simulator; it begins where the simulator stands."""
 
     prepared: PreparedScene
@@ -35,7 +35,7 @@ class Episode:
         """Speed by which progress is measured, m/s: that of the start, at least 1 m/s."""
 
     @classmethod
-    def begin(cls, prepared: PreparedScene, simulator: Simulator, seed: int) -> "Episode":
+    def begin(cls, prepared: PreparedScene, simulator: Simulator, seed: int) -> "RunningScene":
         """Reset a simulator to the start of a scene."""
         state = simulator.reset(prepared.scene, seed)
         return cls(prepared, simulator, state, simulator.observe())

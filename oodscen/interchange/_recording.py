@@ -64,7 +64,7 @@ class UnrenderedSimulator(MirrorSimulator):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Recording(Brief):
+class RecordedRun(Brief):
     """The states of one run as arrays, with the time of the decision."""
 
     ids: tuple[str, ...]
@@ -83,7 +83,7 @@ class Recording(Brief):
     @classmethod
     def of(
         cls, states: Sequence[State], corridor: Corridor, decision_s: float | None = None
-    ) -> "Recording":
+    ) -> "RecordedRun":
         """Collect states."""
         poses = np.array([state.poses for state in states])
         if states[0].places is None:
@@ -110,9 +110,9 @@ class Recording(Brief):
 class Reactions(Brief):
     """The courses with and without triggers, and the actors that mind the ego."""
 
-    nominal: Recording
+    nominal: RecordedRun
     """The run with the blind ego, to its end; actors ahead of it do not mind it."""
-    quiet: Recording
+    quiet: RecordedRun
     """The same run without triggers on the ego: the courses before the reactions."""
     triggered: dict[str, int]
     """Step at which each actor's trigger fired in the nominal run."""
@@ -120,7 +120,7 @@ class Reactions(Brief):
     """Actors whose courses depend on the ego before any trigger."""
 
 
-def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> Recording:
+def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> RecordedRun:
     """Record the approach and one action up to the horizon, a contact or the road's edge.
 
     Raises:
@@ -130,7 +130,7 @@ def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> Reco
     states, _, _ = approach(scene, simulator, seed)
     decision_s = states[-1].time
     states += action_states(scene, simulator, states[-1], action)
-    return Recording.of(states, load_corridor(scene.map, simulator.catalogue()), decision_s)
+    return RecordedRun.of(states, load_corridor(scene.map, simulator.catalogue()), decision_s)
 
 
 def action_states(scene: Scene, simulator: Simulator, state: State, action: str) -> Iterator[State]:
@@ -185,7 +185,7 @@ def _moved_by_others(scene: Scene) -> bool:
     )
 
 
-def _differing(one: Recording, other: Recording) -> set[str]:
+def _differing(one: RecordedRun, other: RecordedRun) -> set[str]:
     """Return the bodies whose courses differ between two recordings."""
     apart = np.abs(one.poses[:, :, :2] - other.poses[:, :, :2]).max(axis=(0, 2))
     return {name for name, far in zip(one.ids, apart, strict=True) if far > _DIFFERS_M}
@@ -197,7 +197,7 @@ def _driven(
     make: Callable[[], Driver],
     seed: int,
     steps: int | None = None,
-) -> Recording:
+) -> RecordedRun:
     """Record a drive, contacts or not, for some steps or by default to `AFTER_S` beyond the decision."""
     states = [simulator.reset(scene, seed)]
     world, driver = simulator.world, make()
@@ -209,15 +209,15 @@ def _driven(
             if steps is None:
                 last = min(last, world.step_count + round(AFTER_S / simulator.dt))
         states.append(simulator.step(driver.act(world.observe())))
-    return Recording.of(states, world.corridor, decision_s)
+    return RecordedRun.of(states, world.corridor, decision_s)
 
 
-def _replaced(recording: Recording, other: Recording, rows: Sequence[int]) -> Recording:
+def _replaced(recording: RecordedRun, other: RecordedRun, rows: Sequence[int]) -> RecordedRun:
     """Return a recording with the courses of some bodies from another."""
     return _with_courses(recording, rows, other.poses, other.speeds, other.places)
 
 
-def _resting(recording: Recording, names: Collection[str]) -> Recording:
+def _resting(recording: RecordedRun, names: Collection[str]) -> RecordedRun:
     """Return a recording in which some actors never leave their start."""
     rows = [row for row, name in enumerate(recording.ids) if name in names]
     still = np.zeros_like(recording.speeds)
@@ -225,8 +225,8 @@ def _resting(recording: Recording, names: Collection[str]) -> Recording:
 
 
 def _with_courses(
-    recording: Recording, rows: Sequence[int], poses: Floats, speeds: Floats, places: Floats
-) -> Recording:
+    recording: RecordedRun, rows: Sequence[int], poses: Floats, speeds: Floats, places: Floats
+) -> RecordedRun:
     """Return a recording with other courses of some bodies; one moment stands for all."""
     given = {"poses": poses, "speeds": speeds, "places": places}
     copies = {name: getattr(recording, name).copy() for name in given}

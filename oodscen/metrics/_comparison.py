@@ -17,7 +17,7 @@ from oodscen.metrics._vectors.distances import frechet, mmd
 from oodscen.statistics._significance import PERMUTATIONS, permutation_test, sign_flip
 
 if TYPE_CHECKING:
-    from oodscen.metrics._vectors.space import Space
+    from oodscen.metrics._vectors.space import BaselineSpace
 
 Paths = Sequence[str] | None
 
@@ -96,7 +96,7 @@ class SetDistance(Data):
 
 
 def compare(
-    space: "Space",
+    space: "BaselineSpace",
     sets: tuple[Sequence[str], Sequence[str]],
     paths: tuple[Paths, Paths],
     *,
@@ -140,7 +140,7 @@ def compare(
 
 
 def distance(
-    space: "Space", first: Vectors, second: Vectors, *, size: int | None, repeats: int
+    space: "BaselineSpace", first: Vectors, second: Vectors, *, size: int | None, repeats: int
 ) -> SetDistance:
     """Return the distance that `Metrics.distance` documents, of two sets of vectors."""
     drawn = drawn_size(len(first), len(second), size, repeats)
@@ -181,7 +181,7 @@ def drawn_size(n: int, m: int, size: int | None, repeats: int) -> int:
 
 
 def _subsamples(
-    space: "Space",
+    space: "BaselineSpace",
     name: str,
     texts: Sequence[str],
     values: NDArray[np.float64],

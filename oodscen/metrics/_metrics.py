@@ -42,7 +42,7 @@ from oodscen.metrics._scored_file import score_file
 from oodscen.metrics._selection import Band, BandMeasure, Method, Selection, band, select
 from oodscen.metrics._table import Table, paper_table
 from oodscen.metrics._variety import Variety, variety
-from oodscen.metrics._vectors.space import Space
+from oodscen.metrics._vectors.space import BaselineSpace
 from oodscen.protocols import LLM, Encoder
 
 Texts = Sequence[str | Scenario]
@@ -79,7 +79,7 @@ class Metrics(Brief):
         self.encoder: Encoder = all_minilm() if encoder is None else conforming("encoder", encoder)
         self.baseline = _as_baseline(baseline, self.encoder)
         self.seed = seed_number(seed)
-        self._space = Space(self.encoder, self.baseline, seed, device)
+        self._space = BaselineSpace(self.encoder, self.baseline, seed, device)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what it was made of; vectors are computed again, and embeddings on disk read from there."""

@@ -31,7 +31,7 @@ from oodscen.statistics._intervals import Interval
 from oodscen.statistics._resampling import bootstrap_mean
 
 if TYPE_CHECKING:
-    from oodscen.metrics._vectors.space import Space
+    from oodscen.metrics._vectors.space import BaselineSpace
 
 Definition = Literal["tabulated", "printed"]
 """The paper's two definitions of OOD-ness."""
@@ -39,7 +39,7 @@ Measure = Literal["tabulated", "printed", "kth", "mahalanobis", "density", "whit
 """A definition of OOD-ness, or a detector of `oodscen.metrics._detection.detectors`."""
 
 
-class Neighbour(Data):
+class NearestText(Data):
     """The baseline text nearest to a text."""
 
     index: int
@@ -55,7 +55,7 @@ class Oodness(Data):
     """Mean over the texts; higher is more OOD. In [-1, 1] for both definitions."""
     per_text: tuple[float, ...]
     """One score per text, in order."""
-    nearest: tuple[Neighbour, ...]
+    nearest: tuple[NearestText, ...]
     """One per text, in order: the nearest baseline text, for every definition; its text is empty if unknown."""
     interval: Interval | None
     """Interval of the mean; `None` for fewer than two texts or clusters."""
@@ -84,14 +84,17 @@ def scores(vectors: Vectors, baseline: Rows, definition: Definition) -> NDArray[
 
 
 def oodness(
-    space: "Space", texts: Sequence[str], clusters: Sequence[str] | None, definition: Measure
+    space: "BaselineSpace",
+    texts: Sequence[str],
+    clusters: Sequence[str] | None,
+    definition: Measure,
 ) -> Oodness:
     """Return the OOD-ness of a set of texts by a definition or a detector; see `Metrics.oodness`."""
     found = space.nearest(space.vectors(texts))
     values = 0.0 - found.cosine if definition == "tabulated" else space.scores(texts, definition)
     known = space.baseline.texts
     neighbours = tuple(
-        Neighbour(index=index, text=known[index] if known else "", cosine=cosine)
+        NearestText(index=index, text=known[index] if known else "", cosine=cosine)
         for index, cosine in zip(found.index.tolist(), found.cosine.tolist(), strict=True)
     )
     return Oodness(

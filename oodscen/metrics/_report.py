@@ -22,7 +22,7 @@ from oodscen.statistics._auroc import Auroc, auroc_interval
 from oodscen.statistics._intervals import Interval
 
 if TYPE_CHECKING:
-    from oodscen.metrics._vectors.space import Space
+    from oodscen.metrics._vectors.space import BaselineSpace
 
 
 class GroupScore(Data):
@@ -184,7 +184,7 @@ class BaselineBatch(Data):
 
 
 def report(
-    space: "Space",
+    space: "BaselineSpace",
     texts: Sequence[str],
     clusters: Sequence[str] | None,
     definition: Measure,
@@ -227,7 +227,7 @@ def report(
 
 
 def baseline_batch(
-    space: "Space", size: int, repeats: int, definition: Definition
+    space: "BaselineSpace", size: int, repeats: int, definition: Definition
 ) -> BaselineBatch:
     """Return the OOD-ness of random batches of the baseline; see `Metrics.baseline_batch`."""
     vectors = space.whole
@@ -251,14 +251,16 @@ def baseline_batch(
     )
 
 
-def _calibration(space: "Space", found: Oodness) -> Calibration | None:
+def _calibration(space: "BaselineSpace", found: Oodness) -> Calibration | None:
     """Return where a set lies among held-out texts, if the baseline has texts to hold out."""
     if not isinstance(space.baseline, Baseline) or len(space.baseline) < 2:
         return None
     return calibrate(found.per_text, *space.held_out(found.definition))
 
 
-def _control(space: "Space", found: Oodness, clusters: Sequence[str] | None) -> ControlCheck:
+def _control(
+    space: "BaselineSpace", found: Oodness, clusters: Sequence[str] | None
+) -> ControlCheck:
     ordinary, own = space.control_scores(found.definition), np.array(found.per_text)
     return ControlCheck(
         mean=float(ordinary.mean()),

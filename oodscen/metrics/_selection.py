@@ -32,7 +32,7 @@ from oodscen.metrics._oodness import Measure
 from oodscen.metrics._rarity.estimates import estimate_rarity
 
 if TYPE_CHECKING:
-    from oodscen.metrics._vectors.space import Space
+    from oodscen.metrics._vectors.space import BaselineSpace
 
 Method = Literal["max-min", "determinantal", "commonest", "rarest"]
 BandMeasure = Measure | Literal["rarity"]
@@ -77,7 +77,7 @@ class Selection(Data):
 
 
 def band(
-    space: "Space", texts: Sequence[str], low: float, high: float, definition: BandMeasure
+    space: "BaselineSpace", texts: Sequence[str], low: float, high: float, definition: BandMeasure
 ) -> Band:
     """Return the texts whose OOD-ness lies in [low, high]; see `Metrics.band`."""
     for name, bound in (("low", low), ("high", high)):
@@ -103,7 +103,7 @@ def band(
     )
 
 
-def select(space: "Space", inside: Band, n: int, method: Method) -> Selection:
+def select(space: "BaselineSpace", inside: Band, n: int, method: Method) -> Selection:
     """Return n texts of a band by variety or by exposure; see `Metrics.select`.
 
     Raises:
@@ -130,7 +130,7 @@ def select(space: "Space", inside: Band, n: int, method: Method) -> Selection:
 
 
 def _by_exposure(
-    space: "Space", texts: Sequence[str], n: int, *, is_rarest: bool
+    space: "BaselineSpace", texts: Sequence[str], n: int, *, is_rarest: bool
 ) -> NDArray[np.int64]:
     found = [one.best for one in estimate_rarity(space, texts).per_text]
     known = [

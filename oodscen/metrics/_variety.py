@@ -21,7 +21,7 @@ from oodscen.data._base import Data
 from oodscen.metrics._vectors.distances import remote_clique, vendi
 
 if TYPE_CHECKING:
-    from oodscen.metrics._vectors.space import Space
+    from oodscen.metrics._vectors.space import BaselineSpace
 
 _WORD = re.compile(r"\w+(?:['\u2019-]\w+)*")
 
@@ -42,7 +42,7 @@ class Variety(Data):
     encoder: str
 
 
-def variety(space: "Space", texts: Sequence[str]) -> Variety:
+def variety(space: "BaselineSpace", texts: Sequence[str]) -> Variety:
     """Return further measures of variety of one set."""
     vectors = space.vectors(texts)
     return Variety(

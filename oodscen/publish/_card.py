@@ -8,7 +8,7 @@ from typing import Any
 
 import jinja2
 
-from oodscen._text import one_line, plain
+from oodscen._text import one_line, printable
 from oodscen._version import __version__
 from oodscen.data._base import canonical_json
 from oodscen.judging._kinds import merge_kinds
@@ -64,7 +64,7 @@ def card(
 
 def _cell(value: object) -> str:
     """Return a text on one line without markup: no HTML, links, code or columns."""
-    said = html.escape(one_line(plain(str(value))), quote=False)
+    said = html.escape(one_line(printable(str(value))), quote=False)
     return re.sub(r"[\\`\[\]|]", r"\\\g<0>", said)
 
 

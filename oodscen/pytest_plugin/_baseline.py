@@ -20,7 +20,7 @@ class KnownTest(Data):
     """SHA-256 digest of the scene; the outcome in a scene that has changed is not known."""
 
 
-class Baseline(Data):
+class KnownOutcomes(Data):
     """The known outcomes of the tests of a repository."""
 
     noun: ClassVar[str] = "baseline"
@@ -30,7 +30,7 @@ class Baseline(Data):
     """By the id of the test."""
 
     @classmethod
-    def at(cls, path: Path) -> "Baseline":
+    def at(cls, path: Path) -> "KnownOutcomes":
         """Read a baseline.
 
         Raises:
@@ -52,9 +52,9 @@ class Baseline(Data):
             return "known" if outcome == "failed" else "same"
         return "regression" if outcome == "failed" else "improved"
 
-    def with_tests(self, found: dict[str, KnownTest]) -> "Baseline":
+    def with_tests(self, found: dict[str, KnownTest]) -> "KnownOutcomes":
         """Return this baseline with some tests replaced or added."""
-        return Baseline(tests={**self.tests, **found})
+        return KnownOutcomes(tests={**self.tests, **found})
 
     def write(self, path: Path) -> None:
         """Write one line per test, in order of their ids.

@@ -6,7 +6,7 @@ from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 
-from oodscen._text import plain
+from oodscen._text import printable
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._scene import Scene
 from oodscen.protocols import State
@@ -96,7 +96,7 @@ class Driven:
             *(("before" if not row else "", line) for row, line in enumerate(self._last())),
             *zip(("frame", "plan view"), map(str, self.pictures), strict=False),
         ]
-        return "\n".join(plain(f"{name:11}{value}") for name, value in rows if value)
+        return "\n".join(printable(f"{name:11}{value}") for name, value in rows if value)
 
     def _last(self) -> list[str]:
         """Return the ego's speed and the nearest actor at a few times up to the shown moment."""

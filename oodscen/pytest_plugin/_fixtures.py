@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 
-from oodscen._text import plain
+from oodscen._text import printable
 from oodscen.errors import OodscenError
 from oodscen.pytest_plugin._hooks import SESSION
 from oodscen.pytest_plugin._session import DRIVE, DrivingSession
@@ -59,7 +59,7 @@ def drive(scene: "Scene", simulator: "Simulator", request: pytest.FixtureRequest
             request
         ).scenes  # Not read before where the test has a `scene` of its own.
     except OodscenError as error:
-        pytest.fail(plain(str(error)), pytrace=False)
+        pytest.fail(printable(str(error)), pytrace=False)
     request.node.stash[DRIVE] = Drive(scene, simulator, scenes, test)
     return cast("Drive", request.node.stash[DRIVE])
 

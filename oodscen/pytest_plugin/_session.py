@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from oodscen._study_files import refuse_inside
-from oodscen._text import plain
+from oodscen._text import printable
 from oodscen.errors import OodscenError, UsageError
-from oodscen.pytest_plugin._baseline import Baseline, Change, KnownTest, Outcome
+from oodscen.pytest_plugin._baseline import Change, KnownOutcomes, KnownTest, Outcome
 from oodscen.pytest_plugin._hooks import path_setting, setting
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class DrivingSession:
             self._per_path = _count(setting(config, "oodscen_per_path"))
             self._baseline = self._outcomes()
         except OodscenError as error:
-            raise pytest.UsageError(plain(str(error))) from None
+            raise pytest.UsageError(printable(str(error))) from None
 
     @staticmethod
     def _requirement(text: str | None) -> "tuple[Bar, ...]":
@@ -71,21 +71,21 @@ class DrivingSession:
 
         return parse_requirement(text, DRIVE_FIGURES)
 
-    def _outcomes(self) -> Baseline:
+    def _outcomes(self) -> KnownOutcomes:
         """Return the known outcomes; none yet if they are to be written."""
         if self._file is None:
             if self._mode != "compare":
                 raise UsageError(f"--oodscen-baseline-mode {self._mode} needs --oodscen-baseline")
-            return Baseline(tests={})
+            return KnownOutcomes(tests={})
         if self._mode != "compare" and not self._file.exists():
-            return Baseline(tests={})
+            return KnownOutcomes(tests={})
         if self._mode != "write":
-            return Baseline.at(self._file)
+            return KnownOutcomes.at(self._file)
         try:
-            Baseline.at(self._file)
+            KnownOutcomes.at(self._file)
         except OodscenError as error:
             raise UsageError(f"{error}\nonly a baseline is overwritten") from None
-        return Baseline(tests={})
+        return KnownOutcomes(tests={})
 
     # -------------------------------------------------------------- scenes
 
@@ -176,7 +176,7 @@ class DrivingSession:
         try:
             _ = self.parameters
         except OodscenError as error:
-            raise pytest.UsageError(plain(str(error))) from None
+            raise pytest.UsageError(printable(str(error))) from None
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
         """Make one test per scene of every test that uses one."""
@@ -184,7 +184,7 @@ class DrivingSession:
             try:
                 found = self.parameters
             except OodscenError as error:
-                raise pytest.Collector.CollectError(plain(str(error))) from None
+                raise pytest.Collector.CollectError(printable(str(error))) from None
             metafunc.parametrize(PARAMETER, found, indirect=True)
 
     # -------------------------------------------------------------- reports
@@ -353,7 +353,7 @@ class DrivingSession:
         if lines:
             terminalreporter.write_sep("-", "oodscen")
             for line in lines:
-                terminalreporter.write_line(plain(line))
+                terminalreporter.write_line(printable(line))
 
     def _figures(self) -> list[str]:
         """Return one line per stack, and one more per stack that drove twins."""
@@ -400,7 +400,7 @@ class DrivingSession:
 
 
 def _text(value: object) -> str:
-    return plain(f"{value:g}" if isinstance(value, float) else str(value))
+    return printable(f"{value:g}" if isinstance(value, float) else str(value))
 
 
 def _count(text: str | None) -> int | None:

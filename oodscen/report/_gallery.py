@@ -134,9 +134,11 @@ class _Gallery:
     def _shown(self, name: str, scene: Scene | None) -> Row:
         """Return the appearance of a drive, the outcome of every action, and the answers about it."""
         episode = self._episodes.get(name)
-        names = {actor.id: words.plain(actor.asset) for actor in scene.actors} if scene else {}
+        names = (
+            {actor.id: words.plain_words(actor.asset) for actor in scene.actors} if scene else {}
+        )
         return {
-            "map": words.plain(scene.map) if scene else "",
+            "map": words.plain_words(scene.map) if scene else "",
             "weather": conditions(scene.weather) if scene else [],
             "setting": _setting(scene) if scene else "",
             "badWeather": scene is not None and scene.hazard.weather is not None,
@@ -215,7 +217,7 @@ def _outcomes(episode: Episode, names: Mapping[str, str]) -> list[Row]:
     return [
         {
             "id": action,
-            "name": words.plain(action),
+            "name": words.plain_words(action),
             "kind": outcome.label,
             "note": words.outcome(outcome, names),
             "more": words.measures(outcome),
@@ -294,7 +296,7 @@ def _band(config: Mapping[str, Any]) -> tuple[float, float] | None:
 
 
 def _setting(scene: Scene) -> str:
-    parts = [words.plain(scene.map)]
+    parts = [words.plain_words(scene.map)]
     parts += words.map_faults(scene.map_state) if scene.map_state else []
     parts += [words.weather(scene.weather), f"ego at {words.speed(scene.ego.speed)}"]
     return " · ".join(parts)
@@ -353,13 +355,13 @@ def _facts(episode: Episode, names: Mapping[str, str]) -> list[list[str]]:
 def _sighting(episode: Episode, names: Mapping[str, str]) -> str:
     if (look := episode.sighting) is None:
         return ""
-    name = names.get(look.actor, words.plain(look.actor))
+    name = names.get(look.actor, words.plain_words(look.actor))
     faults = f"; not judged, since it is {' and '.join(look.faults)}" if look.faults else ""
     return f"{name}, {look.height_px:g} pixels high in a picture of 480 rows, {look.distance_m:g} m away{faults}"
 
 
 def _followers(episode: Episode, names: Mapping[str, str]) -> str:
-    listed = ", ".join(names.get(name, words.plain(name)) for name in episode.followers)
+    listed = ", ".join(names.get(name, words.plain_words(name)) for name in episode.followers)
     near = episode.follower
     if not listed or near is None:
         return listed
@@ -377,5 +379,5 @@ def _reactions(episode: Episode) -> str:
 def _seen(episode: Episode, names: Mapping[str, str]) -> str:
     last = sorted(episode.visible.get("last", {}).items(), key=lambda item: (-item[1], item[0]))
     return ", ".join(
-        f"{names.get(name, words.plain(name))} {pixels} pixels" for name, pixels in last
+        f"{names.get(name, words.plain_words(name))} {pixels} pixels" for name, pixels in last
     )

@@ -155,7 +155,7 @@ def _chart(shown: Sequence[LeaderboardRow], level: str, field: str, what: str) -
             getattr(groups[name], field) if name in groups else None for groups in found
         ]
         rows.append(
-            charts.Row(
+            charts.ScoreRow(
                 name, [_bar(rate) for rate in rates], group.chance if field == "safe" else None
             )
         )
@@ -164,10 +164,10 @@ def _chart(shown: Sequence[LeaderboardRow], level: str, field: str, what: str) -
     return charts.bars(rows, [row.model for row in shown], what)
 
 
-def _bar(rate: Rate | None) -> charts.Bar | None:
+def _bar(rate: Rate | None) -> charts.ScoreBar | None:
     if rate is None or not rate.n or rate.interval is None:
         return None
-    return charts.Bar(rate.hits, rate.n, rate.interval.low, rate.interval.high)
+    return charts.ScoreBar(rate.hits, rate.n, rate.interval.low, rate.interval.high)
 
 
 def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material) -> list[Confused]:

@@ -80,7 +80,7 @@ def made_to_order(study: Study, found: Material) -> Mapping[str, Any] | None:
     printed = _uses_by_row(found.scenes, _texts_of_actors)
     for row in things:
         for text in row.texts:
-            printed[(text, words.plain(row.prop.id))] = row.uses
+            printed[(text, words.plain_words(row.prop.id))] = row.uses
     unmade: list[MadeProp | MadeMotion] = [*found.assets, *found.motions]
     rows = {
         "things": things,
@@ -89,7 +89,7 @@ def made_to_order(study: Study, found: Material) -> Mapping[str, Any] | None:
         "details": _uses_by_row(found.scenes, _details),
         "states": _uses_by_row(found.scenes, _map_faults),
         "unmade": [
-            (words.plain(one.id), one.error or one.reason)
+            (words.plain_words(one.id), one.error or one.reason)
             for one in unmade
             if one.error or one.reason
         ],
@@ -188,15 +188,15 @@ def _uses_by_row(
 def _details(scene: Scene) -> Iterator[Row]:
     for actor in scene.actors:
         if actor.details:
-            yield words.plain(actor.asset), ", ".join(words.details(actor.details))
+            yield words.plain_words(actor.asset), ", ".join(words.details(actor.details))
 
 
 def _texts_of_actors(scene: Scene) -> Iterator[Row]:
     for actor in scene.actors:
         if actor.details and actor.details.text:
-            yield actor.details.text, words.plain(actor.asset)
+            yield actor.details.text, words.plain_words(actor.asset)
 
 
 def _map_faults(scene: Scene) -> Iterator[Row]:
     if scene.map_state is not None:
-        yield words.plain(scene.map), ", ".join(words.map_faults(scene.map_state))
+        yield words.plain_words(scene.map), ", ".join(words.map_faults(scene.map_state))

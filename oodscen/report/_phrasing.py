@@ -41,7 +41,7 @@ _UNITS = {
 }
 
 
-def plain(identifier: str) -> str:
+def plain_words(identifier: str) -> str:
     """Return an id as words."""
     return identifier.replace("_", " ").replace("-", " ").strip() or identifier
 
@@ -142,11 +142,11 @@ def behaviour(value: Behaviour, motions: Mapping[str, Motion] = MappingProxyType
         motions: Motions made to order, by id.
     """
     row, motion = BUILT_IN.get(value.name), motions.get(value.name)
-    text = (row.phrase if row else "") or plain(value.name)
+    text = (row.phrase if row else "") or plain_words(value.name)
     if motion is not None:
         text = f"{motion.description} (made to order)"
     given = [
-        f"{plain(name)} {amount(number)} {_UNITS.get(name, '')}".strip()
+        f"{plain_words(name)} {amount(number)} {_UNITS.get(name, '')}".strip()
         for name, number in sorted(value.parameters.items())
     ]
     if given:
@@ -176,25 +176,25 @@ def actor_name(actor: Actor) -> str:
     """Return an actor's name: its asset, with its state and its details if it has any."""
     told = []
     if actor.state not in ("", "off"):
-        told.append(_STATES.get(actor.state, plain(actor.state)))
+        told.append(_STATES.get(actor.state, plain_words(actor.state)))
     if actor.details is not None:
         told += details(actor.details)
-    return f"{plain(actor.asset)} ({', '.join(told)})" if told else plain(actor.asset)
+    return f"{plain_words(actor.asset)} ({', '.join(told)})" if told else plain_words(actor.asset)
 
 
 def details(value: Details) -> list[str]:
     """Return the details of an actor in words, one by one."""
-    told = [plain(value.pose)] if value.pose else []
-    told += [f"holding a {plain(value.holds)}"] if value.holds else []
-    told += [plain(one) for one in value.parts]
+    told = [plain_words(value.pose)] if value.pose else []
+    told += [f"holding a {plain_words(value.holds)}"] if value.holds else []
+    told += [plain_words(one) for one in value.parts]
     told += [f"painted {value.colour.replace('_', ' ')}"] if value.colour else []
-    told += [f"carrying a {plain(value.cargo)}"] if value.cargo else []
+    told += [f"carrying a {plain_words(value.cargo)}"] if value.cargo else []
     return told + ([f"“{value.text}” on its sides"] if value.text else [])
 
 
 def map_faults(value: MapState) -> list[str]:
     """Return what is out of order on a map in words."""
-    return [f"{plain(part)}: {plain(state)}" for part, state in value.faults()]
+    return [f"{plain_words(part)}: {plain_words(state)}" for part, state in value.faults()]
 
 
 def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:
@@ -209,7 +209,7 @@ def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:
     if value.marginal:
         return "depends on the driver"
     if value.contacts:
-        touched = [names.get(item, plain(item)) for item in value.contacts]
+        touched = [names.get(item, plain_words(item)) for item in value.contacts]
         counted = [
             f"{name} ×{touched.count(name)}" if touched.count(name) > 1 else name
             for name in dict.fromkeys(touched)

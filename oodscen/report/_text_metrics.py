@@ -166,7 +166,7 @@ def _distributions(metrics: Measurements) -> tuple[Canvas, str]:
     known = metrics.pictures.oodness
     strips = _strips(metrics)
     for label, values in (("ordinary", known.control), ("baseline", known.held_out)):
-        strips.append(charts.Strip(label, values, sum(values) / len(values)))
+        strips.append(charts.HistogramRow(label, values, sum(values) / len(values)))
     return charts.histogram(strips), (
         "OOD-ness of the study’s texts, of hand-written ordinary sentences in the style of scenarios, and of "
         "ordinary driving texts scored without their like. Where the first lie over the second, this measure "
@@ -216,9 +216,9 @@ def _map(metrics: Measurements) -> tuple[Canvas, str]:
     )
 
 
-def _strips(metrics: Measurements) -> list[charts.Strip]:
+def _strips(metrics: Measurements) -> list[charts.HistogramRow]:
     reports = [(name, metrics.sets[name].oodness) for name in set_names(metrics)]
-    return [charts.Strip(_short(name), one.per_text, one.mean) for name, one in reports]
+    return [charts.HistogramRow(_short(name), one.per_text, one.mean) for name, one in reports]
 
 
 def _figure(value: float | None, interval: Interval | None) -> PrintedFigure:

@@ -71,7 +71,7 @@ def birds_eye(
     *,
     size: int = SIZE,
     span_m: float = _SPAN_M,
-) -> "Picture":
+) -> "BirdsEye":
     """Draw the road and all actors from above; `Scene.birds_eye` tells arguments and errors."""
     size = whole_number("size", size, 1, MAX_SIZE)
     finite_number("span_m", span_m, 1.0, 10_000.0)
@@ -103,10 +103,10 @@ def birds_eye(
     picture[-_CAPTION:] = _OUTLINE
     place, font = (10, size - 10), cv2.FONT_HERSHEY_SIMPLEX
     cv2.putText(picture, where, place, font, 0.5, (255, 255, 255), 1, cv2.LINE_AA)
-    return picture.view(Picture)
+    return picture.view(BirdsEye)
 
 
-class Picture(np.ndarray[Any, np.dtype[np.uint8]]):
+class BirdsEye(np.ndarray[Any, np.dtype[np.uint8]]):
     """An RGB picture that a notebook shows; otherwise a plain array."""
 
     def __repr__(self) -> str:

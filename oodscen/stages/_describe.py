@@ -10,7 +10,7 @@ from oodscen._concurrency import as_finished
 from oodscen._display import Brief
 from oodscen._numbers import whole_number
 from oodscen._progress import Progress, counted, reporting
-from oodscen._text import one_line
+from oodscen._text import folded_words, one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._check import unit_embeddings
@@ -19,7 +19,7 @@ from oodscen.llm._ask import ask
 from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
-from oodscen.prompts._scenario.describe_path import STYLES, DescribePath, plain
+from oodscen.prompts._scenario.describe_path import STYLES, DescribePath
 from oodscen.protocols import LLM, Encoder
 from oodscen.stages._options import DescribeOptions, with_changes
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -139,18 +139,18 @@ class Describer(Brief):
             LLMError: When the model fails.
         """
         items = list(scenarios)
-        taken = {plain(item.text) for item in items}
+        taken = {folded_words(item.text) for item in items}
         seen: set[str] = set()
         again = []
         for item in items:
-            words = plain(item.text)
+            words = folded_words(item.text)
             if words in seen:
                 own = [other.text for other in items if other.leaf == item.leaf]
                 fresh, _ = self._draw(item.path, 1, avoid=own, taken=taken)
                 if not fresh:
                     continue
                 again.append(self._scenario(item.id, fresh[0], item.leaf, item.path))
-                words = plain(fresh[0])
+                words = folded_words(fresh[0])
                 taken.add(words)
             seen.add(words)
         return again
@@ -204,7 +204,7 @@ class Describer(Brief):
             )
             found = ask(self.llm, prompt, sample=self.options.sample).texts
             for text in found:
-                kept = refused if plain(text) in taken else texts
+                kept = refused if folded_words(text) in taken else texts
                 kept.append(one_line(text))
             if len(found) < wanted:
                 return texts, True

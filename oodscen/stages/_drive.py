@@ -13,7 +13,7 @@ from oodscen._members import conforming, is_interruption, message, working
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen._registry import driver_maker
-from oodscen._text import one_line, plain, whole
+from oodscen._text import one_line, printable, whole
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
@@ -308,7 +308,7 @@ def failed_drive(scene_id: str, name: str, error: BaseException) -> DriveResult:
         scene_id=scene_id,
         driver=name,
         status="failed",
-        error=one_line(plain(message(error)))[:2_000],
+        error=one_line(printable(message(error)))[:2_000],
         error_type=type(error).__name__,
         is_twin=is_twin(scene_id),
     )

@@ -24,7 +24,7 @@ _STYLES = (
 """Colours of a chart's nodes."""
 
 
-class Placed(Data):
+class OwnNode(Data):
     """A node that only one of the trees has."""
 
     noun: ClassVar[str] = "node of one tree"
@@ -78,9 +78,9 @@ class TreeDiff(Data):
     """Number of nodes in the first and the second tree."""
     matches: tuple[Match, ...] = ()
     """Paired nodes, in the order of the first tree."""
-    added: tuple[Placed, ...] = ()
+    added: tuple[OwnNode, ...] = ()
     """Nodes that only the second tree has, in its order."""
-    removed: tuple[Placed, ...] = ()
+    removed: tuple[OwnNode, ...] = ()
     """Nodes that only the first tree has, in its order."""
     broadened: tuple[Broadened, ...] = ()
     moved: tuple[Moved, ...] = ()
@@ -228,9 +228,9 @@ def diff(
     )
 
 
-def _alone(tree: "ScenarioTree", paired: Container[str]) -> tuple[Placed, ...]:
+def _alone(tree: "ScenarioTree", paired: Container[str]) -> tuple[OwnNode, ...]:
     return tuple(
-        Placed(
+        OwnNode(
             id=node.id,
             parent=node.parent,
             path=_path(tree, node.id),

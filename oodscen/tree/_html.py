@@ -6,7 +6,7 @@ from html import escape
 from itertools import accumulate
 from typing import TYPE_CHECKING, Literal
 
-from oodscen._text import plain
+from oodscen._text import printable
 from oodscen.tree._edits import Node, TreeEdit
 from oodscen.tree._provenance import origin_words
 
@@ -192,5 +192,5 @@ def _reason(edit: TreeEdit) -> str:
     parts = [edit.stage, "" if edit.round is None else f"round {edit.round}", edit.model]
     who = ", ".join(filter(None, parts))
     text = f"{edit.op} ({who})" if who else edit.op
-    text = plain(f"{text}: {edit.reason}" if edit.reason else text)
+    text = printable(f"{text}: {edit.reason}" if edit.reason else text)
     return text if len(text) <= 300 else f"{text[:297]}..."

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from oodscen._text import plain
+from oodscen._text import printable
 from oodscen.data._base import Data
 from oodscen.errors import UnknownComponent
 from oodscen.tree._edits import TreeEdit
@@ -46,7 +46,7 @@ class Decision(Data):
         line += f" ({edit.prompt})" if edit.prompt else ""
         line += f": {edit.reason}" if edit.reason else ""
         line += f" [because of: {edit.source}]" if edit.source else ""
-        return plain(" ".join(line.split())) + (" (undone)" if self.is_undone else "")
+        return printable(" ".join(line.split())) + (" (undone)" if self.is_undone else "")
 
 
 class Provenance(Data):

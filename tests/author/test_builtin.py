@@ -6,12 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen._text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Knowledge
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._judging.describe_frame import DescribeFrame
-from oodscen.prompts._scenario.describe_path import DescribePath, plain
+from oodscen.prompts._scenario.describe_path import DescribePath
 from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.prompts._tree.classify_examples import ClassifyExamples
 from oodscen.prompts._tree.give_examples import GiveExamples
@@ -72,7 +73,7 @@ def test_texts_of_a_path_are_distinct(
         path = ("x", hazard.class_name, hazard.family, hazard.label)
         first = ask(author, DescribePath(path=path, count=count)).texts
         more = ask(author, DescribePath(path=path, count=count, avoid=tuple(first))).texts
-        assert len({plain(text) for text in (*first, *more)}) == 2 * count
+        assert len({folded_words(text) for text in (*first, *more)}) == 2 * count
 
 
 def test_a_widened_leaf_tells_of_its_kin_only_if_that_is_as_easily_shown(

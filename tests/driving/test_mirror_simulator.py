@@ -8,7 +8,7 @@ import pytest
 from oodscen.data._scene import Trigger
 from oodscen.driving import MirrorSimulator
 from oodscen.driving._motion.actions import Cruise
-from oodscen.driving._motion.boxes import Box, gap
+from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.errors import SceneError, SimulatorError
 from oodscen.protocols import Camera, Control, Frame, Simulator
 from oodscen.testing._flat import FlatSimulator
@@ -66,7 +66,7 @@ def test_only_near_bodies_that_do_not_touch_are_asked_for() -> None:
     assert math.isinf(state.gaps[0])
     assert math.isinf(state.gaps[2])
     rows = state.poses.tolist()
-    boxes = [Box(x, y, yaw, *size) for (x, y, _, yaw), size in
+    boxes = [Footprint(x, y, yaw, *size) for (x, y, _, yaw), size in
              zip(rows, simulator.world.sizes, strict=True)]  # fmt: skip
     assert math.isclose(state.gaps[1], gap(boxes[0], boxes[1]), abs_tol=1e-6)
     while state.poses[0, 0] < state.poses[1, 0]:

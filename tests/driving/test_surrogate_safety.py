@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from oodscen.driving._motion.boxes import Box, gap
+from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.driving._surrogate_safety import (
     TTC_LIMIT_S,
     Footprints,
@@ -21,15 +21,15 @@ place = st.floats(-30, 30)
 speed = st.floats(-15, 15)
 angle = st.floats(-math.pi, math.pi)
 size = st.floats(0.3, 9)
-boxes = st.builds(Box, place, place, angle, size, size)
+boxes = st.builds(Footprint, place, place, angle, size, size)
 
 
-def prints(box: Box) -> Footprints:
+def prints(box: Footprint) -> Footprints:
     columns = (box.x, box.y, math.cos(box.yaw), math.sin(box.yaw), box.length / 2, box.width / 2)
     return Footprints(*(np.array([value]) for value in columns))
 
 
-def collision(a: Box, b: Box, vx: float, vy: float) -> float:
+def collision(a: Footprint, b: Footprint, vx: float, vy: float) -> float:
     return float(time_to_collision(prints(a), prints(b), np.array([vx]), np.array([vy]))[0])
 
 
@@ -42,9 +42,9 @@ def test_boxes_overlap_exactly_where_their_gap_is_zero(a, b):
 
 @given(boxes, angle, size, size, angle)
 def test_boxes_overlap_up_to_the_place_where_they_touch(a, yaw, length, width, direction):
-    def at(distance: float) -> Box:
+    def at(distance: float) -> Footprint:
         x, y = a.x + distance * math.cos(direction), a.y + distance * math.sin(direction)
-        return Box(x, y, yaw, length, width)
+        return Footprint(x, y, yaw, length, width)
 
     near, far = 0.0, 20.0
     while far - near > 1e-7:
@@ -86,7 +86,7 @@ def test_boxes_that_just_touch_overlap(x, y, turned):
     ],
 )
 def test_a_touch_counts_at_an_edge_at_a_corner_and_at_the_end_of_the_minute(x, y, vx, vy, time):
-    assert collision(Box(0, 0, 0, 4, 2), Box(x, y, 0, 4, 2), vx, vy) == time
+    assert collision(Footprint(0, 0, 0, 4, 2), Footprint(x, y, 0, 4, 2), vx, vy) == time
 
 
 @given(boxes, boxes, st.floats(1, 10), st.floats(-1, 1), st.floats(-1, 1))
@@ -163,7 +163,7 @@ MOVES = st.floats(-3, 3)
 def test_post_encroachment_is_the_least_over_all_pairs_of_steps(path, paths, sizes, dt):
     def boxes(number, places):
         length, width = sizes[2 * number : 2 * number + 2]
-        return [Box(x, y, yaw, length, width) for x, y, yaw in places]
+        return [Footprint(x, y, yaw, length, width) for x, y, yaw in places]
 
     ego, others = boxes(0, path), [boxes(n, p[: len(path)]) for n, p in enumerate(paths, 1)]
     mine = Footprints(*(np.array([prints(box)[i][0] for box in ego]) for i in range(6)))

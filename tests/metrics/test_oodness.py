@@ -14,8 +14,8 @@ from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
 from oodscen.encoders._similarity import unit
 from oodscen.errors import DataError, UnknownComponent
-from oodscen.metrics._oodness import Definition, Neighbour, Oodness, oodness, scores
-from oodscen.metrics._vectors.space import Space
+from oodscen.metrics._oodness import Definition, NearestText, Oodness, oodness, scores
+from oodscen.metrics._vectors.space import BaselineSpace
 from oodscen.testing._encoder import HashEncoder
 
 ENCODER = HashEncoder(16)
@@ -38,8 +38,8 @@ BASELINES = (
 
 
 @cache
-def space(baseline: tuple[str, ...], seed: int = 0) -> Space:
-    return Space(ENCODER, Baseline(texts=baseline), seed, "cpu")
+def space(baseline: tuple[str, ...], seed: int = 0) -> BaselineSpace:
+    return BaselineSpace(ENCODER, Baseline(texts=baseline), seed, "cpu")
 
 
 def vectors(seed: int, n: int) -> np.ndarray:
@@ -128,7 +128,7 @@ def test_a_detector_scores_the_texts_and_the_neighbours_stay() -> None:
 
 
 def test_a_result_is_of_at_least_one_text_and_one_of_the_baseline() -> None:
-    nearest = (Neighbour(index=0, text="car", cosine=0.5),)
+    nearest = (NearestText(index=0, text="car", cosine=0.5),)
     fields = {"mean": -0.5, "per_text": (-0.5,), "nearest": nearest, "interval": None}
     fields |= {"n": 1, "N": 1, "definition": "tabulated", "encoder": "hash-16"}
     assert Oodness(**fields).seed == 0

@@ -6,13 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.errors import DataError, StudyError, UsageError
-from oodscen.pytest_plugin._baseline import Baseline, KnownTest
+from oodscen.pytest_plugin._baseline import KnownOutcomes, KnownTest
 
 known = st.builds(
     KnownTest, outcome=st.sampled_from(("passed", "failed")), scene=st.sampled_from("ab")
 )
 baselines = st.dictionaries(st.text(max_size=8), known, max_size=4).map(
-    lambda tests: Baseline(tests=tests)
+    lambda tests: KnownOutcomes(tests=tests)
 )
 WORDS = {
     ("passed", "passed"): "same",
@@ -28,13 +28,13 @@ def test_a_baseline_is_read_as_it_was_written(baseline) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "deep" / "baseline.json"
         baseline.write(path)
-        assert Baseline.at(path) == baseline
+        assert KnownOutcomes.at(path) == baseline
         assert len(path.read_text().splitlines()) == len(baseline.tests) + 2 + (not baseline.tests)
 
 
 @given(known, known)
 def test_only_a_failure_that_passed_in_the_same_scene_is_a_regression(before, now) -> None:
-    baseline = Baseline(tests={"t": before})
+    baseline = KnownOutcomes(tests={"t": before})
     expected = WORDS[before.outcome, now.outcome] if before.scene == now.scene else "new"
     assert baseline.change("t", now.outcome, now.scene) == expected
     assert baseline.change("other", now.outcome, now.scene) == "new"
@@ -52,15 +52,15 @@ def test_an_update_replaces_the_tests_that_ran(baseline, found) -> None:
 def test_a_broken_baseline_is_named(text, tmp_path) -> None:
     path = tmp_path / "baseline.json"
     with pytest.raises(UsageError, match=r"does not exist yet; .*baseline-mode write") as missing:
-        Baseline.at(path)
+        KnownOutcomes.at(path)
     assert not isinstance(missing.value, DataError)
     path.write_text(text)
     with pytest.raises(DataError) as caught:
-        Baseline.at(path)
+        KnownOutcomes.at(path)
     assert (caught.value.noun, caught.value.source) == ("baseline", str(path))
 
 
 def test_a_baseline_that_cannot_be_written_is_an_error(tmp_path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(StudyError):
-        Baseline(tests={}).write(tmp_path / "file" / "baseline.json")
+        KnownOutcomes(tests={}).write(tmp_path / "file" / "baseline.json")

@@ -27,7 +27,7 @@ from oodscen.metrics._measurements import (
     Pictures,
     SizeCurve,
 )
-from oodscen.metrics._oodness import Neighbour, Oodness
+from oodscen.metrics._oodness import NearestText, Oodness
 from oodscen.metrics._report import BaselineBatch, MetricsReport
 from oodscen.stages._prune.decisions import PruneDecision, all_decisions
 from oodscen.stages._redteam.red_teamer import Round
@@ -193,7 +193,7 @@ def measured(count: int, seed: int) -> MetricsReport:
     values = np.round(np.random.default_rng(seed).normal(-0.62, 0.07, count), 6).tolist()
     mean = sum(values) / count
     nearest = [
-        Neighbour(index=i, text=f"The ego follows car {i} in its lane.", cosine=-value)
+        NearestText(index=i, text=f"The ego follows car {i} in its lane.", cosine=-value)
         for i, value in enumerate(values)
     ]
     return MetricsReport(

@@ -7,10 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import Describer, Metrics, ScenarioTree
+from oodscen._text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.errors import UsageError
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
-from oodscen.prompts._scenario.describe_path import STYLES, plain
+from oodscen.prompts._scenario.describe_path import STYLES
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit
@@ -99,7 +100,7 @@ def test_every_style_is_distinct_repeatable_and_kept(style):
     first, again = author_scenarios(style=style), author_scenarios(style=style)
     assert first == again
     assert {item.style for item in first} == {style}
-    assert len({plain(item.text) for item in first}) == 6
+    assert len({folded_words(item.text) for item in first}) == 6
     assert all("box" in item.text or "carton" in item.text for item in first)
 
 
@@ -145,7 +146,9 @@ def test_texts_of_different_paths_that_agree_are_written_again():
 
 def test_twins_are_written_on_demand_and_left_out_where_no_answer_is_valid():
     found = author_scenarios(twins=True)
-    assert all(item.ordinary and plain(item.ordinary) != plain(item.text) for item in found)
+    assert all(
+        item.ordinary and folded_words(item.ordinary) != folded_words(item.text) for item in found
+    )
     assert all(item.ordinary is None for item in author_scenarios())
 
     def answer(request):

@@ -32,7 +32,7 @@ from oodscen.encoders._cached import CachedEncoder, cache_folder
 from oodscen.encoders._check import encode
 from oodscen.encoders._similarity import unit
 from oodscen.metrics._rarity.head import Head, between, inducing_points, kernel
-from oodscen.metrics._rarity.words import Words, plain, stems
+from oodscen.metrics._rarity.words import Words, stems, without_courtesy
 from oodscen.protocols import Encoder
 from oodscen.statistics._auroc import auroc
 
@@ -130,7 +130,7 @@ def rated(folder: Path) -> Rated:
         event.append("")
         is_plain.append(True)
     told = (texts, values, coarse, fine, twin, event, is_plain)
-    return Rated(list(map(plain, texts)), *map(np.array, told[1:]))
+    return Rated(list(map(without_courtesy, texts)), *map(np.array, told[1:]))
 
 
 def _coarse(origin: str) -> str:
@@ -175,7 +175,7 @@ def framed(data: Rated, draws: int = 1, seed: int = 0) -> tuple[np.ndarray, list
         _filled(frames[number % len(frames)], chance).replace("{}", data.texts[place])
         for number, place in enumerate(places)
     ]
-    return places, list(map(plain, told))
+    return places, list(map(without_courtesy, told))
 
 
 def _filled(frame: str, chance: random.Random) -> str:
@@ -449,7 +449,7 @@ def main() -> None:
             "nearest": np.quantile(near, 0.005),
         }
         arrays |= {f"{kind}.{name}": np.asarray(value) for name, value in values.items()}
-        tune = [plain(text.text) for text in load_controls("tune")]
+        tune = [without_courtesy(text.text) for text in load_controls("tune")]
         head = Head(arrays, kind)
         seen = head.estimate(tune, unit(encoder.encode(tune)) if is_full else None).best
         print(f"{kind:7} tune controls: AUROC {auroc(seen[::2], seen[1::2]):.3f}")

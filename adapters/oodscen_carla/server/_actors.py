@@ -35,7 +35,7 @@ class WalkerControl:
 
 
 @dataclass(eq=False)
-class Actor:
+class ServerActor:
     """The changing state of one actor; places are in CARLA's axes."""
 
     id: int

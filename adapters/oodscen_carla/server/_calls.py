@@ -6,7 +6,7 @@ from typing import Any
 from oodscen.errors import OodscenError
 from oodscen_carla._weather import WeatherParameters
 from oodscen_carla.server import _values as read
-from oodscen_carla.server._actors import ZERO, Actor, VehicleControl, WalkerControl
+from oodscen_carla.server._actors import ZERO, ServerActor, VehicleControl, WalkerControl
 from oodscen_carla.server._blueprints import CAMERAS
 from oodscen_carla.server._commands import run_batch
 from oodscen_carla.server._geometry import rotated
@@ -165,7 +165,7 @@ class Calls:
     ) -> list[Any]:
         return self._row(self.spawn(what, place, parent))
 
-    def spawn(self, what: Any, place: Any, parent: Any) -> Actor:
+    def spawn(self, what: Any, place: Any, parent: Any) -> ServerActor:
         """Add an actor from the values of a call."""
         described = read.description(what)
         if described.type_id in CAMERAS:
@@ -185,10 +185,10 @@ class Calls:
             self._streams.expect(number)
         return [self._streams.token(number)]
 
-    def _row(self, actor: Actor) -> list[Any]:
+    def _row(self, actor: ServerActor) -> list[Any]:
         return actor.row(self._streams.token(actor.id) if actor.is_sensor else b"")
 
-    def find(self, number: Any, doing: str) -> Actor:
+    def find(self, number: Any, doing: str) -> ServerActor:
         """Return an actor.
 
         Raises:
@@ -199,7 +199,7 @@ class Calls:
             raise CallError(f"unable to {doing}: actor {number} not found")
         return actor
 
-    def _own(self, number: Any, doing: str) -> Actor:
+    def _own(self, number: Any, doing: str) -> ServerActor:
         actor = self.find(number, doing)
         if actor.staged:
             raise CallError(f"unable to {doing}: actor {actor.id} is moved by the staged scene")

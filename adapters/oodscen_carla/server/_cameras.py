@@ -50,7 +50,7 @@ class BodyRenderer(Protocol):
         """Release all resources."""
 
 
-class Body(NamedTuple):
+class PicturedBody(NamedTuple):
     """One body of a picture, in right-handed axes."""
 
     key: int
@@ -65,7 +65,7 @@ class Body(NamedTuple):
     """Acceleration along the heading, m/s^2."""
 
 
-class Shot(NamedTuple):
+class View(NamedTuple):
     """Everything that a picture shows, and from where."""
 
     camera: Camera
@@ -90,11 +90,11 @@ class CameraRenderer:
         """Take a small picture, so that no client waits while kernels are compiled."""
         road = load_corridor(scene.map, self._draughtsman.catalogue())
         x, y, z, yaw = road.point(road.start, 0.0)
-        shot = Shot(Camera(width=64, height=48), (x, y, z, yaw), 0.0, 0.0)
+        shot = View(Camera(width=64, height=48), (x, y, z, yaw), 0.0, 0.0)
         self.take(scene, 0, [], shot, has_host=False)
 
     def take(
-        self, scene: Scene, seed: int, bodies: Sequence[Body], shot: Shot, *, has_host: bool
+        self, scene: Scene, seed: int, bodies: Sequence[PicturedBody], shot: View, *, has_host: bool
     ) -> tuple[Frame, NDArray[np.int32]]:
         """Return a picture, and the id of the actor for each of its ids.
 
@@ -112,7 +112,7 @@ class CameraRenderer:
             x, y, _, yaw = shot.mount
             ground = road.point(road.locate(x, y)[0], 0.0)[2]
             stand_in = (x - _AWAY * math.cos(yaw), y - _AWAY * math.sin(yaw), ground, 0.0)
-            shown.insert(0, Body(0, "ego", drawn.catalogue().ego, "", stand_in, 0.0, 0.0))
+            shown.insert(0, PicturedBody(0, "ego", drawn.catalogue().ego, "", stand_in, 0.0, 0.0))
         cast = (scene, seed, tuple((one.key, one.name, one.asset.id, one.state) for one in shown))
         if cast != self._cast:
             self._cast = None

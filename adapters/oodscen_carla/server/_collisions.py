@@ -6,14 +6,14 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen_carla.server._actors import Actor
+from oodscen_carla.server._actors import ServerActor
 from oodscen_carla.server._geometry import overlap
 from oodscen_carla.server._values import Transform
 
 
 def collide(
-    actors: Iterable[Actor], before: Mapping[int, Transform], touched: frozenset[str]
-) -> list[tuple[Actor, Actor]]:
+    actors: Iterable[ServerActor], before: Mapping[int, Transform], touched: frozenset[str]
+) -> list[tuple[ServerActor, ServerActor]]:
     """Return every vehicle with each thing that it touches; a driven one stops where it would run into something.
 
     Args:
@@ -26,7 +26,7 @@ def collide(
         return []
     cars = [row for row, actor in enumerate(solid) if actor.is_vehicle]
     near = _near(solid, cars)
-    contacts: list[tuple[Actor, Actor]] = []
+    contacts: list[tuple[ServerActor, ServerActor]] = []
     # One car after the other: one that has stopped is no longer in the way of the next.
     for row, is_near in zip(cars, near, strict=True):
         car = solid[row]
@@ -39,7 +39,7 @@ def collide(
     return contacts
 
 
-def _near(solid: Sequence[Actor], cars: Sequence[int]) -> NDArray[np.bool_]:
+def _near(solid: Sequence[ServerActor], cars: Sequence[int]) -> NDArray[np.bool_]:
     """Return which bodies may touch which cars, by their distance: [cars, bodies]."""
     at = np.array([actor.place.location for actor in solid])
     reach = np.array([math.hypot(*actor.blueprint.extent[:2]) for actor in solid])
@@ -47,7 +47,7 @@ def _near(solid: Sequence[Actor], cars: Sequence[int]) -> NDArray[np.bool_]:
     return np.asarray(apart <= reach[cars][:, None] + reach[None, :])
 
 
-def _react(car: Actor, touching: set[int], before: Mapping[int, Transform]) -> None:
+def _react(car: ServerActor, touching: set[int], before: Mapping[int, Transform]) -> None:
     """Put a driven vehicle that touches something new back to where it was, and stop it."""
     is_driven = car.control is not None and car.has_physics and car.id in before
     if touching - car.touching and is_driven:
@@ -57,7 +57,7 @@ def _react(car: Actor, touching: set[int], before: Mapping[int, Transform]) -> N
         car.touching = touching
 
 
-def _touch(car: Actor, other: Actor, touched: frozenset[str]) -> bool:
+def _touch(car: ServerActor, other: ServerActor, touched: frozenset[str]) -> bool:
     """Return whether two bodies touch; in a scene, the scene says what the ego touches."""
     if car.staged and other.staged and "ego" in (car.staged, other.staged):
         return bool({car.staged, other.staged} & touched)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from oodscen_carla.server._actors import Actor
+from oodscen_carla.server._actors import ServerActor
 from oodscen_carla.server._geometry import rotated
 from oodscen_carla.server._roads import ServedMap
 from oodscen_carla.server._values import FARTHEST, Transform
@@ -20,10 +20,10 @@ class Surface(NamedTuple):
     map: ServedMap
     friction: float
     """The road's friction."""
-    triggers: Sequence[Actor]
+    triggers: Sequence[ServerActor]
     """The boxes with a friction of their own."""
 
-    def friction_below(self, actor: Actor) -> float:
+    def friction_below(self, actor: ServerActor) -> float:
         """Return the friction below a vehicle: a trigger's, or the road's."""
         for trigger in self.triggers:
             reach = [trigger.number(f"extent_{axis}", 1.0) / 100.0 for axis in "xyz"]
@@ -34,7 +34,7 @@ class Surface(NamedTuple):
         return self.friction
 
 
-def move(actor: Actor, surface: Surface, dt: float) -> None:
+def move(actor: ServerActor, surface: Surface, dt: float) -> None:
     """Move an actor by one tick of `dt`, s; what is attached to another moves with that."""
     if actor.parent:
         return
@@ -51,7 +51,7 @@ def move(actor: Actor, surface: Surface, dt: float) -> None:
         _shift(actor, dt)
 
 
-def _walk(actor: Actor, dt: float) -> None:
+def _walk(actor: ServerActor, dt: float) -> None:
     """Move a walker, and turn it to where it goes."""
     assert actor.walk is not None
     pace = actor.walk.speed
@@ -64,14 +64,14 @@ def _walk(actor: Actor, dt: float) -> None:
         actor.place = Transform(actor.place.location, turned)
 
 
-def _shift(actor: Actor, dt: float) -> None:
+def _shift(actor: ServerActor, dt: float) -> None:
     """Move an actor by its velocity, within the world's limits."""
     x, y, z = (a + b * dt for a, b in zip(actor.place.location, actor.velocity, strict=True))
     x, y, z = (max(-FARTHEST, min(FARTHEST, value)) for value in (x, y, z))
     actor.place = Transform((x, y, z), actor.place.rotation)
 
 
-def _stand(actor: Actor, road: ServedMap) -> None:
+def _stand(actor: ServerActor, road: ServedMap) -> None:
     """Put an actor on the road, with the road's slope."""
     x, y, _ = actor.place.location
     found = road.ground(x, -y)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from oodscen.driving._motion.bodies import GRAVITY
 from oodscen.protocols import Frame
 from oodscen_carla._cameras import DEPTH_CODES, FARTHEST_M
-from oodscen_carla.server._actors import Actor
+from oodscen_carla.server._actors import ServerActor
 from oodscen_carla.server._values import Transform
 
 REGISTRY = {
@@ -50,7 +50,11 @@ def header(kind: int, frame: int, time: float, place: Transform = _AT_REST) -> b
 
 
 def world_state(
-    frame: int, time: float, dt: float, episode: int, actors: Iterable[tuple[Actor, Transform]]
+    frame: int,
+    time: float,
+    dt: float,
+    episode: int,
+    actors: Iterable[tuple[ServerActor, Transform]],
 ) -> bytes:
     """Return the state of all actors.
 
@@ -77,7 +81,7 @@ def world_state(
     return b"".join(parts)
 
 
-def _own_state(actor: Actor) -> bytes:
+def _own_state(actor: ServerActor) -> bytes:
     if actor.is_vehicle:
         control = actor.control
         if control is None:
@@ -147,7 +151,7 @@ def collision(actor: list[Any], other: list[Any], impulse: list[float]) -> bytes
     return _packed([actor, other, impulse])
 
 
-def inertial(actor: Actor, place: Transform) -> bytes:
+def inertial(actor: ServerActor, place: Transform) -> bytes:
     """Return accelerometer, gyroscope and compass."""
     x, y, z = actor.acceleration
     turn = [math.radians(angle) for angle in actor.angular]

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.protocols import Camera, Frame
 from oodscen_carla.server import _measurements as wire
-from oodscen_carla.server._actors import Actor
+from oodscen_carla.server._actors import ServerActor
 from oodscen_carla.server._blueprints import CAMERAS
-from oodscen_carla.server._cameras import Body, CameraRenderer, Shot
+from oodscen_carla.server._cameras import CameraRenderer, PicturedBody, View
 from oodscen_carla.server._streams import WORLD_STREAM, Streams
 from oodscen_carla.server._values import CallError, Description, Transform
 from oodscen_carla.server._vehicles import MASS_KG
@@ -59,7 +59,7 @@ class SensorSender:
     def sense(self) -> None:
         """Send the measurements of all sensors that a client listens to."""
         taken: dict[object, Picture] = {}
-        bodies: list[Body] | None = None
+        bodies: list[PicturedBody] | None = None
         for actor in list(self._world.actors.values()):
             if not (actor.is_sensor and self._streams.is_heard(actor.id) and self._is_due(actor)):
                 continue
@@ -73,17 +73,17 @@ class SensorSender:
                 self._send(actor, wire.position(self._world.place_of(actor)))
         self._collisions()
 
-    def _is_due(self, actor: Actor) -> bool:
+    def _is_due(self, actor: ServerActor) -> bool:
         every = actor.number("sensor_tick", 0.0)
         if self._world.time < actor.due - ROUNDING_S:
             return False
         actor.due = self._world.time + every
         return True
 
-    def _carrier(self, actor: Actor) -> Actor:
+    def _carrier(self, actor: ServerActor) -> ServerActor:
         return self._world.actors.get(actor.parent, actor)
 
-    def _send(self, actor: Actor, *parts: bytes | memoryview) -> None:
+    def _send(self, actor: ServerActor, *parts: bytes | memoryview) -> None:
         place = self._world.place_of(actor)
         kind = wire.REGISTRY[actor.type_id]
         head = wire.header(kind, self._world.frame, self._world.time, place)
@@ -91,8 +91,8 @@ class SensorSender:
 
     def _picture(
         self,
-        actor: Actor,
-        bodies: list[Body],
+        actor: ServerActor,
+        bodies: list[PicturedBody],
         taken: dict[object, Picture],
     ) -> None:
         width = int(actor.number("image_size_x", 800))
@@ -105,7 +105,7 @@ class SensorSender:
         pixels = wire.picture(CAMERAS[actor.type_id], frame, ids, tags)
         self._send(actor, wire.picture_head(width, height, fov), pixels.data.cast("B"))
 
-    def _shoot(self, actor: Actor, bodies: list[Body], size: Camera) -> Picture:
+    def _shoot(self, actor: ServerActor, bodies: list[PicturedBody], size: Camera) -> Picture:
         world = self._world
         host = world.actors.get(actor.parent)
         index = next((n for n, one in enumerate(bodies) if host and one.key == host.id), None)
@@ -124,7 +124,7 @@ class SensorSender:
 
     def _collisions(self) -> None:
         world = self._world
-        listening: dict[int, list[Actor]] = {}
+        listening: dict[int, list[ServerActor]] = {}
         for actor in world.actors.values():
             if actor.type_id == "sensor.other.collision" and self._streams.is_heard(actor.id):
                 listening.setdefault(actor.parent, []).append(actor)
@@ -138,11 +138,11 @@ class SensorSender:
 def aimed(
     size: Camera,
     pose: tuple[float, float, float, float] | None,
-    host: Actor | None,
+    host: ServerActor | None,
     mount: Transform,
     place: Transform,
     time: float,
-) -> Shot:
+) -> View:
     """Return the camera in right-handed axes.
 
     A level camera on a level vehicle is mounted on the vehicle's exact pose, without the noise of
@@ -153,11 +153,11 @@ def aimed(
         x, y, z = (round(value, 6) for value in mount.location)
         pitch, yaw, _ = (round(angle, 6) for angle in mount.rotation)
         camera = _moved(size, x, -y, z, -pitch, math.remainder(-yaw, 360.0))
-        return Shot(camera, pose, 0.0, time)
+        return View(camera, pose, 0.0, time)
     x, y, z = place.location
     pitch, yaw, roll = place.rotation
     camera = _moved(size, 0.0, 0.0, 0.0, -pitch, 0.0)
-    return Shot(camera, (x, -y, z, math.radians(-yaw)), roll, time)
+    return View(camera, (x, -y, z, math.radians(-yaw)), roll, time)
 
 
 def _moved(size: Camera, x: float, y: float, z: float, pitch_deg: float, yaw_deg: float) -> Camera:

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from oodscen.driving._motion.bodies import GRAVITY
-from oodscen_carla.server._actors import ZERO, Actor, VehicleControl
+from oodscen_carla.server._actors import ZERO, ServerActor, VehicleControl
 from oodscen_carla.server._values import Transform, Vector
 
 MASS_KG = 1500.0
@@ -41,7 +41,7 @@ def wheels(control: VehicleControl) -> float:
     return min(1.0, max(-1.0, control.steer)) * MAX_STEERING
 
 
-def drive(actor: Actor, control: VehicleControl, friction: float, dt: float) -> None:
+def drive(actor: ServerActor, control: VehicleControl, friction: float, dt: float) -> None:
     """Move a vehicle by one step.
 
     Longitudinal and lateral acceleration together stay within friction times gravity (Rajamani
@@ -83,7 +83,7 @@ def drive(actor: Actor, control: VehicleControl, friction: float, dt: float) -> 
     actor.angular = (0.0, 0.0, math.degrees(turn / dt) if dt > 0.0 else 0.0)
 
 
-def physics(actor: Actor) -> list[Any]:
+def physics(actor: ServerActor) -> list[Any]:
     """Return `carla.VehiclePhysicsControl` as clients read it: constants that agree with the bicycle model."""
     x, y, _ = actor.place.location
     length, width, _ = actor.blueprint.extent

@@ -13,9 +13,9 @@ from oodscen.driving._roads.building import find_map
 from oodscen.errors import OodscenError
 from oodscen_carla._blueprints import own_id
 from oodscen_carla._catalogue import load_catalogue
-from oodscen_carla._lights import LAMPS_OF_STATE, Lamp
+from oodscen_carla._lights import LAMPS_OF_STATE, VehicleLight
 from oodscen_carla._weather import WeatherParameters, from_carla, to_carla
-from oodscen_carla.server._actors import ZERO, Actor
+from oodscen_carla.server._actors import ZERO, ServerActor
 from oodscen_carla.server._blueprints import (
     FRICTION_TRIGGER,
     SPECTATOR,
@@ -23,7 +23,7 @@ from oodscen_carla.server._blueprints import (
     Blueprint,
     BlueprintLibrary,
 )
-from oodscen_carla.server._cameras import Body
+from oodscen_carla.server._cameras import PicturedBody
 from oodscen_carla.server._collisions import collide
 from oodscen_carla.server._geometry import mounted, overlap, rotated
 from oodscen_carla.server._kinematics import Surface, move
@@ -37,7 +37,7 @@ MAX_ACTORS = 2_000
 SPECTATOR_ID = 23
 """Id of the spectator; actors follow."""
 
-_HEADLAMPS = Lamp.POSITION | Lamp.LOW_BEAM | Lamp.HIGH_BEAM
+_HEADLAMPS = VehicleLight.POSITION | VehicleLight.LOW_BEAM | VehicleLight.HIGH_BEAM
 _BRAKING = -9.0
 """Acceleration at which every simulator shows brake lamps, m/s^2."""
 
@@ -70,11 +70,11 @@ class World:
         self.weather = WeatherParameters()
         self._has_own_weather = True
         self.staged: ServedScene | None = None
-        self.collisions: list[tuple[Actor, Actor]] = []
+        self.collisions: list[tuple[ServerActor, ServerActor]] = []
         """Pairs of a vehicle and what it touches in this tick."""
         self.map: ServedMap
         """The map of this episode."""
-        self.actors: dict[int, Actor] = {}
+        self.actors: dict[int, ServerActor] = {}
         self.load(next(iter(self.scenes), catalogue.maps[0].id))
 
     def close(self) -> None:
@@ -139,7 +139,7 @@ class World:
             blueprint = self.library[own_id(asset)]
             given = (("role_name", STRING, role), ("state", STRING, state))
             what = Description(0, blueprint.id, given)
-            actor = self._add(Actor(self._next, what, blueprint, Transform(ZERO, ZERO)))
+            actor = self._add(ServerActor(self._next, what, blueprint, Transform(ZERO, ZERO)))
             actor.staged = name
         self._sync_staged_actors()
 
@@ -215,7 +215,7 @@ class World:
 
     # ------------------------------------------------------------------ actors
 
-    def spawn(self, what: Description, place: Transform, parent: int = 0) -> Actor:
+    def spawn(self, what: Description, place: Transform, parent: int = 0) -> ServerActor:
         """Add an actor.
 
         Raises:
@@ -233,15 +233,15 @@ class World:
                 its, theirs = blueprint.extent, other.blueprint.extent
                 if other.is_obstacle and overlap(place, its, other.place, theirs):
                     raise CallError("Spawn failed because of collision at spawn position")
-        return self._add(Actor(self._next, what, blueprint, place, parent))
+        return self._add(ServerActor(self._next, what, blueprint, place, parent))
 
-    def _add(self, actor: Actor) -> Actor:
+    def _add(self, actor: ServerActor) -> ServerActor:
         self._next += 1
         actor.born = self.time
         self.actors[actor.id] = actor
         return actor
 
-    def destroy(self, number: int) -> list[Actor]:
+    def destroy(self, number: int) -> list[ServerActor]:
         """Remove an actor and everything that is attached to it; return what is gone."""
         if number == SPECTATOR_ID:
             raise CallError("the spectator cannot be destroyed")
@@ -253,7 +253,7 @@ class World:
                 waiting += [child.id for child in self.actors.values() if child.parent == actor.id]
         return gone
 
-    def place_of(self, actor: Actor) -> Transform:
+    def place_of(self, actor: ServerActor) -> Transform:
         """Return an actor's place in the world."""
         chain = [actor]
         while chain[-1].parent in self.actors:
@@ -263,7 +263,7 @@ class World:
             place = mounted(place, chain.pop().place)
         return place
 
-    def bodies(self) -> list[Body]:
+    def bodies(self) -> list[PicturedBody]:
         """Return everything that pictures show, in right-handed axes; a staged scene's ego first."""
         exact = self._staged_rows()
         found = []
@@ -279,11 +279,11 @@ class World:
                 x, y, z = place.location
                 yaw = -math.radians(place.rotation[1])
                 acceleration = actor.acceleration_along
-                if actor.lights & Lamp.BRAKE:
+                if actor.lights & VehicleLight.BRAKE:
                     acceleration = min(acceleration, _BRAKING)
                 pose, speed = (x, -y, z, yaw), actor.speed
                 name, state = name_of(actor), _state(actor, asset.states)
-            found.append(Body(actor.id, name, asset, state, pose, speed, acceleration))
+            found.append(PicturedBody(actor.id, name, asset, state, pose, speed, acceleration))
         return found
 
     def _staged_rows(self) -> dict[str, tuple[Any, float, float]]:
@@ -306,7 +306,7 @@ class World:
         """Duration of a tick, s."""
         return self.settings.fixed_step_s or STEP
 
-    def picture_time(self, host: Actor | None) -> float:
+    def picture_time(self, host: ServerActor | None) -> float:
         """Return the time since the scene began, or since the camera's vehicle was spawned, s.
 
         This clock drives rain and flashing lamps. For a vehicle that a client moves by hand, only the ticks
@@ -355,12 +355,12 @@ class World:
             actor.acceleration = rotated((actor.acceleration_along, 0.0, 0.0), yaw)
 
 
-def _spectator() -> Actor:
+def _spectator() -> ServerActor:
     what = Description(0, SPECTATOR, ())
-    return Actor(SPECTATOR_ID, what, Blueprint(SPECTATOR, ()), Transform(ZERO, ZERO))
+    return ServerActor(SPECTATOR_ID, what, Blueprint(SPECTATOR, ()), Transform(ZERO, ZERO))
 
 
-def name_of(actor: Actor) -> str:
+def name_of(actor: ServerActor) -> str:
     """Return the name by which an actor's paint is chosen: its role, if that is telling."""
     role = actor.attributes.get("role_name", "")
     if role in ("", "default", "autopilot"):
@@ -368,7 +368,7 @@ def name_of(actor: Actor) -> str:
     return re.sub(r"[^A-Za-z0-9_.-]", "_", role)[:60].lstrip("_.-") or f"a{actor.id}"
 
 
-def _state(actor: Actor, states: Sequence[str]) -> str:
+def _state(actor: ServerActor, states: Sequence[str]) -> str:
     """Return the state that an actor shows: its blueprint's attribute, or that of its lights."""
     given = actor.attributes.get("state", "")
     if given in states:

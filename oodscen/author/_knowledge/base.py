@@ -250,7 +250,7 @@ class RoadKind(Data):
     """Adverbials, such as `on a two-lane residential street`."""
 
 
-class Condition(Data):
+class Conditions(Data):
     """Weather and time of day."""
 
     key: str
@@ -400,7 +400,7 @@ class Knowledge(Data):
 
     hazards: tuple[HazardKind, ...]
     places: tuple[RoadKind, ...]
-    conditions: tuple[Condition, ...]
+    conditions: tuple[Conditions, ...]
     traffic: tuple[BackgroundTraffic, ...] = ()
     clash: tuple[Clash, ...] = ()
     driving: tuple[Driving, ...] = ()
@@ -422,7 +422,7 @@ class Knowledge(Data):
         return {key: tuple(p for p in self.places if p.key == key) for key in keys}
 
     @cached_property
-    def condition_keys(self) -> dict[str, Condition]:
+    def condition_keys(self) -> dict[str, Conditions]:
         """Conditions by key."""
         return {condition.key: condition for condition in self.conditions}
 

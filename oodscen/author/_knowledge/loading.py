@@ -14,7 +14,7 @@ from oodscen.author._knowledge.base import (
     AmbientTraffic,
     BackgroundTraffic,
     Clash,
-    Condition,
+    Conditions,
     Driving,
     HazardKind,
     Knowledge,
@@ -32,7 +32,7 @@ _MAX_BYTES = 16 * 1024 * 1024
 _TABLES: dict[str, type[Data]] = {
     "hazard": HazardKind,
     "place": RoadKind,
-    "condition": Condition,
+    "condition": Conditions,
     "traffic": BackgroundTraffic,
     "clash": Clash,
     "driving": Driving,

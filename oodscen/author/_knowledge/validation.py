@@ -6,7 +6,7 @@ from pathlib import Path
 
 from oodscen.author._knowledge.base import Clash, Driving, HazardKind, Knowledge, Recipe
 from oodscen.author._knowledge.loading import gather
-from oodscen.author._writing.agreement import Agreement, Setting
+from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.data._catalogue import LANDMARKS
 from oodscen.data._scene import Weather
 from oodscen.errors import DataError, Issue
@@ -105,7 +105,7 @@ def _unknown_keys(one: Clash | Driving, knowledge: Knowledge) -> Iterable[Issue]
 def _misplaced(hazard: HazardKind, agreement: Agreement) -> Iterable[Issue]:
     """Yield clauses that do not suit the places and conditions of their hazard."""
     settings = [
-        Setting(place=place, conditions=(key,) if key else ())
+        PlaceAndTime(place=place, conditions=(key,) if key else ())
         for place in hazard.places
         for key in hazard.conditions or ("",)
     ]

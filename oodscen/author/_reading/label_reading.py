@@ -8,7 +8,7 @@ from functools import lru_cache
 from oodscen._text import stem
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.alternatives import NamedThing, alternatives, conjuncts, subject
-from oodscen.author._reading.lexicon import NEUTRAL, Lexicon, Named
+from oodscen.author._reading.lexicon import NEUTRAL, Lexicon, Meaning
 from oodscen.author._reading.readings import Alternative, LabelReading, RequiredThing
 from oodscen.author._reading.stemming import stems
 from oodscen.author._reading.weather_words import (
@@ -194,7 +194,7 @@ class LabelReader:
         why = f"the author knows no scenario for {text!r}"
         return (RequiredThing(category=named.category, why=why),)
 
-    def _with_thing(self, text: str, named: Named, rest: set[str]) -> RequiredThing:
+    def _with_thing(self, text: str, named: Meaning, rest: set[str]) -> RequiredThing:
         """Return the first hazard with a thing that covers the rest of a text's words."""
         thing, category = named.thing, named.category
         users = [hazard for hazard in self.knowledge.hazards if thing in hazard.needs.assets]

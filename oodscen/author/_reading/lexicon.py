@@ -37,7 +37,7 @@ class Vocabulary(NamedTuple):
     """All stems, also of its events and details."""
 
 
-class Named(NamedTuple):
+class Meaning(NamedTuple):
     """The meaning of a name."""
 
     category: Category
@@ -50,7 +50,7 @@ class OtherName(NamedTuple):
 
     words: tuple[str, ...]
     """Stems of its name."""
-    thing: Named
+    thing: Meaning
     after: str
     """Stem of the word after it; empty at the end."""
 
@@ -95,7 +95,7 @@ class Lexicon:
         """Return those of some stems that occur in a name."""
         return {word for name in self._names for word in name if word in words}
 
-    def named_at_end(self, words: list[str]) -> Named | None:
+    def named_at_end(self, words: list[str]) -> Meaning | None:
         """Return the meaning of the longest name at the end of some words."""
         for size in range(min(_LONGEST_NAME, len(words)), 0, -1):
             found = self._names.get(tuple(words[-size:]))
@@ -140,15 +140,15 @@ class Lexicon:
         return " ".join(_NEGATED.sub(without, text).split())
 
 
-def _names(knowledge: Knowledge) -> dict[tuple[str, ...], Named]:
+def _names(knowledge: Knowledge) -> dict[tuple[str, ...], Meaning]:
     """Return the names of things and of their kinds, by their stems."""
-    found: dict[tuple[str, ...], Named] = {}
+    found: dict[tuple[str, ...], Meaning] = {}
     for group in knowledge.things:
         for name in (*group.names, *group.others):
             words = re.sub(r"[_-]", " ", name)
-            found.setdefault(tuple(stems(words)), Named(group.category, _id(name)))
+            found.setdefault(tuple(stems(words)), Meaning(group.category, _id(name)))
         for kind in group.kinds:
-            found[tuple(stems(kind))] = Named(group.category, "")
+            found[tuple(stems(kind))] = Meaning(group.category, "")
     found.pop((), None)
     return found
 

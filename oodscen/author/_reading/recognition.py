@@ -9,10 +9,10 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import TypeVar
 
-from oodscen._text import stem
+from oodscen._text import folded_words, stem
 from oodscen.author._knowledge.base import (
     BackgroundTraffic,
-    Condition,
+    Conditions,
     HazardKind,
     Knowledge,
     RoadKind,
@@ -20,7 +20,6 @@ from oodscen.author._knowledge.base import (
 from oodscen.author._reading.label_reading import LabelReader
 from oodscen.author._reading.readings import Alternative, LabelReading, RequiredThing
 from oodscen.author._reading.stemming import stems
-from oodscen.prompts._scenario.describe_path import plain
 
 Value = TypeVar("Value")
 
@@ -90,12 +89,12 @@ class Recogniser:
                 value = sum(self._idf.get(token, 2.0) for token in tokens)
                 self._words.setdefault(" ".join(tokens), []).append((owner, value))
         self._labels = {
-            plain(label): (hazard, label == hazard.wider)
+            folded_words(label): (hazard, label == hazard.wider)
             for hazard in knowledge.hazards
             for label in (hazard.wider, hazard.label)
             if label
         }
-        self._families = {plain(label): label for label in knowledge.families}
+        self._families = {folded_words(label): label for label in knowledge.families}
         contexts = _Contexts(knowledge)
         self.place = contexts.place
         self.conditions = contexts.conditions
@@ -157,7 +156,7 @@ class Recogniser:
         return tuple((self.knowledge.hazards[owner], scores[owner]) for owner in found)
 
     def _label(self, label: str) -> tuple[HazardKind | None, bool]:
-        exact = self._labels.get(plain(label))
+        exact = self._labels.get(folded_words(label))
         if exact is not None:
             return exact
         return next(iter(self.reading(label).hazards), None), False
@@ -167,11 +166,11 @@ class Recogniser:
 
         A family's label names nothing itself; its leaves do.
         """
-        if plain(label) in self._families:
+        if folded_words(label) in self._families:
             return LabelReading(())
         parts = label.split(", or ")
-        if len(parts) > 1 and all(plain(part) in self._labels for part in parts):
-            hazards = (self._labels[plain(part)][0] for part in parts)
+        if len(parts) > 1 and all(folded_words(part) in self._labels for part in parts):
+            hazards = (self._labels[folded_words(part)][0] for part in parts)
             return LabelReading(tuple(Alternative(h.label, (RequiredThing(h),)) for h in hazards))
         return self._reader.read(_NUMBER.sub("", label))
 
@@ -180,7 +179,7 @@ class Recogniser:
 
     def _written(self, text: str) -> HazardKind | None:
         """Return the hazard of a label that the author wrote."""
-        return self._labels.get(plain(text), (None, False))[0]
+        return self._labels.get(folded_words(text), (None, False))[0]
 
     def covered_by(self, label: str) -> tuple[HazardKind, ...]:
         """Return the hazards of a leaf's label: one, with its kin if widened, or several."""
@@ -188,7 +187,7 @@ class Recogniser:
 
     def written(self, label: str) -> tuple[HazardKind, ...]:
         """Return the hazards of a label that the author wrote; empty for any other label."""
-        found = self._labels.get(plain(label))
+        found = self._labels.get(folded_words(label))
         if found is None:
             return ()
         hazard, widened = found
@@ -196,7 +195,7 @@ class Recogniser:
 
     def family(self, label: str) -> str | None:
         """Return the family that a label names."""
-        return self._families.get(plain(label))
+        return self._families.get(folded_words(label))
 
 
 def _phrases(hazard: HazardKind) -> Iterable[list[str]]:
@@ -233,29 +232,31 @@ class _Contexts:
 
     def place(self, text: str, allowed: Sequence[str] = ()) -> RoadKind | None:
         """Return the kind of road that a text names; `allowed` keys are preferred."""
-        words = f" {plain(text)} "
+        words = f" {folded_words(text)} "
         for phrase, place in self._places:
             if phrase in words:
                 return place
         best: tuple[float, RoadKind] | None = None
         for place in self._knowledge.places:
-            hits = sum(f" {plain(word)} " in words for word in place.words)
-            hits += sum(f" {plain(trait.replace('_', ' '))} " in words for trait in place.traits)
+            hits = sum(f" {folded_words(word)} " in words for word in place.words)
+            hits += sum(
+                f" {folded_words(trait.replace('_', ' '))} " in words for trait in place.traits
+            )
             score = hits + (0.5 if place.key in allowed else 0.0)
             if hits and (best is None or score > best[0]):
                 best = score, place
         return best[1] if best else None
 
-    def conditions(self, text: str, hazard: HazardKind | None = None) -> tuple[Condition, ...]:
+    def conditions(self, text: str, hazard: HazardKind | None = None) -> tuple[Conditions, ...]:
         """Return the weather and time of day that a text names, ignoring the hazard's own words."""
-        words = f" {plain(text)} "
+        words = f" {folded_words(text)} "
         for phrase, condition in self._conditions:
             if phrase in words:
                 return (condition,)
         own: Counter[str] = Counter()
         if hazard is not None:
             for phrase in (*hazard.events, *hazard.details, hazard.label):
-                own.update(set(plain(phrase).split()))
+                own.update(set(folded_words(phrase).split()))
         return tuple(
             condition
             for condition in self._knowledge.conditions
@@ -264,7 +265,7 @@ class _Contexts:
 
     def traffic(self, text: str) -> BackgroundTraffic | None:
         """Return the ordinary traffic that a text names."""
-        words = f" {plain(text)} "
+        words = f" {folded_words(text)} "
         return next((traffic for phrase, traffic in self._traffic if phrase in words), None)
 
 
@@ -274,5 +275,5 @@ def _forms(phrase: str) -> tuple[str, ...]:
 
 
 def _by_length(pairs: Iterable[tuple[str, Value]]) -> list[tuple[str, Value]]:
-    padded = [(f" {plain(phrase)} ", value) for phrase, value in pairs]
+    padded = [(f" {folded_words(phrase)} ", value) for phrase, value in pairs]
     return sorted(padded, key=lambda pair: -len(pair[0]))

@@ -4,10 +4,10 @@ import re
 
 import numpy as np
 
+from oodscen._text import folded_words
 from oodscen.author._knowledge.base import Counterpart, Range, Recipe, RecipeActor
 from oodscen.driving._motion.behaviours import having
 from oodscen.prompts._digest import MapLine
-from oodscen.prompts._scenario.describe_path import plain
 
 _BESIDE = 2.0
 """Offset from a lane's centre beyond which an actor is beside the lane, m."""
@@ -38,9 +38,9 @@ _OTHER_STATE = {
 
 def varied(recipe: Recipe, text: str) -> Recipe:
     """Return a recipe with the changes of the first variant whose words occur in a text."""
-    words = f" {plain(text)} "
+    words = f" {folded_words(text)} "
     for variant in recipe.variants:
-        if any(f" {plain(phrase)} " in words for phrase in variant.words):
+        if any(f" {folded_words(phrase)} " in words for phrase in variant.words):
             actors = tuple(_changed(a, variant.actors.get(a.id)) for a in recipe.actors)
             return recipe.model_copy(update={"actors": actors})
     return recipe

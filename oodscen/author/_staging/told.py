@@ -5,16 +5,16 @@ from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 
+from oodscen._text import folded_words
 from oodscen.author._knowledge.base import (
     BackgroundTraffic,
-    Condition,
+    Conditions,
     HazardKind,
     Recipe,
     RoadKind,
 )
 from oodscen.claims._things import Thing, mentions
 from oodscen.data._claim import Claim
-from oodscen.prompts._scenario.describe_path import plain
 
 _DISTANCE = re.compile(r"(?<![\d.,])(\d{1,3}(?:\.\d{1,9})?)\s?(?:m|metres?|meters?)\b")
 
@@ -28,7 +28,7 @@ class Told:
     recipe: Recipe
     """The recipe of the hazard."""
     place: RoadKind | None
-    conditions: tuple[Condition, ...]
+    conditions: tuple[Conditions, ...]
     traffic: BackgroundTraffic | None
     claims: tuple[Claim, ...]
 
@@ -62,8 +62,8 @@ class Told:
     def of_traffic(self) -> tuple[Thing, ...]:
         """The things that the text names as ordinary traffic."""
         phrases = self.traffic.phrases if self.traffic else ()
-        words = plain(self.text)
-        phrase = next((phrase for phrase in phrases if plain(phrase) in words), "")
+        words = folded_words(self.text)
+        phrase = next((phrase for phrase in phrases if folded_words(phrase) in words), "")
         return tuple({mention.thing for mention in mentions(phrase)})
 
     @property

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from oodscen.author._knowledge.base import Condition, Knowledge, Range, Recipe
+from oodscen.author._knowledge.base import Conditions, Knowledge, Range, Recipe
 from oodscen.author._staging.told import Told
 from oodscen.data._scene import Weather
 from oodscen.prompts._weather_line import WeatherLimits
@@ -79,7 +79,7 @@ _AGREED: tuple[tuple[str, str, Range, Range, dict[str, str]], ...] = (
 """For each claim: the field, its permitted range, the range to draw from otherwise, and fields to set with it."""
 
 
-def _is_dark(condition: Condition) -> bool:
+def _is_dark(condition: Conditions) -> bool:
     sun = condition.weather.get("sun_elevation_deg")
     return isinstance(sun, tuple) and sun[1] < 0.0
 

@@ -6,7 +6,7 @@ from oodscen.author._knowledge.base import Clash, Knowledge
 from oodscen.data._base import Data
 
 
-class Setting(Data):
+class PlaceAndTime(Data):
     """The place and time of an event, as keys of the knowledge base."""
 
     place: str = ""
@@ -22,7 +22,7 @@ class Agreement:
         self._clashes = knowledge.clash
         self._found: dict[str, tuple[Clash, ...]] = {}
 
-    def clashes(self, clause: str, setting: Setting) -> list[str]:
+    def clashes(self, clause: str, setting: PlaceAndTime) -> list[str]:
         """Return the words of a clause that are incompatible with a setting, each with the reason."""
         return [
             f"{one.pattern.findall(clause)[0]!r}: {one.why}"
@@ -30,10 +30,10 @@ class Agreement:
             if _applies(one, setting)
         ]
 
-    def suits(self, clause: str, setting: Setting) -> bool:
+    def suits(self, clause: str, setting: PlaceAndTime) -> bool:
         return not any(_applies(one, setting) for one in self._in(clause))
 
-    def suiting(self, clauses: Iterable[str], setting: Setting) -> list[str]:
+    def suiting(self, clauses: Iterable[str], setting: PlaceAndTime) -> list[str]:
         return [clause for clause in clauses if self.suits(clause, setting)]
 
     def _in(self, clause: str) -> tuple[Clash, ...]:
@@ -44,7 +44,7 @@ class Agreement:
         return found
 
 
-def _applies(clash: Clash, setting: Setting) -> bool:
+def _applies(clash: Clash, setting: PlaceAndTime) -> bool:
     return (
         setting.place in clash.places
         or setting.traffic in clash.traffic

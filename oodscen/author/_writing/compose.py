@@ -7,12 +7,13 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from oodscen._text import folded_words
 from oodscen.author._knowledge.base import BackgroundTraffic, HazardKind, Knowledge, RoadKind
 from oodscen.author._reading.ego_naming import Name, named
 from oodscen.author._settings import Scope, every_setting
 from oodscen.author._staging.aside import SHARE, may_be_aside, told_aside
 from oodscen.author._staging.decision_timing import approach
-from oodscen.author._writing.agreement import Agreement, Setting
+from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.author._writing.constructions import (
     CONSTRUCTIONS,
     FALLBACK,
@@ -21,7 +22,7 @@ from oodscen.author._writing.constructions import (
     nominal,
 )
 from oodscen.author._writing.headline import headline
-from oodscen.prompts._scenario.describe_path import Style, plain
+from oodscen.prompts._scenario.describe_path import Style
 
 Option = TypeVar("Option")
 
@@ -95,7 +96,7 @@ class Composer:
             event = self._located(plot, hazard, construction, rng)
             text = construction.build(replace(plot, event=event))
             text = named(text, turns.next("name", _REGISTERS[style].names))
-            key = plain(text)
+            key = folded_words(text)
             if key in taken or not 20 <= len(text) <= 600:
                 idle += 1
                 continue
@@ -118,7 +119,7 @@ class Composer:
             condition = self.knowledge.condition_keys.get(key)
         phrases = list(condition.phrases) if condition else []
         statements = condition.statements if condition else ()
-        setting = Setting(place=place.key, conditions=(condition.key,) if condition else ())
+        setting = PlaceAndTime(place=place.key, conditions=(condition.key,) if condition else ())
         wheres = list(place.phrases)
         events = list(hazard.events)
         if style == "terse":
@@ -153,7 +154,7 @@ class Composer:
             has_pronoun=style != "first-person",
         )
 
-    def _short(self, hazard: HazardKind, setting: Setting) -> list[str]:
+    def _short(self, hazard: HazardKind, setting: PlaceAndTime) -> list[str]:
         """Return the short events for a terse text, or the shortest few if there are not enough."""
         suiting = self._agreement.suiting(hazard.events, setting) or list(hazard.events)
         suiting.sort(key=lambda event: len(headline(event).split()))
@@ -174,7 +175,7 @@ class Composer:
         fitting = [
             t
             for t in scope.traffic
-            if _met_on(t, place) and self._agreement.suits(event, Setting(traffic=t.key))
+            if _met_on(t, place) and self._agreement.suits(event, PlaceAndTime(traffic=t.key))
         ]
         return _pick(rng, _pick(rng, fitting).phrases) if fitting else ""
 

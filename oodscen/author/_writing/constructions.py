@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from oodscen.author._knowledge.base import Condition, RoadKind
+from oodscen.author._knowledge.base import Conditions, RoadKind
 from oodscen.author._writing.headline import headline
 from oodscen.prompts._scenario.describe_path import Style
 
@@ -51,7 +51,7 @@ class Plot:
     place: RoadKind
     where: str
     """Phrase for the place."""
-    condition: Condition | None = None
+    condition: Conditions | None = None
     weather: str = ""
     """Phrase for the condition."""
     statement: str = ""

@@ -10,15 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from oodscen._text import folded_words
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.ego_naming import Name, told_by
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.author._writing.agreement import Agreement, Setting
+from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.author._writing.constructions import KEEPS_ON, nominal, standing
 from oodscen.author._writing.headline import headline
 from oodscen.author._writing.stand_in import stand_in
 from oodscen.errors import LLMError
-from oodscen.prompts._scenario.describe_path import plain
 
 _EGO = r"(?:the ego vehicle|the ego car|my car|ego|i|it)"
 _DRIVES = (
@@ -80,7 +80,9 @@ class OrdinaryAuthor:
         self._recogniser = recogniser
         self._agreement = Agreement(knowledge)
         self._driving = knowledge.driving
-        self._details = {plain(detail) for hazard in knowledge.hazards for detail in hazard.details}
+        self._details = {
+            folded_words(detail) for hazard in knowledge.hazards for detail in hazard.details
+        }
         frame = _alternatives(_frames(knowledge))
         weather = (p for c in knowledge.conditions for p in (*c.phrases, *c.statements))
         self._weather = re.compile(_alternatives(weather), re.IGNORECASE)
@@ -106,18 +108,20 @@ class OrdinaryAuthor:
                 "writes ordinary twins only of texts that have one"
             )
         parts = list(self._split(text))
-        events = (n for n, part in enumerate(parts) if plain(part.event) not in self._details)
+        events = (
+            n for n, part in enumerate(parts) if folded_words(part.event) not in self._details
+        )
         place = next((n for n in events if parts[n].event), None)
         if place is None:
             place = len(parts) - 1
             parts[place] = _SentenceParts("", _whole(parts[place]), "")
-        length = len(plain(text).split())
+        length = len(folded_words(text).split())
         event = parts[place]
         kept = [part for n, part in enumerate(parts) if n == place or not part.event]
         if not event.lead and not event.trail and kept[-1] is not event:
             event, kept = _placed_first(event, kept)
         frame = " ".join(part.lead + part.trail for part in kept)
-        room = 0 if event.trail else length - len(plain(frame).split())
+        room = 0 if event.trail else length - len(folded_words(frame).split())
         setting = self._setting(frame, text, hazard)
         clause = _not_twice(frame, self._counterpart(hazard, setting, text))
         name = _name(text)
@@ -144,10 +148,10 @@ class OrdinaryAuthor:
 
     def _apart(self, sentence: str, is_placed: bool) -> _SentenceParts:
         found = self._lead.match(sentence)
-        if is_placed and (found is None or plain(sentence[found.end() :])):
+        if is_placed and (found is None or folded_words(sentence[found.end() :])):
             return _SentenceParts("", sentence.rstrip("."), "")
         cut = found.end() if found is not None else 0
-        if cut and not plain(sentence[cut:]):
+        if cut and not folded_words(sentence[cut:]):
             return _SentenceParts(sentence, "", "")
         if cut and re.match(_DRIVES, sentence, re.IGNORECASE):
             more = _MORE_OF_PLACE.match(sentence, cut)
@@ -159,24 +163,24 @@ class OrdinaryAuthor:
             is_ended = more is not None and sentence[more.end() : more.end() + 2] == ", "
             if more is not None and is_ended and _ROAD.search(more[0]):
                 cut = more.end() + 2
-        if cut and not plain(sentence[cut:]):
+        if cut and not folded_words(sentence[cut:]):
             return _SentenceParts(sentence, "", "")
         trail = self._trail.search(sentence, cut)
         end = trail.start() if trail is not None else len(sentence.rstrip("."))
         return _SentenceParts(sentence[:cut], sentence[cut:end], sentence[end:].rstrip("."))
 
-    def _setting(self, frame: str, text: str, hazard: HazardKind | None) -> Setting:
+    def _setting(self, frame: str, text: str, hazard: HazardKind | None) -> PlaceAndTime:
         """Return the place and time of the kept part of a text, as far as it states them."""
         known = self._recogniser
         place = known.place(frame) or known.place(text, hazard.places if hazard else ())
         traffic = known.traffic(frame)
-        return Setting(
+        return PlaceAndTime(
             place=place.key if place else "",
             conditions=tuple(one.key for one in known.conditions(frame)),
             traffic=traffic.key if traffic else "",
         )
 
-    def _counterpart(self, hazard: HazardKind | None, setting: Setting, text: str) -> str:
+    def _counterpart(self, hazard: HazardKind | None, setting: PlaceAndTime, text: str) -> str:
         """Return what the twin's scene shows in place of the hazard, or the first suitable counterpart.
 
         It mentions no other road users if there are none.
@@ -196,7 +200,7 @@ class OrdinaryAuthor:
         clause: str,
         told: str,
         missing: int,
-        setting: Setting,
+        setting: PlaceAndTime,
         rng: np.random.Generator,
     ) -> str:
         """Return an ordinary clause of about the missing length that adds to the existing text."""
@@ -213,10 +217,10 @@ class OrdinaryAuthor:
             fitting = [phrase for phrase in fitting if "traffic" not in phrase]
         if _TURNS.search(told):
             fitting = [phrase for phrase in fitting if "straight" not in phrase]
-        said = set(plain(told).split()) - _LITTLE
+        said = set(folded_words(told).split()) - _LITTLE
 
         def penalty(phrase: str) -> float:
-            words = plain(phrase).split()
+            words = folded_words(phrase).split()
             return abs(len(words) - missing) + _REPEATED * len(said & set(words))
 
         fitting.sort(key=penalty)

@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 from oodscen._seeding import stream
+from oodscen._text import folded_words
 from oodscen.author._knowledge.base import HazardKind, RoadKind
-from oodscen.prompts._scenario.describe_path import plain
 
 _STREETS = frozenset({"urban", "residential"})
 """Traits of the places that have a pavement."""
@@ -39,7 +39,7 @@ def stand_in(hazard: HazardKind | None, text: str, place: RoadKind | None) -> St
     """Return the road user in place of a hazard that its recipe removes; `None` if there is none."""
     if hazard is None or hazard.stage is None or place is None or not hazard.stage.removes_hazards:
         return None
-    walker_draw, vehicle_draw = stream(0, "stand-in", plain(text)).random(2)
+    walker_draw, vehicle_draw = stream(0, "stand-in", folded_words(text)).random(2)
     if walker_draw < _WALKER_SHARE and not _STREETS.isdisjoint(place.traits):
         return _WALKER
     is_heavy = any(not _HEAVY.isdisjoint(actor.asset) for actor in hazard.stage.hazards)

@@ -35,7 +35,7 @@ _NO_SHIFT = 1e-9
 """Added to a shift whose root is taken, which may be 0."""
 
 
-class Look(NamedTuple):
+class SeenRoad(NamedTuple):
     """The part of a driver's observation that actions use, as kernels take it; see `Observation`."""
 
     speed: float
@@ -52,7 +52,7 @@ class Look(NamedTuple):
     wheelbase: float
 
     @classmethod
-    def at(cls, now: Observation) -> "Look":
+    def at(cls, now: Observation) -> "SeenRoad":
         """Return an observation as kernels take it."""
         return cls(
             now.speed,
@@ -84,7 +84,7 @@ class Plan(NamedTuple):
 
 
 @Kernel
-def plan_action(action: int, now: Look) -> Plan:
+def plan_action(action: int, now: SeenRoad) -> Plan:
     """Plan an action.
 
     Lane changes take about three seconds at constant speed, longer on slippery roads. Pulling over brakes
@@ -125,7 +125,7 @@ def lateral_course(plan: Plan, travelled: float) -> tuple[float, float, float]:
 
 
 @Kernel
-def follow_plan(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
+def follow_plan(plan: Plan, travelled: float, now: SeenRoad) -> tuple[float, float]:
     """Return the acceleration, m/s^2, and the steering angle, rad, of a plan's next step.
 
     `travelled` is the distance since the plan's start, m.
@@ -143,7 +143,7 @@ def follow_plan(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
 
 
 @part
-def _steering(offset: float, slope: float, turn: float, now: Look) -> tuple[float, float]:
+def _steering(offset: float, slope: float, turn: float, now: SeenRoad) -> tuple[float, float]:
     """Return the steering angle that follows a course, and the resulting lateral acceleration.
 
     The course is given by its offset, m, and its first two derivatives by the distance travelled.
@@ -166,7 +166,7 @@ def _steering(offset: float, slope: float, turn: float, now: Look) -> tuple[floa
 
 
 @part
-def _stretch(now: Look, shift: float, seconds: float, share: float) -> float:
+def _stretch(now: SeenRoad, shift: float, seconds: float, share: float) -> float:
     """Return the distance for a shift, m, such that it uses at most a given share of the grip."""
     grip = min(2.5, share * now.friction * GRAVITY)
     needed = math.sqrt(PEAK * abs(shift) / grip)
@@ -200,7 +200,7 @@ class ActionDriver(Brief):
 
     def act(self, observation: Observation) -> Control:
         """Return the control for the next step."""
-        now = Look.at(observation)
+        now = SeenRoad.at(observation)
         if self._plan is None and self.reaction_s > 0.0:
             self._begins = observation.time + self.reaction_s - ROUNDING_S
             self._start(KEEP, now, observation.time)
@@ -212,7 +212,7 @@ class ActionDriver(Brief):
         self._time = observation.time
         return Control(*follow_plan(self._plan, self._travelled, now))
 
-    def _start(self, code: int, now: Look, time: float) -> None:
+    def _start(self, code: int, now: SeenRoad, time: float) -> None:
         self._plan, self._travelled, self._time = plan_action(code, now), 0.0, time
         if code == KEEP and self.cruise is not None:
             self._plan = self._plan._replace(goal=self.cruise)

@@ -7,7 +7,7 @@ from oodscen.numerics._exact import sincos
 from oodscen.numerics._kernels import part
 
 
-class Box(NamedTuple):
+class Footprint(NamedTuple):
     """The footprint of a body."""
 
     x: float
@@ -42,7 +42,7 @@ def shape(yaw: float, length: float, width: float) -> Shape:
     return Shape(cosine, sine, 0.5 * length, 0.5 * width)
 
 
-def gap(a: Box, b: Box) -> float:
+def gap(a: Footprint, b: Footprint) -> float:
     """Return the distance between two boxes, m; exactly 0 if they touch or overlap."""
     return box_gap(b.x - a.x, b.y - a.y, shape(*a[2:]), shape(*b[2:]))
 

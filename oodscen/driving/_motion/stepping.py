@@ -3,7 +3,7 @@
 import math
 
 from oodscen.driving._motion import columns as col
-from oodscen.driving._motion.actions import Look
+from oodscen.driving._motion.actions import SeenRoad
 from oodscen.driving._motion.behaviour_kernels import act, stand_in_world
 from oodscen.driving._motion.bodies import GRAVITY, WHEELBASE, Situation, drive_ego
 from oodscen.driving._motion.boxes import Shape, box_gap, radius, shape
@@ -190,7 +190,7 @@ def is_off_road(w: Situation) -> bool:
 
 
 @Kernel
-def look(w: Situation, lane: int) -> Look:
+def look(w: Situation, lane: int) -> SeenRoad:
     """Return the driver's observation; `lane` is the strip in which the ego started."""
     track, s, t = w.track, w.state[0, col.S], w.state[0, col.T]
     middle = centre(track, lane, s)
@@ -214,7 +214,7 @@ def look(w: Situation, lane: int) -> Look:
     for k in range(1 if w.track.is_even else _SAMPLES):
         place = roadside_at(w, lane, s + reach * k / (_SAMPLES - 1.0))
         roadside = max(roadside, place)
-    return Look(
+    return SeenRoad(
         speed,
         t - middle,
         wrapped(w.state[0, col.YAW] - atan2(sine, cosine) - atan2(slope, stretch)),

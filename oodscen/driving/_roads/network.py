@@ -124,7 +124,7 @@ class Road:
 
 
 @dataclass(frozen=True)
-class Connection:
+class JunctionWay:
     """A way through a junction."""
 
     incoming: str
@@ -142,7 +142,7 @@ class Junction:
     """A junction of several roads."""
 
     id: str
-    connections: tuple[Connection, ...]
+    connections: tuple[JunctionWay, ...]
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,9 @@ from oodscen.driving._roads.document import Document, XmlNode, name_of
 from oodscen.driving._roads.furniture import read_patches, read_signals, read_stretches
 from oodscen.driving._roads.geometry import Arc, Cubic, Curve, Line, ParamPoly3, Poly3, Spiral
 from oodscen.driving._roads.network import (
-    Connection,
     Contact,
     Junction,
+    JunctionWay,
     Lane,
     LaneSection,
     Network,
@@ -345,7 +345,7 @@ def _junction(node: XmlNode) -> Junction:
             start, end = link.lane_id("from"), link.lane_id("to")
             if start is not None and end is not None:
                 pairs.append((start, end))
-        connections.append(Connection(incoming, connecting, _contact(one), tuple(pairs)))
+        connections.append(JunctionWay(incoming, connecting, _contact(one), tuple(pairs)))
     return Junction(node.get("id"), tuple(connections))
 
 

@@ -12,7 +12,7 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._prop import FLAT_M
 from oodscen.data._scene import Scene
 from oodscen.driving._motion.behaviours import having
-from oodscen.driving._motion.boxes import Box, gap, radius
+from oodscen.driving._motion.boxes import Footprint, gap, radius
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.visibility import Eye, Solid, is_noticeable
 from oodscen.errors import Issue
@@ -56,10 +56,10 @@ class PlacedBody(NamedTuple):
         )
 
     @property
-    def box(self) -> Box:
+    def box(self) -> Footprint:
         """The body's footprint."""
         one = self.solid
-        return Box(one.x, one.y, one.yaw, one.length, one.width)
+        return Footprint(one.x, one.y, one.yaw, one.length, one.width)
 
 
 Moments = Mapping[str, Sequence[PlacedBody]]

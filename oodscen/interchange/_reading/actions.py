@@ -9,8 +9,8 @@ from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import MAX_SPEED, MAX_TRIGGER, Behaviour, Trigger
 from oodscen.interchange._reading.dynamics import deceleration, is_gradual, lane_change_s
 from oodscen.interchange._reading.phases import leaves
-from oodscen.interchange._reading.positions import Pose, Positions
-from oodscen.interchange._reading.tree import Node
+from oodscen.interchange._reading.positions import EntityPlace, Positions
+from oodscen.interchange._reading.tree import Element
 from oodscen.interchange._reading.triggers import AT_ONCE, STANDS, TriggerReader, is_start
 
 Kind = Literal["lane_change", "brake", "course", "start"]
@@ -27,7 +27,7 @@ class Action(NamedTuple):
     """One thing that an entity does, when, and how."""
 
     kind: Kind
-    node: Node
+    node: Element
     trigger: Trigger
     values: dict[str, float]
     heading: float | None = None
@@ -37,14 +37,16 @@ class Action(NamedTuple):
 class ActionReader:
     """Reads what every entity does."""
 
-    def __init__(self, root: Node, positions: Positions, triggers: TriggerReader, ego: str) -> None:
+    def __init__(
+        self, root: Element, positions: Positions, triggers: TriggerReader, ego: str
+    ) -> None:
         self.root = root
         self.positions = positions
         self.triggers = triggers
         self.ego = ego
         self.speeds = triggers.speeds
         self.actions: dict[str, list[Action]] = {}
-        self.unstarted: list[tuple[str, Node]] = []
+        self.unstarted: list[tuple[str, Element]] = []
         """Entities and events of which no condition is read."""
 
     def read(self) -> None:
@@ -61,7 +63,7 @@ class ActionReader:
                 self._group(act, group)
         self._settle_unstarted()
 
-    def _group(self, act: Node, group: Node) -> None:
+    def _group(self, act: Element, group: Element) -> None:
         """Read the events of a group for its entities, of which a scene may hold nothing."""
         names = self._actors(group)
         if not names:
@@ -72,7 +74,7 @@ class ActionReader:
             if not any(kept):
                 event.settle()
 
-    def _actors(self, group: Node) -> list[str]:
+    def _actors(self, group: Element) -> list[str]:
         names = []
         for one in group.all("Actors", "EntityRef"):
             name = one.get("entityRef")
@@ -82,7 +84,7 @@ class ActionReader:
                 one.leave_out(f"there is no entity {name[:40]!r}")
         return names
 
-    def _event(self, act: Node, event: Node, name: str) -> bool:
+    def _event(self, act: Element, event: Element, name: str) -> bool:
         """Read what an entity does in an event, and return whether a scene holds any of it."""
         trigger = self._start(act, event, name)
         if trigger is None:
@@ -90,11 +92,11 @@ class ActionReader:
             return True
         return self._does(event, name, trigger)
 
-    def _does(self, event: Node, name: str, trigger: Trigger) -> bool:
+    def _does(self, event: Element, name: str, trigger: Trigger) -> bool:
         kept = [self._act(name, action, trigger) for action in event.all("Action")]
         return any(kept)
 
-    def _start(self, act: Node, event: Node, name: str) -> Trigger | None:
+    def _start(self, act: Element, event: Element, name: str) -> Trigger | None:
         """Return when an event starts, `None` if that is not known."""
         if name == self.ego:
             at_once = all(map(self.triggers.is_at_once, (act, event)))
@@ -112,12 +114,12 @@ class ActionReader:
 
     # ------------------------------------------------------------------ actions
 
-    def _act(self, name: str, action: Node, trigger: Trigger) -> bool:
+    def _act(self, name: str, action: Element, trigger: Trigger) -> bool:
         """Read the actions in an element, and return whether a scene holds any of them."""
         kept = [self._leaf(name, node, trigger) for node in leaves(action)]
         return any(kept)
 
-    def _leaf(self, name: str, node: Node, trigger: Trigger) -> bool:
+    def _leaf(self, name: str, node: Element, trigger: Trigger) -> bool:
         if node.name == "TeleportAction":
             if trigger != AT_ONCE:
                 node.leave_out("no behaviour does this")
@@ -133,7 +135,7 @@ class ActionReader:
     def _add(self, name: str, action: Action) -> None:
         self.actions.setdefault(name, []).append(action)
 
-    def _speed(self, name: str, node: Node, trigger: Trigger) -> None:
+    def _speed(self, name: str, node: Element, trigger: Trigger) -> None:
         before, target = self.speeds.get(name, 0.0), self._target(node)
         if target is None:
             node.leave_out("the target speed is not read")
@@ -153,7 +155,7 @@ class ActionReader:
         else:
             node.leave_out(f"no behaviour changes the speed from {before:.1f} to {target:.1f} m/s")
 
-    def _set_speed(self, name: str, node: Node, speed: float) -> None:
+    def _set_speed(self, name: str, node: Element, speed: float) -> None:
         """Set the first speed of an entity, and record which one it replaces."""
         before = self.speeds.get(name, 0.0)
         if before >= STANDS and before != speed:
@@ -161,7 +163,7 @@ class ActionReader:
         self.speeds[name] = speed
         _leave_out_dynamics(node)
 
-    def _target(self, node: Node) -> float | None:
+    def _target(self, node: Element) -> float | None:
         absolute = node.first("SpeedActionTarget", "AbsoluteTargetSpeed")
         if absolute is not None:
             return absolute.number("value")
@@ -180,7 +182,7 @@ class ActionReader:
             else its + value
         )
 
-    def _lane_change(self, name: str, node: Node, trigger: Trigger) -> None:
+    def _lane_change(self, name: str, node: Element, trigger: Trigger) -> None:
         own = self.positions.in_lane(name)
         target = None if own is None or not own.lane else self._target_lane(node)
         if own is None or target is None:
@@ -195,12 +197,12 @@ class ActionReader:
             values = {"lanes": float(lanes), "duration": lane_change_s(node, speed)}
             self._add(name, Action("lane_change", node, trigger, values))
 
-    def _ego_direction(self, own: Pose) -> int:
+    def _ego_direction(self, own: EntityPlace) -> int:
         """Return +1 if the ego drives along the reference line of an entity's road, else -1."""
         ego = self.positions.known.get(self.ego)
         return own.direction if ego is None else self.positions.roads.direction_beside(ego, own)
 
-    def _target_lane(self, node: Node) -> int | None:
+    def _target_lane(self, node: Element) -> int | None:
         """Return the id of the lane into which an entity changes, if it is known."""
         absolute = node.first("LaneChangeTarget", "AbsoluteTargetLane")
         relative = node.first("LaneChangeTarget", "RelativeTargetLane")
@@ -213,7 +215,7 @@ class ActionReader:
             return None
         return its.lane_beside(relative.integer("value"))
 
-    def _course(self, name: str, node: Node, trigger: Trigger) -> None:
+    def _course(self, name: str, node: Element, trigger: Trigger) -> None:
         """Add a straight way from the first to the last point of a course."""
         points = [(vertex, pose) for vertex, pose in self._points(node) if pose is not None]
         start = self.positions.known.get(name)
@@ -239,7 +241,7 @@ class ActionReader:
             node.note("the course is read as a straight way from its first point to its last")
         self._add(name, Action("course", node, trigger, values, heading))
 
-    def _is_timed(self, name: str, node: Node) -> bool:
+    def _is_timed(self, name: str, node: Element) -> bool:
         """Return whether the times of a course count: without a time reference only for what stands."""
         if _timing(node) is not None:
             return True
@@ -248,7 +250,7 @@ class ActionReader:
         node.note("the times of the course count though the entity has no speed of its own")
         return True
 
-    def _begun(self, node: Node, trigger: Trigger, begin: float) -> Trigger:
+    def _begun(self, node: Element, trigger: Trigger, begin: float) -> Trigger:
         """Return when an entity leaves the first point of a course with times of its own."""
         timing = _timing(node)
         if timing is None:
@@ -262,7 +264,7 @@ class ActionReader:
         start = max(begin, trigger.value) if is_absolute else trigger.value + begin
         return Trigger(value=round(timing.bounded(start, 0.0, MAX_TRIGGER, "a time of"), 3))
 
-    def _points(self, node: Node) -> Iterator[tuple[Node, Pose | None]]:
+    def _points(self, node: Element) -> Iterator[tuple[Element, EntityPlace | None]]:
         for kind in ("Vertex", "Waypoint", "ControlPoint"):
             for one in node.within(kind):
                 holder = one.first("Position")
@@ -271,7 +273,7 @@ class ActionReader:
             yield goal, self.positions.read(goal)
 
 
-_READERS: dict[str, Callable[[ActionReader, str, Node, Trigger], None]] = {
+_READERS: dict[str, Callable[[ActionReader, str, Element, Trigger], None]] = {
     "SpeedAction": ActionReader._speed,
     "LaneChangeAction": ActionReader._lane_change,
     "FollowTrajectoryAction": ActionReader._course,
@@ -284,7 +286,7 @@ _READERS: dict[str, Callable[[ActionReader, str, Node, Trigger], None]] = {
 
 
 def behaviour(
-    entity: Node,
+    entity: Element,
     asset: Asset,
     actions: list[Action],
     speed: float,
@@ -327,7 +329,7 @@ def _rarest(actions: list[Action], *, is_driver: bool) -> Action | None:
 
 
 def _within(
-    node: Node, name: str, values: dict[str, float], trigger: Trigger, catalogue: Catalogue
+    node: Element, name: str, values: dict[str, float], trigger: Trigger, catalogue: Catalogue
 ) -> Behaviour:
     """Return a behaviour with the parameters that it has, within their limits."""
     limits = catalogue.behaviour(name).parameters
@@ -383,18 +385,18 @@ def _walking(action: Action, speed: float) -> tuple[str, dict[str, float]]:
     return "cross_road", values
 
 
-def _aside(point: Pose, start: Pose, heading: float) -> float:
+def _aside(point: EntityPlace, start: EntityPlace, heading: float) -> float:
     """Return how far a point is beside a straight line, m."""
     return abs((point.y - start.y) * math.cos(heading) - (point.x - start.x) * math.sin(heading))
 
 
-def _leave_out_dynamics(node: Node) -> None:
+def _leave_out_dynamics(node: Element) -> None:
     """Record that it is left out how a speed is reached, unless that is at once."""
     if is_gradual(node, "SpeedActionDynamics"):
         node.note("how the speed is reached is left out")
 
 
-def _note_paces(node: Node, points: list[tuple[Node, Pose]]) -> None:
+def _note_paces(node: Element, points: list[tuple[Element, EntityPlace]]) -> None:
     """Record the slowest and the fastest stretch of a course that is read at its mean speed."""
     paces = [
         math.hypot(two.x - one.x, two.y - one.y)
@@ -407,13 +409,13 @@ def _note_paces(node: Node, points: list[tuple[Node, Pose]]) -> None:
         )
 
 
-def _timing(node: Node) -> Node | None:
+def _timing(node: Element) -> Element | None:
     """Return how the times of a course are meant, or `None` if they do not count."""
     reference = node.first("TimeReference")
     return None if reference is None else reference.first("Timing")
 
 
-def _timed(node: Node, vertices: list[Node]) -> tuple[float, float]:
+def _timed(node: Element, vertices: list[Element]) -> tuple[float, float]:
     """Return the time at which a course begins and how long it takes, s; 0 if its times cannot be used."""
     times = [one.number("time", 0.0) for one in vertices]
     timing = _timing(node)

@@ -5,7 +5,7 @@ import re
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import CLEAR_AIR_M, PRECIPITATIONS, Precipitation, Weather
-from oodscen.interchange._reading.tree import Node
+from oodscen.interchange._reading.tree import Element
 from oodscen.interchange._writing.entities import classified
 from oodscen.interchange._writing.environment import OKTAS
 
@@ -35,7 +35,7 @@ _ALIKE_M = 2.0
 """Difference of length and width together up to which sizes agree, m."""
 
 
-def nearest_asset(entity: Node, catalogue: Catalogue) -> Asset | None:
+def nearest_asset(entity: Element, catalogue: Catalogue) -> Asset | None:
     """Return the asset nearest to a scenario object, or `None` after recording that it has none."""
     body = next(
         (one for one in entity.children() if one.name in ("Vehicle", "Pedestrian", "MiscObject")),
@@ -76,7 +76,7 @@ def nearest_asset(entity: Node, catalogue: Catalogue) -> Asset | None:
     return min(kin, key=unlike)
 
 
-def weather(root: Node) -> Weather:
+def weather(root: Element) -> Weather:
     """Return the weather of the first environment of a file, or ordinary weather."""
     environment = next(root.within("Environment"), None)
     if environment is None:
@@ -103,11 +103,11 @@ def weather(root: Node) -> Weather:
     )
 
 
-def _kept(node: Node | None, value: float, low: float, high: float, what: str) -> float:
+def _kept(node: Element | None, value: float, low: float, high: float, what: str) -> float:
     return value if node is None else node.bounded(value, low, high, what)
 
 
-def _sight(fog: Node | None) -> float:
+def _sight(fog: Element | None) -> float:
     """Return the visual range; all that is clear air is the same."""
     if fog is None:
         return CLEAR_AIR_M
@@ -115,7 +115,7 @@ def _sight(fog: Node | None) -> float:
     return fog.bounded(sight, 1.0, CLEAR_AIR_M, "a visual range of")
 
 
-def _elevation(day: Node) -> float:
+def _elevation(day: Element) -> float:
     """Return a plausible elevation of the sun at a time of day, degrees."""
     found = re.search(r"T([0-9]{2}):", day.get("dateTime"))
     hour = int(found[1]) if found else 12
@@ -124,7 +124,7 @@ def _elevation(day: Node) -> float:
     return elevation
 
 
-def _clouds(sky: Node) -> float:
+def _clouds(sky: Element) -> float:
     oktas, state = sky.get("fractionalCloudCover"), sky.get("cloudState")
     said = oktas or state
     cover = _CLOUDS.get(said, Weather().cloud_cover)
@@ -135,7 +135,7 @@ def _clouds(sky: Node) -> float:
     return cover
 
 
-def _precipitation(sky: Node) -> tuple[Precipitation, float]:
+def _precipitation(sky: Element) -> tuple[Precipitation, float]:
     falling = sky.first("Precipitation")
     if falling is None:
         return "none", 0.0
@@ -150,7 +150,7 @@ def _precipitation(sky: Node) -> tuple[Precipitation, float]:
     return (kind, amount) if kind != "none" and amount > 0.0 else ("none", 0.0)
 
 
-def _intensity(falling: Node) -> float:
+def _intensity(falling: Element) -> float:
     """Return the precipitation, mm/h."""
     if falling.get("precipitationIntensity"):
         return falling.number("precipitationIntensity")

@@ -1,18 +1,18 @@
 """Durations of the transitions of actions in an OpenSCENARIO file."""
 
 from oodscen.interchange._reading.positions import LANE_M
-from oodscen.interchange._reading.tree import Node
+from oodscen.interchange._reading.tree import Element
 
 _AT_ONCE_MPS2 = 9.0
 """Deceleration of what stops at once in a file, m/s^2."""
 
 
-def is_gradual(node: Node, name: str) -> bool:
+def is_gradual(node: Element, name: str) -> bool:
     """Return whether a transition takes time, after recording a way of telling it that is not known."""
     return bool(_dynamics(node, name)[0])
 
 
-def deceleration(node: Node, speed: float) -> float:
+def deceleration(node: Element, speed: float) -> float:
     """Return the deceleration of a `SpeedAction` that ends a speed, m/s^2."""
     kind, value = _dynamics(node, "SpeedActionDynamics")
     if kind == "rate":
@@ -25,7 +25,7 @@ def deceleration(node: Node, speed: float) -> float:
     return _AT_ONCE_MPS2
 
 
-def speed_change_s(node: Node, before: float, after: float) -> float:
+def speed_change_s(node: Element, before: float, after: float) -> float:
     """Return how long a `SpeedAction` takes, s."""
     kind, value = _dynamics(node, "SpeedActionDynamics")
     if kind == "rate":
@@ -35,7 +35,7 @@ def speed_change_s(node: Node, before: float, after: float) -> float:
     return value
 
 
-def lane_change_s(node: Node, speed: float) -> float:
+def lane_change_s(node: Element, speed: float) -> float:
     """Return how long a `LaneChangeAction` takes, s; 0 if it is at once."""
     kind, value = _dynamics(node, "LaneChangeActionDynamics")
     if kind == "rate":
@@ -43,7 +43,7 @@ def lane_change_s(node: Node, speed: float) -> float:
     return value / max(speed, 1.0) if kind == "distance" else value
 
 
-def _dynamics(node: Node, name: str) -> tuple[str, float]:
+def _dynamics(node: Element, name: str) -> tuple[str, float]:
     """Return the dimension and the value in which a transition is told, `""` for one at once."""
     dynamics = node.first(name)
     if dynamics is None:

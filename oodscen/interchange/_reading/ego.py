@@ -10,8 +10,8 @@ from oodscen.driving._roads.building import find_map, load_corridor, read_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.errors import Issue
-from oodscen.interchange._reading.positions import MappedRoads, Pose
-from oodscen.interchange._reading.tree import Node
+from oodscen.interchange._reading.positions import EntityPlace, MappedRoads
+from oodscen.interchange._reading.tree import Element
 
 _NAMES = ("ego", "hero")
 _NOT_EGO = 4
@@ -28,7 +28,7 @@ def no_entity(name: str, entities: Iterable[str]) -> Issue:
     return Issue("ego", f"there is no entity {name[:_LONGEST_NAME]!r}; the file has: {known}")
 
 
-def likely_ego(root: Node, entities: Iterable[str]) -> str:
+def likely_ego(root: Element, entities: Iterable[str]) -> str:
     """Return the entity that is the ego by its name, or else the first, and record a choice that may be wrong.
 
     Raises:
@@ -57,7 +57,9 @@ def _unlike_ego(name: str) -> int:
     return 1 if len(words) == 1 or words[1].lower() in ("vehicle", "car") else 2
 
 
-def corridor_from(entity: Node, start: Pose, roads: MappedRoads, usual: RoadMap) -> Corridor:
+def corridor_from(
+    entity: Element, start: EntityPlace, roads: MappedRoads, usual: RoadMap
+) -> Corridor:
     """Return the corridor on which the ego starts in the file."""
     road, s, forward = roads.nearest(start)
     if usual.road != road.id or abs(usual.start_m - s) > 1.0 or usual.forward != forward:
@@ -77,13 +79,13 @@ def keeps_left(name: str, catalogue: Catalogue) -> bool:
     return road.left_hand
 
 
-def strip_of(start: Pose, corridor: Corridor) -> int:
+def strip_of(start: EntityPlace, corridor: Corridor) -> int:
     """Return the strip in which the ego starts, or the rightmost lane of its direction if it is in none of them."""
     strip = corridor.strip_at(*corridor.locate(start.x, start.y))
     return strip if strip in corridor.ego_lanes else corridor.ego_lanes[0]
 
 
-def note_start(entity: Node, start: Pose, corridor: Corridor, strip: int) -> None:
+def note_start(entity: Element, start: EntityPlace, corridor: Corridor, strip: int) -> None:
     """Record how the ego stands in its lane, as in a scene it starts in the middle and along it."""
     s, t = corridor.locate(start.x, start.y)
     aside = t - corridor.centre(strip, s)
@@ -95,7 +97,7 @@ def note_start(entity: Node, start: Pose, corridor: Corridor, strip: int) -> Non
         )
 
 
-def ego_of(entity: Node, speed: float, corridor: Corridor, strip: int) -> Ego:
+def ego_of(entity: Element, speed: float, corridor: Corridor, strip: int) -> Ego:
     """Return the ego, at the limit of its road if it has no first speed."""
     if speed == 0.0:
         speed = round(corridor.speed_limit, 2)

@@ -7,7 +7,7 @@ from lxml import etree
 from oodscen._xml_numbers import double
 from oodscen.driving._roads.document import name_of
 from oodscen.errors import Issue
-from oodscen.interchange._reading.tree import ScenarioTree, where
+from oodscen.interchange._reading.tree import OpenScenarioFile, where
 
 _SILENT = {
     "FileHeader",
@@ -44,7 +44,7 @@ _MOST_LOOKED_AT = 100
 """Attributes of one element that are looked at: the standard has none with more, and each look-up takes longer."""
 
 
-def leftovers(tree: ScenarioTree) -> Iterator[Issue]:
+def leftovers(tree: OpenScenarioFile) -> Iterator[Issue]:
     """Yield the parts of a file that have not been read, and what its parameters say twice.
 
     Parts of one kind are one issue, at the first of them.
@@ -70,7 +70,7 @@ def _said(attributes: Mapping[str, str]) -> str:
 
 
 def _unread(
-    tree: ScenarioTree, top: etree._Element
+    tree: OpenScenarioFile, top: etree._Element
 ) -> Iterator[tuple[etree._Element, dict[str, str]]]:
     """Yield the elements that were not read, and those of which these attributes were not."""
     waiting = [top]
@@ -90,7 +90,7 @@ def _unread(
         waiting.extend(one for one in reversed(element) if isinstance(one.tag, str))
 
 
-def _is_left(tree: ScenarioTree, element: etree._Element, attribute: str, value: str) -> bool:
+def _is_left(tree: OpenScenarioFile, element: etree._Element, attribute: str, value: str) -> bool:
     """Return whether an attribute says something that was not read."""
     if attribute == "name" or attribute.startswith("{") or name_of(element) in _BODIES:
         return False

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from oodscen.interchange._reading.dynamics import lane_change_s, speed_change_s
-from oodscen.interchange._reading.tree import Node
+from oodscen.interchange._reading.tree import Element
 
 _GROUPS = {
     "Action",
@@ -15,15 +15,15 @@ _GROUPS = {
 }
 
 
-class Step(NamedTuple):
+class PhaseEvent(NamedTuple):
     """An event, with the act that it is in and those who do it."""
 
-    act: Node
-    event: Node
+    act: Element
+    event: Element
     actors: tuple[str, ...]
 
 
-def steps(root: Node) -> Iterator[tuple[tuple[str, str], Step]]:
+def steps(root: Element) -> Iterator[tuple[tuple[str, str], PhaseEvent]]:
     """Yield the events of all stories by kind and name of every part that they are, have, or are in."""
     for story in root.all("Storyboard", "Story"):
         for act in story.all("Act"):
@@ -32,15 +32,15 @@ def steps(root: Node) -> Iterator[tuple[tuple[str, str], Step]]:
                 for maneuver in group.all("Maneuver"):
                     for event in maneuver.all("Event"):
                         parts = (story, act, group, maneuver, event, *event.all("Action"))
-                        step = Step(act, event, names)
+                        step = PhaseEvent(act, event, names)
                         yield from ((_key(one), step) for one in parts)
 
 
-def _key(part: Node) -> tuple[str, str]:
+def _key(part: Element) -> tuple[str, str]:
     return f"{part.name[0].lower()}{part.name[1:]}", part.get("name")
 
 
-def leaves(action: Node) -> Iterator[Node]:
+def leaves(action: Element) -> Iterator[Element]:
     """Yield the actions themselves below their grouping elements."""
     for node in action.children():
         if node.name in _GROUPS:
@@ -49,7 +49,7 @@ def leaves(action: Node) -> Iterator[Node]:
             yield node
 
 
-def duration(event: Node, speed: float) -> float | None:
+def duration(event: Element, speed: float) -> float | None:
     """Return how long an event of an entity takes, s, or `None` if an action of it has no known end."""
     found = [
         _lasts(node.touched(), speed) for action in event.all("Action") for node in leaves(action)
@@ -58,7 +58,7 @@ def duration(event: Node, speed: float) -> float | None:
     return max(known, default=0.0) if len(known) == len(found) else None
 
 
-def _lasts(node: Node, speed: float) -> float | None:
+def _lasts(node: Element, speed: float) -> float | None:
     if node.name == "LaneChangeAction":
         return lane_change_s(node, speed)
     target = node.first("SpeedActionTarget", "AbsoluteTargetSpeed")

@@ -9,7 +9,7 @@ import numpy as np
 from oodscen.driving._roads.geometry import piecewise
 from oodscen.driving._roads.network import Lane, LaneSection, Network, Road
 from oodscen.driving._roads.routes import Leg, road_point, road_points
-from oodscen.interchange._reading.tree import Node
+from oodscen.interchange._reading.tree import Element
 from oodscen.numerics._exact import Floats
 
 LANE_M = 3.5
@@ -24,7 +24,7 @@ _STEPS = 20
 """Steps in which the place beside a pose is found; each squares its error."""
 
 
-class Pose(NamedTuple):
+class EntityPlace(NamedTuple):
     """The place of an entity, with its lane if the file names one."""
 
     x: float
@@ -36,13 +36,13 @@ class Pose(NamedTuple):
     direction: int = 0
     """+1 in a lane with traffic along the road's reference line, -1 against it, 0 if no lane is known."""
 
-    def moved(self, ahead: float, left: float, turn: float = 0.0) -> "Pose":
+    def moved(self, ahead: float, left: float, turn: float = 0.0) -> "EntityPlace":
         """Return a pose relative to this one."""
         cos, sin = math.cos(self.heading), math.sin(self.heading)
         x, y = self.x + ahead * cos - left * sin, self.y + ahead * sin + left * cos
-        return Pose(x, y, self.heading + turn)
+        return EntityPlace(x, y, self.heading + turn)
 
-    def offset_from(self, origin: "Pose") -> tuple[float, float]:
+    def offset_from(self, origin: "EntityPlace") -> tuple[float, float]:
         """Return the distances ahead of another pose and to its left, m."""
         cos, sin = math.cos(origin.heading), math.sin(origin.heading)
         dx, dy = self.x - origin.x, self.y - origin.y
@@ -72,15 +72,15 @@ class Roads(Protocol):
         """Return whether `s` is on a road."""
         ...
 
-    def at(self, node: Node, road: str, s: float, lane: int, offset: float) -> Pose:
+    def at(self, node: Element, road: str, s: float, lane: int, offset: float) -> EntityPlace:
         """Return the pose at an offset from a lane's centre; lane 0 is the reference line."""
         ...
 
-    def in_lane(self, pose: Pose) -> Pose:
+    def in_lane(self, pose: EntityPlace) -> EntityPlace:
         """Return a pose with the lane that it is in, if the file names none and there is one."""
         ...
 
-    def direction_beside(self, pose: Pose, other: Pose) -> int:
+    def direction_beside(self, pose: EntityPlace, other: EntityPlace) -> int:
         """Return +1 if a pose is in the traffic along the reference line of another's road, else -1."""
         ...
 
@@ -100,18 +100,18 @@ class StraightRoad:
         """Return true: the road has no ends."""
         return True
 
-    def at(self, node: Node, road: str, s: float, lane: int, offset: float) -> Pose:
+    def at(self, node: Element, road: str, s: float, lane: int, offset: float) -> EntityPlace:
         """Return the pose on a road along x whose right lanes have negative ids."""
         middle = (lane + 0.5 if lane < 0 else lane - 0.5) * LANE_M if lane else 0.0
         is_along = lane == 0 or (lane > 0) is self.is_left_hand
         heading, direction = (0.0, 1) if is_along else (math.pi, -1)
-        return Pose(s, middle + offset, heading, road, lane, s, direction)
+        return EntityPlace(s, middle + offset, heading, road, lane, s, direction)
 
-    def in_lane(self, pose: Pose) -> Pose:
+    def in_lane(self, pose: EntityPlace) -> EntityPlace:
         """Return the pose as it is: where the lanes of the file's own roads lie is not known."""
         return pose
 
-    def direction_beside(self, pose: Pose, other: Pose) -> int:
+    def direction_beside(self, pose: EntityPlace, other: EntityPlace) -> int:
         """Return +1 for a pose in the traffic along x, else -1."""
         return pose.direction or (1 if math.cos(pose.heading) >= 0.0 else -1)
 
@@ -124,7 +124,7 @@ class MappedRoads:
         self._samples: dict[str, tuple[Floats, Floats, Floats]] = {}
         """Places s and points x and y among which the nearest is looked for, by road."""
 
-    def at(self, node: Node, road: str, s: float, lane: int, offset: float) -> Pose:
+    def at(self, node: Element, road: str, s: float, lane: int, offset: float) -> EntityPlace:
         """Return the pose on a road of the file.
 
         Raises:
@@ -144,7 +144,7 @@ class MappedRoads:
         x, y = point.x - t * math.sin(point.heading), point.y + t * math.cos(point.heading)
         direction = _direction(found, s, lane)
         heading = point.heading + (math.pi if direction < 0 else 0.0)
-        return Pose(x, y, heading, road, lane, s, direction)
+        return EntityPlace(x, y, heading, road, lane, s, direction)
 
     def has_lane(self, road: str, s: float, lane: int) -> bool:
         """Return whether a road has a lane at `s`; the reference line is none."""
@@ -155,7 +155,7 @@ class MappedRoads:
         """Return whether `s` is on a road, but for rounding."""
         return -_OVERHANG_M <= s <= self.network.roads[road].length + _OVERHANG_M
 
-    def nearest(self, pose: Pose) -> tuple[Road, float, bool]:
+    def nearest(self, pose: EntityPlace) -> tuple[Road, float, bool]:
         """Return the road of a pose, s on it, and true if the pose heads along it."""
         _, road, near = min(
             (self._sampled(one, pose) for one in self._candidates(pose)), key=lambda found: found[0]
@@ -164,20 +164,20 @@ class MappedRoads:
         along = math.cos(road_point(road, s).heading - pose.heading) >= 0.0
         return road, s, pose.direction > 0 if pose.direction else along
 
-    def in_lane(self, pose: Pose) -> Pose:
+    def in_lane(self, pose: EntityPlace) -> EntityPlace:
         """Return a pose with the lane whose centre is nearest, unless it has one or is off all roads."""
         if pose.lane:
             return pose
         road, s, _ = self.nearest(pose)
         point = road_point(road, s)
-        ahead, left = pose.offset_from(Pose(point.x, point.y, point.heading))
+        ahead, left = pose.offset_from(EntityPlace(point.x, point.y, point.heading))
         centres = {lane: t for lane, t in _centres(road, s).items() if lane}
         lane = min(centres, key=lambda one: abs(centres[one] - left), default=0)
         if not lane or math.hypot(ahead, centres[lane] - left) > LANE_M:
             return pose
         return pose._replace(road=road.id, lane=lane, s=s, direction=_direction(road, s, lane))
 
-    def direction_beside(self, pose: Pose, other: Pose) -> int:
+    def direction_beside(self, pose: EntityPlace, other: EntityPlace) -> int:
         """Return +1 if a pose is in the traffic along the reference line of another's road, else -1.
 
         That is told by its heading if it is on another road.
@@ -188,7 +188,7 @@ class MappedRoads:
             along = math.cos(line.heading - pose.heading) >= 0.0
         return 1 if along else -1
 
-    def _sampled(self, road: Road, pose: Pose) -> tuple[float, Road, float]:
+    def _sampled(self, road: Road, pose: EntityPlace) -> tuple[float, Road, float]:
         """Return the distance of the nearest sample of a road, the road, and its s."""
         if road.id not in self._samples:
             steps = max(1, int(road.length / _SAMPLE_M))
@@ -199,19 +199,19 @@ class MappedRoads:
         nearest = int(np.argmin(far))
         return float(far[nearest]), road, float(s[nearest])
 
-    def _candidates(self, pose: Pose) -> list[Road]:
+    def _candidates(self, pose: EntityPlace) -> list[Road]:
         """Return the road that a pose names, or all outside junctions."""
         if pose.road in self.network.roads:
             return [self.network.roads[pose.road]]
         return [one for one in self.network.roads.values() if not one.junction]
 
 
-def _projected(road: Road, pose: Pose, near: float) -> float:
+def _projected(road: Road, pose: EntityPlace, near: float) -> float:
     """Return s of the point of a reference line that a pose stands beside, from an s near it."""
     s = near
     for _ in range(_STEPS):
         point = road_point(road, s)
-        along, left = pose.offset_from(Pose(point.x, point.y, point.heading))
+        along, left = pose.offset_from(EntityPlace(point.x, point.y, point.heading))
         bend = max(1.0 - point.curvature * left, 0.1)
         s = min(max(s + along / bend, 0.0, near - _SAMPLE_M), road.length, near + _SAMPLE_M)
     return s
@@ -259,18 +259,18 @@ class Positions:
         """
         self.roads = roads
         self.side = -1.0 if is_mirrored else 1.0
-        self.known: dict[str, Pose] = {}
+        self.known: dict[str, EntityPlace] = {}
 
-    def in_lane(self, name: str) -> Pose | None:
+    def in_lane(self, name: str) -> EntityPlace | None:
         """Return the pose of an entity with its lane, as far as both are known."""
         pose = self.known.get(name)
         return None if pose is None else self.roads.in_lane(pose)
 
-    def reference(self, holder: Node) -> str:
+    def reference(self, holder: Element) -> str:
         """Return the entity to which a `Position` is relative, if it is."""
         return next((one.get("entityRef") for one in holder.children()), "")
 
-    def read(self, holder: Node) -> Pose | None:
+    def read(self, holder: Element) -> EntityPlace | None:
         """Return the pose of a `Position`, or `None` after recording that it cannot be used."""
         for node in holder.children():
             found = self._pose(node)
@@ -285,42 +285,42 @@ class Positions:
             return None
         return None
 
-    def _pose(self, node: Node) -> Pose | None:
+    def _pose(self, node: Element) -> EntityPlace | None:
         reader = _READERS.get(node.name)
         return None if reader is None else reader(self, node)
 
-    def _world(self, node: Node) -> Pose:
+    def _world(self, node: Element) -> EntityPlace:
         y, heading = self.side * node.number("y"), self.side * node.number("h", 0.0)
-        return Pose(node.number("x"), y, heading)
+        return EntityPlace(node.number("x"), y, heading)
 
-    def _lane(self, node: Node) -> Pose:
+    def _lane(self, node: Element) -> EntityPlace:
         road, s, lane = node.get("roadId"), node.number("s"), node.integer("laneId")
         if lane == 0:
             node.note("lane 0 is the reference line of the road and is read as that")
         return self.roads.at(node, road, s, lane, node.number("offset", 0.0))
 
-    def _road(self, node: Node) -> Pose:
+    def _road(self, node: Element) -> EntityPlace:
         return self.roads.at(node, node.get("roadId"), node.number("s"), 0, node.number("t"))
 
-    def _relative_object(self, node: Node) -> Pose | None:
+    def _relative_object(self, node: Element) -> EntityPlace | None:
         origin = self.known.get(node.get("entityRef"))
         return origin and origin.moved(node.number("dx"), node.number("dy"))
 
-    def _relative_world(self, node: Node) -> Pose | None:
+    def _relative_world(self, node: Element) -> EntityPlace | None:
         origin = self.known.get(node.get("entityRef"))
         if origin is None:
             return None
         dx, dy = node.number("dx"), self.side * node.number("dy")
-        return Pose(origin.x + dx, origin.y + dy, origin.heading)
+        return EntityPlace(origin.x + dx, origin.y + dy, origin.heading)
 
-    def _relative_road(self, node: Node) -> Pose | None:
+    def _relative_road(self, node: Element) -> EntityPlace | None:
         origin = self.known.get(node.get("entityRef"))
         if origin is None:
             return None
         node.note("is read as ahead of the entity and to its left")
         return origin.moved(node.number("ds"), node.number("dt"))
 
-    def _relative_lane(self, node: Node) -> Pose | None:
+    def _relative_lane(self, node: Element) -> EntityPlace | None:
         origin = self.in_lane(node.get("entityRef"))
         if origin is None:
             return None
@@ -336,7 +336,7 @@ class Positions:
         return origin.moved(ahead, lanes * LANE_M + offset)
 
 
-_READERS: dict[str, Callable[[Positions, Node], Pose | None]] = {
+_READERS: dict[str, Callable[[Positions, Element], EntityPlace | None]] = {
     "WorldPosition": Positions._world,
     "LanePosition": Positions._lane,
     "RoadPosition": Positions._road,
@@ -347,7 +347,7 @@ _READERS: dict[str, Callable[[Positions, Node], Pose | None]] = {
 }
 
 
-def _turned(node: Node, pose: Pose) -> Pose:
+def _turned(node: Element, pose: EntityPlace) -> EntityPlace:
     """Apply an orientation."""
     orientation = node.first("Orientation")
     if orientation is None:

@@ -31,13 +31,13 @@ from oodscen.interchange._reading.ego import (
 from oodscen.interchange._reading.leftovers import leftovers
 from oodscen.interchange._reading.positions import (
     LANE_M,
+    EntityPlace,
     MappedRoads,
-    Pose,
     Positions,
     Roads,
     StraightRoad,
 )
-from oodscen.interchange._reading.tree import NOUN, Node, ScenarioTree
+from oodscen.interchange._reading.tree import NOUN, Element, OpenScenarioFile
 from oodscen.interchange._reading.triggers import AT_ONCE, TriggerReader
 from oodscen.interchange._writing.properties import DIGEST, SCENE, content_digest
 from oodscen.interchange._writing.roads import ROAD_DIGEST, road_file
@@ -97,7 +97,7 @@ def read_openscenario(
         UnknownComponent: If there is no such map.
         LLMError: If the model cannot be reached, or its answer cannot be used.
     """
-    tree = ScenarioTree(path)
+    tree = OpenScenarioFile(path)
     is_known = _check_version(tree)
     if is_known and (own := _own_scene(tree, catalogue)) is not None:
         if road is not None or hazards or ego is not None:
@@ -117,19 +117,19 @@ def foresee(path: str | Path, catalogue: Catalogue) -> tuple[str, bool]:
     Raises:
         DataError: If the file is malformed or not version 1.x.
     """
-    tree = ScenarioTree(path)
+    tree = OpenScenarioFile(path)
     own = _own_scene(tree, catalogue) if _check_version(tree) else None
     return _identifier(tree.path.stem) if own is None else own.id, own is not None
 
 
-def _header(tree: ScenarioTree) -> Node:
+def _header(tree: OpenScenarioFile) -> Element:
     header = tree.root.first("FileHeader")
     if header is None:
         raise tree.root.fault("has no FileHeader")
     return header
 
 
-def _check_version(tree: ScenarioTree) -> bool:
+def _check_version(tree: OpenScenarioFile) -> bool:
     """Refuse another major version, note an unknown minor one, and return whether it is known.
 
     Raises:
@@ -144,7 +144,7 @@ def _check_version(tree: ScenarioTree) -> bool:
     return minor in _MINORS
 
 
-def _own_scene(tree: ScenarioTree, catalogue: Catalogue) -> Scene | None:
+def _own_scene(tree: OpenScenarioFile, catalogue: Catalogue) -> Scene | None:
     """Return the scene that a file says it is, unless the file or the road file beside it was changed."""
     header = _header(tree)
     said = {
@@ -182,7 +182,7 @@ class _Assembly:
 
     def __init__(
         self,
-        tree: ScenarioTree,
+        tree: OpenScenarioFile,
         catalogue: Catalogue,
         road: str | None,
         hazards: Sequence[str],
@@ -194,7 +194,7 @@ class _Assembly:
         self.root = tree.root
         self.catalogue = catalogue
         self.hazards = hazards
-        self.entities: dict[str, Node] = {}
+        self.entities: dict[str, Element] = {}
         for one in self.root.all("Entities", "ScenarioObject"):
             if one.get("name") in self.entities:
                 raise one.fault(f"the name {one.get('name')!r} occurs more than once")
@@ -343,7 +343,7 @@ class _Assembly:
 
     def _place_entities(self) -> None:
         """Read the starts, each after that of the entity to which it is relative."""
-        waiting: dict[str, list[tuple[str, Node]]] = {}
+        waiting: dict[str, list[tuple[str, Element]]] = {}
         for name, holder in _starts(self.root).items():
             reference = self.positions.reference(holder)
             waiting.setdefault(reference, []).append((name, holder))
@@ -356,7 +356,7 @@ class _Assembly:
             for _, holder in held:
                 self.positions.read(holder)  # Records why it cannot be read.
 
-    def _centre(self, name: str) -> Pose | None:
+    def _centre(self, name: str) -> EntityPlace | None:
         """Return the pose of an entity's centre, which is ahead of a vehicle's reference point."""
         pose = self.positions.known.get(name)
         middle = next(self.entities[name].within("Center"), None)
@@ -368,7 +368,7 @@ class _Assembly:
 
     # ------------------------------------------------------------------ actors
 
-    def _actor(self, name: str, entity: Node) -> Actor | None:
+    def _actor(self, name: str, entity: Element) -> Actor | None:
         asset = nearest_asset(entity, self.catalogue)
         pose = self._centre(name)
         if asset is None:
@@ -390,7 +390,7 @@ class _Assembly:
             placed = placed.model_copy(update={"heading_deg": 0.0})
         return Actor(id=self.ids[name], asset=asset.id, placement=placed, behaviour=does)
 
-    def _placement(self, pose: Pose) -> Placement:
+    def _placement(self, pose: EntityPlace) -> Placement:
         """Return a pose relative to the ego along the road."""
         road, own = self.corridor, self.strip
         if self.is_mapped:
@@ -427,9 +427,9 @@ class _Assembly:
         return Trigger(kind=trigger.kind, value=value, actor=trigger.actor or hazard.id)
 
 
-def _starts(root: Node) -> dict[str, Node]:
+def _starts(root: Element) -> dict[str, Element]:
     """Return the `Position` at which each entity starts: the last one, as the actions are taken in order."""
-    found: dict[str, Node] = {}
+    found: dict[str, Element] = {}
     for private in root.all("Storyboard", "Init", "Actions", "Private"):
         name = private.get("entityRef")
         for holder in private.all("PrivateAction", "TeleportAction", "Position"):

@@ -23,7 +23,7 @@ _MAX_REFERENCES = 20_000
 """Maximum number of catalogue references that are followed in one file, repetitions included."""
 
 
-class ScenarioTree:
+class OpenScenarioFile:
     """One file, the catalogues that it names, what was read of them, and what a scene cannot hold."""
 
     def __init__(self, path: str | Path) -> None:
@@ -47,11 +47,11 @@ class ScenarioTree:
         """Catalogue entries that references were resolved to."""
         self._catalogues: _Catalogues | None = None
         self._followed = 0
-        self.root = Node(self, element, {})
+        self.root = Element(self, element, {})
         if self.root.first("Storyboard") is None:
             raise self.root.fault("has no Storyboard: it is a catalogue or a distribution")
 
-    def entry(self, reference: "Node", depth: int) -> "Node":
+    def entry(self, reference: "Element", depth: int) -> "Element":
         """Return the catalogue entry that a reference names, with its parameters assigned.
 
         Raises:
@@ -66,11 +66,11 @@ class ScenarioTree:
         given = {}
         for one in reference.element.iter():
             if name_of(one) == "ParameterAssignment":
-                assigned = Node(self, one, reference.scope)
+                assigned = Element(self, one, reference.scope)
                 given[assigned.get("parameterRef").lstrip("$")] = assigned.get("value")
         self.entered[found] = None
         declared = declarations(found)
-        return Node(self, found, {**reference.scope, **declared, **given}, depth + 1, given)
+        return Element(self, found, {**reference.scope, **declared, **given}, depth + 1, given)
 
     def touch(self, element: etree._Element) -> None:
         """Record that an element is read, and with it that those around it are entered."""
@@ -79,7 +79,7 @@ class ScenarioTree:
             self.touched.add(one)
             one = one.getparent()
 
-    def _entry(self, reference: "Node") -> etree._Element:
+    def _entry(self, reference: "Element") -> etree._Element:
         """Return the entry that a reference names."""
         if self._catalogues is None:
             self._catalogues = _Catalogues(self._folders())
@@ -97,7 +97,7 @@ class ScenarioTree:
     def _folders(self) -> Iterator[Path]:
         for one in self.root.element.iter():
             if name_of(one) == "Directory":
-                yield self.path.parent / Node(self, one, self.root.scope).get("path")
+                yield self.path.parent / Element(self, one, self.root.scope).get("path")
 
 
 class _Catalogues:
@@ -145,14 +145,14 @@ def where(element: etree._Element) -> str:
     return f"line {element.sourceline}{file}: {name_of(element)}"
 
 
-class Node:
+class Element:
     """One element with the parameters that hold there; references read as what they refer to."""
 
     __slots__ = ("depth", "element", "scope", "tree")
 
     def __init__(
         self,
-        tree: ScenarioTree,
+        tree: OpenScenarioFile,
         element: etree._Element,
         scope: Scope,
         depth: int = 0,
@@ -187,7 +187,7 @@ class Node:
         """Record that this element is read otherwise than it is written."""
         self.tree.omissions[Issue(self.where, what)] = None
 
-    def touched(self) -> "Node":
+    def touched(self) -> "Element":
         """Return this node after recording that it is read."""
         self.tree.touch(self.element)
         return self
@@ -260,31 +260,31 @@ class Node:
             self.note(f"{what} {value:g} is read as {kept:g}")
         return kept
 
-    def children(self) -> Iterator["Node"]:
+    def children(self) -> Iterator["Element"]:
         """Yield the child elements, with catalogue references resolved."""
         for one in self.element:
             if not isinstance(one.tag, str):
                 continue
-            node = Node(self.tree, one, self.scope, self.depth)
+            node = Element(self.tree, one, self.scope, self.depth)
             yield self.tree.entry(node, self.depth) if node.name == "CatalogReference" else node
 
-    def first(self, *names: str) -> "Node | None":
+    def first(self, *names: str) -> "Element | None":
         """Return the first element at the end of a chain of names, or `None`."""
-        found: Node | None = self
+        found: Element | None = self
         for name in names:
             if found is None:
                 return None
             found = next((one for one in found.children() if one.name == name), None)
         return found and found.touched()
 
-    def all(self, *names: str) -> list["Node"]:
+    def all(self, *names: str) -> list["Element"]:
         """Return the elements at the end of a chain of names, in order."""
         found = [self]
         for name in names:
             found = [one for parent in found for one in parent.children() if one.name == name]
         return [one.touched() for one in found]
 
-    def within(self, name: str) -> Iterator["Node"]:
+    def within(self, name: str) -> Iterator["Element"]:
         """Yield all descendants of a name, references resolved."""
         for one in self.children():
             if one.name == name:

@@ -8,9 +8,9 @@ from typing import Literal, NamedTuple
 from lxml import etree
 
 from oodscen.data._scene import MAX_TRIGGER, Trigger
-from oodscen.interchange._reading.phases import Step, duration, steps
-from oodscen.interchange._reading.positions import Pose, Positions
-from oodscen.interchange._reading.tree import Node
+from oodscen.interchange._reading.phases import PhaseEvent, duration, steps
+from oodscen.interchange._reading.positions import EntityPlace, Positions
+from oodscen.interchange._reading.tree import Element
 
 AT_ONCE = Trigger()
 AT_ONCE_S = 0.5
@@ -35,7 +35,7 @@ class _UnreadError(Exception):
     """A condition for which a scene has no trigger, with the reason."""
 
 
-class Body(NamedTuple):
+class EntityBox(NamedTuple):
     """The box of an entity, as far as a file tells it."""
 
     ahead: float
@@ -50,16 +50,16 @@ class Body(NamedTuple):
         return 0.5 * (self.length * abs(math.cos(turn)) + self.width * abs(math.sin(turn)))
 
 
-def body_of(entity: Node) -> Body:
+def body_of(entity: Element) -> EntityBox:
     """Return the box of a scenario object."""
     box = next(entity.within("BoundingBox"), None)
     if box is None:
-        return Body(0.0, None, None)
+        return EntityBox(0.0, None, None)
     middle, size = box.first("Center"), box.first("Dimensions")
     ahead = middle.number("x", 0.0) if middle is not None else 0.0
     if size is None:
-        return Body(ahead, None, None)
-    return Body(ahead, size.number("length"), size.number("width"))
+        return EntityBox(ahead, None, None)
+    return EntityBox(ahead, size.number("length"), size.number("width"))
 
 
 class TriggerReader:
@@ -67,9 +67,9 @@ class TriggerReader:
 
     def __init__(
         self,
-        root: Node,
+        root: Element,
         positions: Positions,
-        entities: dict[str, Node],
+        entities: dict[str, Element],
         ego: str,
         identifier: Callable[[str], str],
     ) -> None:
@@ -79,13 +79,13 @@ class TriggerReader:
         self.speeds: dict[str, float] = {}
         """Speeds at the start, m/s."""
         self.identifier = identifier
-        self.steps: dict[tuple[str, str], list[Step]] = {}
+        self.steps: dict[tuple[str, str], list[PhaseEvent]] = {}
         for key, step in steps(root):
             self.steps.setdefault(key, []).append(step)
         self._starts: dict[etree._Element, Trigger | None] = {}
         self._followed: list[etree._Element] = []
 
-    def start(self, act: Node, event: Node, owner: str) -> Trigger | None:
+    def start(self, act: Element, event: Element, owner: str) -> Trigger | None:
         """Return when an event of an entity starts, which is after its act, or `None` if that is not known."""
         first, then = self._read(act, owner), self._read(event, owner)
         if first is None or then is None:
@@ -95,7 +95,7 @@ class TriggerReader:
             event.note(f"the act starts by a {first.kind}, the event by a {then.kind}: that counts")
         return both or then
 
-    def _read(self, holder: Node, owner: str) -> Trigger | None:
+    def _read(self, holder: Element, owner: str) -> Trigger | None:
         """Return when an event or act starts for an entity: what has no condition, at once; `None` if none is read."""
         conditions = holder.all("StartTrigger", "ConditionGroup", "Condition")
         if len(conditions) > 1:
@@ -108,7 +108,7 @@ class TriggerReader:
                 condition.settle()
         return found if conditions else AT_ONCE
 
-    def is_at_once(self, holder: Node) -> bool:
+    def is_at_once(self, holder: Element) -> bool:
         """Return whether something starts at once, or within the time that belongs to the start."""
         conditions = holder.all("StartTrigger", "ConditionGroup", "Condition")
         if len(conditions) != 1:
@@ -118,7 +118,7 @@ class TriggerReader:
             return found is not None and is_start(_delayed(conditions[0], found))
         return False
 
-    def _condition(self, condition: Node, owner: str) -> Trigger | None:
+    def _condition(self, condition: Element, owner: str) -> Trigger | None:
         """Return the trigger for a condition, or `None` after recording why there is none."""
         try:
             found = self._by_value(condition, owner) or self._by_entity(condition, owner)
@@ -127,7 +127,7 @@ class TriggerReader:
             return None
         return _delayed(condition, found)
 
-    def _by_value(self, condition: Node, owner: str) -> Trigger | None:
+    def _by_value(self, condition: Element, owner: str) -> Trigger | None:
         """Return the trigger for a condition on the time or on another element, `None` for one on entities."""
         time = condition.first("ByValueCondition", "SimulationTimeCondition")
         if time is not None:
@@ -137,7 +137,7 @@ class TriggerReader:
 
     # ------------------------------------------------------------------ conditions on other events
 
-    def _by_state(self, other: Node, owner: str) -> Trigger:
+    def _by_state(self, other: Element, owner: str) -> Trigger:
         """Return the trigger for the state of another part of the storyboard."""
         kind, name = other.get("storyboardElementType"), other.get("storyboardElementRef")
         state = other.get("state")
@@ -154,7 +154,7 @@ class TriggerReader:
             other.note(f"the start of {kind[:40]} {name[:40]!r} is read as that of the scene")
         return AT_ONCE
 
-    def _started(self, step: Step, owner: str) -> Trigger:
+    def _started(self, step: PhaseEvent, owner: str) -> Trigger:
         """Return the trigger of another event, for an entity."""
         found = self._followed_to(step)
         if found is None:
@@ -163,7 +163,7 @@ class TriggerReader:
             return found
         return found.model_copy(update={"actor": self.identifier(step.actors[0])})
 
-    def _ended(self, other: Node, found: list[Step]) -> Trigger:
+    def _ended(self, other: Element, found: list[PhaseEvent]) -> Trigger:
         """Return the time at which all of some events have ended."""
         ends = [end for step in found if (end := self._end(step)) is not None]
         if not ends or len(ends) < len(found):
@@ -172,7 +172,7 @@ class TriggerReader:
         other.note(f"its end is read as the time {latest.value:g} s")
         return latest
 
-    def _end(self, step: Step) -> float | None:
+    def _end(self, step: PhaseEvent) -> float | None:
         """Return when an event ends, s, if it starts at a time and what it does has an end."""
         start = self._followed_to(step)
         if start is None or start.kind != "time":
@@ -180,7 +180,7 @@ class TriggerReader:
         lasts = duration(step.event, self.speeds.get(step.actors[0], 0.0))
         return None if lasts is None else start.value + lasts
 
-    def _followed_to(self, step: Step) -> Trigger | None:
+    def _followed_to(self, step: PhaseEvent) -> Trigger | None:
         """Return when an event starts, `None` if it waits for itself, for too many others, or for nothing known."""
         element = step.event.element
         if element in self._starts:
@@ -199,7 +199,7 @@ class TriggerReader:
 
     # ------------------------------------------------------------------ conditions on entities
 
-    def _by_entity(self, condition: Node, owner: str) -> Trigger:
+    def _by_entity(self, condition: Element, owner: str) -> Trigger:
         """Return the trigger for a condition on one entity."""
         for node in _children(condition.first("ByEntityCondition", "EntityCondition")):
             if node.name in _READERS:
@@ -207,7 +207,7 @@ class TriggerReader:
                 return _READERS[node.name](self, node.touched(), name, owner)
         raise _UnreadError("this condition is not read")
 
-    def _subject(self, condition: Node) -> str:
+    def _subject(self, condition: Element) -> str:
         """Return the entity that meets a condition."""
         triggering = condition.first("ByEntityCondition", "TriggeringEntities")
         subjects = [] if triggering is None else triggering.all("EntityRef")
@@ -217,7 +217,7 @@ class TriggerReader:
             raise _UnreadError("a condition that no entity may meet is not read")
         return subjects[0].get("entityRef")
 
-    def _other(self, name: str, reference: Node) -> str:
+    def _other(self, name: str, reference: Element) -> str:
         """Return the entity to which the ego's distance is meant."""
         other = reference.get("entityRef")
         for one in (name, other):
@@ -236,18 +236,18 @@ class TriggerReader:
             raise _UnreadError(f"{name[:40]!r} has no speed by which this could be read")
         return speed
 
-    def _distance(self, node: Node, name: str, owner: str) -> Trigger:
+    def _distance(self, node: Element, name: str, owner: str) -> Trigger:
         other = self._other(name, node)
         _check_along(node)
         return self._to(other, owner, "distance", node, self._centres(node, other, 1.0))
 
-    def _headway(self, node: Node, name: str, owner: str) -> Trigger:
+    def _headway(self, node: Element, name: str, owner: str) -> Trigger:
         other, speed = self._other(name, node), self._first_speed(name)
         _check_along(node)
         node.note(f"a headway is read as a distance at the first speed of {name[:40]}")
         return self._to(other, owner, "distance", node, self._centres(node, other, speed))
 
-    def _time_to_collision(self, node: Node, name: str, owner: str) -> Trigger:
+    def _time_to_collision(self, node: Element, name: str, owner: str) -> Trigger:
         _check_along(node)
         target = node.first("TimeToCollisionConditionTarget", "EntityRef")
         goal = node.first("TimeToCollisionConditionTarget", "Position")
@@ -262,12 +262,12 @@ class TriggerReader:
             node.note("the time to contact is read as that of the centres")
         return self._to(other, owner, "ttc", node, node.number("value"))
 
-    def _travelled(self, node: Node, name: str, owner: str) -> Trigger:
+    def _travelled(self, node: Element, name: str, owner: str) -> Trigger:
         speed = self._first_speed(name)
         node.note(f"a distance travelled is read as a time at the first speed of {name[:40]}")
         return _trigger("time", node.number("value") / speed, node)
 
-    def _near_place(self, node: Node, name: str, owner: str) -> Trigger:
+    def _near_place(self, node: Element, name: str, owner: str) -> Trigger:
         """Read a place that the ego comes near to: as a distance to its owner if that stands, else as a time."""
         if name != self.ego:
             raise _UnreadError(f"a place that {name[:40]} comes near to is not read")
@@ -288,7 +288,7 @@ class TriggerReader:
         node.note("a place that the ego comes near to is read as a time at its first speed")
         return _trigger("time", max(math.hypot(ahead, aside) - reach, 0.0) / speed, node)
 
-    def _reach(self, node: Node) -> float:
+    def _reach(self, node: Element) -> float:
         """Return the distance from a place to the ego's reference point at which a condition holds, m."""
         if node.name == "ReachPositionCondition":
             return node.number("tolerance")
@@ -297,7 +297,9 @@ class TriggerReader:
             return node.number("value") + body.ahead + (body.reach(0.0) or 0.0)
         return node.number("value")
 
-    def _to_standing(self, node: Node, its: Pose, place: Pose, reach: float, owner: str) -> Trigger:
+    def _to_standing(
+        self, node: Element, its: EntityPlace, place: EntityPlace, reach: float, owner: str
+    ) -> Trigger:
         """Return the ego's distance to an owner that stands when it is near a place."""
         ego = self.positions.known[self.ego]
         apart = its.offset_from(ego)[0] - place.offset_from(ego)[0]
@@ -309,7 +311,7 @@ class TriggerReader:
     # ------------------------------------------------------------------ distances
 
     def _to(
-        self, other: str, owner: str, kind: Literal["distance", "ttc"], node: Node, value: float
+        self, other: str, owner: str, kind: Literal["distance", "ttc"], node: Element, value: float
     ) -> Trigger:
         """Return a trigger on the ego and another entity."""
         found = _trigger(kind, value, node)
@@ -330,7 +332,7 @@ class TriggerReader:
             return -shift
         return shift
 
-    def _centres(self, node: Node, other: str, scale: float) -> float:
+    def _centres(self, node: Element, other: str, scale: float) -> float:
         """Return the distance of the centres for that of the boxes or reference points that a condition means."""
         value = node.number("value") * scale
         if not node.is_true("freespace"):
@@ -345,7 +347,7 @@ class TriggerReader:
         return value + halves[0] + halves[1]
 
 
-_READERS: dict[str, Callable[[TriggerReader, Node, str, str], Trigger]] = {
+_READERS: dict[str, Callable[[TriggerReader, Element, str, str], Trigger]] = {
     "TimeToCollisionCondition": TriggerReader._time_to_collision,
     "RelativeDistanceCondition": TriggerReader._distance,
     "TimeHeadwayCondition": TriggerReader._headway,
@@ -371,12 +373,12 @@ def later(first: Trigger, then: Trigger) -> Trigger | None:
     return None
 
 
-def _trigger(kind: Literal["time", "distance", "ttc"], value: float, node: Node) -> Trigger:
+def _trigger(kind: Literal["time", "distance", "ttc"], value: float, node: Element) -> Trigger:
     kept = node.bounded(value, 0.0, MAX_TRIGGER, f"a {kind} of")
     return Trigger(kind=kind, value=round(kept, 3))
 
 
-def _after(time: Node) -> Trigger:
+def _after(time: Element) -> Trigger:
     """Return the trigger for a condition on the time."""
     rule = time.get("rule")
     if rule in _LATE:
@@ -387,7 +389,7 @@ def _after(time: Node) -> Trigger:
     raise _UnreadError(f"rule={rule[:40]!r} is not read")
 
 
-def _delayed(condition: Node, trigger: Trigger) -> Trigger:
+def _delayed(condition: Element, trigger: Trigger) -> Trigger:
     """Return a trigger with the delay of its condition, which only a time can have."""
     delay = condition.number("delay", 0.0)
     if trigger.kind == "time":
@@ -397,7 +399,7 @@ def _delayed(condition: Node, trigger: Trigger) -> Trigger:
     return trigger
 
 
-def _check_along(node: Node) -> None:
+def _check_along(node: Element) -> None:
     """Refuse a condition that does not hold from a distance or time along the road on."""
     rule = node.get("rule")
     if rule not in _SOON:
@@ -413,5 +415,5 @@ def _check_along(node: Node) -> None:
     node.get("alongRoute")
 
 
-def _children(holder: Node | None) -> Iterator[Node]:
+def _children(holder: Element | None) -> Iterator[Element]:
     return iter(()) if holder is None else holder.children()

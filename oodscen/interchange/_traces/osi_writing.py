@@ -11,7 +11,7 @@ from oodscen._arguments import checked
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.errors import UnknownComponent
-from oodscen.interchange._recording import Recording, UnrenderedSimulator, replayed
+from oodscen.interchange._recording import RecordedRun, UnrenderedSimulator, replayed
 from oodscen.interchange._traces.mcap_files import mcap_trace
 from oodscen.interchange._writing.entities import Entity, entities
 from oodscen.interchange._writing.roads import road_file
@@ -55,7 +55,7 @@ def osi_trace(
     return b"".join(struct.pack("<I", len(truth)) + truth for _, truth in found)
 
 
-def _messages(recording: Recording, bodies: Sequence[Entity]) -> Iterator[tuple[int, bytes]]:
+def _messages(recording: RecordedRun, bodies: Sequence[Entity]) -> Iterator[tuple[int, bytes]]:
     """Yield time in ns and ground truth of every step."""
     fixed = [_unchanging(row, one) for row, one in enumerate(bodies)]
     velocities = np.gradient(recording.poses[:, :, :3], recording.dt, axis=0)

@@ -16,7 +16,7 @@ from oodscen.driving._motion.actions import is_available
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import MissingExtra
-from oodscen.interchange._recording import Recording, UnrenderedSimulator, action_states, replayed
+from oodscen.interchange._recording import RecordedRun, UnrenderedSimulator, action_states, replayed
 from oodscen.interchange._writing.entities import Entity, entities
 from oodscen.numerics._exact import Floats
 from oodscen.protocols import Camera, Simulator, State, camera_for
@@ -158,7 +158,7 @@ class _Log:
         plans = [_plan(line) for line in lines]
         self.stream.log("plan/lanes", self.rerun.LineStrips2D(plans, colors=colour), static=True)
 
-    def bodies(self, scene: Scene, bodies: list[Entity], run: Recording) -> None:
+    def bodies(self, scene: Scene, bodies: list[Entity], run: RecordedRun) -> None:
         """Write the boxes of all bodies and their courses."""
         rerun, times = self.rerun, self._times(run)
         colours = [
@@ -188,7 +188,7 @@ class _Log:
             strips = rerun.LineStrips2D(list(shapes), colors=colours, labels=names)
             self.stream.log("plan/bodies", strips)
 
-    def action(self, name: str, run: Recording) -> None:
+    def action(self, name: str, run: RecordedRun) -> None:
         """Write the ego's path, speed, acceleration and distance to the nearest body, centre to centre, by one action."""
         rerun, times = self.rerun, self._times(run)
         path = rerun.LineStrips2D([_plan(run.poses[:, 0])], labels=name)
@@ -234,7 +234,7 @@ class _Log:
         depth = np.round(near * _DEPTH_UNITS_PER_M).astype(np.uint16)
         self.stream.log(f"{name}/depth", self.rerun.DepthImage(depth, meter=_DEPTH_UNITS_PER_M))
 
-    def _times(self, run: Recording) -> Any:
+    def _times(self, run: RecordedRun) -> Any:
         return self.rerun.TimeColumn(_TIME, duration=run.time)
 
 

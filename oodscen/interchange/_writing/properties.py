@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from lxml import etree
 
-from oodscen._text import one_line, plain
+from oodscen._text import one_line, printable
 from oodscen.data._base import canonical_json
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode
@@ -43,8 +43,8 @@ def facts(
             text = scene.demand.text
         elif scene.is_twin:
             text = scenario.ordinary or ""
-        found["text"] = one_line(plain(text))
-        found["path"] = " > ".join(map(one_line, map(plain, scenario.path)))
+        found["text"] = one_line(printable(text))
+        found["path"] = " > ".join(map(one_line, map(printable, scenario.path)))
     if claims and not scene.is_twin:
         found["claims"] = canonical_json([one.model_dump(mode="json") for one in claims])
     if episode is not None:
@@ -55,7 +55,9 @@ def facts(
 def write_properties(holder: Element, values: Mapping[str, str]) -> None:
     """Append properties in the order of their names."""
     for name, value in sorted(values.items()):
-        child(holder, "Property", name=f"{PREFIX}{name}", value=_FORBIDDEN.sub("", plain(value)))
+        child(
+            holder, "Property", name=f"{PREFIX}{name}", value=_FORBIDDEN.sub("", printable(value))
+        )
 
 
 def ascii_json(scene: Scene) -> str:

@@ -3,7 +3,7 @@
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER, WITHOUT_TRIGGER
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.interchange._recording import Reactions, Recording
+from oodscen.interchange._recording import Reactions, RecordedRun
 from oodscen.interchange._writing.elements import Element, child, within
 from oodscen.interchange._writing.entities import Entity
 from oodscen.interchange._writing.environment import write_environment
@@ -81,7 +81,7 @@ def write_replay(
     parent: Element,
     scene: Scene,
     entities: list[Entity],
-    recording: Recording,
+    recording: RecordedRun,
     corridor: Corridor,
 ) -> None:
     """Append a storyboard that repeats a recording; the ego's group is the last."""

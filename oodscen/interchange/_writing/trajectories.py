@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.interchange._recording import Recording
+from oodscen.interchange._recording import RecordedRun
 from oodscen.interchange._writing.elements import Element, child, within
 from oodscen.interchange._writing.entities import Entity
 from oodscen.numerics._exact import Floats
@@ -24,7 +24,7 @@ _TURNING_RAD = 1e-6
 """Turn in one step above which a body turns, rad."""
 
 
-def reference_poses(recording: Recording, row: int, entity: Entity, corridor: Corridor) -> Floats:
+def reference_poses(recording: RecordedRun, row: int, entity: Entity, corridor: Corridor) -> Floats:
     """Return x, y, z, heading and pitch of an entity's reference point: [n, 5].
 
     The heading is continuous. A vehicle on a slope is pitched about its rear axle such that the centre of

@@ -7,7 +7,7 @@ import numpy as np
 
 from oodscen.data._scene import Trigger
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.interchange._recording import Recording
+from oodscen.interchange._recording import RecordedRun
 from oodscen.interchange._writing.elements import Element, Value, child, within
 from oodscen.interchange._writing.entities import Entity
 from oodscen.interchange._writing.trajectories import reference_poses, world_position
@@ -73,7 +73,7 @@ class EgoConditions:
     each is shifted by what lies between them.
     """
 
-    def __init__(self, entities: list[Entity], nominal: Recording, corridor: Corridor) -> None:
+    def __init__(self, entities: list[Entity], nominal: RecordedRun, corridor: Corridor) -> None:
         self.rows = {entity.name: row for row, entity in enumerate(entities)}
         self.entities = entities
         self.nominal = nominal

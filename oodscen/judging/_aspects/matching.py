@@ -41,7 +41,7 @@ _PHRASE_END = re.compile(r"\b(?:on|in|into|onto|at|from|over|across|with|of|by|t
 _DENIAL = re.compile(r"\b(?:no|not|without|free\s+of|absence\s+of|never|neither|nor)\b")
 
 
-class Named(NamedTuple):
+class AspectMatch(NamedTuple):
     """The result of comparing an open answer with the truth, in two steps."""
 
     thing: bool
@@ -64,7 +64,7 @@ def names_aspect(aspect: str, path: Sequence[str], visible: Sequence[Visible] = 
     return score_naming(aspect, path, visible).right
 
 
-def score_naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()) -> Named:
+def score_naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()) -> AspectMatch:
     """Compare an open answer with what a path is about, as far as it can be seen.
 
     The leaf's label decides, or what can be seen of the hazard in this scene; an answer that fits either is
@@ -93,11 +93,11 @@ def score_naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = 
         visible: Everything that can be seen of the hazard.
     """
     if not path or not aspect.strip():
-        return Named(thing=False, right=False)
+        return AspectMatch(thing=False, right=False)
     if is_same_wording(aspect, path[-1]):
-        return Named(thing=True, right=True)
+        return AspectMatch(thing=True, right=True)
     if len(_parts(aspect)) > MOST_THINGS:
-        return Named(thing=False, right=False)
+        return AspectMatch(thing=False, right=False)
     answer_naming = naming_of(aspect)
     truths = [(path[-1], naming_of(path[-1])), (path[-1], visible_naming(path[-1]))]
     for one in visible:
@@ -105,7 +105,9 @@ def score_naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = 
         if text:
             truths.append((one.what, naming_of(text)))
     right = any(_fits(answer_naming, aspect, text, label) for text, label in truths)
-    return Named(right or any(_names_thing(answer_naming, label) for _, label in truths), right)
+    return AspectMatch(
+        right or any(_names_thing(answer_naming, label) for _, label in truths), right
+    )
 
 
 def _fits(answer_naming: Naming, aspect: str, text: str, label: Naming) -> bool:

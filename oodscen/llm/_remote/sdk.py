@@ -10,7 +10,7 @@ from typing import Any
 
 from oodscen._members import reason
 from oodscen._redaction import redact
-from oodscen._text import plain
+from oodscen._text import printable
 from oodscen.errors import MissingExtra, UnknownComponent, UsageError
 from oodscen.llm._remote.budget import Price
 from oodscen.llm._remote.call_bounds import active
@@ -116,7 +116,7 @@ def _quiet(record: logging.LogRecord) -> bool:
 
 def _redacted(record: logging.LogRecord) -> bool:
     """Redact a log line."""
-    record.msg, record.args = plain(redact(record.getMessage())), ()
+    record.msg, record.args = printable(redact(record.getMessage())), ()
     record.exc_info = record.exc_text = None
     return True
 

@@ -62,7 +62,7 @@ class PublishedRate(Data):
         return float(np.log10(self.km[1]))
 
 
-class Calibration(Data):
+class RateCalibration(Data):
     """A map from estimates to published rates, in decimal logarithms of kilometres."""
 
     slope: float
@@ -133,12 +133,12 @@ def _rates(content: str, source: str) -> tuple[PublishedRate, ...]:
     return rates
 
 
-def calibrate(rates: Sequence[PublishedRate], estimates: Sequence[float]) -> Calibration:
+def calibrate(rates: Sequence[PublishedRate], estimates: Sequence[float]) -> RateCalibration:
     """Return the calibration of estimates, one per rate, and its error leave-one-out."""
     fitted = _fit(rates, np.asarray(estimates, np.float64))
     before = [abs(x - rate.log10_km) for x, rate in zip(estimates, rates, strict=True)]
     after = left_out(rates, estimates)
-    return Calibration(
+    return RateCalibration(
         slope=fitted[0],
         offsets=fitted[1],
         anchors=len(rates),

@@ -12,14 +12,14 @@ from oodscen.data._base import Data
 from oodscen.encoders._check import encode
 from oodscen.encoders._similarity import Vectors, unit
 from oodscen.errors import DataError, Issue
-from oodscen.metrics._rarity.anchors import Calibration, PublishedRate, calibrate
+from oodscen.metrics._rarity.anchors import PublishedRate, RateCalibration, calibrate
 from oodscen.metrics._rarity.head import Estimates, Head, estimated, load_head
 from oodscen.metrics._rarity.plausibility import is_impossible, names_event, parts
 from oodscen.metrics._rarity.subject import is_number, names_road, repeats_word
 from oodscen.protocols import Encoder
 
 if TYPE_CHECKING:
-    from oodscen.metrics._vectors.space import Space
+    from oodscen.metrics._vectors.space import BaselineSpace
 
 POPULATION: Final = "passenger cars in Europe and North America"
 Flag = Literal[
@@ -70,7 +70,7 @@ class TextRarity(Data):
             raise ValueError("low, best and high are all given, in order, or all missing")
         return self
 
-    def calibrated(self, calibration: Calibration) -> "TextRarity":
+    def calibrated(self, calibration: RateCalibration) -> "TextRarity":
         """Return the rarity after calibration."""
         if self.low is None or self.best is None or self.high is None:
             return self
@@ -90,7 +90,7 @@ class Rarity(Data):
     """Median of the texts that have a figure."""
     untold: int = Field(ge=0)
     """Number of texts without a figure."""
-    calibration: Calibration | None = None
+    calibration: RateCalibration | None = None
     """The calibration that was applied to all figures, if any."""
     input_tokens: int = 0
     output_tokens: int = 0
@@ -135,7 +135,7 @@ def gather_rarity(
 
 
 def estimate_rarity(
-    space: "Space", texts: Sequence[str], anchors: Sequence[PublishedRate] | None = None
+    space: "BaselineSpace", texts: Sequence[str], anchors: Sequence[PublishedRate] | None = None
 ) -> Rarity:
     """Return the offline estimate for texts; see `oodscen.metrics._rarity.head`."""
     name = space.encoder.name
@@ -174,7 +174,7 @@ def estimated_km(encoder: Encoder | None, text: str) -> float | None:
     return float(f"{10.0 ** found.best[0]:.1e}")
 
 
-def anchor_estimates(space: "Space", anchors: Sequence[PublishedRate]) -> list[float]:
+def anchor_estimates(space: "BaselineSpace", anchors: Sequence[PublishedRate]) -> list[float]:
     """Return the head's estimate of each anchor, the mean over its wordings.
 
     Raises:

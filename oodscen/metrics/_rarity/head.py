@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.encoders._similarity import Vectors
-from oodscen.metrics._rarity.words import Words, plain
+from oodscen.metrics._rarity.words import Words, without_courtesy
 
 Values = NDArray[np.float64]
 MINILM = "all-MiniLM-L6-v2@"
@@ -124,7 +124,7 @@ def estimated(
     encoder: str, texts: Sequence[str], encode: Callable[[list[str]], Vectors]
 ) -> tuple[Head, Estimates, Vectors | None]:
     """Return the head for the encoder of this name, its estimates, and the vectors if the head uses them."""
-    said = [plain(text) for text in texts]
+    said = [without_courtesy(text) for text in texts]
     is_known = encoder.startswith(MINILM)
     head, vectors = load_head("minilm" if is_known else "words"), encode(said) if is_known else None
     return head, head.estimate(said, vectors), vectors

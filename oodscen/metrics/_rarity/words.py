@@ -38,7 +38,7 @@ def _stem(word: str) -> str:
     return str(_STEMMER.stemWord(word))
 
 
-def plain(text: str) -> str:
+def without_courtesy(text: str) -> str:
     """Return a text without its sentences of courtesy alone; the text itself if there are no others."""
     said = _SENTENCE.split(text)
     kept = [one for one in said if not _is_courtesy(one)]

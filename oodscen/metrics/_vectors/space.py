@@ -30,7 +30,7 @@ _ASKED = 300
 _MOST_GROUPED = 20_000
 
 
-class Space:
+class BaselineSpace:
     """An encoder's space with a baseline in it, whose nearest vectors are searched for on a device.
 
     Vectors of the baseline and of this library's texts are kept in the user's cache folder if the encoder's name

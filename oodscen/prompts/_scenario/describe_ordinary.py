@@ -5,10 +5,10 @@ from typing import ClassVar
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
+from oodscen._text import folded_words
 from oodscen._wording import description_fault
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
-from oodscen.prompts._scenario.describe_path import plain
 
 
 class OrdinaryText(Brief, BaseModel):
@@ -35,8 +35,8 @@ class DescribeOrdinary(Prompt[OrdinaryText]):
 
     def check(self, answer: OrdinaryText) -> list[Issue]:
         """Return a fault if the answer is the same text, differs much in length, or is not in plain words."""
-        words, own = len(plain(answer.text).split()), len(plain(self.text).split())
-        if plain(answer.text) == plain(self.text):
+        words, own = len(folded_words(answer.text).split()), len(folded_words(self.text).split())
+        if folded_words(answer.text) == folded_words(self.text):
             return [Issue("text", "is the same text; replace the unusual event")]
         if not 0.5 * own - 4 <= words <= 1.5 * own + 4:
             return [Issue("text", f"has {words} words; keep about the {own} of the original")]

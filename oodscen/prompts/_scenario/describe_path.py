@@ -1,11 +1,11 @@
 """The describing prompt: texts that realise one path of the tree."""
 
-import re
 from typing import Any, ClassVar, Literal, get_args
 
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
+from oodscen._text import folded_words
 from oodscen._wording import description_fault
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
@@ -64,15 +64,15 @@ class DescribePath(Prompt[Descriptions]):
         least = 0 if self.avoid else 1
         if not least <= len(answer.texts) <= self.count:
             issues.append(Issue("texts", f"give {least} to {self.count}, not {len(answer.texts)}"))
-        seen = {plain(text) for text in self.avoid}
+        seen = {folded_words(text) for text in self.avoid}
         for index, text in enumerate(answer.texts):
             if not 20 <= len(text.strip()) <= 600:
                 issues.append(Issue(f"texts[{index}]", "use 20 to 600 characters"))
             if fault := description_fault(text):
                 issues.append(Issue(f"texts[{index}]", fault))
-            if plain(text) in seen:
+            if folded_words(text) in seen:
                 issues.append(Issue(f"texts[{index}]", "says the same as an earlier text"))
-            seen.add(plain(text))
+            seen.add(folded_words(text))
         return issues
 
 
@@ -98,8 +98,3 @@ def _last(texts: tuple[str, ...], room: int) -> tuple[str, ...]:
         first -= 1
         room -= len(texts[first])
     return texts[first:]
-
-
-def plain(text: str) -> str:
-    """Return a text without case and punctuation, for comparisons."""
-    return " ".join(re.findall(r"[^\W_]+", text.casefold()))

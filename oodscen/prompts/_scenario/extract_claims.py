@@ -5,10 +5,10 @@ from typing import Any, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from oodscen._display import Brief
+from oodscen._text import folded_words
 from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
-from oodscen.prompts._scenario.describe_path import plain
 
 MOST_CLAIMS = 60
 """Largest number of claims in an answer."""
@@ -47,13 +47,13 @@ class ExtractClaims(Prompt[Claims]):
     def check(self, answer: Claims) -> list[Issue]:
         """Return faults: quotes that the text lacks, repeated claims, and subjects not claimed to be present."""
         issues = []
-        words = f" {plain(self.text)} "
+        words = f" {folded_words(self.text)} "
         if len(answer.claims) > MOST_CLAIMS:
             issues.append(Issue("claims", f"give {MOST_CLAIMS} at most, not {len(answer.claims)}"))
         seen: set[tuple[str, str, str]] = set()
         for index, claim in enumerate(answer.claims):
             path = f"claims[{index}]"
-            quote = plain(claim.quote)
+            quote = folded_words(claim.quote)
             if not set(quote.split()) - _SMALL or f" {quote} " not in words:
                 issues.append(Issue(f"{path}.quote", "copy the words of the text that say so"))
             key = (claim.kind, claim.value, claim.subject)

@@ -17,7 +17,7 @@ from oodscen.metrics._vectors.axes import principal_axes
 from oodscen.report._charts.sets import (
     Cloud,
     DrawnSizeCurve,
-    Strip,
+    HistogramRow,
     cloud_map,
     histogram,
     size_curves,
@@ -75,7 +75,8 @@ def plot(
 def _distributions(sets: Named, label: str) -> "Figure":
     known = {name: _numbers(name, values, 1) for name, values in _filled(sets).items()}
     strips = [
-        Strip(name, values.tolist(), float(np.mean(values))) for name, values in known.items()
+        HistogramRow(name, values.tolist(), float(np.mean(values)))
+        for name, values in known.items()
     ]
     return histogram(strips, what=label).figure()
 

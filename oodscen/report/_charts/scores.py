@@ -14,7 +14,7 @@ MOST_BESIDE = 18
 """With more kinds than this a picture of confusions keeps its size, and does not fit beside a table."""
 
 
-class Bar(NamedTuple):
+class ScoreBar(NamedTuple):
     """The score of one model in one group."""
 
     hits: int
@@ -23,16 +23,16 @@ class Bar(NamedTuple):
     high: float
 
 
-class Row(NamedTuple):
+class ScoreRow(NamedTuple):
     """One scenario type with a bar per model."""
 
     label: str
-    bars: Sequence[Bar | None]
+    bars: Sequence[ScoreBar | None]
     chance: float | None = None
     """Chance level, drawn as a tick across the bars."""
 
 
-def bars(rows: Sequence[Row], models: Sequence[str], what: str) -> Canvas:
+def bars(rows: Sequence[ScoreRow], models: Sequence[str], what: str) -> Canvas:
     """Draw success by scenario type, one bar per model, with intervals.
 
     Args:
@@ -67,7 +67,7 @@ def bars(rows: Sequence[Row], models: Sequence[str], what: str) -> Canvas:
     return drawn
 
 
-def _bar(drawn: Canvas, bar: Bar | None, index: int, model: str, y: float) -> None:
+def _bar(drawn: Canvas, bar: ScoreBar | None, index: int, model: str, y: float) -> None:
     drawn.rect("track", 0, y, _RIGHT, _BAR)
     if bar is None or not bar.n:
         drawn.text("tick", _RIGHT + 8, y + 10, "–")

@@ -20,7 +20,7 @@ _ROUNDING = 1e-9
 """Amount by which a value may fall short of a tick and count as on it."""
 
 
-class Strip(NamedTuple):
+class HistogramRow(NamedTuple):
     """One row of a histogram: a set of values and the mean to mark."""
 
     label: str
@@ -48,7 +48,7 @@ class Cloud(NamedTuple):
 
 
 def histogram(
-    strips: Sequence[Strip],
+    strips: Sequence[HistogramRow],
     marker: float | None = None,
     marked: str = "",
     *,

@@ -44,7 +44,7 @@ class Draft(NamedTuple):
     claims: Sequence[Claim]
 
 
-class Look(NamedTuple):
+class NearbyBodies(NamedTuple):
     """The number and the size in view of the bodies around the ego at the decision."""
 
     bodies: int
@@ -60,7 +60,7 @@ class Look(NamedTuple):
         ]
         return cls(len(found), sum(seen) + _HARDLY)
 
-    def difference(self, other: "Look") -> float:
+    def difference(self, other: "NearbyBodies") -> float:
         """Return the logarithm of the factor by which two looks differ in number and in size."""
         number = math.log((1 + self.bodies) / (1 + other.bodies))
         size = math.log(self.extent / other.extent)
@@ -82,7 +82,7 @@ class Setting:
     """Distance of the nearest body that the rare scene puts in the lane at the decision, m."""
     area_m2: float
     """Frontal area of that body."""
-    look: Look
+    look: NearbyBodies
     """The look of the rare scene at the decision."""
 
     @classmethod
@@ -107,14 +107,14 @@ class Setting:
             decision_s=float(trace["time"][-1, 0]),
             gap_m=gap,
             area_m2=max(area, 0.5),
-            look=Look.of(
+            look=NearbyBodies.of(
                 (body.x, body.y, _frontal_area(known[one]))
                 for one, body in bodies.items()
                 if one in known
             ),
         )
 
-    def look_of(self, actors: Iterable[Actor]) -> Look:
+    def look_of(self, actors: Iterable[Actor]) -> NearbyBodies:
         """Return the look that actors will have at the decision, as far as their placements tell."""
         bodies = []
         for one in actors:
@@ -123,7 +123,7 @@ class Setting:
             ahead = place.ahead_m + speed * self.decision_s - self.decision_m
             left = _LANE_M * place.lane + place.offset_m
             bodies.append((ahead, left, _frontal_area(self.assets[one.asset])))
-        return Look.of(bodies)
+        return NearbyBodies.of(bodies)
 
     @cached_property
     def corridor(self) -> Corridor:

@@ -22,7 +22,7 @@ label names, or below an inner node not every branch. `none`: not at all.
 """
 
 
-class StandIn(Data):
+class SubstitutedAsset(Data):
     """An asset that replaces something the catalogue lacks."""
 
     asset: str
@@ -54,7 +54,7 @@ class PruneDecision(Data):
     """Required weather: `night`, `fog`, `rain`, `snow` or `ice`."""
     traits: tuple[str, ...] = ()
     """Required traits of the map."""
-    substitutes: tuple[StandIn, ...] = ()
+    substitutes: tuple[SubstitutedAsset, ...] = ()
     missing: tuple[str, ...] = ()
     """The additions in `lacks` in words."""
     lacks: tuple[Addition, ...] = ()

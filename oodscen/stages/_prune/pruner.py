@@ -22,7 +22,7 @@ from oodscen.stages._prune.decisions import (
     MEANS,
     Match,
     PruneDecision,
-    StandIn,
+    SubstitutedAsset,
     all_decisions,
     apply_decisions,
 )
@@ -164,7 +164,8 @@ class Pruner(Brief):
         self, leaf: Node, path: tuple[str, ...], answer: BranchJudgement, question: Prompt[Any]
     ) -> PruneDecision:
         standing = tuple(
-            StandIn(asset=one.asset, stands_for=one.stands_for) for one in answer.substitutes
+            SubstitutedAsset(asset=one.asset, stands_for=one.stands_for)
+            for one in answer.substitutes
         )
         keep = answer.simulatable and (self.substitutes or not standing)
         match: Match = "full"
@@ -193,7 +194,7 @@ class Pruner(Brief):
             **self._asked(question),
         )
 
-    def _stood_for(self, standing: Sequence[StandIn]) -> tuple[Addition, ...]:
+    def _stood_for(self, standing: Sequence[SubstitutedAsset]) -> tuple[Addition, ...]:
         """Return the things that refused substitutes stand for, as additions to the catalogue."""
         category = {asset.id: asset.category for asset in self.catalogue.assets}
         return tuple(

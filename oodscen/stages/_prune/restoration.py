@@ -30,7 +30,7 @@ class Unlocked(Data):
         return "; ".join(one.words for one in self.additions)
 
 
-class Step(Data):
+class RestorationStep(Data):
     """One step of extending a catalogue."""
 
     additions: tuple[Addition, ...]
@@ -53,7 +53,7 @@ class Restoration(Data):
     """Single additions, ranked by the number of leaves that each restores alone."""
     categories: tuple[Unlocked, ...]
     """Whole categories of missing assets, ranked by the number of leaves that each restores."""
-    sequence: tuple[Step, ...]
+    sequence: tuple[RestorationStep, ...]
     """Steps of a sequence in which each restores the most remaining leaves per addition."""
     beyond: tuple[str, ...]
     """Ids of dropped leaves that no addition to a catalogue restores."""
@@ -136,13 +136,13 @@ def _ranked(found: Iterable[Unlocked]) -> tuple[Unlocked, ...]:
 Wanted = frozenset[Addition]
 
 
-def _sequence(needs: Needs) -> tuple[Step, ...]:
+def _sequence(needs: Needs) -> tuple[RestorationStep, ...]:
     """Build the sequence greedily: each step is the set of lacks that restores most leaves per addition."""
     order = {leaf: number for number, leaf in enumerate(needs)}
     groups: dict[Wanted, list[str]] = {}
     for leaf, lacks in needs.items():
         groups.setdefault(frozenset(lacks), []).append(leaf)
-    steps: list[Step] = []
+    steps: list[RestorationStep] = []
     total = 0
     while groups:
         users: dict[Addition, set[Wanted]] = {}
@@ -166,7 +166,7 @@ def _sequence(needs: Needs) -> tuple[Step, ...]:
         paths = sorted((leaf for g in restored[best] for leaf in groups[g]), key=order.__getitem__)
         total += len(paths)
         additions = tuple(sorted(best, key=lambda one: one.words))
-        steps.append(Step(additions=additions, paths=tuple(paths), total=total))
+        steps.append(RestorationStep(additions=additions, paths=tuple(paths), total=total))
         left: dict[Wanted, list[str]] = {}
         for wanted, leaves in groups.items():
             if wanted not in restored[best]:

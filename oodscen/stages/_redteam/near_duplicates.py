@@ -6,8 +6,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from oodscen._paper import FEW_SHOTS
+from oodscen._text import folded_words
 from oodscen.encoders._centring import Vector, label_rows, unit_rows
-from oodscen.prompts._scenario.describe_path import plain
 from oodscen.protocols import Encoder
 from oodscen.stages._redteam.excerpt import by_words
 from oodscen.stages._redteam.rounds import Round
@@ -76,7 +76,7 @@ class NoveltyFilter:
 
     def nearness(self, text: str) -> ClosestText:
         """Compare a proposal with all leaves and all earlier proposals."""
-        if (kind := self._literal.get(plain(text))) is not None:
+        if (kind := self._literal.get(folded_words(text))) is not None:
             return ClosestText(1.0, kind, "text", text, True)
         if self._encoder is None:
             return ClosestText(None, None, None, "", False)
@@ -121,7 +121,7 @@ class NoveltyFilter:
             self._literal = {k: old if v == whole else v for k, v in self._literal.items()}
         if not item.text or item.kind is None:
             return
-        self._literal.setdefault(plain(item.text), item.kind)
+        self._literal.setdefault(folded_words(item.text), item.kind)
         if self._encoder is None or item.decision == "duplicate":
             return
         row = self._raw(item.text)

@@ -10,7 +10,7 @@ BARREN = 3
 """Number of rounds without a new kind after which kinds ten times as rare are asked for."""
 
 
-class Rarity:
+class WantedRarity:
     """The wanted rarity, as kilometres in which a kind is met about once, updated round by round.
 
     Without a band it starts with common kinds. Every `BARREN` rounds in a row without a new kind make it ten

@@ -23,7 +23,7 @@ from oodscen.stages._redteam.changes import edits_of, misfits, resolve_decision,
 from oodscen.stages._redteam.excerpt import corner, excerpt, list_leaves, thin
 from oodscen.stages._redteam.naming import Names
 from oodscen.stages._redteam.near_duplicates import NoveltyFilter
-from oodscen.stages._redteam.rarity import Rarity
+from oodscen.stages._redteam.rarity import WantedRarity
 from oodscen.stages._redteam.rounds import Round, RunnerUp
 from oodscen.stages._redteam.saturation import Saturation, saturation
 from oodscen.stages._redteam.stopping import Stop, Stopping
@@ -189,7 +189,7 @@ class _Session:
         self.options = teamer.options
         self.tree = tree
         self.progress = Stopping(self.options)
-        self.rarity = Rarity(self.options.rarity)
+        self.rarity = WantedRarity(self.options.rarity)
         self.novelty = NoveltyFilter(
             tree,
             teamer.encoder,

@@ -7,7 +7,7 @@ import numpy as np
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving._motion.boxes import Box, gap
+from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.driving._trace import Course
 from oodscen.protocols import State
 
@@ -28,7 +28,7 @@ def gap_fault(states: Sequence[State], scene: Scene, catalogue: Catalogue) -> st
     for state in states:
         rows = state.poses.tolist()
         boxes = [
-            Box(x, y, yaw, *size)
+            Footprint(x, y, yaw, *size)
             for (x, y, _, yaw), size in zip(rows, sizes[:, :2].tolist(), strict=True)
         ]
         for row in range(1, len(rows)):

@@ -12,7 +12,7 @@ import numpy as np
 from oodscen.data._catalogue import BehaviourKind, RoadMap
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._motion.behaviours import BUILT_IN, DRIVES_IN_LANE, having
-from oodscen.driving._motion.boxes import Box, gap
+from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.placement import staging_issues
@@ -310,8 +310,8 @@ def _check_stop(
 
 
 def _least_gap(tracks: Tracks, row: int, sizes: Sequence[tuple[float, float]]) -> float:
-    def box(step: int, index: int) -> Box:
+    def box(step: int, index: int) -> Footprint:
         x, y, _, yaw = map(float, tracks.poses[step, index])
-        return Box(x, y, yaw, *sizes[index])
+        return Footprint(x, y, yaw, *sizes[index])
 
     return min(gap(box(step, 1), box(step, row)) for step in range(0, len(tracks.poses), 4))

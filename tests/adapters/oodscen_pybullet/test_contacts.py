@@ -8,7 +8,7 @@ from oodscen_pybullet._contacts import Bodies
 from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._types import Pose
 
-from oodscen.driving._motion.boxes import Box, gap
+from oodscen.driving._motion.boxes import Footprint, gap
 
 EGO = (4.5, 1.85, 1.5)
 SIZES = ((0.91, 1.1, 1.02), (0.6, 2.0, 1.0), (0.8, 0.6, 0.1), (0.1, 0.84, 2.64), (10.9, 2.88, 3.0))
@@ -32,7 +32,7 @@ def test_gaps_are_those_of_upright_boxes(bodies: Bodies, row: int, pose: Pose, l
     x, y, _, yaw = pose
     length, width, _ = SIZES[row - 1]
     bodies.move(row, (x, y, lift, yaw))
-    level = gap(Box(0.0, 0.0, 0.0, *EGO[:2]), Box(x, y, yaw, length, width))
+    level = gap(Footprint(0.0, 0.0, 0.0, *EGO[:2]), Footprint(x, y, yaw, length, width))
     expected = math.hypot(level, max(0.0, lift - EGO[2]))
     assert bodies.distance(0, row, 40.0) == pytest.approx(expected, abs=2e-3)
 

@@ -13,7 +13,7 @@ from oodscen_pybullet._catalogue import load_catalogue
 from oodscen.data._catalogue import Asset
 from oodscen.data._details import Details
 from oodscen.data._scene import Actor, Scene
-from oodscen.driving._motion.boxes import Box, gap
+from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.errors import SceneError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
 from oodscen.testing._check import PARTS, check_simulator
@@ -184,9 +184,9 @@ def test_gaps_are_those_of_boxes(
     sizes = {"a": (10.9, 2.88), "b": (0.62, 2.0)}
     for _ in range(8):
         rows = state.poses.tolist()
-        ego = Box(rows[0][0], rows[0][1], rows[0][3], 4.5, 1.85)
+        ego = Footprint(rows[0][0], rows[0][1], rows[0][3], 4.5, 1.85)
         for row, name in ((1, "a"), (2, "b")):
-            box = Box(rows[row][0], rows[row][1], rows[row][3], *sizes[name])
+            box = Footprint(rows[row][0], rows[row][1], rows[row][3], *sizes[name])
             assert state.gaps[row] == pytest.approx(gap(ego, box), abs=2e-3)
         state = simulator.step(Control(acceleration=1.0))
     while state.time < 3.0:

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from oodscen._seeding import stream
+from oodscen._text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Counterpart, Knowledge, Recipe
 from oodscen.author._staging.lanes import settled, varied
 from oodscen.prompts._digest import CatalogueDigest, MapLine
-from oodscen.prompts._scenario.describe_path import plain
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 
 ROAD = MapLine(
@@ -124,8 +124,8 @@ def test_every_variant_is_told_by_an_event_of_its_hazard(knowledge: Knowledge) -
     seen = 0
     for hazard in knowledge.hazards:
         for variant in hazard.stage.variants if hazard.stage else ():
-            events = [plain(event) for event in hazard.events]
-            told = [e for e in events if any(plain(word) in e for word in variant.words)]
+            events = [folded_words(event) for event in hazard.events]
+            told = [e for e in events if any(folded_words(word) in e for word in variant.words)]
             assert told, hazard.id
             assert len(told) < len(hazard.events)
             seen += 1

@@ -9,7 +9,7 @@ from oodscen._seeding import stream
 from oodscen.author._knowledge.base import Clash, Knowledge, RoadKind, Wording
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.author._writing.agreement import Agreement, Setting
+from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.author._writing.compose import Composer
 from oodscen.author._writing.ordinary_twin import OrdinaryAuthor
 from oodscen.author._writing.stand_in import _LARGE, _SMALL
@@ -151,11 +151,13 @@ def test_words_clash_with_settings_only_where_they_do_not_belong() -> None:
     agreement = Agreement(
         Knowledge(clash=(clash,), hazards=(), places=(), conditions=(), wording=WORDING)
     )
-    assert agreement.clashes("A kerbside van", Setting(place="highway")) == ["'kerbside': so"]
-    assert agreement.clashes("A dry road", Setting(conditions=("night", "rain")))
-    assert agreement.suits("Laundry is drying", Setting(conditions=("rain",)))
-    assert agreement.suits("A dry road", Setting())
-    assert agreement.suiting(["a dry road", "a road"], Setting(conditions=("rain",))) == ["a road"]
+    assert agreement.clashes("A kerbside van", PlaceAndTime(place="highway")) == ["'kerbside': so"]
+    assert agreement.clashes("A dry road", PlaceAndTime(conditions=("night", "rain")))
+    assert agreement.suits("Laundry is drying", PlaceAndTime(conditions=("rain",)))
+    assert agreement.suits("A dry road", PlaceAndTime())
+    assert agreement.suiting(["a dry road", "a road"], PlaceAndTime(conditions=("rain",))) == [
+        "a road"
+    ]
 
 
 def _told(place: RoadKind | None) -> tuple[str, ...]:

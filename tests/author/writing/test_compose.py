@@ -3,10 +3,10 @@ import re
 import pytest
 
 from oodscen._seeding import stream
+from oodscen._text import folded_words
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._staging.aside import told_aside
 from oodscen.author._writing.compose import Composer
-from oodscen.prompts._scenario.describe_path import plain
 
 
 def written(knowledge: Knowledge, hazard: HazardKind, count: int, seed: int = 0) -> list[str]:
@@ -16,8 +16,8 @@ def written(knowledge: Knowledge, hazard: HazardKind, count: int, seed: int = 0)
 
 def shared(event: str, text: str) -> float:
     """Return how much of an event a text tells."""
-    words = set(plain(event.replace("{where}", "")).split()) - {"ego", "s", "the", "vehicle"}
-    return len(words & set(plain(text).split())) / len(words)
+    words = set(folded_words(event.replace("{where}", "")).split()) - {"ego", "s", "the", "vehicle"}
+    return len(words & set(folded_words(text).split())) / len(words)
 
 
 @pytest.fixture(scope="module")
@@ -28,12 +28,12 @@ def many(knowledge: Knowledge) -> list[tuple[HazardKind, str]]:
 def test_every_hazard_yields_many_distinct_texts(many: list[tuple[HazardKind, str]]) -> None:
     by_hazard: dict[str, set[str]] = {}
     for hazard, text in many:
-        by_hazard.setdefault(hazard.id, set()).add(plain(text))
+        by_hazard.setdefault(hazard.id, set()).add(folded_words(text))
     assert {len(texts) for texts in by_hazard.values()} == {30}
 
 
 def test_no_two_texts_of_a_thousand_are_equal(many: list[tuple[HazardKind, str]]) -> None:
-    assert len({plain(text) for _, text in many}) == len(many)
+    assert len({folded_words(text) for _, text in many}) == len(many)
 
 
 def test_texts_are_well_formed(many: list[tuple[HazardKind, str]]) -> None:
@@ -89,7 +89,7 @@ def test_few_texts_are_varied_ones(knowledge: Knowledge) -> None:
 def test_what_is_taken_is_avoided(knowledge: Knowledge) -> None:
     hazard = knowledge.by_id["fallen-tree"]
     first = written(knowledge, hazard, 40)
-    taken = {plain(text) for text in first}
+    taken = {folded_words(text) for text in first}
     texts = Composer(knowledge).texts(hazard, stream(0, hazard.label), taken)
     second = [text for text, _ in zip(texts, range(40), strict=False)]
-    assert not {plain(text) for text in first} & {plain(text) for text in second}
+    assert not {folded_words(text) for text in first} & {folded_words(text) for text in second}

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._seeding import stream
+from oodscen._text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._knowledge.loading import load_knowledge
@@ -14,7 +15,7 @@ from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.compose import Composer
 from oodscen.errors import LLMError
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
-from oodscen.prompts._scenario.describe_path import STYLES, plain
+from oodscen.prompts._scenario.describe_path import STYLES
 
 
 def twin(author: BuiltinAuthor, ask, text: str, label: str = "") -> str:
@@ -74,5 +75,5 @@ def test_a_text_without_a_known_place_has_no_twin(author: BuiltinAuthor, text: s
 def test_any_event_at_a_known_place_has_a_twin(place: str, event: str) -> None:
     author, text = BuiltinAuthor(), f"{place[0].upper()}{place[1:]}, {event} stands."
     found = author._twins.twin(text, "", stream(0, text))
-    assert plain(found)
+    assert folded_words(found)
     assert found == author._twins.twin(text, "", stream(0, text))

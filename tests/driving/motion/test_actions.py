@@ -13,7 +13,7 @@ from oodscen.driving._motion.actions import (
     CODES,
     LEFT,
     Cruise,
-    Look,
+    SeenRoad,
     action_driver,
     is_available,
     lateral_course,
@@ -81,7 +81,7 @@ def test_actions_keep_to_the_road_and_to_their_course(road, action: str) -> None
                 one, told = result
                 target = 0.0
                 if action in ("change_lane_left", "change_lane_right", "pull_over"):
-                    plan = plan_action(CODES[action], Look.at(told[0]))
+                    plan = plan_action(CODES[action], SeenRoad.at(told[0]))
                     target = plan.origin + plan.shift
                 offsets = [now.offset_m for now in told]
                 assert abs(offsets[-1] - target) < within
@@ -138,7 +138,7 @@ def test_lanes_decide_what_is_available() -> None:
 @given(st.floats(0.1, 1.2), st.floats(3.0, 35.0), st.sampled_from([LEFT, ASIDE]))
 def test_a_shift_uses_at_most_half_of_the_grip(friction: float, speed: float, goal: int) -> None:
     start = replace(world(scene()).observe(), friction=friction, speed=speed)
-    plan = plan_action(goal, Look.at(start))
+    plan = plan_action(goal, SeenRoad.at(start))
     bends = [abs(lateral_course(plan, plan.distance * part / 100.0)[2]) for part in range(101)]
     assert max(bends) * speed * speed <= min(2.5, 0.5 * friction * GRAVITY) * (1.0 + 1e-3)
 

@@ -4,22 +4,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.driving._motion.boxes import Box, gap
+from oodscen.driving._motion.boxes import Footprint, gap
 
 place = st.floats(-15, 15)
 boxes = st.builds(
-    Box, place, place, st.floats(-math.pi, math.pi), st.floats(0.2, 12), st.floats(0.2, 4)
+    Footprint, place, place, st.floats(-math.pi, math.pi), st.floats(0.2, 12), st.floats(0.2, 4)
 )
 
 
-def corners(box: Box) -> list[complex]:
+def corners(box: Footprint) -> list[complex]:
     """Corners of a box, counter-clockwise, as complex numbers."""
     turn = complex(math.cos(box.yaw), math.sin(box.yaw)) * 0.5
     signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
     return [complex(box.x, box.y) + turn * complex(a * box.length, b * box.width) for a, b in signs]
 
 
-def sides(box: Box) -> list[tuple[complex, complex]]:
+def sides(box: Footprint) -> list[tuple[complex, complex]]:
     points = corners(box)
     return list(zip(points, points[1:] + points[:1], strict=True))
 
@@ -42,7 +42,7 @@ def to_side(point: complex, side: tuple[complex, complex]) -> float:
     return abs(point - a - min(max(along, 0.0), 1.0) * (b - a))
 
 
-def brute_force(a: Box, b: Box) -> float:
+def brute_force(a: Footprint, b: Footprint) -> float:
     """Distance by every corner and side: no separating axes."""
     for one, two in ((a, b), (b, a)):
         if all(turns_left(*side, corners(two)[0]) >= 0.0 for side in sides(one)):
@@ -55,7 +55,7 @@ def brute_force(a: Box, b: Box) -> float:
 
 @settings(max_examples=400)
 @given(boxes, boxes)
-def test_gap_is_the_distance_and_0_exactly_on_overlap(a: Box, b: Box) -> None:
+def test_gap_is_the_distance_and_0_exactly_on_overlap(a: Footprint, b: Footprint) -> None:
     expected = brute_force(a, b)
     assert gap(a, b) == pytest.approx(expected, abs=1e-9)
     if expected > 1e-9:
@@ -63,15 +63,15 @@ def test_gap_is_the_distance_and_0_exactly_on_overlap(a: Box, b: Box) -> None:
 
 
 @given(boxes, boxes)
-def test_gap_is_symmetric(a: Box, b: Box) -> None:
+def test_gap_is_symmetric(a: Footprint, b: Footprint) -> None:
     assert math.isclose(gap(a, b), gap(b, a), abs_tol=1e-9)
 
 
 @given(boxes, boxes, st.floats(-math.pi, math.pi), place, place)
 def test_gap_does_not_change_under_rigid_motion(
-    a: Box, b: Box, turn: float, dx: float, dy: float
+    a: Footprint, b: Footprint, turn: float, dx: float, dy: float
 ) -> None:
-    def moved(box: Box) -> Box:
+    def moved(box: Footprint) -> Footprint:
         z = complex(box.x, box.y) * complex(math.cos(turn), math.sin(turn)) + complex(dx, dy)
         return box._replace(x=z.real, y=z.imag, yaw=box.yaw + turn)
 
@@ -79,13 +79,13 @@ def test_gap_does_not_change_under_rigid_motion(
 
 
 @given(boxes)
-def test_a_box_touches_itself_and_what_it_contains(box: Box) -> None:
+def test_a_box_touches_itself_and_what_it_contains(box: Footprint) -> None:
     assert gap(box, box) == 0.0
     assert gap(box, box._replace(length=0.1, width=0.1, yaw=1.0)) == 0.0
 
 
 @given(boxes, st.floats(0.001, 50))
-def test_gap_of_a_shifted_copy_is_the_shift_minus_its_length(box: Box, space: float) -> None:
+def test_gap_of_a_shifted_copy_is_the_shift_minus_its_length(box: Footprint, space: float) -> None:
     along = box.length + space
     other = box._replace(x=box.x + along * math.cos(box.yaw), y=box.y + along * math.sin(box.yaw))
     assert math.isclose(gap(box, other), space, abs_tol=1e-6)

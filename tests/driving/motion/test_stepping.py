@@ -14,7 +14,7 @@ from oodscen.driving._motion import placing
 from oodscen.driving._motion import world as world_module
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.behaviours import BEHAVIOURS
-from oodscen.driving._motion.boxes import Box, gap
+from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.driving._motion.stepping import FAR_M
 from oodscen.driving._roads import track
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
@@ -145,7 +145,7 @@ def test_what_is_published_agrees_with_itself(seed: int) -> None:
     near = np.isfinite(seen.gaps)
     assert (seen.gaps[near] >= np.maximum(apart[near], 0.0) - 1e-6).all()
     boxes = [
-        Box(x, y, yaw, *size)
+        Footprint(x, y, yaw, *size)
         for (x, y, _, yaw), size in zip(seen.poses.tolist(), one.sizes, strict=True)
     ]
     for row, (name, asset, state) in list(enumerate(one.bodies()))[1:]:

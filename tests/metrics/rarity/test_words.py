@@ -3,7 +3,7 @@
 import pytest
 
 from oodscen import Metrics
-from oodscen.metrics._rarity.words import plain
+from oodscen.metrics._rarity.words import without_courtesy
 from oodscen.testing._encoder import HashEncoder
 
 
@@ -23,8 +23,8 @@ from oodscen.testing._encoder import HashEncoder
     ],
 )
 def test_only_sentences_of_courtesy_are_dropped(text, kept):
-    assert plain(text) == kept
-    assert plain(kept) == kept
+    assert without_courtesy(text) == kept
+    assert without_courtesy(kept) == kept
 
 
 def test_courtesy_does_not_change_an_estimate():

@@ -7,8 +7,8 @@ from lxml import etree
 
 from oodscen.report._charts.scores import (
     MOST_BESIDE,
-    Bar,
-    Row,
+    ScoreBar,
+    ScoreRow,
     bars,
     confusion,
     shares,
@@ -22,7 +22,10 @@ NAMES = st.text(st.characters(blacklist_categories=("Cs", "Cc")), max_size=70)
 @given(st.lists(st.tuples(NAMES, st.integers(0, 9), st.integers(1, 9)), min_size=1, max_size=5))
 def test_bars_are_well_formed_and_as_long_as_their_share(rows: list[tuple[str, int, int]]) -> None:
     drawn = bars(
-        [Row(name, [Bar(min(hits, n), n, 0.1, 0.9), None], 0.5) for name, hits, n in rows],
+        [
+            ScoreRow(name, [ScoreBar(min(hits, n), n, 0.1, 0.9), None], 0.5)
+            for name, hits, n in rows
+        ],
         ["<m>", "n"],
         "Safe action",
     )

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from oodscen.report._charts.canvas import Canvas, signed
-from oodscen.report._charts.sets import Strip, histogram
+from oodscen.report._charts.sets import HistogramRow, histogram
 
 SCORES = st.lists(st.floats(-1, 1), min_size=1, max_size=30)
 
@@ -23,7 +23,9 @@ def numbers(drawn: Canvas, attribute: str) -> list[float]:
 def test_histogram_is_well_formed_and_stays_inside(
     sets: list[list[float]], marker: float | None
 ) -> None:
-    strips = [Strip(f"s{i}", values, sum(values) / len(values)) for i, values in enumerate(sets)]
+    strips = [
+        HistogramRow(f"s{i}", values, sum(values) / len(values)) for i, values in enumerate(sets)
+    ]
     svg = histogram(strips, marker, "ordinary")
     width, height = map(float, parse(svg).get("viewBox").split()[2:])
     assert all(-1 <= value <= width for value in numbers(svg, "x"))
@@ -31,7 +33,7 @@ def test_histogram_is_well_formed_and_stays_inside(
 
 
 def test_labels_are_escaped() -> None:
-    svg = histogram([Strip("<b>&", [0.1], 0.1)]).__html__()
+    svg = histogram([HistogramRow("<b>&", [0.1], 0.1)]).__html__()
     assert "<b>" not in svg
     assert "&lt;b&gt;&amp;" in svg
 
@@ -43,7 +45,9 @@ def test_signed_has_a_true_minus_and_no_negative_zero() -> None:
 
 @given(st.lists(SCORES, min_size=1, max_size=4), st.sampled_from([1e-3, 1.0, 40.0, 1e4]))
 def test_every_value_is_in_a_bar_on_any_scale(sets: list[list[float]], scale: float) -> None:
-    strips = [Strip(f"s{i}", [scale * value for value in one], 0.0) for i, one in enumerate(sets)]
+    strips = [
+        HistogramRow(f"s{i}", [scale * value for value in one], 0.0) for i, one in enumerate(sets)
+    ]
     labels = parse(histogram(strips)).xpath("//*[@class='tick middle']/text()")
     assert 2 <= len(labels) <= 12
     bars = parse(histogram(strips)).xpath("//*[@class='bar']/@height")
@@ -52,6 +56,6 @@ def test_every_value_is_in_a_bar_on_any_scale(sets: list[list[float]], scale: fl
 
 def test_a_figure_for_files_has_the_words_of_the_picture() -> None:
     pytest.importorskip("matplotlib")
-    drawn = histogram([Strip("fog", [0.1, 0.3], 0.2)], 0.25, "ordinary")
+    drawn = histogram([HistogramRow("fog", [0.1, 0.3], 0.2)], 0.25, "ordinary")
     words = [text.get_text() for text in drawn.figure().axes[0].texts]
     assert words == parse(drawn).xpath("//text()[parent::text]")

@@ -21,7 +21,7 @@ from oodscen.stages._demands.demanding import (
     draw_demand,
 )
 from oodscen.stages._demands.kinds import KINDS, ranked_candidates
-from oodscen.stages._demands.setting import Look, Setting
+from oodscen.stages._demands.setting import NearbyBodies, Setting
 from oodscen.stages._rerun import Rerunner
 from oodscen.stages._simulate import simulate
 from oodscen.testing._flat import FlatSimulator
@@ -105,10 +105,10 @@ BODIES = st.lists(
 
 @given(BODIES, BODIES)
 def test_looks_differ_as_much_either_way_and_not_from_themselves(one, other):
-    first, second = Look.of(one), Look.of(other)
+    first, second = NearbyBodies.of(one), NearbyBodies.of(other)
     assert first.difference(second) == pytest.approx(second.difference(first))
     assert first.difference(first) == 0.0
-    assert first.difference(Look.of([*one, (20.0, 0.0, 3.0)])) > 0.0
+    assert first.difference(NearbyBodies.of([*one, (20.0, 0.0, 3.0)])) > 0.0
 
 
 def test_a_demand_has_about_as_many_bodies_as_its_scene(simulator):

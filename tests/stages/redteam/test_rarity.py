@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from oodscen import RedTeamer
 from oodscen.errors import UsageError
-from oodscen.stages._redteam.rarity import BARREN, COMMON_KM, RAREST_KM, Rarity
+from oodscen.stages._redteam.rarity import BARREN, COMMON_KM, RAREST_KM, WantedRarity
 from oodscen.stages._redteam.rounds import Round
 from oodscen.testing import ScriptedLLM
 from tests.stages.redteam.test_red_teamer import ADDED, PIANO, TREE, model
@@ -16,7 +16,7 @@ decisions = st.sampled_from(["add", "split", "broaden", "covered", "duplicate", 
 
 @given(st.lists(decisions, max_size=60))
 def test_rarer_kinds_are_asked_for_only_when_nothing_new_comes(found):
-    rarity, before = Rarity(), COMMON_KM
+    rarity, before = WantedRarity(), COMMON_KM
     for number, decision in enumerate(found, start=1):
         rarity.add(Round(round=number, decision=decision))
         most = rarity.wanted[1]
@@ -30,8 +30,8 @@ def test_rarer_kinds_are_asked_for_only_when_nothing_new_comes(found):
 
 @given(st.floats(1.0, 1e12))
 def test_a_band_refuses_what_lies_outside_and_nothing_else(km):
-    assert bool(Rarity((1e4, 1e6)).fault(km)) == (not 1e4 <= km <= 1e6)
-    assert Rarity((1e4, 1e6)).fault(None) == Rarity().fault(km) == ""
+    assert bool(WantedRarity((1e4, 1e6)).fault(km)) == (not 1e4 <= km <= 1e6)
+    assert WantedRarity((1e4, 1e6)).fault(None) == WantedRarity().fault(km) == ""
 
 
 def test_a_proposal_outside_the_band_costs_one_call_and_changes_nothing():
