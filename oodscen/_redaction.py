@@ -54,6 +54,7 @@ _QUOTE = rf"(?:(?:{_SLASHES})?[\"'])?"
 """A quotation mark, also escaped, or nothing."""
 _BETWEEN = rf"(?:{_QUOTE}(?:[\s,;:._-]{{1,3}}{_QUOTE})?(?:0x|{_SLASHES}x|U\+|00)?)"
 """The characters between two bytes in hexadecimal digits."""
+_ELLIPSIS = re.compile(rf"(\.{{3,}}|…|{_SLASHES}u2026)")
 _MARGIN = 20_000
 """Characters that are searched beyond those that are shown."""
 _WIDEST = 40
@@ -78,9 +79,11 @@ def redact_keys(text: str, known: Iterable[str] = ()) -> str:
     Known are the given values, the values passed to `hide`, and the values of environment variables with KEY,
     TOKEN, SECRET, PASSWORD, CREDENTIALS, JWT, BEARER or PAT as a word in their names. They are also found when
     any of their characters are escaped, as in JSON, HTML, an address or quoted-printable text, in Base64, also twice,
-    as hexadecimal digits and as a list of numbers, decimal or octal. Values shorter than `SHORTEST` characters are kept.
+    as hexadecimal digits and as a list of numbers, decimal or octal. Values shorter than `SHORTEST` characters are kept,
+    and so are shorter pieces of a value beside an ellipsis; longer ones are replaced.
     """
-    return _any_of(_known(known)).sub(HIDDEN, text)
+    values = _known(known)
+    return _without_pieces(_any_of(values).sub(HIDDEN, text), values)
 
 
 def redact_start(text: str, length: int, *, is_cut: bool = False) -> str:
@@ -130,6 +133,27 @@ def secrets_of(address: str) -> list[str]:
         return [*filter(None, [parts.password]), *secrets_in(dict(parse_qsl(parts.query)))]
     except ValueError:
         return []
+
+
+def _without_pieces(text: str, values: frozenset[str]) -> str:
+    """Replace the pieces of values that end or begin at an ellipsis, as in `'Ab3dEf6hIj9k...Rs8tUv2w'`."""
+    parts = _ELLIPSIS.split(text)
+    for index in range(0, len(parts), 2):
+        if index + 1 < len(parts) and (end := _longest(values, parts[index], is_end=True)):
+            parts[index] = parts[index][:-end] + HIDDEN
+        if index and (start := _longest(values, parts[index], is_end=False)):
+            parts[index] = HIDDEN + parts[index][start:]
+    return "".join(parts)
+
+
+def _longest(values: frozenset[str], part: str, *, is_end: bool) -> int:
+    """Return the length of the longest end or start of a part that stands in a value; 0 if it is too short."""
+    longest = 0
+    for value in values:
+        count = SHORTEST
+        while count <= len(part) and (part[-count:] if is_end else part[:count]) in value:
+            longest, count = max(longest, count), count + 1
+    return longest
 
 
 @lru_cache(maxsize=64)

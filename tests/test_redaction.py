@@ -8,13 +8,23 @@ import itertools
 import json
 import quopri
 import re
+import reprlib
 from urllib.parse import quote, unquote
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
 
-from oodscen._redaction import HIDDEN, redact, redact_keys, redact_start, secrets_in, secrets_of
+from oodscen._redaction import (
+    HIDDEN,
+    SHORTEST,
+    redact,
+    redact_keys,
+    redact_start,
+    secrets_in,
+    secrets_of,
+)
 
 # What a key can consist of; a key of letters alone may be a word, which is hidden all the same.
 keys = st.text(st.characters(min_codepoint=0x21, max_codepoint=0x7E), min_size=8, max_size=40)
@@ -284,3 +294,32 @@ def test_a_key_that_begins_another_leaves_nothing_of_it():
 def test_a_key_of_backslashes_takes_no_longer():
     assert redact_keys("\\" * 60 + "!", ["\\a" * 30]) == "\\" * 60 + "!"
     assert redact_keys("\\" * 400, ["\\" * 40 + "z"]) == "\\" * 400
+
+
+@settings(max_examples=100)
+@given(
+    st.text("0123456789abcdefghijklmnopqrstuvwxyzABCDEFGH-_", min_size=16, max_size=120),
+    st.text("., ", max_size=60),
+    st.text("., ", max_size=60),
+)
+def test_what_a_shortened_message_leaves_of_a_key_is_hidden(key, before, after):
+    """pydantic and reprlib shorten values in their messages before the message can be redacted."""
+    said = before + key + after
+    with pytest.raises(ValidationError) as caught:
+        TypeAdapter(list[int]).validate_python(said)
+    for text in (
+        str(caught.value),
+        json.dumps(reprlib.repr(said)),
+        said[:20] + "…",
+        "…" + said[-20:],
+    ):
+        shown = redact_keys(text, [key])
+        assert redact_keys(shown, [key]) == shown
+        for at in range(len(key) - SHORTEST + 1):
+            assert key[at : at + SHORTEST] not in shown
+
+
+def test_an_ellipsis_beside_ordinary_words_leaves_them():
+    text = "It waited... and drove on… (no key)"
+    assert redact_keys(text, ["0123456789abcdef"]) == text
+    assert redact_keys("0123456..." + text, ["0123456789abcdef"]) == "0123456..." + text

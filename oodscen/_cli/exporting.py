@@ -48,6 +48,22 @@ def refuse_clashes(scenes: Sequence[Scene], known: KnownFacts, options: Mapping[
             owners[file] = owner
 
 
+def require_extra(form: str) -> None:
+    """Refuse a format whose package is missing.
+
+    Raises:
+        MissingExtra: If it is not installed.
+    """
+    if form == "mcap":
+        from oodscen.interchange._traces.mcap_files import mcap_library
+
+        mcap_library()
+    elif form == "rerun":
+        from oodscen.interchange._traces.rerun_files import rerun_library
+
+        rerun_library()
+
+
 def claim_folder(out: Path, scenes: Sequence[Scene], catalogue: Catalogue, form: str) -> None:
     """List the files that an export may write, before it writes them.
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from oodscen._cli.completion import ComponentName
-from oodscen._cli.exporting import claim_folder, refuse_clashes
+from oodscen._cli.exporting import claim_folder, refuse_clashes, require_extra
 from oodscen._cli.options import (
     json_option,
     refuse_idle,
@@ -114,6 +114,7 @@ def export(
         refuse_idle(f"with --to {form}", "mode", "target", "ego", "logical")
     if form == "openlabel" or options["mode"] == "reactive":
         refuse_idle("without a replay", "action")
+    require_extra(form)
     scenes, catalogue, known = scenes_of(place, simulator)
     scenes = scenes[:limit]
     options["simulator"] = simulator_of(place, simulator)

@@ -2,6 +2,7 @@ import csv
 import json
 import shutil
 import struct
+import sys
 
 import pytest
 from click.testing import CliRunner
@@ -106,6 +107,17 @@ def test_an_export_replaces_only_exports(form, tmp_path):
         assert name in done.output
         assert [path.name for path in other.iterdir()] == [name]
         assert (other / name).read_text() == "mine"
+
+
+@pytest.mark.parametrize(("form", "package"), [("mcap", "betterosi"), ("rerun", "rerun")])
+def test_an_export_without_its_package_writes_nothing(form, package, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, package, None)
+    scenes, out = tmp_path / "scenes.jsonl", tmp_path / "out"
+    scenes.write_text(f"{SCENES[0].to_json()}\n")
+    done = run("export", scenes, "-o", out, "--to", form, "--simulator", "pybullet")
+    assert done.exit_code == 2
+    assert "pip install" in done.output
+    assert not out.exists()
 
 
 def test_nothing_is_exported_into_a_study(study):

@@ -27,7 +27,7 @@ def mcap_trace(messages: Iterator[tuple[int, bytes]], road: RoadFile) -> bytes:
     Raises:
         MissingExtra: If the packages for MCAP are not installed.
     """
-    betterosi = _library()
+    betterosi = mcap_library()
     from mcap.writer import Writer
 
     out = io.BytesIO()
@@ -57,7 +57,7 @@ def mcap_messages(data: bytes, source: str) -> Iterator[bytes]:
         DataError: If the bytes are not an MCAP file.
         MissingExtra: If the packages for MCAP are not installed.
     """
-    _library()
+    mcap_library()
     from mcap.reader import SeekingReader
 
     if not data.startswith(_MAGIC):
@@ -84,7 +84,12 @@ def _fault(message: str, source: str) -> DataError:
     return DataError(_NOUN, [Issue("", message)], source=source)
 
 
-def _library() -> Any:
+def mcap_library() -> Any:
+    """Return the package that writes MCAP files.
+
+    Raises:
+        MissingExtra: If it is not installed.
+    """
     try:
         import betterosi
         import betterosi.io

@@ -65,10 +65,7 @@ def write_rerun(
         UsageError: If the ego lacks the lane that the action needs.
         SimulatorError: If the simulator fails.
     """
-    try:
-        import rerun
-    except ImportError:
-        raise MissingExtra("the recording", "rerun", "rerun-sdk") from None
+    rerun = rerun_library()
     catalogue = simulator.catalogue()
     corridor = load_corridor(scene.map, catalogue)
     unrendered = UnrenderedSimulator(catalogue)
@@ -114,6 +111,19 @@ def _states(scene: Scene, simulator: Simulator, action: str, seed: int) -> Itera
         state = simulator.step(control)
         yield state
     yield from action_states(scene, simulator, state, action)
+
+
+def rerun_library() -> Any:
+    """Return the package that writes recordings for the Rerun viewer.
+
+    Raises:
+        MissingExtra: If it is not installed.
+    """
+    try:
+        import rerun
+    except ImportError:
+        raise MissingExtra("the recording", "rerun", "rerun-sdk") from None
+    return rerun
 
 
 def _views(rerun: Any) -> Any:
