@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from oodscen._abilities import Looks, MountsCamera, WantsFrames
 from oodscen._arguments import instance_of
-from oodscen._members import working
+from oodscen._members import conforming, working
 from oodscen._numbers import said
 from oodscen.driving._base_simulator import render_checked
 from oodscen.errors import UsageError
@@ -18,9 +18,13 @@ class Steering:
         driver: Is shown states and pictures if it asks for them.
         simulator: The simulator in which it drives.
         camera: Takes its pictures, if it wants some.
+
+    Raises:
+        UsageError: If what should drive is no driver.
     """
 
     def __init__(self, driver: Driver, simulator: Simulator, camera: Camera) -> None:
+        conforming("driver", driver)
         self._driver, self._simulator, self._camera = driver, simulator, camera
         self._wants_frames = isinstance(driver, WantsFrames) and bool(driver.wants_frames)
         self._looking = driver if isinstance(driver, Looks) else None

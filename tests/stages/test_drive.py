@@ -90,6 +90,13 @@ def test_a_driver_that_fails_is_a_result(simulator, driver, error):
     assert all(one.status == "failed" and not one.passed for one in results)
 
 
+def test_a_factory_that_makes_no_driver_is_told_so(simulator):
+    for made in (None, 5, Wild):
+        for one in drive([example_scene()], lambda made=made: made, simulator, name="stack"):
+            assert one.error_type == "UsageError"
+            assert "this driver" in one.error
+
+
 def test_a_twin_that_cannot_be_run_leaves_the_result_of_its_scene():
     class Picky(FlatSimulator):
         def reset(self, scene, seed):
