@@ -4,6 +4,7 @@ import math
 import os
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,16 @@ _ABOVE = 500.0
 """Height above the road at which bodies are spawned, out of everything's way, m."""
 _APART = 50.0
 """Distance in height between two bodies that are spawned, m."""
+
+
+class _Shown(NamedTuple):
+    """One body on the server, and what its lamps depend on."""
+
+    body: ServerBody
+    lights: VehicleLight
+    """The lamps that are on in any case."""
+    waits: bool
+    """True if it waits in traffic, with its brake lamps on."""
 
 
 class CarlaSimulator(MirrorSimulator):
@@ -65,9 +76,7 @@ class CarlaSimulator(MirrorSimulator):
         self._source = catalogue
         self._timeout_s = timeout_s
         self._connection: Connection | None = None
-        self._bodies: list[ServerBody] = []
-        self._lights: list[VehicleLight] = []
-        self._waits: list[bool] = []
+        self._shown: list[_Shown] = []
         self._scene: Scene | None = None
 
     @cached_property
@@ -108,7 +117,7 @@ class CarlaSimulator(MirrorSimulator):
             MissingExtra: If the `carla` package is not installed.
             SimulatorError: If there is no server, or it is of another version.
         """
-        self._bodies, self._lights, self._waits, self._scene = [], [], [], scene
+        self._shown, self._scene = [], scene
         connection = self._connected()
         try:
             connection.clear(others=True)
@@ -135,8 +144,8 @@ class CarlaSimulator(MirrorSimulator):
         if name is None:
             raise SpawnError(actor_id, asset.id, pose, "the server has no blueprint of this kind")
         x, y, z, yaw = pose
-        above = (x, y, z + _ABOVE + _APART * len(self._bodies), yaw)
-        role = actor_id if self._bodies else "hero"
+        above = (x, y, z + _ABOVE + _APART * len(self._shown), yaw)
+        role = actor_id if self._shown else "hero"
         try:
             body = connection.spawn(name, above, role=role, state=state)
         except RuntimeError as error:
@@ -144,36 +153,38 @@ class CarlaSimulator(MirrorSimulator):
         lights = (
             VehicleLight.BRAKE if state == "brake" else LAMPS_OF_STATE.get(state, VehicleLight(0))
         )
-        if self._scene is not None and has_lamps_on(self._scene, actor_id):
-            lights |= VehicleLight.POSITION | VehicleLight.LOW_BEAM
-        self._bodies.append(body)
-        self._lights.append(lights)
-        self._waits.append(self._scene is not None and waits_in_traffic(self._scene, actor_id))
+        waits = False
+        if self._scene is not None:
+            waits = waits_in_traffic(self._scene, actor_id)
+            if has_lamps_on(self._scene, actor_id):
+                lights |= VehicleLight.POSITION | VehicleLight.LOW_BEAM
+        self._shown.append(_Shown(body, lights, waits))
 
     def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
         """Send poses, speeds and lights, and let the server take one tick."""
-        moving = zip(speeds.tolist(), self.world.accelerations().tolist(), strict=True)
-        lights = [
-            lit | VehicleLight.BRAKE if is_braking(speed, acceleration, waits=waits) else lit
-            for lit, waits, (speed, acceleration) in zip(
-                self._lights, self._waits, moving, strict=True
-            )
-        ]
-        self._open().place(self._bodies, poses.tolist(), speeds.tolist(), lights)
+        lights = []
+        for one, speed, acceleration in zip(
+            self._shown, speeds.tolist(), self.world.accelerations().tolist(), strict=True
+        ):
+            is_stopping = is_braking(speed, acceleration, waits=one.waits)
+            lights.append(one.lights | VehicleLight.BRAKE if is_stopping else one.lights)
+        bodies = [one.body for one in self._shown]
+        self._open().place(bodies, poses.tolist(), speeds.tolist(), lights)
 
     def draw(self, camera: Camera) -> Frame:
         """Return what the cameras of the same tick show."""
-        return self._open().take(self._bodies, camera)
+        return self._open().take([one.body for one in self._shown], camera)
 
     def release(self) -> None:
         """Remove everything, and give the server its settings back."""
-        connection, self._connection, self._bodies = self._connection, None, []
+        connection, self._connection, self._shown = self._connection, None, []
         if connection is not None:
             connection.close()
 
     # ------------------------------------------------------------------ connection
 
     def _connected(self) -> Connection:
+        """Return the connection, which the first call opens."""
         if self._connection is None:
             self._connection = Connection(self._address, self._timeout_s)
         return self._connection
@@ -184,6 +195,7 @@ class CarlaSimulator(MirrorSimulator):
         return self._connected()
 
     def _open(self) -> Connection:
+        """Return the connection that the last reset left open."""
         if self._connection is None:
             raise SimulatorError(f"{self.name}: call reset before anything else")
         return self._connection

@@ -3,9 +3,11 @@
 import itertools
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 from oodscen.data import _shapes as shapes
-from oodscen.data._extents import Extent, Place, around, corners_of
+from oodscen.data._extents import Extent, Place, around, corners_of, is_slanted, length_of
 from oodscen.data._lettering import HEIGHT, width_of
 from oodscen.data._shapes import Part, Point
 
@@ -20,8 +22,36 @@ _SECTORS = 12
 _SMALL_M = 0.25
 """Radius up to which the box around a round body is close enough, m."""
 
-Solid = tuple[Extent, Part, Place]
-"""The box around a part or a piece of it, the part, and its place."""
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A part, or a piece of it."""
+
+    box: Extent
+    """The box around it."""
+    part: Part
+    place: Place
+
+    @cached_property
+    def blocks(self) -> list[Extent]:
+        """Small boxes that fill it more closely than the box around it, if they can."""
+        return _blocks(self.box, self.part, self.place)
+
+    @property
+    def reaches_road(self) -> bool:
+        """True if the road holds it."""
+        if self.box.low[2] > REACH_M:
+            return False
+        is_text = isinstance(self.part, shapes.Text)
+        return not is_text or min(block.low[2] for block in self.blocks) <= REACH_M
+
+    def touches(self, other: "Solid") -> bool:
+        """Return whether two solids hold each other."""
+        if not self.box.touches(other.box, REACH_M):
+            return False
+        near = [block for block in self.blocks if block.touches(other.box, REACH_M)]
+        far = [block for block in other.blocks if block.touches(self.box, REACH_M)]
+        return any(one.touches(two, REACH_M) for one in near for two in far)
 
 
 def held(solids: Sequence[Solid], *, is_standing: bool) -> list[bool]:
@@ -31,33 +61,18 @@ def held(solids: Sequence[Solid], *, is_standing: bool) -> list[bool]:
         solids: The solids in the order of the design.
         is_standing: True if the road holds what reaches it; otherwise the first solid is held.
     """
-    fine: dict[int, list[Extent]] = {}
-    found = [is_standing and box.low[2] <= REACH_M for box, _, _ in solids]
-    for index, (_, part, _) in enumerate(solids):
-        if found[index] and isinstance(part, shapes.Text):
-            fine[index] = _blocks(*solids[index])
-            found[index] = min(one.low[2] for one in fine[index]) <= REACH_M
-    if not is_standing:
-        found[0] = True
-    front = [index for index, is_held in enumerate(found) if is_held]
+    if is_standing:
+        found = [solid.reaches_road for solid in solids]
+    else:
+        found = [index == 0 for index in range(len(solids))]
+    front = [solid for solid, is_held in zip(solids, found, strict=True) if is_held]
     while front:
-        one = front.pop()
-        for index, is_held in enumerate(found):
-            if not is_held and _touch(solids, one, index, fine):
+        holder = front.pop()
+        for index, solid in enumerate(solids):
+            if not found[index] and holder.touches(solid):
                 found[index] = True
-                front.append(index)
+                front.append(solid)
     return found
-
-
-def _touch(solids: Sequence[Solid], one: int, other: int, fine: dict[int, list[Extent]]) -> bool:
-    if not solids[one][0].touches(solids[other][0], REACH_M):
-        return False
-    for index in (one, other):
-        if index not in fine:
-            fine[index] = _blocks(*solids[index])
-    near = [a for a in fine[one] if a.touches(solids[other][0], REACH_M)]
-    far = [b for b in fine[other] if b.touches(solids[one][0], REACH_M)]
-    return any(a.touches(b, REACH_M) for a in near for b in far)
 
 
 def _blocks(box: Extent, part: Part, place: Place) -> list[Extent]:
@@ -129,21 +144,17 @@ def _flat(quad: Sequence[Point]) -> list[Point]:
 
 def _cut(box: Extent, corners: Sequence[Point]) -> list[Extent]:
     """Cut a body of eight corners into small boxes; one along the axes stays whole."""
-    lengths = []
-    is_slanted = False
-    for step in (4, 2, 1):
-        longest = 0.0
-        for index, corner in enumerate(corners):
-            if index & step:
-                continue
-            way = [b - a for a, b in zip(corner, corners[index + step], strict=True)]
-            length = math.sqrt(sum(w * w for w in way))
-            longest = max(longest, length)
-            is_slanted = is_slanted or sum(abs(w) > 0.05 * length for w in way) > 1
-        lengths.append(longest)
-    if not is_slanted:
+    edges = [
+        [
+            _way(corner, corners[index + step])
+            for index, corner in enumerate(corners)
+            if not index & step
+        ]
+        for step in (4, 2, 1)
+    ]
+    if not any(is_slanted(edge) for parallel in edges for edge in parallel):
         return [box]
-    counts = _counts(lengths)
+    counts = _counts([max(map(length_of, parallel)) for parallel in edges])
     return [
         around(
             [
@@ -157,10 +168,14 @@ def _cut(box: Extent, corners: Sequence[Point]) -> list[Extent]:
     ]
 
 
+def _way(start: Sequence[float], end: Sequence[float]) -> list[float]:
+    return [b - a for a, b in zip(start, end, strict=True)]
+
+
 def _turned(rings: Sequence[tuple[float, float, float, float]], place: Place) -> Iterator[Extent]:
     """Yield the boxes around the wedges of a body of revolution."""
     for start, end in itertools.pairwise(rings):
-        way = [b - a for a, b in zip(start[:3], end[:3], strict=True)]
+        way = _way(start[:3], end[:3])
         length = math.hypot(*way)
         along = [w / length for w in way]
         least = min(range(3), key=lambda axis: abs(along[axis]))

@@ -283,13 +283,23 @@ def _upright(
     return place.box(corners_of(centre, size), is_airy)
 
 
+def length_of(way: Sequence[float]) -> float:
+    """Return the length of a vector."""
+    return math.sqrt(sum(w * w for w in way))
+
+
+def is_slanted(way: Sequence[float]) -> bool:
+    """Return whether a vector runs along more than one axis."""
+    length = length_of(way)
+    return sum(abs(w) > _SLANT * length for w in way) > 1
+
+
 def _bar(start: Point, end: Point, radius: float, last: float) -> Iterator[Extent]:
     """Yield the boxes along a round bar between two points that are placed already."""
     way = [b - a for a, b in zip(start, end, strict=True)]
-    length = math.sqrt(sum(w * w for w in way))
+    length = length_of(way)
     aside = [math.sqrt(max(0.0, 1.0 - (w / length) ** 2)) for w in way]
-    is_slanted = sum(abs(w) > _SLANT * length for w in way) > 1
-    count = max(1, math.ceil(length / STEP)) if is_slanted else 1
+    count = max(1, math.ceil(length / STEP)) if is_slanted(way) else 1
     for k in range(count):
         ends = []
         for share in (k / count, (k + 1) / count):

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from oodscen.data import _shapes as shapes
 from oodscen.data._base import MOST_PARTS, ROUNDING, Data, IssuesError
-from oodscen.data._blocks import REACH_M, held
+from oodscen.data._blocks import REACH_M, Solid, held
 from oodscen.data._category import Category
 from oodscen.data._description import Description
 from oodscen.data._extents import Extent, Measured, Size, measured
@@ -249,11 +249,11 @@ def _loose(parts: Parts, is_standing: bool, state: str, sizes: tuple[tuple[str, 
     """
     found = measured(parts, state, dict(sizes))
     named = [
-        (path, (box, *made))
+        (path, Solid(box, *made))
         for (path, box), made in zip(found.spaces, found.made_of, strict=True)
         if not box.is_airy
     ]
-    are_held = held([solid for _, solid in named], is_standing=is_standing) if named else []
+    are_held = held([solid for _, solid in named], is_standing=is_standing)
     loose = (path for (path, _), is_held in zip(named, are_held, strict=True) if not is_held)
     return next(loose, "")
 

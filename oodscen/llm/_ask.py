@@ -86,7 +86,7 @@ def heard(text: str) -> str:
 
 
 def is_incomplete(raw: str) -> bool:
-    """Return whether an answer that a limit ended may say something else than what is there of it."""
+    """Return whether an answer that a limit cut off lacks its end, and so may have said something else."""
     return not is_object(raw.encode())
 
 

@@ -18,7 +18,7 @@ from oodscen.data._claim import Claim, Mismatch
 from oodscen.data._motion import Motion
 from oodscen.data._prop import Prop
 from oodscen.data._scenario import Scenario
-from oodscen.data._scene import Scene
+from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import AnswerError, DataError, Issue
 from oodscen.llm._ask import ATTEMPTS, ask
@@ -170,6 +170,7 @@ class Augmenter(Brief):
     def faults(
         self, scenario: Scenario, claims: Sequence[Claim], draft: SceneDraft
     ) -> Sequence[Issue]:
+        """Return the faults of a draft, each with its cause; none if it says that the text cannot be shown."""
         if draft.cannot_show:
             return []
         try:
@@ -215,10 +216,6 @@ def scene_of_draft(
     ordinary = [actor for actor in draft.hazard.actors.values() if actor is not None]
     shown = {actor.asset for actor in (*draft.actors, *ordinary)}
     done = {actor.behaviour.name for actor in (*draft.actors, *ordinary)}
-    decision = draft.decision
-    if decision.kind != "time" and decision.actor is None:
-        first = next(iter(draft.hazard.actors), None)
-        decision = decision.model_copy(update={"actor": first})
     return Scene(
         id=scenario.id,
         scenario_id=scenario.id,
@@ -227,14 +224,14 @@ def scene_of_draft(
         weather=draft.weather,
         actors=tuple(draft.actors),
         hazard=draft.hazard,
-        decision=decision,
+        decision=_decision_of(draft),
         horizon_s=draft.horizon_s,
         visible=(
             *visible_of(
                 tuple(draft.actors),
                 draft.hazard,
                 draft.weather,
-                (draft.ego.lane, draft.ego.speed),
+                draft.ego,
                 draft.map,
                 catalogue,
                 {motion.id: motion.description for motion in motions},
@@ -250,6 +247,15 @@ def scene_of_draft(
         motions=tuple(motion for motion in motions if motion.id in done),
         map_state=draft.map_state,
     )
+
+
+def _decision_of(draft: SceneDraft) -> Trigger:
+    """Return the decision; one that needs an actor and names none refers to the hazard's first."""
+    decision = draft.decision
+    if decision.kind == "time" or decision.actor is not None:
+        return decision
+    first = next(iter(draft.hazard.actors), None)
+    return decision.model_copy(update={"actor": first})
 
 
 def _is_told_by_words(

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._details import DetailKinds, described
 from oodscen.data._map_state import MapPart, MapState
-from oodscen.data._scene import DARK_DEG, FOG_M, Actor, Hazard, Visible, Weather
+from oodscen.data._scene import DARK_DEG, FOG_M, Actor, Ego, Hazard, Visible, Weather
 from oodscen.driving._motion.behaviours import BUILT_IN
 
 _INSIDE_M = 1.4
@@ -58,14 +58,14 @@ def visible_of(
     actors: tuple[Actor, ...],
     hazard: Hazard,
     weather: Weather,
-    ego: tuple[int, float],
+    ego: Ego,
     map_id: str,
     catalogue: Catalogue,
     motions: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Visible, ...]:
     """Return everything that can be seen of a hazard; equal things are named once.
 
-    The ego is given by lane and speed, m/s; `motions` has the looks of motions made to order, by id.
+    `motions` has the looks of motions made to order, by id.
     """
     known = {asset.id: asset for asset in catalogue.assets}
     kinds = catalogue.details or DetailKinds()
@@ -73,8 +73,8 @@ def visible_of(
     found = [
         Visible(
             what=_bare(_described(one, known, kinds)),
-            where=_where(one, ego[0], lanes),
-            doing=_doing(one, known[one.asset], ego[1], kinds, motions),
+            where=_where(one, ego.lane, lanes),
+            doing=_doing(one, known[one.asset], ego.speed, kinds, motions),
         )
         for one in actors
         if one.id in hazard.actors and one.asset in known

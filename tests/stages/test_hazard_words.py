@@ -17,7 +17,7 @@ def seen(**changes):
         actors,
         scene.hazard,
         scene.weather,
-        (scene.ego.lane, scene.ego.speed),
+        scene.ego,
         scene.map,
         FlatSimulator().catalogue(),
     )
@@ -48,7 +48,7 @@ def test_poses_are_told_as_what_somebody_does_and_parts_as_what_is_seen():
             Actor.parse({**one.model_dump(), "asset": asset, "details": details})
             for one in scene.actors
         )
-        told += visible_of(actors, scene.hazard, scene.weather, (0, 10.0), scene.map, catalogue)
+        told += visible_of(actors, scene.hazard, scene.weather, scene.ego, scene.map, catalogue)
     assert [(one.what, one.doing) for one in told] == [
         (
             "adult on foot, holding an orange traffic cone with white bands",

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from oodscen_carla.server._blueprints import Blueprint
+from oodscen_carla.server._geometry import Box
 from oodscen_carla.server._values import Description, Transform, Vector
 
 ZERO: Vector = (0.0, 0.0, 0.0)
@@ -79,6 +80,11 @@ class ServerActor:
     def type_id(self) -> str:
         """The id of its blueprint."""
         return self.blueprint.id
+
+    @property
+    def box(self) -> Box:
+        """The box around its body."""
+        return Box(self.place, self.blueprint.extent)
 
     @property
     def is_vehicle(self) -> bool:

@@ -1,4 +1,4 @@
-"""Takes the cameras' pictures with one of the library's simulators."""
+"""The cameras' pictures, drawn by one of the library's simulators."""
 
 import math
 from collections.abc import Sequence
@@ -78,17 +78,18 @@ class View(NamedTuple):
 class CameraRenderer:
     """Keeps the drawing simulator's bodies in step with the served world."""
 
-    def __init__(self, draughtsman: BodyRenderer) -> None:
-        self._draughtsman = draughtsman
+    def __init__(self, renderer: BodyRenderer) -> None:
+        self._renderer = renderer
         self._cast: object = None
+        """The scene, the seed and the looks that the simulator has loaded."""
 
     def close(self) -> None:
         """Release the simulator."""
-        self._draughtsman.close()
+        self._renderer.close()
 
     def warm_up(self, scene: Scene) -> None:
         """Take a small picture, so that no client waits while kernels are compiled."""
-        road = load_corridor(scene.map, self._draughtsman.catalogue())
+        road = load_corridor(scene.map, self._renderer.catalogue())
         x, y, z, yaw = road.point(road.start, 0.0)
         shot = View(Camera(width=64, height=48), (x, y, z, yaw), 0.0, 0.0)
         self.take(scene, 0, [], shot, has_host=False)
@@ -105,26 +106,14 @@ class CameraRenderer:
             shot: The camera.
             has_host: Whether the first body carries the camera.
         """
-        drawn = self._draughtsman
-        road = load_corridor(scene.map, drawn.catalogue())
-        shown = list(bodies)
-        if not has_host:
-            x, y, _, yaw = shot.mount
-            ground = road.point(road.locate(x, y)[0], 0.0)[2]
-            stand_in = (x - _AWAY * math.cos(yaw), y - _AWAY * math.sin(yaw), ground, 0.0)
-            shown.insert(0, PicturedBody(0, "ego", drawn.catalogue().ego, "", stand_in, 0.0, 0.0))
-        cast = (scene, seed, tuple((one.key, one.name, one.asset.id, one.state) for one in shown))
-        if cast != self._cast:
-            self._cast = None
-            drawn.load(road, scene, seed)
-            for row, one in enumerate(shown):
-                drawn.spawn(one.name if row else "ego", one.asset, one.state, one.pose)
-            self._cast = cast
-        drawn.place(
+        road = load_corridor(scene.map, self._renderer.catalogue())
+        shown = [*([] if has_host else [self._stand_in(shot.mount, road)]), *bodies]
+        self._load(scene, seed, road, shown)
+        self._renderer.place(
             np.array([one.pose for one in shown], np.float64),
             np.array([one.speed for one in shown], np.float64),
         )
-        frame = drawn.draw_from(
+        frame = self._renderer.draw_from(
             shot.camera,
             shot.mount,
             accelerations=[one.acceleration_along for one in shown],
@@ -132,3 +121,21 @@ class CameraRenderer:
             roll_deg=shot.roll_deg,
         )
         return frame, np.array([0, *(one.key for one in shown)], np.int32)
+
+    def _stand_in(self, mount: Pose, road: Corridor) -> PicturedBody:
+        """Return the ego of a picture that has none: far behind the camera, out of sight."""
+        x, y, _, yaw = mount
+        ground = road.point(road.locate(x, y)[0], 0.0)[2]
+        pose = (x - _AWAY * math.cos(yaw), y - _AWAY * math.sin(yaw), ground, 0.0)
+        return PicturedBody(0, "ego", self._renderer.catalogue().ego, "", pose, 0.0, 0.0)
+
+    def _load(self, scene: Scene, seed: int, road: Corridor, shown: Sequence[PicturedBody]) -> None:
+        """Load the scene and its bodies, unless the last picture showed the same."""
+        cast = (scene, seed, tuple((one.key, one.name, one.asset.id, one.state) for one in shown))
+        if cast == self._cast:
+            return
+        self._cast = None
+        self._renderer.load(road, scene, seed)
+        for row, one in enumerate(shown):
+            self._renderer.spawn(one.name if row else "ego", one.asset, one.state, one.pose)
+        self._cast = cast

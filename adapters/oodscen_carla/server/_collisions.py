@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen_carla.server._actors import ServerActor
-from oodscen_carla.server._geometry import overlap
 from oodscen_carla.server._values import Transform
 
 
@@ -61,4 +60,4 @@ def _touch(car: ServerActor, other: ServerActor, touched: frozenset[str]) -> boo
     """Return whether two bodies touch; in a scene, the scene says what the ego touches."""
     if car.staged and other.staged and "ego" in (car.staged, other.staged):
         return bool({car.staged, other.staged} & touched)
-    return overlap(car.place, car.blueprint.extent, other.place, other.blueprint.extent)
+    return car.box.overlaps(other.box)

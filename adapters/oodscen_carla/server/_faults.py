@@ -33,30 +33,39 @@ class Fault:
         return json.dumps(asdict(self))
 
 
+@dataclass
+class _Pending:
+    """A fault that is still to come."""
+
+    fault: Fault
+    passes: int
+    """Number of calls that still pass before it."""
+    strikes: int
+    """Number of calls that it still strikes."""
+
+
 class Faults:
     """The faults that are still to come."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._waiting: list[list[int]] = []
-        self._faults: list[Fault] = []
+        self._pending: list[_Pending] = []
 
     def add(self, fault: Fault) -> None:
         """Ask for a fault."""
         with self._lock:
-            self._faults.append(fault)
-            self._waiting.append([fault.after, fault.times])
+            self._pending.append(_Pending(fault, fault.after, fault.times))
 
     def strike(self, call: str) -> FaultKind | None:
         """Count a call, and return the fault that strikes it."""
         found: FaultKind | None = None
         with self._lock:
-            for fault, left in zip(self._faults, self._waiting, strict=True):
-                if fault.call != call or not left[1]:
+            for one in self._pending:
+                if one.fault.call != call or not one.strikes:
                     continue
-                if left[0]:
-                    left[0] -= 1
+                if one.passes:
+                    one.passes -= 1
                 elif found is None:
-                    left[1] -= 1
-                    found = fault.kind
+                    one.strikes -= 1
+                    found = one.fault.kind
         return found

@@ -1,8 +1,9 @@
-"""Attitudes, mounts and footprints in CARLA's left-handed axes."""
+"""Attitudes, mounts and boxes in CARLA's left-handed axes."""
 
 import math
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,48 @@ from numpy.typing import NDArray
 from oodscen_carla.server._values import Transform, Vector
 
 Matrix = NDArray[np.float64]
+
+
+class Box(NamedTuple):
+    """An upright box that stands on its place."""
+
+    place: Transform
+    extent: Vector
+    """Half of its length, width and height, m."""
+
+    def footprint(self) -> list[tuple[float, float]]:
+        """Return the corners on the ground."""
+        yaw = math.radians(self.place.rotation[1])
+        c, s = math.cos(yaw), math.sin(yaw)
+        x, y, _ = self.place.location
+        length, width, _ = self.extent
+        return [
+            (x + c * a * length - s * b * width, y + s * a * length + c * b * width)
+            for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))
+        ]
+
+    def overlaps(self, other: "Box") -> bool:
+        """Return whether two boxes touch: footprints by separating axes, then heights."""
+        reach = math.hypot(*self.extent[:2]) + math.hypot(*other.extent[:2])
+        if math.dist(self.place.location[:2], other.place.location[:2]) > reach:
+            return False
+        low, high = self.place.location[2], other.place.location[2]
+        if low > high + 2 * other.extent[2] or high > low + 2 * self.extent[2]:
+            return False
+        corners = self.footprint(), other.footprint()
+        yaws = self.place.rotation[1], other.place.rotation[1]
+        for yaw in (yaws[0], yaws[0] + 90, yaws[1], yaws[1] + 90):
+            c, s = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
+            (low_a, high_a), (low_b, high_b) = (_span(one, c, s) for one in corners)
+            if high_a < low_b or high_b < low_a:
+                return False
+        return True
+
+
+def _span(corners: Sequence[tuple[float, float]], c: float, s: float) -> tuple[float, float]:
+    """Return the ends of a footprint along a direction, given by its cosine and sine."""
+    along = [x * c + y * s for x, y in corners]
+    return min(along), max(along)
 
 
 def matrix(place: Transform) -> Matrix:
@@ -38,41 +81,8 @@ def transform_of(m: Matrix) -> Transform:
 
 @lru_cache(maxsize=1024)
 def mounted(parent: Transform, mount: Transform) -> Transform:
-    """Return the place in the world of something that is attached to a parent; sensors of one mount share it."""
+    """Return the place in the world of something that is attached to a parent."""
     return transform_of(matrix(parent) @ matrix(mount))
-
-
-def footprint(place: Transform, extent: Vector) -> list[tuple[float, float]]:
-    """Return the corners of a box on the ground."""
-    yaw = math.radians(place.rotation[1])
-    c, s = math.cos(yaw), math.sin(yaw)
-    x, y, _ = place.location
-    return [
-        (x + c * a * extent[0] - s * b * extent[1], y + s * a * extent[0] + c * b * extent[1])
-        for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))
-    ]
-
-
-def overlap(one: Transform, its: Vector, other: Transform, others: Vector) -> bool:
-    """Return whether two boxes touch: footprints by separating axes, then heights."""
-    reach = math.hypot(*its[:2]) + math.hypot(*others[:2])
-    if math.dist(one.location[:2], other.location[:2]) > reach:
-        return False
-    low, high = one.location[2], other.location[2]
-    if low > high + 2 * others[2] or high > low + 2 * its[2]:
-        return False
-    corners = footprint(one, its), footprint(other, others)
-    for yaw in (one.rotation[1], one.rotation[1] + 90, other.rotation[1], other.rotation[1] + 90):
-        c, s = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
-        (low_a, high_a), (low_b, high_b) = (_span(one, c, s) for one in corners)
-        if high_a < low_b or high_b < low_a:
-            return False
-    return True
-
-
-def _span(corners: Sequence[tuple[float, float]], c: float, s: float) -> tuple[float, float]:
-    along = [x * c + y * s for x, y in corners]
-    return min(along), max(along)
 
 
 def rotated(v: Vector, yaw_deg: float) -> Vector:

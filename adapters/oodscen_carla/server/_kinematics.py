@@ -10,6 +10,9 @@ from oodscen_carla.server._roads import ServedMap
 from oodscen_carla.server._values import FARTHEST, Transform
 from oodscen_carla.server._vehicles import drive
 
+_HIGHEST_FRICTION = 2.0
+_LEVEL_DEG = 1e-4
+"""Pitch up to which a body stands level, degrees."""
 _TURNS_MPS = 1e-6
 """Speed across the ground up to which a walker does not turn, m/s."""
 
@@ -30,7 +33,7 @@ class Surface(NamedTuple):
             pairs = zip(actor.place.location, trigger.place.location, strict=True)
             apart = [abs(a - b) for a, b in pairs]
             if all(a <= b for a, b in zip(apart, reach, strict=True)):
-                return max(0.0, min(2.0, trigger.number("friction", 1.0)))
+                return max(0.0, min(_HIGHEST_FRICTION, trigger.number("friction", 1.0)))
         return self.friction
 
 
@@ -81,4 +84,4 @@ def _stand(actor: ServerActor, road: ServedMap) -> None:
     yaw = actor.place.rotation[1]
     along = slope * math.cos(math.radians(-yaw) - heading)
     pitch = math.degrees(math.atan(along)) if actor.is_vehicle else 0.0
-    actor.place = Transform((x, y, z), (pitch if abs(pitch) > 1e-4 else 0.0, yaw, 0.0))
+    actor.place = Transform((x, y, z), (pitch if abs(pitch) > _LEVEL_DEG else 0.0, yaw, 0.0))

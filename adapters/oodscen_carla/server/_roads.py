@@ -2,7 +2,6 @@
 
 import hashlib
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -91,7 +90,8 @@ class ServedMap:
     def _of(cls, name: str, text: str, road_map: RoadMap) -> "ServedMap":
         network = read_network(read_map(road_map.file), source=name)
         points = _spawn_points(network)
-        shown = tuple(filter(_is_shown(load_corridor(road_map)), points))
+        corridor = load_corridor(road_map)
+        shown = tuple(place for place in points if _is_shown(place, corridor))
         return cls(name, text, road_map, _samples(network), shown or points)
 
     def ground(self, x: float, y: float) -> tuple[float, float, float] | None:
@@ -110,15 +110,11 @@ class ServedMap:
         return z + slope * max(-_STEP, min(_STEP, along)), heading, slope
 
 
-def _is_shown(road: Corridor) -> Callable[[Transform], bool]:
-    """Return the test of whether pictures from a place show its road: they show one corridor."""
-
-    def test(place: Transform) -> bool:
-        s, t = road.locate(place.location[0], -place.location[1])
-        is_between = road.start <= s <= road.length - _BEFORE_END
-        return is_between and road.is_drivable(s, t, t)
-
-    return test
+def _is_shown(place: Transform, shown: Corridor) -> bool:
+    """Return whether pictures from a place show its road: they show one corridor."""
+    s, t = shown.locate(place.location[0], -place.location[1])
+    is_between = shown.start <= s <= shown.length - _BEFORE_END
+    return is_between and shown.is_drivable(s, t, t)
 
 
 @lru_cache(maxsize=4)
@@ -172,7 +168,8 @@ def _spawn_points(network: Network) -> tuple[Transform, ...]:
         if road.junction:
             continue
         first = min(_FIRST, road.length / 2)
-        for number in range(1 + int(max(0.0, road.length - 2 * first) / _APART)):
+        gaps = int(max(0.0, road.length - 2 * first) / _APART)
+        for number in range(gaps + 1):
             points += _across(road, first + number * _APART)
             if len(points) >= _MOST_POINTS:
                 return tuple(points[:_MOST_POINTS])

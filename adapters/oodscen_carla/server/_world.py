@@ -25,7 +25,7 @@ from oodscen_carla.server._blueprints import (
 )
 from oodscen_carla.server._cameras import PicturedBody
 from oodscen_carla.server._collisions import collide
-from oodscen_carla.server._geometry import mounted, overlap, rotated
+from oodscen_carla.server._geometry import Box, mounted, rotated
 from oodscen_carla.server._kinematics import Surface, move
 from oodscen_carla.server._roads import ServedMap
 from oodscen_carla.server._staging import HERO, ServedScene, carla_place
@@ -229,9 +229,9 @@ class World:
             raise CallError(f"this server holds at most {MAX_ACTORS} actors")
         blueprint = self.library[what.type_id]
         if blueprint.is_solid:
+            box = Box(place, blueprint.extent)
             for other in self.actors.values():
-                its, theirs = blueprint.extent, other.blueprint.extent
-                if other.is_obstacle and overlap(place, its, other.place, theirs):
+                if other.is_obstacle and box.overlaps(other.box):
                     raise CallError("Spawn failed because of collision at spawn position")
         return self._add(ServerActor(self._next, what, blueprint, place, parent))
 

@@ -1,4 +1,4 @@
-"""A small polygon builder, used for every mesh of this adapter."""
+"""The builder of every mesh of this adapter, from polygons and simple bodies."""
 
 import itertools
 import math
@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple, Self
 
 import numpy as np
 
-from oodscen.data._shapes import Caps
+from oodscen.data._shapes import Caps, Rectangle
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet._meshes.mesh import BY_DAY, Lamp, Mesh, Puff
@@ -95,8 +95,8 @@ class MeshBuilder:
 
     def hull(
         self,
-        bottom: tuple[float, float, float, float, float],
-        top: tuple[float, float, float, float, float],
+        bottom: Rectangle,
+        top: Rectangle,
         colour: str,
         *,
         caps: Caps = "bt",
@@ -161,16 +161,23 @@ class MeshBuilder:
     def _tube(
         self, ring_a: Array, ring_b: Array, colour: str, cap_colour: str, *, smooth: bool
     ) -> Self:
-        sides = len(ring_a)
-        uvs = np.full((4, 2), swatch_uv(colour))
-        outward_a = unit_rows(ring_a - ring_a.mean(axis=0), ring_b - ring_b.mean(axis=0))
-        for i in range(sides):
-            j = (i + 1) % sides
-            corners = np.array([ring_a[i], ring_a[j], ring_b[j], ring_b[i]])
-            normals = outward_a[[i, j, j, i]] if smooth else None
-            self._add(corners, uvs, normals)
+        outward = unit_rows(ring_a - ring_a.mean(axis=0), ring_b - ring_b.mean(axis=0))
+        self._band(ring_a, ring_b, colour, (outward, outward) if smooth else None)
         self.polygon(ring_a[::-1], cap_colour)
         return self.polygon(ring_b, cap_colour)
+
+    def _band(
+        self, ring_a: Array, ring_b: Array, colour: str, outward: tuple[Array, Array] | None
+    ) -> None:
+        """Join two rings by quads: smooth ones if the normals at both rings are given."""
+        uvs = np.full((4, 2), swatch_uv(colour))
+        for i in range(len(ring_a)):
+            j = (i + 1) % len(ring_a)
+            normals = None
+            if outward is not None:
+                a, b = outward
+                normals = np.array([a[i], a[j], b[j], b[i]])
+            self._add(np.array([ring_a[i], ring_a[j], ring_b[j], ring_b[i]]), uvs, normals)
 
     def ball(
         self,
@@ -232,32 +239,17 @@ class MeshBuilder:
             caps: Which ends are closed: `b`, `t` or both.
         """
         turns = [2 * math.pi * (i + 0.5) / sides for i in range(sides)]
-        round_off = [(cos(turn), sin(turn)) for turn in turns]
-        corners, outward = [], []
-        for (x, y, z), first, second in rings:
-            if axis == "z":
-                row = [(x + first * c, y + second * s, z) for c, s in round_off]
-                way = [(c * second, s * first, 0.0) for c, s in round_off]
-            else:
-                row = [(x, y + first * c, z + second * s) for c, s in round_off]
-                way = [(0.0, c * second, s * first) for c, s in round_off]
-            corners.append(np.array(row))
-            rows = np.array(way)
-            outward.append(unit_rows(rows, rows + np.array([0.0, 0.0, 1.0])))
+        circle = [(cos(turn), sin(turn)) for turn in turns]
+        ellipses = [_ellipse(*one, axis, circle) for one in rings]
         names = [colours] * (len(rings) - 1) if isinstance(colours, str) else list(colours)
-        for k, name in enumerate(names):
-            uvs = np.tile(swatch_uv(name), (4, 1))
-            for i in range(sides):
-                j = (i + 1) % sides
-                self._add(
-                    np.array([corners[k][i], corners[k][j], corners[k + 1][j], corners[k + 1][i]]),
-                    uvs,
-                    np.array([outward[k][i], outward[k][j], outward[k + 1][j], outward[k + 1][i]]),
-                )
+        for (low, low_outward), (high, high_outward), name in zip(
+            ellipses[:-1], ellipses[1:], names, strict=True
+        ):
+            self._band(low, high, name, (low_outward, high_outward))
         if "b" in caps:
-            self.polygon(corners[0][::-1], names[0])
+            self.polygon(ellipses[0][0][::-1], names[0])
         if "t" in caps:
-            self.polygon(corners[-1], names[-1])
+            self.polygon(ellipses[-1][0], names[-1])
         return self
 
     def loft(self, sections: Sequence[Sequence[Point]], colours: Sequence[str]) -> Self:
@@ -328,18 +320,14 @@ class MeshBuilder:
         """
         points, normals = other.vertices.copy(), other.normals.copy()
         if roll:
-            c, s = cos(roll), sin(roll)
             for rows in (points, normals):
-                y, z = rows[:, 1].copy(), rows[:, 2].copy()
-                rows[:, 1], rows[:, 2] = c * y - s * z, s * y + c * z
+                _turn(rows, 1, 2, roll)
         if roof_z is not None:
             points[:, 1] *= -1
             points[:, 2] = roof_z - points[:, 2]
             normals[:, 1:] *= -1
-        c, s = cos(yaw), sin(yaw)
         for rows in (points, normals):
-            x, y = rows[:, 0].copy(), rows[:, 1].copy()
-            rows[:, 0], rows[:, 1] = c * x - s * y, s * x + c * y
+            _turn(rows, 0, 1, yaw)
         order = other.triangles.reshape(-1)
         self._points.append(points[order] + np.array(at))
         self._normals.append(normals[order])
@@ -400,6 +388,32 @@ class MeshBuilder:
             np.concatenate([np.zeros((0, 2)), *self._uvs]),
         )
         return replace(surface, lamps=tuple(self._lamps), puffs=tuple(self._puffs))
+
+
+def _ellipse(
+    centre: Point,
+    first: float,
+    second: float,
+    axis: Literal["x", "z"],
+    circle: Sequence[tuple[float, float]],
+) -> tuple[Array, Array]:
+    """Return the corners of a column's ring and their normals, given cosines and sines around it."""
+    x, y, z = centre
+    if axis == "z":
+        corners = [(x + first * c, y + second * s, z) for c, s in circle]
+        outward = [(c * second, s * first, 0.0) for c, s in circle]
+    else:
+        corners = [(x, y + first * c, z + second * s) for c, s in circle]
+        outward = [(0.0, c * second, s * first) for c, s in circle]
+    rows = np.array(outward)
+    return np.array(corners), unit_rows(rows, rows + np.array([0.0, 0.0, 1.0]))
+
+
+def _turn(rows: Array, first: int, second: int, angle: float) -> None:
+    """Turn vectors in place, from the first of two axes towards the second."""
+    c, s = cos(angle), sin(angle)
+    a, b = rows[:, first].copy(), rows[:, second].copy()
+    rows[:, first], rows[:, second] = c * a - s * b, s * a + c * b
 
 
 @cache

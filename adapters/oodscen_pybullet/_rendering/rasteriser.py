@@ -13,9 +13,10 @@ from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh
 from oodscen_pybullet._meshes.atlas import Snow, draw_atlas
 from oodscen_pybullet._rendering import depth_kernel as raster
-from oodscen_pybullet._rendering import shading
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
+from oodscen_pybullet._rendering.painting import Planes
 from oodscen_pybullet._rendering.records import LABELS_WIDTH, RECORD_WIDTH, DrawnTriangles
+from oodscen_pybullet._rendering.shading import gather
 from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import Triangles, textures
 from oodscen_pybullet._rendering.view import FAR, NEAR, CameraView
@@ -119,7 +120,7 @@ class Rasteriser:
         shutter = _shutter(view, (0, 0, view.width, view.height), sun, self._detail)
         number = raster.scatter(self._actors, shutter, samples, drawn, 0)
         raster.scatter(self._scenery, shutter, samples, drawn, number)
-        planes = shading.Planes(
+        planes = Planes(
             rgb=np.empty((3, *shape), np.uint8),
             depth=np.empty(shape, np.float32),
             rows=np.empty(shape, np.int32),
@@ -134,7 +135,7 @@ class Rasteriser:
             samples.nearness[:count].reshape(rows), samples.shown[:count].reshape(rows)
         )
         lights = sun[3:].astype(np.float32)
-        shading.gather(sheets, drawn, textures(self._snow), lights, self._detail, planes)
+        gather(sheets, drawn, textures(self._snow), lights, self._detail, planes)
         fields = planes._asdict() | {"rgb": np.moveaxis(planes.rgb, 0, 2)}
         return Shot(**fields, shade=shade)
 

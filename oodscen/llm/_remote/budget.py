@@ -66,12 +66,20 @@ class Spent(NamedTuple):
     tokens: int = 0
     cost_usd: float = 0.0
 
-    def plus(self, other: "Spent", sign: int = 1) -> "Spent":
-        """Return the sum, or with `sign=-1` the difference."""
+    def plus(self, other: "Spent") -> "Spent":
+        """Return the sum."""
         return Spent(
-            self.requests + sign * other.requests,
-            self.tokens + sign * other.tokens,
-            self.cost_usd + sign * other.cost_usd,
+            self.requests + other.requests,
+            self.tokens + other.tokens,
+            self.cost_usd + other.cost_usd,
+        )
+
+    def minus(self, other: "Spent") -> "Spent":
+        """Return the difference."""
+        return Spent(
+            self.requests - other.requests,
+            self.tokens - other.tokens,
+            self.cost_usd - other.cost_usd,
         )
 
 
@@ -115,6 +123,6 @@ class Budget:
     def settle(self, most: Spent, used: Spent, answer_tokens: int = 0) -> None:
         """Replace a reservation by what was actually used."""
         with self._lock:
-            self._reserved = self._reserved.plus(most, -1)
+            self._reserved = self._reserved.minus(most)
             self.spent = self.spent.plus(used)
             self._longest = max(self._longest, answer_tokens)

@@ -6,7 +6,7 @@ from oodscen.protocols import Control
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.samples import constantly, follow_lane
-from oodscen.testing._kit.tracks import both, start_fault, turned_by
+from oodscen.testing._kit.tracks import run_both, start_fault, turned_by
 
 CONTROL = 0.2
 """Relative tolerance of the ego's change of speed and of heading under a constant control."""
@@ -25,7 +25,7 @@ def check_ego(probe: Probe) -> None:
         ("steering right by 0.05 rad", 8.0, Control(0.0, -0.05)),
     ):
         scene = probe.scene(speed=speed)
-        one, other = both(probe, scene, constantly(control), seconds=1.5)
+        one, other = run_both(probe, scene, constantly(control), seconds=1.5)
         fault = start_fault(one, other, 0)
         probe.findings.expect(not fault, "ego", fault)
         told, wanted = (float(t.speeds[-1, 0] - t.speeds[0, 0]) for t in (one, other))
@@ -52,7 +52,7 @@ def check_grip(probe: Probe) -> None:
             ("steering", 14.0, Control(0.0, 0.1 if friction < 1.0 else 0.3)),
         ):
             scene = probe.scene(speed=speed, weather=weather)
-            one, other = both(probe, scene, constantly(control), seconds=1.5)
+            one, other = run_both(probe, scene, constantly(control), seconds=1.5)
             told, wanted = (float(t.speeds[-1, 0] - t.speeds[0, 0]) for t in (one, other))
             turned, turning = (turned_by(*t.poses[[-1, 0], 0, 3]) for t in (one, other))
             is_like = abs(told - wanted) <= 0.5 + GRIP * abs(wanted)

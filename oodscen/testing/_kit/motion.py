@@ -22,7 +22,7 @@ from oodscen.testing._kit.ego_motion import check_contact, check_ego, check_grip
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.samples import constantly
-from oodscen.testing._kit.tracks import SECONDS, START_M, Tracks, both, start_fault, turned_by
+from oodscen.testing._kit.tracks import SECONDS, START_M, Tracks, run_both, start_fault, turned_by
 from oodscen.testing._kit.vocabulary import assets_for, cast_for
 
 ALONG_M = 2.0
@@ -90,7 +90,7 @@ def _check_starts(probe: Probe) -> None:
         )
     ]
     scene = probe.scene(*actors, road=probe.widest, lane=probe.widest.lanes - 1)
-    one, other = both(probe, scene, constantly(Control()), seconds=1.0)
+    one, other = run_both(probe, scene, constantly(Control()), seconds=1.0)
     for row, actor in enumerate(actors, start=1):
         fault = start_fault(one, other, row)
         probe.findings.expect(
@@ -192,7 +192,7 @@ def _slower(kind: BehaviourKind) -> dict[str, float]:
 def _compare(
     probe: Probe, scene: Scene, kind: BehaviourKind, what: str, seconds: float = _LAST_S
 ) -> None:
-    one, other = both(probe, scene, constantly(Control()), seconds=seconds)
+    one, other = run_both(probe, scene, constantly(Control()), seconds=seconds)
     start = start_fault(one, other, 1)
     probe.findings.expect(not start, what, start)
     if start or kind.id not in BUILT_IN:
@@ -260,7 +260,7 @@ def _check_triggers(probe: Probe) -> None:
         in_lane = {"lanes": 0.0} if "lanes" in probe.catalogue.behaviour(name).parameters else {}
         actor = probe.doing(name, ahead=50.0, trigger=trigger, parameters=in_lane)
         scene = probe.scene(actor, road=probe.widest, speed=10.0)
-        one, other = both(probe, scene, constantly(Control()))
+        one, other = run_both(probe, scene, constantly(Control()))
         told, wanted = one.onset(1), other.onset(1)
         if wanted is None:
             continue
@@ -292,7 +292,7 @@ def _check_stop(
 ) -> None:
     """Check that the driver in row 1 does not drive into the body in another row."""
     try:
-        one, other = both(probe, scene, control, seconds=9.0)
+        one, other = run_both(probe, scene, control, seconds=9.0)
     except OodscenError as error:
         probe.findings.add("reaction", str(error))
         return

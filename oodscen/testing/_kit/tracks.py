@@ -21,6 +21,8 @@ START_SPEED = 0.5
 """Tolerance of its speed there, m/s."""
 SECONDS = 5.0
 """Length of a run, s."""
+_STRAY_M = 0.15
+"""Distance from its uniform motion at which a body has left it, m."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +31,9 @@ class Tracks:
 
     dt: float
     poses: NDArray[np.float64]
-    """[steps, n, 4]"""
+    """[steps, n, 4] x, y, z (m) and heading (rad)."""
     speeds: NDArray[np.float64]
-    """[steps, n]"""
+    """[steps, n] m/s."""
 
     @classmethod
     def of(cls, states: Sequence[State], dt: float) -> "Tracks":
@@ -44,11 +46,11 @@ class Tracks:
         time = self.dt * np.arange(len(self.poses))
         ahead = np.stack([np.cos(first[3]), np.sin(first[3])]) * speed
         away = np.linalg.norm(self.poses[:, row, :2] - first[:2] - time[:, None] * ahead, axis=1)
-        off = np.flatnonzero(away > 0.15)
+        off = np.flatnonzero(away > _STRAY_M)
         return float(time[off[0]]) if len(off) else None
 
 
-def both(
+def run_both(
     probe: Probe,
     scene: Scene,
     control: Callable[[float], Control],
@@ -72,19 +74,20 @@ def both(
     return Tracks.of(states, dt), Tracks(dt, np.stack(poses), np.stack(speeds))
 
 
-def start_fault(one: Tracks, other: Tracks, row: int) -> str:
-    """Return how a body's start differs from the reference world's."""
-    apart = float(np.linalg.norm(one.poses[0, row, :2] - other.poses[0, row, :2]))
+def start_fault(found: Tracks, reference: Tracks, row: int) -> str:
+    """Return how a body's start differs from the reference world's; empty if it does not."""
+    apart = float(np.linalg.norm(found.poses[0, row, :2] - reference.poses[0, row, :2]))
     if not apart <= START_M:
         return f"starts {apart:.1f} m from its place"
-    turn = turned_by(float(one.poses[0, row, 3]), float(other.poses[0, row, 3]))
+    turn = turned_by(float(found.poses[0, row, 3]), float(reference.poses[0, row, 3]))
     if not abs(turn) <= START_DEG:
         return f"starts with a heading {turn:.0f} degrees off"
-    told, wanted = float(one.speeds[0, row]), float(other.speeds[0, row])
+    told, wanted = float(found.speeds[0, row]), float(reference.speeds[0, row])
     if not abs(told - wanted) <= START_SPEED:
         return f"starts at {told:.1f} m/s, not {wanted:.1f}"
     return ""
 
 
-def turned_by(one: float, other: float) -> float:
-    return math.degrees(math.remainder(one - other, math.tau))
+def turned_by(found: float, reference: float) -> float:
+    """Return by how much a heading is off, degrees."""
+    return math.degrees(math.remainder(found - reference, math.tau))

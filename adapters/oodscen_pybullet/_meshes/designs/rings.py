@@ -11,7 +11,6 @@ from oodscen_pybullet._meshes.look import Appearance
 
 _BARS = 14
 """Bars of the tyre of a spoked wheel; every other corner has a spoke."""
-_TYRE_M, _SPOKE_M = 0.05, 0.014
 _RIM = 0.95
 """Radius of the middle of the tyre, as a share of the wheel's."""
 _AROUND, _ACROSS = 18, 8
@@ -27,14 +26,35 @@ class SpokedWheel(DrawnPart):
 
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
         """Add the tyre and the spokes."""
-        x, y, z = centre = place.point(self.spoked_wheel)
-        reach = _RIM * self.radius
-        turns = [TAU * k / _BARS for k in range(_BARS)]
-        rim = [(x + reach * cos(turn), y, z + reach * sin(turn)) for turn in turns]
-        for one, two in itertools.pairwise([*rim, rim[0]]):
-            mesh.beam(one, two, _TYRE_M, "tyre")
-        for end in rim[::2]:
-            mesh.beam(centre, end, _SPOKE_M, "silver")
+        add_spoked_wheel(mesh, place.point(self.spoked_wheel), _RIM * self.radius)
+
+
+def add_spoked_wheel(
+    mesh: MeshBuilder,
+    centre: Point,
+    radius: float,
+    *,
+    tyre: float = 0.05,
+    spoke: float = 0.014,
+    turned: float = 0.0,
+) -> None:
+    """Add the tyre and the spokes of an upright wheel that rolls along x.
+
+    Args:
+        mesh: The mesh.
+        centre: The wheel's centre.
+        radius: Radius of the middle of the tyre, m.
+        tyre: Width of the tyre, m.
+        spoke: Width of a spoke, m.
+        turned: Fraction of a turn that it has rolled forwards.
+    """
+    x, y, z = centre
+    turns = [TAU * k / _BARS - TAU * turned for k in range(_BARS)]
+    rim = [(x + radius * cos(turn), y, z + radius * sin(turn)) for turn in turns]
+    for one, two in itertools.pairwise([*rim, rim[0]]):
+        mesh.beam(one, two, tyre, "tyre")
+    for end in rim[::2]:
+        mesh.beam(centre, end, spoke, "silver")
 
 
 class Torus(DrawnPart):

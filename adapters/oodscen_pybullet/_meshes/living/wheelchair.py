@@ -1,10 +1,10 @@
 """A person in a wheelchair, facing x, who turns its wheels by hand."""
 
-import math
-
+from oodscen.numerics._exact import TAU, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import add_design
 from oodscen_pybullet._meshes.designs.parts import Placing
+from oodscen_pybullet._meshes.designs.rings import add_spoked_wheel
 from oodscen_pybullet._meshes.living.limbs import joint, limb
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._types import Point
@@ -13,9 +13,8 @@ _SIDE, _SEAT = "_wheelchair_side", "_wheelchair_seat"
 """Designs of its parts that do not move."""
 _WHEEL: Point = (-0.1, 0.31, 0.31)
 """Centre of the left wheel, m."""
-_WHEEL_RADIUS = 0.30
-_SPOKES = 14
-"""Corners of a wheel's rim; every second one has a spoke."""
+_WHEEL_RADIUS, _TYRE, _SPOKE = 0.30, 0.04, 0.012
+"""Radius of the middle of a wheel's tyre, and widths of tyre and spokes, m."""
 _PUSH = 0.1
 """Distance by which hands move ahead and back on the rims, m."""
 _HIP: Point = (-0.18, 0.1, 0.58)
@@ -29,27 +28,15 @@ _HAND: Point = (0.02, 0.33, 0.58)
 def wheelchair_user(mesh: MeshBuilder, shown: Appearance) -> None:
     """A person in a wheelchair, turning the wheels by hand."""
     phase, _ = shown.gait or (0.0, False)
-    push = _PUSH * math.sin(2 * math.pi * phase)
+    push = _PUSH * sin(TAU * phase)
     for side in (-1.0, 1.0):
-        _add_wheel(mesh, _on(side, _WHEEL), phase)
+        add_spoked_wheel(
+            mesh, _on(side, _WHEEL), _WHEEL_RADIUS, tyre=_TYRE, spoke=_SPOKE, turned=phase
+        )
         add_design(mesh, _SIDE, place=Placing(side=side))
         _add_leg(mesh, side)
         _add_arm(mesh, side, push)
     add_design(mesh, _SEAT)
-
-
-def _add_wheel(mesh: MeshBuilder, centre: Point, phase: float) -> None:
-    """Add an upright spoked wheel, rotated by a fraction of a turn."""
-    x, y, z = centre
-    turns = [2 * math.pi * (corner / _SPOKES - phase) for corner in range(_SPOKES)]
-    rim = [
-        (x + _WHEEL_RADIUS * math.cos(turn), y, z + _WHEEL_RADIUS * math.sin(turn))
-        for turn in turns
-    ]
-    for corner, point in enumerate(rim):
-        mesh.beam(point, rim[(corner + 1) % _SPOKES], 0.04, "tyre")
-        if corner % 2 == 0:
-            mesh.beam(centre, point, 0.012, "silver")
 
 
 def _add_leg(mesh: MeshBuilder, side: float) -> None:
