@@ -18,7 +18,7 @@ from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
 from oodscen_pybullet._rendering.picture import postprocessed
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
-from oodscen_pybullet._rendering.stage import Ball, RawPicture
+from oodscen_pybullet._rendering.stage import PlacedPuff, RawPicture
 from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._catalogue import Asset
@@ -93,7 +93,7 @@ def render(
         time=0.0,
         seed=0,
         road_height=0.0,
-        balls=[Ball(puff, 1) for puff in mesh.puffs],
+        balls=[PlacedPuff(puff, 1) for puff in mesh.puffs],
     )
     return postprocessed(picture)
 

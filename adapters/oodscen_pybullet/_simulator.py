@@ -31,7 +31,7 @@ from oodscen_pybullet._rendering.appearance import Look, SceneBodies, is_lit, me
 from oodscen_pybullet._rendering.cameras import choose_camera
 from oodscen_pybullet._rendering.particles import filled
 from oodscen_pybullet._rendering.picture import postprocessed
-from oodscen_pybullet._rendering.stage import Ball, RawPicture, Shot, Stage
+from oodscen_pybullet._rendering.stage import PlacedPuff, RawPicture, Shot, Stage
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._scenery.signals import replaced
@@ -286,7 +286,9 @@ class PyBulletSimulator(MirrorSimulator):
         return [self._poses[0], *lifted]
 
 
-def _lamps_and_balls(looks: Sequence[Look], poses: Sequence[Pose]) -> tuple[list[Lamp], list[Ball]]:
+def _lamps_and_balls(
+    looks: Sequence[Look], poses: Sequence[Pose]
+) -> tuple[list[Lamp], list[PlacedPuff]]:
     """Return the lit lamps of all bodies but the ego, and the smoke of all, in world coordinates."""
     lamps, balls = [], []
     for row, (look, (x, y, z, yaw)) in enumerate(zip(looks, poses, strict=True)):
@@ -294,11 +296,11 @@ def _lamps_and_balls(looks: Sequence[Look], poses: Sequence[Pose]) -> tuple[list
         s, c = exact.sincos(yaw)
         if row > 0:
             lamps += [lamp.placed(at, (c, s)) for lamp in mesh.lamps]
-        balls += [Ball(puff.placed(at, (c, s)), row) for puff in mesh.puffs]
+        balls += [PlacedPuff(puff.placed(at, (c, s)), row) for puff in mesh.puffs]
     return lamps, balls
 
 
-def _unhidden(stage: Stage, view: CameraView, balls: Sequence[Ball]) -> I32 | None:
+def _unhidden(stage: Stage, view: CameraView, balls: Sequence[PlacedPuff]) -> I32 | None:
     """Return the number of pixels that each body would fill without occlusion."""
     pixels = stage.unhidden(view)
     if pixels is not None:

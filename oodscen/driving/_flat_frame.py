@@ -13,7 +13,7 @@ from oodscen.data._catalogue import Asset
 from oodscen.data._category import Category
 from oodscen.data._scene import CLEAR_AIR_M, Weather
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.driving._sight.visibility import NEAR_M, Eye, Solid
+from oodscen.driving._sight.visibility import NEAR_M, Eye, UprightBox
 from oodscen.protocols import Camera, Frame
 
 Floats = NDArray[np.float64]
@@ -113,9 +113,9 @@ def flat_frame(
     return canvas.frame()
 
 
-def _solid(pose: Sequence[float] | Floats, asset: Asset) -> Solid:
+def _solid(pose: Sequence[float] | Floats, asset: Asset) -> UprightBox:
     x, y, z, yaw = map(float, pose)
-    return Solid(x, y, z, yaw, asset.length, asset.width, asset.height)
+    return UprightBox(x, y, z, yaw, asset.length, asset.width, asset.height)
 
 
 def tangents(camera: Camera) -> tuple[Floats, Floats]:
@@ -162,7 +162,7 @@ class _Canvas:
             self.colour[rows] *= _SNOW_KEEPS
             self.colour[rows] += _SNOW_ADDS
 
-    def paint_box(self, body: Solid, category: Category, identity: int) -> None:
+    def paint_box(self, body: UprightBox, category: Category, identity: int) -> None:
         """Paint one box at the pixels where it is nearest so far."""
         window = _window(self.eye, body)
         if window is None:
@@ -210,7 +210,7 @@ def _rays(eye: Eye, rows: slice, columns: slice) -> tuple[Floats, Floats, Floats
     return x, y, z
 
 
-def _window(eye: Eye, body: Solid) -> tuple[slice, slice] | None:
+def _window(eye: Eye, body: UprightBox) -> tuple[slice, slice] | None:
     """Return the rows and columns that contain a body, or `None` if no pixel does."""
     outline = eye.silhouette(body)
     if not outline:
@@ -264,7 +264,7 @@ def _surface(
 
 
 def _hits(
-    eye: Eye, body: Solid, window: tuple[slice, slice]
+    eye: Eye, body: UprightBox, window: tuple[slice, slice]
 ) -> tuple[NDArray[np.intp], Floats, Floats]:
     """Return where the rays through a window enter a box.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from oodscen_carla.server._blueprints import Blueprint
-from oodscen_carla.server._geometry import Box
+from oodscen_carla.server._geometry import OrientedBox
 from oodscen_carla.server._values import Description, Transform, Vector
 
 ZERO: Vector = (0.0, 0.0, 0.0)
@@ -82,9 +82,9 @@ class ServerActor:
         return self.blueprint.id
 
     @property
-    def box(self) -> Box:
+    def box(self) -> OrientedBox:
         """The box around its body."""
-        return Box(self.place, self.blueprint.extent)
+        return OrientedBox(self.place, self.blueprint.extent)
 
     @property
     def is_vehicle(self) -> bool:

@@ -91,11 +91,11 @@ class CameraRenderer:
         """Take a small picture, so that no client waits while kernels are compiled."""
         road = load_corridor(scene.map, self._renderer.catalogue())
         x, y, z, yaw = road.point(road.start, 0.0)
-        shot = View(Camera(width=64, height=48), (x, y, z, yaw), 0.0, 0.0)
-        self.take(scene, 0, [], shot, has_host=False)
+        view = View(Camera(width=64, height=48), (x, y, z, yaw), 0.0, 0.0)
+        self.take(scene, 0, [], view, has_host=False)
 
     def take(
-        self, scene: Scene, seed: int, bodies: Sequence[PicturedBody], shot: View, *, has_host: bool
+        self, scene: Scene, seed: int, bodies: Sequence[PicturedBody], view: View, *, has_host: bool
     ) -> tuple[Frame, NDArray[np.int32]]:
         """Return a picture, and the id of the actor for each of its ids.
 
@@ -103,22 +103,22 @@ class CameraRenderer:
             scene: Gives the map and the weather.
             seed: Seed of scenery and paints.
             bodies: All bodies; the first carries the camera if `has_host`.
-            shot: The camera.
+            view: The camera.
             has_host: Whether the first body carries the camera.
         """
         road = load_corridor(scene.map, self._renderer.catalogue())
-        shown = [*([] if has_host else [self._stand_in(shot.mount, road)]), *bodies]
+        shown = [*([] if has_host else [self._stand_in(view.mount, road)]), *bodies]
         self._load(scene, seed, road, shown)
         self._renderer.place(
             np.array([one.pose for one in shown], np.float64),
             np.array([one.speed for one in shown], np.float64),
         )
         frame = self._renderer.draw_from(
-            shot.camera,
-            shot.mount,
+            view.camera,
+            view.mount,
             accelerations=[one.acceleration_along for one in shown],
-            time=shot.time,
-            roll_deg=shot.roll_deg,
+            time=view.time,
+            roll_deg=view.roll_deg,
         )
         return frame, np.array([0, *(one.key for one in shown)], np.int32)
 

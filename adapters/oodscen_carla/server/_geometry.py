@@ -13,7 +13,7 @@ from oodscen_carla.server._values import Transform, Vector
 Matrix = NDArray[np.float64]
 
 
-class Box(NamedTuple):
+class OrientedBox(NamedTuple):
     """An upright box that stands on its place."""
 
     place: Transform
@@ -31,7 +31,7 @@ class Box(NamedTuple):
             for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))
         ]
 
-    def overlaps(self, other: "Box") -> bool:
+    def overlaps(self, other: "OrientedBox") -> bool:
         """Return whether two boxes touch: footprints by separating axes, then heights."""
         reach = math.hypot(*self.extent[:2]) + math.hypot(*other.extent[:2])
         if math.dist(self.place.location[:2], other.place.location[:2]) > reach:

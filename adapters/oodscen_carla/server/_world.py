@@ -25,7 +25,7 @@ from oodscen_carla.server._blueprints import (
 )
 from oodscen_carla.server._cameras import PicturedBody
 from oodscen_carla.server._collisions import collide
-from oodscen_carla.server._geometry import Box, mounted, rotated
+from oodscen_carla.server._geometry import OrientedBox, mounted, rotated
 from oodscen_carla.server._kinematics import Surface, move
 from oodscen_carla.server._roads import ServedMap
 from oodscen_carla.server._staging import HERO, ServedScene, carla_place
@@ -229,7 +229,7 @@ class World:
             raise CallError(f"this server holds at most {MAX_ACTORS} actors")
         blueprint = self.library[what.type_id]
         if blueprint.is_solid:
-            box = Box(place, blueprint.extent)
+            box = OrientedBox(place, blueprint.extent)
             for other in self.actors.values():
                 if other.is_obstacle and box.overlaps(other.box):
                     raise CallError("Spawn failed because of collision at spawn position")

@@ -13,7 +13,7 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SIDE_M, Shade
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering.optics import OPAQUE, fade
-from oodscen_pybullet._rendering.plate import Air, Clouds, Daylight, Plate, PortalPlane, ShadowMap
+from oodscen_pybullet._rendering.plate import Air, Clouds, Daylight, Plate, PortalPlane, ShadowMaps
 from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import GROUND
 from oodscen_pybullet._rendering.view import CameraView
@@ -69,7 +69,7 @@ _BRIGHT_OUTSIDE, _HAZE_INSIDE = 0.4, 0.55
 _ONE = np.float32(1.0)
 _NO_GRID = np.zeros((1, 1, 3), np.float32)
 _NO_MAP = np.zeros((1, 1), np.float32)
-_NO_SHADOWS = ShadowMap(_NO_MAP, _NO_MAP, _NO_MAP)
+_NO_SHADOWS = ShadowMaps(_NO_MAP, _NO_MAP, _NO_MAP)
 _NO_PORTAL = PortalPlane(np.zeros(3, np.float32))
 
 
@@ -164,13 +164,13 @@ def _beam(view: CameraView, light: Light) -> np.float32:
     return np.float32(_BEAM * (1.0 - light.daylight) if is_seen else 0.0)
 
 
-def _shadow_map(view: CameraView, light: Light, shade: Shade) -> ShadowMap:
+def _shadow_map(view: CameraView, light: Light, shade: Shade) -> ShadowMaps:
     """Return the fine and the coarse shadow map, and the camera's place in them."""
     eye, z = view.eye, view.eye[2] - shade.level
     near, far = CELLS / SIDE_M, FAR_CELLS / FAR_SIDE_M
     x, y = (eye[axis] - shade.lean[axis] * z for axis in range(2))
     darkness = float(light.darkness()[round(255 * light.sun[2])])
-    return ShadowMap(
+    return ShadowMaps(
         is_cast=True,
         x=np.float32((x - shade.corner[0]) * near),
         y=np.float32((y - shade.corner[1]) * near),

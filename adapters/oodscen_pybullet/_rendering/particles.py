@@ -7,7 +7,7 @@ import numpy as np
 
 from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import Kernel
-from oodscen_pybullet._rendering.stage import Ball, RawPicture
+from oodscen_pybullet._rendering.stage import PlacedPuff, RawPicture
 from oodscen_pybullet._rendering.view import NEAR, CameraView
 from oodscen_pybullet._types import F32, U8, Mask, Point
 
@@ -43,7 +43,7 @@ def add_puffs(image: U8, picture: RawPicture, rate: float, air: Sequence[float])
         shot.depth[is_filled] = np.minimum(shot.depth[is_filled], middle)
 
 
-def filled(view: CameraView, balls: Sequence[Ball]) -> Mask:
+def filled(view: CameraView, balls: Sequence[PlacedPuff]) -> Mask:
     """Return the pixels that balls would fill without occlusion."""
     shape = (view.height, view.width)
     image, cover = np.zeros((*shape, 3), np.uint8), np.zeros(shape, np.float32)
@@ -53,7 +53,9 @@ def filled(view: CameraView, balls: Sequence[Ball]) -> Mask:
     return np.asarray(cover > np.float32(0.5))
 
 
-def _from_afar(view: CameraView, balls: Sequence[Ball]) -> list[tuple[float, Ball, F32]]:
+def _from_afar(
+    view: CameraView, balls: Sequence[PlacedPuff]
+) -> list[tuple[float, PlacedPuff, F32]]:
     """Return the balls ahead, farthest first, each with its distance, m, and as `draw_puff` takes it."""
     found = []
     for ball in balls:

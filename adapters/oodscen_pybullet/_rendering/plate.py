@@ -40,7 +40,7 @@ class Daylight(NamedTuple):
     """[256] the sun's fraction of the light, by `Plate.lit`."""
 
 
-class ShadowMap(NamedTuple):
+class ShadowMaps(NamedTuple):
     """The fine shadow map near the camera and the coarse one around it."""
 
     heights: F32
@@ -129,7 +129,7 @@ class Plate(NamedTuple):
     """Height of the camera above the road, m."""
     air: Air
     daylight: Daylight
-    shadow: ShadowMap
+    shadow: ShadowMaps
     clouds: Clouds
     portal: PortalPlane
     beam: np.float32

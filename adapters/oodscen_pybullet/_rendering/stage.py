@@ -40,7 +40,7 @@ class Shot:
     """The shadow map; `None` if it was not requested, or is part of `rgb` already."""
 
 
-class Ball(NamedTuple):
+class PlacedPuff(NamedTuple):
     """A puff in world coordinates."""
 
     puff: Puff
@@ -66,7 +66,7 @@ class RawPicture:
     """Height of the ground below the camera, m."""
     portal: Portal | None = None
     """The end of a tunnel that the camera looks at."""
-    balls: Sequence[Ball] = ()
+    balls: Sequence[PlacedPuff] = ()
     """Smoke, fire and dust."""
     threads: int = 1
     """Number of threads that develop it."""

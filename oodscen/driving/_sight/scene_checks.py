@@ -14,7 +14,7 @@ from oodscen.data._scene import Scene
 from oodscen.driving._motion.behaviours import having
 from oodscen.driving._motion.boxes import Footprint, gap, radius
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.driving._sight.visibility import Eye, Solid, is_noticeable
+from oodscen.driving._sight.visibility import Eye, UprightBox, is_noticeable
 from oodscen.errors import Issue
 from oodscen.protocols import Camera
 
@@ -40,7 +40,7 @@ class PlacedBody(NamedTuple):
 
     id: str
     asset: str
-    solid: Solid
+    solid: UprightBox
 
     def __str__(self) -> str:
         return f"{self.id!r} ({self.asset})"
@@ -71,7 +71,9 @@ def bodies(
 ) -> tuple[PlacedBody, ...]:
     """Return all bodies at poses, [n, 4], the ego first."""
     return tuple(
-        PlacedBody(name, asset.id, Solid(x, y, z, yaw, asset.length, asset.width, asset.height))
+        PlacedBody(
+            name, asset.id, UprightBox(x, y, z, yaw, asset.length, asset.width, asset.height)
+        )
         for (name, asset, _), (x, y, z, yaw) in zip(
             catalogue.bodies(scene), poses.tolist(), strict=True
         )
@@ -201,7 +203,7 @@ def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) 
     return Issue(f"actors[{row - 1}]", f"{who} cannot be seen in any frame: {why}{hint}")
 
 
-def _others(scene: Scene, cast: Sequence[PlacedBody], row: int) -> list[Solid]:
+def _others(scene: Scene, cast: Sequence[PlacedBody], row: int) -> list[UprightBox]:
     """Return the bodies that may hide a body; its carrier is hollow and hides nothing."""
     carrier = scene.actors[row - 1].behaviour.other
     return [one.solid for i, one in enumerate(cast) if i not in (0, row) and one.id != carrier]

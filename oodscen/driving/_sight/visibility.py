@@ -24,7 +24,7 @@ _LN_20 = 2.995732273553991
 NEAR_M = 0.1
 """Closest distance that a camera shows, m."""
 _EDGES = tuple((i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit)
-"""Edges of a box, as pairs of indices into `Solid.corners`."""
+"""Edges of a box, as pairs of indices into `UprightBox.corners`."""
 
 Point = tuple[float, float, float]
 _PARALLEL = 1e-12
@@ -74,7 +74,7 @@ def visual_range(weather: Weather) -> float:
 
 
 @dataclass(frozen=True)
-class Solid:
+class UprightBox:
     """A body as an upright box."""
 
     x: float
@@ -143,7 +143,7 @@ class Sight:
 class Eye:
     """A camera at a position in the world."""
 
-    def __init__(self, camera: Camera, ego: Solid) -> None:
+    def __init__(self, camera: Camera, ego: UprightBox) -> None:
         """Mount a camera on the ego."""
         cos, sin = math.cos(ego.yaw), math.sin(ego.yaw)
         pitch, turn = math.radians(camera.pitch_deg), ego.yaw + math.radians(camera.yaw_deg)
@@ -169,7 +169,7 @@ class Eye:
         )
         return across, below, ahead
 
-    def silhouette(self, body: Solid) -> list[tuple[float, float]]:
+    def silhouette(self, body: UprightBox) -> list[tuple[float, float]]:
         """Return the outline of a box in the picture plane, not clipped; empty behind the camera."""
         corners = [self.to_camera(corner) for corner in body.corners()]
         points = [one for one in corners if one[2] >= NEAR_M]
@@ -180,11 +180,13 @@ class Eye:
             [(0.5 * width + focal * x / z, 0.5 * height + focal * y / z) for x, y, z in points]
         )
 
-    def distance(self, body: Solid) -> float:
+    def distance(self, body: UprightBox) -> float:
         """Return the distance from the camera to the middle of a body, m."""
         return math.dist(self.place, (body.x, body.y, body.z + 0.5 * body.height))
 
-    def see(self, body: Solid, others: Sequence[Solid], road: Corridor | None = None) -> Sight:
+    def see(
+        self, body: UprightBox, others: Sequence[UprightBox], road: Corridor | None = None
+    ) -> Sight:
         """Return the appearance of one body.
 
         Args:
@@ -203,9 +205,9 @@ class Eye:
 
     def _hidden(
         self,
-        body: Solid,
+        body: UprightBox,
         shown: Sequence[tuple[float, float]],
-        others: Sequence[Solid],
+        others: Sequence[UprightBox],
         road: Corridor | None,
         distance: float,
     ) -> float:
@@ -253,7 +255,7 @@ def _cut(a: Point, b: Point) -> Point | None:
     return a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), NEAR_M
 
 
-def _enters(body: Solid, origin: Point, ray: Point) -> float | None:
+def _enters(body: UprightBox, origin: Point, ray: Point) -> float | None:
     """Return the distance along a ray to a box, or `None` if the ray misses it."""
     start = body.local(origin)
     cos, sin = math.cos(body.yaw), math.sin(body.yaw)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._scene import Scene
 from oodscen.driving._sight.scene_checks import PlacedBody
-from oodscen.driving._sight.visibility import Eye, Solid, area, clipped
+from oodscen.driving._sight.visibility import Eye, UprightBox, area, clipped
 from oodscen.protocols import Camera, Frame, State
 
 INSIDE = 0.9
@@ -147,7 +147,7 @@ def share_inside(
     return float(inside.mean()) if len(rows) else 0.0
 
 
-def depths(eye: Eye, body: Solid) -> tuple[float, float]:
+def depths(eye: Eye, body: UprightBox) -> tuple[float, float]:
     """Return the least and the greatest depth of a body's corners, m."""
     found = [eye.to_camera(corner)[2] for corner in body.corners()]
     return min(found), max(found)

@@ -12,7 +12,7 @@ from oodscen.data._scene import Weather
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.visibility import (
     Eye,
-    Solid,
+    UprightBox,
     area,
     clipped,
     hull,
@@ -25,12 +25,12 @@ from oodscen.testing._flat import FlatSimulator
 from tests.driving.staging import actor, scene
 
 CAMERA = Camera()
-EGO = Solid(0, 0, 0, 0, 4.5, 1.85, 1.5)
+EGO = UprightBox(0, 0, 0, 0, 4.5, 1.85, 1.5)
 points = st.lists(st.tuples(st.floats(-900, 900), st.floats(-900, 900)), min_size=3, max_size=12)
 
 
 def car(x, y=0.0, yaw=0.0, height=1.5):
-    return Solid(x, y, 0.0, yaw, 4.3, 1.8, height)
+    return UprightBox(x, y, 0.0, yaw, 4.3, 1.8, height)
 
 
 @given(points)
@@ -53,7 +53,7 @@ def test_the_silhouette_is_what_the_camera_shows(ahead, aside, heading, turn):
         frame = simulator.render(camera)
         size = simulator.catalogue().asset("van")
     bodies = [
-        Solid(*map(float, pose), *dimensions)
+        UprightBox(*map(float, pose), *dimensions)
         for pose, dimensions in zip(
             state.poses, ((4.5, 1.85, 1.5), (size.length, size.width, size.height)), strict=True
         )
@@ -69,7 +69,7 @@ def test_what_is_outside_behind_or_small_is_not_seen():
     for body, word in (
         (car(-20.0), "behind"),
         (car(10.0, 30.0), "outside"),
-        (Solid(150.0, 0.0, 0.0, 0.0, 0.3, 0.3, 0.3), "square pixels"),
+        (UprightBox(150.0, 0.0, 0.0, 0.0, 0.3, 0.3, 0.3), "square pixels"),
     ):
         assert word in (eye.see(body, ()).fault(Weather(), CAMERA) or "")
 
@@ -82,8 +82,8 @@ def test_fog_hides_what_is_beyond_the_visual_range():
 
 def test_a_larger_body_hides_a_smaller_one_behind_it():
     eye = Eye(CAMERA, EGO)
-    bus = Solid(20.0, 0.0, 0.0, math.pi / 2, 12.0, 2.5, 3.1)
-    child = Solid(30.0, 0.0, 0.0, 0.0, 0.4, 0.4, 1.2)
+    bus = UprightBox(20.0, 0.0, 0.0, math.pi / 2, 12.0, 2.5, 3.1)
+    child = UprightBox(30.0, 0.0, 0.0, 0.0, 0.4, 0.4, 1.2)
     assert eye.see(child, (bus,)).hidden == 1.0
     assert "hidden" in (eye.see(child, (bus,)).fault(Weather(), CAMERA) or "")
     assert eye.see(bus, (child,)).hidden == 0.0
@@ -93,9 +93,9 @@ def test_a_larger_body_hides_a_smaller_one_behind_it():
 def test_a_flat_road_hides_nothing():
     corridor = load_corridor(SHIPPED_MAPS[0])
     x, y, z, yaw = corridor.point(corridor.start, 0.0)
-    eye = Eye(CAMERA, Solid(x, y, z, yaw, 4.5, 1.85, 1.5))
+    eye = Eye(CAMERA, UprightBox(x, y, z, yaw, 4.5, 1.85, 1.5))
     other = corridor.point(corridor.start + 40.0, 0.0)
-    assert eye.see(Solid(*other, 4.3, 1.8, 1.5), (), corridor).hidden == 0.0
+    assert eye.see(UprightBox(*other, 4.3, 1.8, 1.5), (), corridor).hidden == 0.0
 
 
 @given(st.floats(20, 9000), st.sampled_from(["rain", "snow"]), st.floats(0.5, 60))

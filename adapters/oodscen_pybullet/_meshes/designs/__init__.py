@@ -24,32 +24,32 @@ from oodscen_pybullet._meshes.look import Appearance
 _PLAIN, _UNMOVED = Appearance(), Placing()
 
 
-class BothSides(shapes.BothSidesOf):
+class DrawnBothSides(shapes.BothSidesOf):
     """Parts on the left side, and their mirror images on the right."""
 
     both_sides: "PlacedParts"
 
 
-class Row(shapes.RowOf):
+class DrawnRow(shapes.RowOf):
     """Parts repeated at equal steps."""
 
     parts: "PlacedParts"
 
 
-class Copies(shapes.CopiesOf):
+class DrawnCopies(shapes.CopiesOf):
     """Parts repeated at given places."""
 
     parts: "PlacedParts"
 
 
-class Condition(shapes.ConditionOf):
+class DrawnCondition(shapes.ConditionOf):
     """Parts that show only while a state or a lamp is on."""
 
     parts: "PlacedParts"
     otherwise: "PlacedParts" = ()
 
 
-class Turned(shapes.TurnedOf):
+class DrawnTurned(shapes.TurnedOf):
     """Parts that are turned about x, then z, and moved."""
 
     turned: "Parts"
@@ -96,13 +96,13 @@ _Placed = (
     | Annotated[fittings.Octagon, Tag("octagon")]
     | Annotated[rings.SpokedWheel, Tag("spoked_wheel")]
     | Annotated[rings.Torus, Tag("torus")]
-    | Annotated[BothSides, Tag("both_sides")]
-    | Annotated[Row, Tag("repeat")]
-    | Annotated[Copies, Tag("at")]
-    | Annotated[Condition, Tag("when")]
+    | Annotated[DrawnBothSides, Tag("both_sides")]
+    | Annotated[DrawnRow, Tag("repeat")]
+    | Annotated[DrawnCopies, Tag("at")]
+    | Annotated[DrawnCondition, Tag("when")]
 )
 _Fixed = (
-    Annotated[Turned, Tag("turned")]
+    Annotated[DrawnTurned, Tag("turned")]
     | Annotated[Component, Tag("asset")]
     | Annotated[fittings.Shell, Tag("shell")]
     | Annotated[fittings.Cab, Tag("cab")]

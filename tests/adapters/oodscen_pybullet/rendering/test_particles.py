@@ -3,7 +3,7 @@ import pytest
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.mesh import Puff
 from oodscen_pybullet._rendering.particles import add_puffs, filled
-from oodscen_pybullet._rendering.stage import Ball, RawPicture
+from oodscen_pybullet._rendering.stage import PlacedPuff, RawPicture
 from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Weather
@@ -25,8 +25,8 @@ def blend(
     return image, shot.rows
 
 
-def at_20_m(puff: Puff, row: int) -> Ball:
-    return Ball(puff.placed((20.0, 0.0, 0.0), (1.0, 0.0)), row)
+def at_20_m(puff: Puff, row: int) -> PlacedPuff:
+    return PlacedPuff(puff.placed((20.0, 0.0, 0.0), (1.0, 0.0)), row)
 
 
 def smoke(density: float = 0.9, *, is_bright: bool = False) -> Puff:
