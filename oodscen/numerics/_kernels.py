@@ -18,7 +18,7 @@ from enum import EnumType
 from functools import cache
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
-from typing import Any, Generic, ParamSpec, Protocol, TypeVar
+from typing import Any, Generic, ParamSpec, Protocol, TypeVar, get_args
 
 import numpy as np
 
@@ -184,8 +184,7 @@ def _digest(function: Callable[..., object]) -> str:
         one = pending.pop()
         files.add(one.__code__.co_filename)
         for kind in one.__annotations__.values():
-            if hasattr(kind, "_fields"):
-                constants.add(f"{kind.__qualname__}={kind._fields!r}")
+            constants.update(_layouts(kind))
         for name in _names(one.__code__):
             value = one.__globals__.get(name)
             if isinstance(value, ModuleType):
@@ -207,6 +206,16 @@ def _digest(function: Callable[..., object]) -> str:
             total.update(Path(file).read_bytes())
     total.update(repr(sorted(constants)).encode())
     return total.hexdigest()
+
+
+def _layouts(kind: Any) -> Iterator[str]:
+    """Yield the place and the fields of a named tuple's type, and of those within it."""
+    if hasattr(kind, "_fields"):
+        yield f"{kind.__module__}.{kind.__qualname__}={kind._fields!r}"
+        for field in kind.__annotations__.values():
+            yield from _layouts(field)
+    for argument in get_args(kind):
+        yield from _layouts(argument)
 
 
 def _names(code: CodeType) -> set[str]:

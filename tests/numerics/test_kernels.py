@@ -4,6 +4,7 @@ from collections import namedtuple
 from collections.abc import Callable
 from enum import IntEnum
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -100,3 +101,17 @@ def test_a_kernel_is_compiled_anew_when_a_named_tuple_of_arrays_changes() -> Non
 
     one, same, other = (compiled._digest(kernel_over(names)) for names in ("a b", "a b", "b a"))
     assert one == same != other
+
+
+def test_a_kernel_is_compiled_anew_when_a_named_tuple_within_another_changes_or_is_renamed() -> (
+    None
+):
+    def kernel_over(inner: type) -> Callable[..., object]:
+        def first(pair: object) -> object:
+            return pair
+
+        first.__annotations__["pair"] = NamedTuple("Pair", [("a", tuple[inner, ...]), ("b", int)])
+        return first
+
+    inner = [namedtuple("Inner", "x y"), namedtuple("Inner", "y x"), namedtuple("Other", "x y")]
+    assert len({compiled._digest(kernel_over(one)) for one in inner}) == 3
