@@ -59,8 +59,19 @@ def entry_points(group: str) -> EntryPoints:
     places: list[tuple[str, int]] = []
     for folder in sys.path:
         with suppress(OSError, ValueError):
-            places.append((folder, os.stat(folder or os.curdir).st_mtime_ns))
+            place = (folder, os.stat(folder or os.curdir).st_mtime_ns)
+            if _holds_packages(*place):
+                places.append(place)
     return _installed(tuple(places)).select(group=group)
+
+
+@lru_cache(maxsize=256)
+def _holds_packages(place: str, changed: int) -> bool:
+    """Return whether a folder with this time of change lists installed packages; an archive may."""
+    if os.path.isfile(place):
+        return True
+    listed = (name.lower() for name in os.listdir(place or os.curdir))
+    return any(name.endswith(("dist-info", "egg-info")) for name in listed)
 
 
 @lru_cache(maxsize=1)

@@ -1,6 +1,7 @@
 """Components by name: entry points, `module:attr`, objects as they are."""
 
 import os
+import shutil
 import sys
 import types
 from importlib.metadata import EntryPoint
@@ -78,6 +79,19 @@ def test_the_shipped_components_are_registered():
     assert {"builtin", "litellm", "constant", "random"} <= set(names("llm"))
     assert {"minilm", "sentence-transformers", "hash"} <= set(names("encoder"))
     assert {"pybullet", "flat"} <= set(names("simulator"))
+
+
+def test_a_package_is_found_as_soon_as_it_is_installed(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (tmp_path / "notes.txt").touch()
+    assert "later" not in names("encoder")
+    info = tmp_path / "later-1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Name: later\nVersion: 1\n")
+    (info / "entry_points.txt").write_text("[oodscen.encoders]\nlater = later:Encoder\n")
+    assert "later" in names("encoder")
+    shutil.rmtree(info)
+    assert "later" not in names("encoder")
 
 
 def test_an_object_is_taken_as_it_is():
