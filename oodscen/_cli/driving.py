@@ -63,7 +63,6 @@ def drive(
     """
     from oodscen._pipeline.drives import DriveJob, drive_all
     from oodscen.data._pairing import scene_of
-    from oodscen.errors import RunStopped
     from oodscen.judging._drive_board import current_results, drive_board
     from oodscen.report._render import write_report
     from oodscen.study._stale import refuse_stale
@@ -77,13 +76,16 @@ def drive(
     names = drivers or ("rule-based",)
     before = study.drives
     found = {row.id: row for row in current_results(before, staged)}
-    job = DriveJob(names, study.config.simulator, study.config.seed)
-    drives = drive_all(job, scenes, workers=workers, time_limit_s=time_limit)
+    jobs = [DriveJob(name, study.config.simulator, study.config.seed) for name in names]
+    drives = drive_all(jobs, scenes, workers=workers, time_limit_s=time_limit)
+    ended: set[str] = set()
     try:
         for results in tracked(drives, "drive", len(names) * len(scenes)):
             found.update((one.id, one) for one in results)
-    except (KeyboardInterrupt, RunStopped):
-        study.store.write_lines("drives.jsonl", current_results(found.values(), staged))
+            ended.update(one.id for one in results)
+    except BaseException:
+        if ended:
+            study.store.write_lines("drives.jsonl", current_results(found.values(), staged))
         raise
     rows = current_results(found.values(), staged)
     board = drive_board(rows, scenarios, seed=study.config.seed)

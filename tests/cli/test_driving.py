@@ -118,6 +118,26 @@ def test_a_stack_that_ends_its_process_fails_and_the_others_go_on(with_stack, tm
     assert "its process died (" in drives[2][2]
 
 
+def test_what_a_stack_changes_in_its_process_changes_no_other_drive(with_stack, tmp_path) -> None:
+    with_stack(
+        "stack_patching",
+        "import numpy as np\n"
+        "from oodscen.driving._motion.actions import Cruise\n"
+        "class Patching(Cruise):\n"
+        "    def act(self, observation):\n"
+        "        np.isfinite = None\n"
+        "        return super().act(observation)\n",
+    )
+    names = ("stack_patching:Patching", "keep_speed")
+    options = [option for name in names for option in ("--driver", name)]
+    found = CliRunner().invoke(main, ["drive", "out", *options])
+    assert found.exit_code == 1
+    rows = map(json.loads, (tmp_path / "out" / "drives.jsonl").read_text().splitlines())
+    drives = [(row["driver"], row["status"], row.get("error", "")) for row in rows]
+    assert [row[:2] for row in drives] == [("keep_speed", "ok")] * 2 + [(names[0], "failed")] * 2
+    assert "'NoneType' object is not callable" in drives[2][2]
+
+
 def test_a_stack_that_ends_its_process_when_it_is_made_is_refused(with_stack, tmp_path) -> None:
     with_stack("stack_stillborn", "import os\nos._exit(0)\n")
     found = CliRunner().invoke(main, ["drive", "out", "--driver", "stack_stillborn:Driver"])
