@@ -38,7 +38,7 @@ def summary(info: dict[str, Any]) -> str:
         listed = ", ".join(f"{number} in {name}" for name, number in failures.items())
         lines.append(
             f"failed items (the report lists them): {listed}; the same command does those again that "
-            "got no answer, --retry-failed all of them"
+            "a model or process may yet answer (limits, no connection, a death), --retry-failed all of them"
         )
     return "\n".join(lines)
 

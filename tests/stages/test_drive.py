@@ -83,6 +83,15 @@ def test_an_error_is_recorded_whatever_its_text_holds(simulator, error):
         assert "opensesame" not in one.error
 
 
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [(SystemExit(0), "SystemExit: 0"), (GeneratorExit(), "GeneratorExit"), (Mute(), "Mute")],
+)
+def test_an_error_without_words_of_its_own_has_its_name(simulator, error, said):
+    for one in drive([example_scene()], lambda: Raising(error), simulator, name="raising"):
+        assert one.error == said
+
+
 @pytest.mark.parametrize(("driver", "error"), [(Broken, "RuntimeError"), (Wild, "UsageError")])
 def test_a_driver_that_fails_is_a_result(simulator, driver, error):
     results = drive([example_scene()], driver, simulator)

@@ -3,6 +3,7 @@
 import io
 from collections.abc import Iterator
 from functools import cache
+from operator import itemgetter
 from typing import Any
 
 from oodscen.errors import DataError, Issue, MissingExtra
@@ -50,34 +51,59 @@ def mcap_trace(messages: Iterator[tuple[int, bytes]], road: RoadFile) -> bytes:
     return out.getvalue()
 
 
-def mcap_messages(data: bytes, source: str) -> Iterator[bytes]:
-    """Yield the encoded messages of ground truth in an MCAP file, in the order of time.
+def mcap_messages(data: bytes, source: str) -> list[bytes]:
+    """Return the encoded messages of ground truth in an MCAP file, in the order of time.
+
+    They are those of the topic `ground_truth`, or of the only topic that has some.
 
     Raises:
-        DataError: If the bytes are not an MCAP file.
+        DataError: If the bytes are not an MCAP file, or several other topics have ground truth.
         MissingExtra: If the packages for MCAP are not installed.
     """
     mcap_library()
-    from mcap.reader import SeekingReader
-
     if not data.startswith(_MAGIC):
         raise _fault("is not an MCAP file", source)
     if not data.endswith(_MAGIC):
         raise _fault("is cut off: MCAP files end as they begin", source)
     try:
-        reader = SeekingReader(io.BytesIO(data), record_size_limit=_MAX_RECORD_BYTES)
-        summary = reader.get_summary()
-        chunks = summary.chunk_indexes if summary is not None else []
-        is_large = max((one.uncompressed_size for one in chunks), default=0) > _MAX_RECORD_BYTES
-        messages = () if is_large else reader.iter_messages()
-        for schema, _, message in messages:
-            if schema is not None and schema.name == TRUTH:
-                yield message.data
+        topics = None if _largest_chunk(data) > _MAX_RECORD_BYTES else _topics(data)
     except Exception:
         # The reader lets errors of several packages through, in words of their own.
         raise _fault("is damaged: a record of the MCAP file cannot be read", source) from None
-    if is_large:
+    if topics is None:
         raise _fault("a chunk has more than 256 MiB", source)
+    own = [_TOPICS[TRUTH]] if _TOPICS[TRUTH] in topics else list(topics)
+    if len(own) > 1:
+        raise _fault(
+            f"has ground truth in the topics {', '.join(sorted(own))}, and none is {_TOPICS[TRUTH]!r}",
+            source,
+        )
+    timed = topics[own[0]] if own else []
+    return [message for _, message in sorted(timed, key=itemgetter(0))]
+
+
+def _largest_chunk(data: bytes) -> int:
+    """Return the size of the largest chunk that the summary names, in bytes."""
+    from mcap.reader import SeekingReader
+
+    reader = SeekingReader(io.BytesIO(data), record_size_limit=_MAX_RECORD_BYTES)
+    summary = reader.get_summary()
+    chunks = summary.chunk_indexes if summary is not None else []
+    return max((one.uncompressed_size for one in chunks), default=0)
+
+
+def _topics(data: bytes) -> dict[str, list[tuple[int, bytes]]]:
+    """Return times in ns and messages of ground truth by topic; the summary may lack schemas and channels."""
+    from mcap.reader import NonSeekingReader
+
+    reader = NonSeekingReader(
+        io.BytesIO(data), validate_crcs=True, record_size_limit=_MAX_RECORD_BYTES
+    )
+    topics: dict[str, list[tuple[int, bytes]]] = {}
+    for schema, channel, message in reader.iter_messages(log_time_order=False):
+        if schema is not None and schema.name == TRUTH:
+            topics.setdefault(channel.topic, []).append((message.log_time, message.data))
+    return topics
 
 
 def _fault(message: str, source: str) -> DataError:

@@ -1,3 +1,4 @@
+import io
 import re
 import struct
 from functools import cache
@@ -76,3 +77,46 @@ def test_messages_that_are_no_ground_truth_are_refused():
 def test_an_unknown_container_is_refused():
     with pytest.raises(UnknownComponent):
         osi_trace(SCENE, catalogue(), container="zip")
+
+
+def rewritten(*topics, shift_ns=0, **options):
+    """Return the file with its ground truth in other topics; those of later ones come later."""
+    from mcap.reader import make_reader
+    from mcap.writer import Writer
+
+    out = io.BytesIO()
+    writer = Writer(out, **options)
+    writer.start()
+    messages = list(make_reader(io.BytesIO(mcap())).iter_messages(["ground_truth"]))
+    schema = writer.register_schema(messages[0][0].name, "protobuf", messages[0][0].data)
+    for index, topic in enumerate(topics):
+        channel = writer.register_channel(topic, "protobuf", schema)
+        for _, _, message in messages[: 5 if index else None]:
+            at = message.log_time + index * shift_ns
+            writer.add_message(channel, at, message.data, at)
+    writer.finish()
+    return out.getvalue()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"repeat_channels": False},
+        {"repeat_schemas": False},
+        {"use_statistics": False, "use_summary_offsets": False},
+        {"use_chunking": False},
+        {"chunk_size": 500},
+    ],
+)
+def test_files_of_other_writers_are_read(options):
+    own = list(read_osi_trace(mcap(), "run.mcap"))
+    assert list(read_osi_trace(rewritten("lab", **options), "run.mcap")) == own
+
+
+def test_one_topic_with_ground_truth_is_read():
+    own = list(read_osi_trace(mcap(), "run.mcap"))
+    both = rewritten("prediction", "ground_truth", shift_ns=25_000_000)
+    assert list(read_osi_trace(both, "run.mcap")) == own[: 5 * len({name for _, name, _ in own})]
+    with pytest.raises(DataError, match="topics lab, prediction, and none is 'ground_truth'"):
+        list(read_osi_trace(rewritten("prediction", "lab"), "run.mcap"))
