@@ -7,6 +7,9 @@ import unicodedata
 from functools import cache, lru_cache
 from typing import Any
 
+CHARACTERS_PER_TOKEN = 4
+"""Characters per token of English text, about."""
+
 _HALVES = re.compile("[\ud800-\udfff]")
 
 _UNSEEN = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")

@@ -11,6 +11,7 @@ from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._pipeline.sweep import check_workers
 from oodscen._registry import make_llm
+from oodscen._text import CHARACTERS_PER_TOKEN
 from oodscen.data._episode import moments
 from oodscen.data._messages import Image, Message
 from oodscen.data._pairing import twin_id
@@ -34,9 +35,6 @@ from oodscen.protocols import LLM, Completion, Request, Usage
 from oodscen.study._config import StudyConfig
 from oodscen.study._store import Store
 from oodscen.study._study import Study
-
-CHARACTERS = 4
-"""Characters per token of English text."""
 
 DESCRIPTION = "word " * 60
 """A text as long as a model's description of a frame."""
@@ -175,13 +173,13 @@ class _PricedAuthor:
 
     def usage(self, request: Request, characters: int) -> Usage:
         asked = sum(map(_tokens, request.messages))
-        answered = characters // CHARACTERS
+        answered = characters // CHARACTERS_PER_TOKEN
         cost = self._price.of(asked, answered) if self._price else None
         return Usage(input_tokens=asked, output_tokens=answered, cost_usd=cost)
 
 
 def _tokens(message: Message) -> int:
-    return len(message.text) // CHARACTERS + IMAGE_TOKENS * len(message.images)
+    return len(message.text) // CHARACTERS_PER_TOKEN + IMAGE_TOKENS * len(message.images)
 
 
 def _price(name: str) -> Price | None:

@@ -2,14 +2,13 @@
 
 from collections.abc import Sequence
 
+from oodscen._text import CHARACTERS_PER_TOKEN
 from oodscen.data._messages import Message
 from oodscen.llm._remote.usage import IMAGE_TOKENS
 from oodscen.protocols import Request
 
 LEAST_TOKENS = 1_024
 """Shortest prefix that the large providers cache, in tokens."""
-_CHARACTERS = 4
-"""Characters per token of English text."""
 
 
 def cacheable_share(request: Request) -> float:
@@ -25,4 +24,6 @@ def cacheable_share(request: Request) -> float:
 
 
 def _tokens(messages: Sequence[Message]) -> float:
-    return sum(len(one.text) / _CHARACTERS + IMAGE_TOKENS * len(one.images) for one in messages)
+    return sum(
+        len(one.text) / CHARACTERS_PER_TOKEN + IMAGE_TOKENS * len(one.images) for one in messages
+    )

@@ -3,14 +3,12 @@
 import re
 from typing import Any, TypeVar
 
-from oodscen._text import stem
+from oodscen._text import CHARACTERS_PER_TOKEN, stem
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import AssetLine, BehaviourLine, CatalogueDigest
 
 Question = TypeVar("Question", bound=Prompt[Any])
 
-CHARACTERS = 4
-"""Characters per token of English text."""
 
 ANSWER_TOKENS = 800
 """Tokens reserved for the answer."""
@@ -55,7 +53,7 @@ def fitted(question: Question, context: int | None) -> Question:
 
 def tokens_of(question: Prompt[Any]) -> int:
     """Estimate the tokens of a rendered question from its characters."""
-    return sum(len(message.text) for message in question.messages()) // CHARACTERS
+    return sum(len(message.text) for message in question.messages()) // CHARACTERS_PER_TOKEN
 
 
 def _with(question: Question, catalogue: CatalogueDigest, kept: list[tuple[str, str]]) -> Question:

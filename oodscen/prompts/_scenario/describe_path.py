@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal, get_args
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
-from oodscen._text import folded_words
+from oodscen._text import CHARACTERS_PER_TOKEN, folded_words
 from oodscen._wording import description_fault
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
@@ -17,8 +17,6 @@ catalogue, a full account, or the driver's own words."""
 STYLES: tuple[Style, ...] = get_args(Style)
 SHOWN = 400
 """Tokens of existing texts that a question shows."""
-CHARACTERS = 4
-"""Characters per token of English text."""
 
 
 class Descriptions(Brief, BaseModel):
@@ -52,7 +50,7 @@ class DescribePath(Prompt[Descriptions]):
         return {
             **super().variables(),
             "register": _REGISTERS[self.style],
-            "shown": _last(self.avoid, SHOWN * CHARACTERS),
+            "shown": _last(self.avoid, SHOWN * CHARACTERS_PER_TOKEN),
         }
 
     def check(self, answer: Descriptions) -> list[Issue]:

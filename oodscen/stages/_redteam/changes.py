@@ -8,8 +8,8 @@ from oodscen._text import one_line
 from oodscen.errors import Issue
 from oodscen.prompts._tree.kind_labels import parts_of
 from oodscen.prompts._tree.place_scenario import MOST_ALSO, PlacedScenario, label_issues
-from oodscen.stages._redteam.excerpt import by_words, stems
 from oodscen.stages._redteam.rounds import Decision, RunnerUp
+from oodscen.stages._redteam.shared_words import by_words, stems
 from oodscen.tree._labels import label_fault, same_words
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 

@@ -9,8 +9,8 @@ from oodscen._paper import FEW_SHOTS
 from oodscen._text import folded_words
 from oodscen.encoders._centring import Vector, label_rows, unit_rows
 from oodscen.protocols import Encoder
-from oodscen.stages._redteam.excerpt import by_words
 from oodscen.stages._redteam.rounds import Round
+from oodscen.stages._redteam.shared_words import by_words
 from oodscen.stages._redteam.thresholds import NEAREST_LABEL, NEAREST_TEXT
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree
 

@@ -20,7 +20,8 @@ from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.protocols import LLM, Completion, Encoder, Request
 from oodscen.stages._options import RedTeamOptions, with_changes
 from oodscen.stages._redteam.changes import edits_of, misfits, resolve_decision, runners_up
-from oodscen.stages._redteam.excerpt import corner, excerpt, list_leaves, thin
+from oodscen.stages._redteam.excerpt import excerpt, list_leaves
+from oodscen.stages._redteam.families import corner, thin
 from oodscen.stages._redteam.naming import Names
 from oodscen.stages._redteam.near_duplicates import NoveltyFilter
 from oodscen.stages._redteam.rarity import WantedRarity

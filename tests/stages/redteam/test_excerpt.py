@@ -5,26 +5,8 @@ from hypothesis import strategies as st
 
 from oodscen import ScenarioTree
 from oodscen.prompts._tree.place_scenario import PlaceScenario
-from oodscen.stages._redteam.excerpt import by_words, corner, excerpt, list_leaves, thin
-from oodscen.tree._scenario_tree import TreeEdit
-
-
-def grown(shape):
-    """Return a tree with these numbers of leaves per family, the families in turn in each class."""
-    edits = []
-    for number, leaves in enumerate(shape):
-        top = ("environmental", "interactional")[number % 2]
-        edits.append(TreeEdit(op="add", node=f"f{number}", parent=top, label=f"Family {number}"))
-        edits += [
-            TreeEdit(
-                op="add", node=f"f{number}-{n}", parent=f"f{number}", label=f"Leaf {number} {n}"
-            )
-            for n in range(leaves)
-        ]
-    return ScenarioTree.initial().apply(*edits)
-
-
-shapes = st.lists(st.integers(1, 6), min_size=1, max_size=12)
+from oodscen.stages._redteam.excerpt import excerpt, list_leaves
+from tests.stages.redteam.grown import grown, shapes
 
 
 @given(shapes, st.integers(40, 400), st.randoms(use_true_random=False))
@@ -80,35 +62,3 @@ def test_every_leaf_is_listed_in_some_turn(shape, tokens):
         assert sum(len(label) + 2 for label in found) <= 4 * tokens
         seen |= set(found)
     assert seen == labels
-
-
-def test_the_thinnest_groups_are_named():
-    tree = grown([5, 1, 4, 2, 4, 9])
-    assert thin(tree)[:3] == ("Family 1", "Family 3", "Family 2")
-    assert set(thin(tree)) == {"Family 1", "Family 2", "Family 3"}
-    assert "Interactional" in thin(grown([5]))
-    assert thin(ScenarioTree.initial()) == ()
-    assert set(thin(grown([2, 4]))) == {"Family 0"}
-    assert set(thin(grown([2, 3, 1, 4, 3]))) == {"Family 2", "Family 0", "Family 4"}
-
-
-def test_words_rank_labels():
-    labels = ["Fallen tree across the road", "Dog on the road", "Thick fog at night"]
-    scores = by_words("The dogs run towards the ego vehicle.", labels)
-    assert max(scores) == scores[1]
-    assert by_words("", labels) == [0.0, 0.0, 0.0]
-
-
-@given(shapes, st.integers(2, 8), st.integers(1, 30))
-def test_proposals_in_flight_together_look_at_different_families(shape, flying, first):
-    tree = grown(shape)
-    found = [corner(tree, number, of=flying) for number in range(first, first + flying)]
-    assert len(set(found)) == min(flying, len(shape))
-    assert set(found) <= {f"Family {number}" for number in range(len(shape))}
-    assert corner(tree, first, of=1) == ""
-
-
-def test_rare_words_weigh_more_than_common_ones():
-    labels = ["Icy bridge", "Road bridge", "Road works", "Closed road"]
-    icy, _, works, closed = by_words("The road is icy.", labels)
-    assert icy > 0.5 > works == closed > 0.0
