@@ -160,6 +160,17 @@ class IssuesError(ValueError):
         super().__init__("; ".join(map(str, issues)))
 
 
+def same_length(**lengths: int) -> None:
+    """Refuse fields that belong together if their lengths differ.
+
+    Raises:
+        ValueError: With the length of each.
+    """
+    if len({*lengths.values()}) > 1:
+        told = ", ".join(f"{length} in {name}" for name, length in lengths.items())
+        raise ValueError(f"lengths differ: {told}")
+
+
 def issues_of(error: ValidationError) -> list[Issue]:
     """Convert pydantic's errors into issues with paths such as `actors[2].placement.lane`."""
     issues = []

@@ -16,11 +16,12 @@ common opening phrase (lowers both), and off-topic text (raises both).
 """
 
 from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from oodscen.data._base import Data
+from oodscen.data._base import Data, same_length
 from oodscen.encoders._similarity import Vectors, nearest_other
 from oodscen.statistics._intervals import Interval
 from oodscen.statistics._resampling import bootstrap_mean, bootstrap_pairwise
@@ -44,6 +45,11 @@ class Diversity(Data):
     """Seed of the bootstrap."""
     reason: str = ""
     """The reason why values are missing, if any are."""
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        same_length(n=self.n, nearest_index=len(self.nearest_index) or self.n)
+        return self
 
 
 def diversity(

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, model_validator
 
 from oodscen import _paper as paper
 from oodscen._seeding import stream
-from oodscen.data._base import Data
+from oodscen.data._base import Data, same_length
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._similarity import Vectors
 from oodscen.metrics._diversity import Diversity, mean_nearest, mean_pairwise
@@ -67,6 +67,11 @@ class SizeCurve(Data):
     sizes: tuple[int, ...]
     nearest: tuple[float, ...]
     pairwise: tuple[float, ...]
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        same_length(sizes=len(self.sizes), nearest=len(self.nearest), pairwise=len(self.pairwise))
+        return self
 
 
 class MapPicture(Data):

@@ -18,13 +18,13 @@ about driving at all (scores highest), and length (long texts blend several situ
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from oodscen.data._base import Data
+from oodscen.data._base import Data, same_length
 from oodscen.encoders._similarity import Rows, Vectors, nearest, smallest
 from oodscen.errors import UnknownComponent
 from oodscen.statistics._intervals import Interval
@@ -68,6 +68,11 @@ class Oodness(Data):
     """The encoder's name, with the hash of its weights."""
     seed: int = 0
     """Seed of the bootstrap."""
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        same_length(n=self.n, per_text=len(self.per_text), nearest=len(self.nearest))
+        return self
 
 
 def scores(vectors: Vectors, baseline: Rows, definition: Definition) -> NDArray[np.float64]:

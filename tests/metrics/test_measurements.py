@@ -46,6 +46,32 @@ def test_measurements_without_what_a_picture_draws_are_malformed(picture, part, 
         Measurements.parse(found)
 
 
+@pytest.mark.parametrize(
+    "place",
+    [
+        ("sets", "10", "oodness", "per_text"),
+        ("sets", "10", "oodness", "nearest"),
+        ("sets", "10", "diversity", "nearest_index"),
+        ("sets", "10", "calibration", "p_values"),
+        ("pictures", "curves", "10", "sizes"),
+        ("pictures", "curves", "baseline", "nearest"),
+        ("paths", "leaves"),
+        ("paths", "rarity", "per_text"),
+    ],
+)
+def test_columns_that_belong_together_are_of_one_length(place):
+    texts = [Scenario(id=f"s-{i}", text=text, leaf="x") for i, text in enumerate(SETS["10"])]
+    found = measurements(
+        Metrics(HashEncoder(), ORDINARY), {"10": texts}, {"x": "Deer", "y": "Fallen tree"}
+    ).model_dump(mode="json")
+    column = found
+    for part in place:
+        column = column[part]
+    column.pop()
+    with pytest.raises(DataError, match="lengths differ: "):
+        Measurements.parse(found)
+
+
 def test_the_same_seed_gives_the_same_pictures():
     one, other = (picture_data(Metrics(HashEncoder(), ORDINARY, seed=3), SETS) for _ in range(2))
     assert one == other

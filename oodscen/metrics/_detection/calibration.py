@@ -14,13 +14,14 @@ texts, not with driving in general.
 """
 
 from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from oodscen._seeding import stream
-from oodscen.data._base import Data
+from oodscen.data._base import Data, same_length
 from oodscen.encoders._similarity import Vectors
 
 _ALIKE = 0.8
@@ -47,6 +48,11 @@ class Calibration(Data):
     """Number of groups of similar texts, held out one at a time."""
     held_out_mean: float
     """Mean OOD-ness of the held-out texts."""
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        same_length(percentiles=len(self.percentiles), p_values=len(self.p_values))
+        return self
 
 
 def held_out_scores(vectors: Vectors, seed: int = 0) -> tuple[NDArray[np.float64], int]:

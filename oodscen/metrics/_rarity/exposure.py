@@ -5,13 +5,14 @@ theirs over the sum of all; it is ruled by the commonest kinds, whose number is 
 """
 
 from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from oodscen._arguments import instances_of
 from oodscen._seeding import stream
-from oodscen.data._base import Data
+from oodscen.data._base import Data, same_length
 from oodscen.errors import UsageError
 from oodscen.metrics._rarity.estimates import Rarity, TextRarity
 
@@ -44,6 +45,11 @@ class TreeRarity(Data):
     leaves: tuple[str, ...]
     """Ids of the leaves."""
     rarity: Rarity
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        same_length(leaves=len(self.leaves), texts=len(self.rarity.per_text))
+        return self
 
     def per_km(self) -> dict[str, float]:
         """Return meetings per kilometre by leaf, for those with a rarity."""
