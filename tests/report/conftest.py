@@ -245,7 +245,9 @@ def measurements_of(sizes: dict[str, int]) -> Measurements:
             baseline="ordinary-driving",
             seed=0,
         ),
-        baseline_diversity=sets["simulatable"].diversity.model_copy(update={"n": 1200}),
+        baseline_diversity=sets["simulatable"].diversity.model_copy(
+            update={"n": 1200, "nearest_index": (0,) * 1200}
+        ),
         pictures=Pictures(
             oodness=OodnessPicture(control=(-0.6, -0.7), held_out=(-0.8, -0.5)),
             detector=DetectorPicture(
