@@ -8,5 +8,7 @@ def tenths(value: float) -> str:
 
     The steps of a simulation end in five hundredths, so halves are common: 6.35 is "6.4", as people round.
     """
+    if not abs(value) < 1e15:
+        return f"{value:.1f}"
     exact = Decimal(repr(round(value, 9) + 0.0))
     return str(exact.quantize(Decimal("0.1"), ROUND_HALF_UP) + 0)

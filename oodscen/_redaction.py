@@ -54,7 +54,11 @@ _QUOTE = rf"(?:(?:{_SLASHES})?[\"'])?"
 """A quotation mark, also escaped, or nothing."""
 _BETWEEN = rf"(?:{_QUOTE}(?:[\s,;:._-]{{1,3}}{_QUOTE})?(?:0x|{_SLASHES}x|U\+|00)?)"
 """The characters between two bytes in hexadecimal digits."""
-_ELLIPSIS = re.compile(rf"(\.{{3,}}|…|{_SLASHES}u2026)")
+_ELLIPSIS = re.compile(
+    rf"(\s?[\[('\"]{{0,2}}(?:\.{{3,}}|…|\*{{3,}}|{_SLASHES}u2026|&(?:amp;)?(?:hellip|\#8230|\#x2026);)[\])'\"]{{0,2}}\s?)",
+    re.IGNORECASE,
+)
+"""A mark that something is left out, with the blanks, brackets and quotes around it."""
 _MARGIN = 20_000
 """Characters that are searched beyond those that are shown."""
 _WIDEST = 40

@@ -58,7 +58,7 @@ _ADDRESSED = re.compile(
             r"\b(?:the|your) (?:correct|right|only|final|expected) (?:answer|response|output|decision)\b",
             r"\banswer\s*(?:[:=]|(?:is|was|must be|should be|would be|will be)\b)",
             # an option by its letter: "option B", "answer (C)", "choice: D"
-            r"\b(?:option|answer|choice)(?:\s+is\b)?[\s:=]+[(\[\"'“‘]*(?-i:[A-H])(?![\w'’-])",
+            r"\b(?:option|answer|choice)(?:\s+is\b)?[\s:=]+[(\[\"'“‘]*(?-i:[B-H]|A(?!\s+(?!because|since|and|or|is|as)[a-z]))(?![\w'’-])",
             r"\b(?:choose|pick|select|correct)[\s:]+[(\[\"'“‘]*(?-i:[A-H])\W*$",
             # a role for the reader: "you are now ...", "you must ...", "act as an assistant"
             r"\byou (?:are (?:now|no longer|(?:an? |the )?(?:ai|assistant|language model|chatbot|judge|grader))"

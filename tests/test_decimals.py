@@ -21,3 +21,8 @@ def test_sums_of_steps_are_rounded_like_their_decimal_values(steps: int) -> None
 @given(st.floats(-1e9, 1e9))
 def test_the_text_lies_within_half_a_tenth(value: float) -> None:
     assert abs(float(tenths(value)) - value) <= 0.05 + 1e-6
+
+
+def test_huge_numbers_are_shown_all_the_same() -> None:
+    assert tenths(1e28) == f"{1e28:.1f}"
+    assert tenths(float("inf")) == "inf"

@@ -323,3 +323,11 @@ def test_an_ellipsis_beside_ordinary_words_leaves_them():
     text = "It waited... and drove on… (no key)"
     assert redact_keys(text, ["0123456789abcdef"]) == text
     assert redact_keys("0123456..." + text, ["0123456789abcdef"]) == "0123456..." + text
+
+
+@pytest.mark.parametrize(
+    "mark", ["...", " ... ", " [...] ", "***", "&hellip;", "&#8230;", "'...'", " (…) ", "\\u2026"]
+)
+def test_whatever_stands_for_what_was_left_out(mark):
+    key = "Ab3dEf6hIj9kLm2nRs8tUv2w"
+    assert redact_keys(f"{key[:12]}{mark}{key[-8:]}", [key]) == f"{HIDDEN}{mark}{HIDDEN}"

@@ -33,6 +33,19 @@ class ServerBody:
     """Height of the actor's origin above its feet, m."""
 
 
+def host_and_port(address: str) -> tuple[str, int]:
+    """Return the parts of a server's address, `host:port`.
+
+    Raises:
+        UsageError: If it is malformed.
+    """
+    host, _, port = address.rpartition(":")
+    is_number = port.isascii() and port.isdecimal() and len(port) <= 5
+    if not host or not is_number or not 0 < int(port) <= _LAST_PORT:
+        raise UsageError(f"CARLA's address must be host:port, not {address[:80]!r}")
+    return host, int(port)
+
+
 class Connection:
     """One client of one server; its failures become `SimulatorError`, but for a refused spawn."""
 
@@ -48,9 +61,7 @@ class Connection:
             MissingExtra: If the `carla` package is not installed.
             SimulatorError: If there is no server, or it is of another version.
         """
-        host, _, port = address.rpartition(":")
-        if not host or not port.isdigit() or not 0 < int(port) <= _LAST_PORT:
-            raise UsageError(f"CARLA's address must be host:port, not {address[:80]!r}")
+        host, port = host_and_port(address)
         self._address, self._timeout_s = address, timeout_s
         self._carla = carla = _load()
         self._cameras = Cameras()
@@ -61,7 +72,7 @@ class Connection:
         self._frame = 0
         self._is_seen = False
         with self._calling("connect"):
-            self._client = carla.Client(host, int(port), 1)  # One worker thread.
+            self._client = carla.Client(host, port, 1)  # One worker thread.
             self._client.set_timeout(timeout_s)
             server, own = self._client.get_server_version(), self._client.get_client_version()
         if server != own or own not in VERSIONS:

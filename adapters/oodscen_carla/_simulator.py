@@ -19,7 +19,7 @@ from oodscen.errors import SimulatorError, SpawnError
 from oodscen.protocols import Camera, Frame
 from oodscen_carla._blueprints import blueprint_of
 from oodscen_carla._catalogue import load_catalogue
-from oodscen_carla._connection import Connection, ServerBody
+from oodscen_carla._connection import Connection, ServerBody, host_and_port
 from oodscen_carla._lights import LAMPS_OF_STATE, VehicleLight
 from oodscen_carla._opendrive import for_carla
 from oodscen_carla._weather import to_carla
@@ -73,6 +73,7 @@ class CarlaSimulator(MirrorSimulator):
         """
         super().__init__()
         self._address = address or os.environ.get(ADDRESS_VARIABLE) or "127.0.0.1:2000"
+        host_and_port(self._address)
         self._source = catalogue
         self._timeout_s = timeout_s
         self._connection: Connection | None = None

@@ -78,13 +78,13 @@ def drive(
     found = {row.id: row for row in current_results(before, staged)}
     jobs = [DriveJob(name, study.config.simulator, study.config.seed) for name in names]
     drives = drive_all(jobs, scenes, workers=workers, time_limit_s=time_limit)
-    ended: set[str] = set()
+    has_driven = False
     try:
         for results in tracked(drives, "drive", len(names) * len(scenes)):
             found.update((one.id, one) for one in results)
-            ended.update(one.id for one in results)
+            has_driven = True
     except BaseException:
-        if ended:
+        if has_driven:
             study.store.write_lines("drives.jsonl", current_results(found.values(), staged))
         raise
     rows = current_results(found.values(), staged)

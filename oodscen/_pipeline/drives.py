@@ -5,7 +5,7 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import BrokenExecutor, as_completed
-from contextlib import contextmanager, redirect_stdout
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -70,11 +70,12 @@ def drive_all(
     for simulator in {job.simulator for job in jobs}:
         check_workers(simulator, workers, None)
     if len(jobs) > 1:
-        for job in jobs:
-            with _prepared(job, 1, time_limit_s):
-                pass
+        with Processes(1) as pool:
+            for job in jobs:
+                _prepare_in(pool, job, time_limit_s)
     for job in jobs:
-        with _prepared(job, workers, time_limit_s) as pool:
+        with Processes(workers) as pool:
+            _prepare_in(pool, job, time_limit_s)
             futures = {pool.submit(_drive_one, job, scene): scene for scene in scenes}
             for future in as_completed(futures):
                 try:
@@ -96,18 +97,14 @@ def _drive_here(jobs: Sequence[DriveJob], scenes: Sequence[Scene]) -> Iterator[R
                 yield found
 
 
-@contextmanager
-def _prepared(job: DriveJob, workers: int, time_limit_s: float | None) -> Iterator[Processes]:
-    """Provide processes of which one has made the driver and the simulator, so that errors appear before any drive."""
-    with Processes(workers) as pool:
-        if time_limit_s is not None:
-            pool.limit_s = max(time_limit_s, MAKING_S)
-        try:
-            pool.submit(_prepare, job).result()
-        except BrokenExecutor as error:
-            raise UsageError(f"the driver {job.driver!r} cannot be made: {error}") from None
-        pool.limit_s = time_limit_s
-        yield pool
+def _prepare_in(pool: Processes, job: DriveJob, time_limit_s: float | None) -> None:
+    """Make the driver and the simulator in one of the processes, so that errors appear before any drive."""
+    pool.limit_s = None if time_limit_s is None else max(time_limit_s, MAKING_S)
+    try:
+        pool.submit(_prepare, job).result()
+    except BrokenExecutor as error:
+        raise UsageError(f"the driver {job.driver!r} cannot be made: {error}") from None
+    pool.limit_s = time_limit_s
 
 
 def _prepare(job: DriveJob) -> None:

@@ -136,7 +136,7 @@ class Actor(LeanData):
     @classmethod
     def _names_something(cls, name: str) -> str:
         if is_left_out(name):
-            raise ValueError(f"{name!r} is what readers of tables take for a missing value")
+            raise ValueError(f"{name!r} is a word for a missing value")
         return name
 
     @field_validator("details")

@@ -11,7 +11,7 @@ from weakref import WeakValueDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._arguments import checked
+from oodscen._arguments import checked, instance_of
 from oodscen._display import Brief
 from oodscen._members import close, working
 from oodscen._numbers import seed_number
@@ -129,11 +129,11 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         """Return what is copied or pickled.
 
         Raises:
-            UsageError: After `reset`: the simulator then runs a scene in this process.
+            UsageError: After `reset`: the simulator then holds a scene of this process.
         """
         if self._episode is not None:
             raise UsageError(
-                "an environment cannot be copied or pickled after reset, since its simulator runs a scene in this "
+                "an environment cannot be copied or pickled after reset, since its simulator holds a scene of this "
                 "process; pass a function that makes one"
             )
         return super().__getstate__()
@@ -255,10 +255,11 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         """Return a frame of the current state.
 
         Raises:
-            UsageError: Before the first reset.
+            UsageError: Before the first reset, or if it is no camera.
         """
         if self._episode is None:
             raise UsageError("SceneEnv: call reset() first")
+        instance_of("camera", camera, Camera)
         with working("simulator", self.simulator.name):
             return render_checked(self.simulator, camera, len(self._episode.state.ids))
 

@@ -2,6 +2,7 @@
 
 import json
 import pickle
+from functools import cached_property
 
 import pytest
 from hypothesis import given
@@ -169,3 +170,16 @@ def test_an_image_is_read_late(tmp_path):
     assert "path" not in json.loads(image.to_json())
     with pytest.raises(FileNotFoundError):
         Image.parse(image.to_json()).read()
+
+
+def test_a_changed_copy_remembers_nothing_of_the_original():
+    class Doubled(Data):
+        number: int
+
+        @cached_property
+        def twice(self) -> int:
+            return 2 * self.number
+
+    one = Doubled(number=2)
+    assert one.twice == 4
+    assert one.model_copy(update={"number": 5}).twice == 10

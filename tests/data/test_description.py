@@ -20,6 +20,7 @@ PLAIN = st.sampled_from(
         "eine rote Mauer (0.5 m breit)",
         "a barrier; its lamps are off",
         "a lorry with the option of a second trailer",
+        "a sign that leaves one choice: A hard stop",
     ]
 )
 MARKED = st.sampled_from(

@@ -322,3 +322,10 @@ def one_step(env):
     env._prepared["example-001"] = sound._prepared["example-001"]
     env.reset(seed=0)
     env.step([0.0, 0.0])
+
+
+def test_only_a_camera_looks(made):
+    env = made()
+    env.reset(seed=0)
+    with pytest.raises(UsageError, match="camera"):
+        env.look("dash")

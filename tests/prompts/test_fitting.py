@@ -1,5 +1,7 @@
 """Questions become shorter without losing what they are about."""
 
+import re
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -43,3 +45,11 @@ def test_the_vocabulary_stays_whole(context):
 def test_a_model_that_reads_enough_gets_everything(question):
     assert fitted(question, None) is question
     assert fitted(question, 100_000) is question
+
+
+@settings(max_examples=10)
+@given(st.integers(3_500, 8_600))
+def test_sets_of_states_that_a_shortened_question_names_are_defined_in_it(context):
+    rendered = fitted(QUESTIONS[1], context).instructions()
+    named = set(re.findall(r"states (set \d+)", rendered))
+    assert named <= set(re.findall(r"`(set \d+)`: ", rendered))

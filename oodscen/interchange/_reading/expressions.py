@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from oodscen._xml_numbers import UNSIGNED
 
 _NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
-_ARITHMETIC = re.compile(rf"(?:(?:[A-Za-z]+|{UNSIGNED})(?![\w.])|[-+*/%(), ])*")
+_ARITHMETIC = re.compile(rf"(?:(?:[A-Za-z]+|{UNSIGNED})(?![\w.])|[-+*/%(),\s])*")
 _MOST = 200
 """Maximum characters of an expression."""
 _DEEPEST = 50

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._files import file_sha256
+from oodscen._wording import is_left_out
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import MAX_TRIGGER, Actor, Hazard, Placement, Scene, Trigger
 from oodscen.driving._motion.behaviours import USUAL
@@ -343,18 +344,37 @@ class _Assembly:
 
     def _place_entities(self) -> None:
         """Read the starts, each after that of the entity to which it is relative."""
-        waiting: dict[str, list[tuple[str, Element]]] = {}
-        for name, holder in _starts(self.root).items():
-            reference = self.positions.reference(holder)
-            waiting.setdefault(reference, []).append((name, holder))
+        waiting: dict[str, list[tuple[str, list[Element]]]] = {}
+        for name, places in self._starts().items():
+            reference = self.positions.reference(places[0])
+            waiting.setdefault(reference, []).append((name, places))
         ready = waiting.pop("", [])
-        for name, holder in ready:  # It grows by those that wait for an entity.
-            if (pose := self.positions.read(holder)) is not None:
-                self.positions.known[name] = pose
+        for name, places in ready:  # It grows by those that wait for an entity.
+            for holder in places:
+                if (pose := self.positions.read(holder)) is not None:
+                    self.positions.known[name] = pose
+            if name in self.positions.known:
                 ready.extend(waiting.pop(name, []))
         for held in waiting.values():
-            for _, holder in held:
-                self.positions.read(holder)  # Records why it cannot be read.
+            for _, places in held:
+                self.positions.read(places[0])  # Records why it cannot be read.
+
+    def _starts(self) -> dict[str, list[Element]]:
+        """Return for each entity the `Position` at which it starts, and later ones that are relative to itself.
+
+        The last place counts, as the actions are taken in order.
+        """
+        found: dict[str, list[Element]] = {}
+        for private in self.root.all("Storyboard", "Init", "Actions", "Private"):
+            name = private.get("entityRef")
+            for holder in private.all("PrivateAction", "TeleportAction", "Position"):
+                places = found.setdefault(name, [])
+                if self.positions.reference(holder) != name:
+                    for one in places:
+                        one.leave_out(f"{name[:40]!r} is placed again later, which counts")
+                    places.clear()
+                places.append(holder)
+        return found
 
     def _centre(self, name: str) -> EntityPlace | None:
         """Return the pose of an entity's centre, which is ahead of a vehicle's reference point."""
@@ -427,18 +447,6 @@ class _Assembly:
         return Trigger(kind=trigger.kind, value=value, actor=trigger.actor or hazard.id)
 
 
-def _starts(root: Element) -> dict[str, Element]:
-    """Return the `Position` at which each entity starts: the last one, as the actions are taken in order."""
-    found: dict[str, Element] = {}
-    for private in root.all("Storyboard", "Init", "Actions", "Private"):
-        name = private.get("entityRef")
-        for holder in private.all("PrivateAction", "TeleportAction", "Position"):
-            if name in found:
-                found[name].leave_out(f"{name[:40]!r} is placed again later, which counts")
-            found[name] = holder
-    return found
-
-
 def _identifiers(names: Iterable[str]) -> dict[str, str]:
     """Return an id for every entity; none is the ego's, and no two are the same."""
     found: dict[str, str] = {}
@@ -446,7 +454,7 @@ def _identifiers(names: Iterable[str]) -> dict[str, str]:
     for name in names:
         plain = one = _identifier(name)
         number = 2
-        while one in taken:
+        while one in taken or is_left_out(one):
             one = f"{plain[:34]}-{number}"
             number += 1
         found[name] = one

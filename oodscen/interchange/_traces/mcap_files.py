@@ -83,13 +83,13 @@ def mcap_messages(data: bytes, source: str) -> list[bytes]:
 
 
 def _largest_chunk(data: bytes) -> int:
-    """Return the size of the largest chunk that the summary names, in bytes."""
-    from mcap.reader import SeekingReader
+    """Return the size of the largest chunk when unpacked, in bytes."""
+    from mcap.records import Chunk
+    from mcap.stream_reader import StreamReader
 
-    reader = SeekingReader(io.BytesIO(data), record_size_limit=_MAX_RECORD_BYTES)
-    summary = reader.get_summary()
-    chunks = summary.chunk_indexes if summary is not None else []
-    return max((one.uncompressed_size for one in chunks), default=0)
+    reader = StreamReader(io.BytesIO(data), emit_chunks=True, record_size_limit=_MAX_RECORD_BYTES)
+    sizes = (one.uncompressed_size for one in reader.records if isinstance(one, Chunk))
+    return max(sizes, default=0)
 
 
 def _topics(data: bytes) -> dict[str, list[tuple[int, bytes]]]:

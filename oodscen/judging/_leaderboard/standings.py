@@ -241,6 +241,8 @@ class _Scores:
         columns = [values * side for side in (is_scene, ~is_scene) for values in (called, known)]
         counts = resampler.weights @ resampler.summed(np.stack(columns, axis=1))
         distinct, place = np.unique(counts, axis=0, return_inverse=True)
-        replicates = np.array([d_prime(*row) for row in distinct.tolist()], np.float64)[place]
+        replicates = np.array([d_prime(*row) for row in distinct.tolist()], np.float64)[
+            place.ravel()
+        ]
         value = d_prime(found.hits, found.n, quiet.n - quiet.hits, quiet.n)
         return self._estimate(value, found.n + quiet.n, replicates, known)

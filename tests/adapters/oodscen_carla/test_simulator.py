@@ -170,7 +170,7 @@ def test_a_missing_server_and_other_versions_are_refused(server, monkeypatch):
         CarlaSimulator("127.0.0.1:9", timeout_s=0.2).reset(example_on_town(), 0)
     for address in ("localhost", "host:port", "host:99999", ":2000"):
         with pytest.raises(UsageError, match="host:port"):
-            CarlaSimulator(address).reset(example_on_town(), 0)
+            CarlaSimulator(address)
     monkeypatch.setattr(connection, "VERSIONS", ("0.9.14",))
     with pytest.raises(SimulatorError, match=r"version 0\.9\.16"):
         CarlaSimulator(server.address).reset(example_on_town(), 0)

@@ -453,3 +453,22 @@ def test_unknown_words_of_a_place_or_a_person_are_noted(tmp_path):
     person = entity("a", "pedestrian", 0.0, 0.5, 0.6).replace('="pedestrian"', '="purple"')
     found = notes(read(tmp_path, file([entity("ego"), person], starts)))
     assert any("pedestrianCategory='purple' is read as 'pedestrian'" in one for one in found)
+
+
+@given(st.lists(st.floats(-20.0, 20.0), min_size=1, max_size=3))
+@IN_FOLDER
+def test_a_place_relative_to_itself_moves_an_entity_from_where_it_was(tmp_path, steps):
+    moved = [f'<RelativeObjectPosition entityRef="a" dx="{dx}" dy="0"/>' for dx in steps]
+    again = f'<Private entityRef="a">{placed(lane(260.0), *moved)}{speed(5)}</Private>'
+    text = file([entity("ego"), entity("a")], [start("ego", lane(200), 10), again])
+    found = read(tmp_path, text)
+    expected = pytest.approx(60.0 + sum(steps), abs=0.01)
+    assert found.scene.actors[0].placement.ahead_m == expected
+    assert not [one for one in notes(found) if "placed again" in one]
+
+
+@pytest.mark.parametrize("name", ["NA", "null", "nan", "no", "Nothing"])
+def test_entities_may_have_the_name_of_a_missing_value(tmp_path, name):
+    starts = [start("ego", lane(200), 10), start(name, lane(250), 5)]
+    found = read(tmp_path, file([entity("ego"), entity(name)], starts))
+    assert [one.id for one in found.scene.actors] == [f"{name.lower()}-2"]

@@ -62,7 +62,7 @@ def test_a_changed_file_is_read_or_refused_in_plain_words(data):
         said = ""
     except DataError as error:
         said = error.issues[0].message
-    assert re.match("$|is damaged|cannot be read as ground truth", said)
+    assert re.match("$|is damaged|a chunk has more than|cannot be read as ground truth", said)
 
 
 def test_messages_that_are_no_ground_truth_are_refused():
