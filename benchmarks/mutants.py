@@ -73,6 +73,10 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "oodscen/judging/_leaderboard/standings.py",
         "if ((chance is not None) or (decidable.value is not None)):",
     ): "both are known if one decidable scene was answered, or neither is",
+    (
+        "oodscen/judging/_parsing/reading.py",
+        "if isinstance(inner, dict) and depth and any((_WRAPPERS.fullmatch(spelt(name)) for name in rest)):",
+    ): "there is an inner value only if there is one member",
     (_SAFETY, "is_still = np.abs(speed) <= _STILL_MPS"): _TOLERANCE,
     (
         _RESAMPLING,

@@ -11,6 +11,7 @@ from oodscen._cli.options import json_option, out_option, refuse_idle
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import FileCommand, PathName
 from oodscen._study_files import TREES
+from oodscen._text import one_line
 from oodscen.errors import DataError, Issue, UsageError
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -248,6 +249,7 @@ def replay(
             who = ", ".join(
                 filter(None, (step.stage, f"round {step.round}" if step.round is not None else ""))
             )
+            who = one_line(who)
             label = f": {step.label}" if step.label else ""
             below = f" below {step.parent}" if step.parent else ""
             say(

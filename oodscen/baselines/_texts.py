@@ -191,6 +191,9 @@ def _list(content: str) -> Iterator[tuple[str, Any]]:
     except (ValueError, RecursionError) as error:
         yield "", Issue("", f"is not a JSON list: {error}")
         return
+    if not isinstance(values, list):
+        yield "", Issue("", "holds no list of texts, but one JSON value")
+        return
     for index, value in enumerate(values):
         yield f"[{index}]", value
 

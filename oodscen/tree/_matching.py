@@ -49,7 +49,7 @@ def match(
 ) -> tuple[Match, ...]:
     """Pair the nodes of two trees, each at most once, in the order of the first tree.
 
-    The roots are a pair. Pairs of an earlier merge are kept. Ids pair if both trees first assigned
+    The roots are a pair, and so are nodes that existed before the trees diverged. Pairs of an earlier merge are kept. Ids pair if both trees first assigned
     them to the same label, since trees that were grown separately number their ids separately; a
     tree read from a file without a log is trusted. Labels pair regardless of case, spaces and
     invisible characters; children of paired parents come first. The remaining nodes pair by
@@ -78,6 +78,7 @@ def match(
     pairs = _Pairs(_classes(one), _classes(other))
     for first, second in zip(one.nodes[:1], other.nodes[:1], strict=False):
         pairs.add(first.id, second.id, "id" if first.id == second.id else "label")
+    _by_shared_log(one, other, pairs)
     for here, there in _merged(one, other):
         pairs.add(here, there, "id")
     for there, here in _merged(other, one):
@@ -139,15 +140,22 @@ def _merged(tree: "ScenarioTree", other: "ScenarioTree") -> Iterator[tuple[str, 
                 yield edit.node, there.id
 
 
+def _by_shared_log(one: "ScenarioTree", other: "ScenarioTree", pairs: _Pairs) -> None:
+    """Pair the nodes that existed before the trees diverged, whatever became of their labels."""
+    shared = _shared(one, other)
+    for node in one.nodes:
+        if node.id in shared and node.id in other.by_id:
+            pairs.add(node.id, node.id, "id", is_moved=True)
+
+
 def _by_id(one: "ScenarioTree", other: "ScenarioTree", pairs: _Pairs) -> None:
     first, second = _first_adds(one), _first_adds(other)
-    shared = _shared(one, other)
     for node in one.nodes:
         if node.id in other.by_id:
             added = first[node.id], second[node.id]
             labels = {same_words(edit.label or "") for edit in added if edit.stage != "file"}
             if len(labels) < 2:
-                pairs.add(node.id, node.id, "id", is_moved=node.id in shared)
+                pairs.add(node.id, node.id, "id")
 
 
 def _first_adds(tree: "ScenarioTree") -> Mapping[str, TreeEdit]:

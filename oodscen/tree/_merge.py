@@ -123,9 +123,15 @@ class _Merging:
         return self._below.get(parent or "", {}).get(same_words(node.label))
 
     def _is_told(self, here: str, node: Node, last: TreeEdit) -> bool:
-        """Return whether the log already records who gave a node this label, and why."""
-        is_own = last.node == here and last in self._own
-        return is_own or (here, node.id, *_why(last)) in self._told
+        """Return whether the log already records, for a node or a family of its label, who gave the label, and why."""
+        if last.node == here and last in self._own:
+            return True
+        place: str | None = here
+        while place is not None and same_words(self._nodes[place].label) == same_words(node.label):
+            if (place, node.id, *_why(last)) in self._told:
+                return True
+            place = self._nodes[place].parent
+        return (here, node.id, *_why(last)) in self._told
 
 
 def _why(edit: TreeEdit) -> tuple[int | None, str, str, str]:

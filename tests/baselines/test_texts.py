@@ -194,3 +194,10 @@ def test_a_json_object_below_a_plain_line_is_no_text(tmp_path_factory, lines, va
     (issue,) = caught.value.issues
     assert issue.path == f"line {len(lines) + 1}"
     assert "JSON object" in issue.message
+
+
+@pytest.mark.parametrize("content", ['"Deer"', "5", "null", "true"])
+def test_one_json_value_is_no_list_of_texts(tmp_path, content):
+    (tmp_path / "a.json").write_text(content)
+    with pytest.raises(DataError, match="no list of texts"):
+        read_records(tmp_path / "a.json")

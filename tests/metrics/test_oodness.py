@@ -135,6 +135,9 @@ def test_a_result_is_of_at_least_one_text_and_one_of_the_baseline() -> None:
     for name in ("n", "N"):
         with pytest.raises(DataError):
             Oodness(**{**fields, name: 0})
+    for name, more in (("per_text", (-0.5, -0.4)), ("nearest", nearest * 2), ("n", 2)):
+        with pytest.raises(DataError, match="lengths differ"):
+            Oodness(**{**fields, name: more})
 
 
 def test_an_array_without_dimensions_is_no_set_of_texts():

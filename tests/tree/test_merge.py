@@ -48,6 +48,16 @@ def test_the_second_tree_merged_in_again_changes_nothing(one, other, encoder):
     assert merge(one, one, encoder=encoder) == one
 
 
+def test_a_node_that_was_relabelled_before_the_merge_keeps_its_pair():
+    """The second tree's `fog` has the label that the first gave to a node of both."""
+    weather = TreeEdit(op="add", node="weather", parent="environmental", label="Weather")
+    both = ScenarioTree.initial().apply(weather)
+    one = both.apply(TreeEdit(op="narrow", node="weather", label="Fog"))
+    other = both.apply(TreeEdit(op="add", node="fog", parent="environmental", label="Fog"))
+    merged = merge(one, other)
+    assert merge(merged, other) == merged
+
+
 @few
 @given(trees, trees)
 def test_every_path_of_the_first_tree_and_every_pair_of_the_second_stays_a_path(one, other):
