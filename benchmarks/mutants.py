@@ -75,7 +75,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
     ): "both are known if one decidable scene was answered, or neither is",
     (
         "oodscen/judging/_parsing/reading.py",
-        "if isinstance(inner, dict) and depth and any((_WRAPPERS.fullmatch(spelt(name)) for name in rest)):",
+        "if isinstance(inner, dict) and depth and any(_WRAPPERS.fullmatch(spelt(name)) for name in rest):",
     ): "there is an inner value only if there is one member",
     (_SAFETY, "is_still = np.abs(speed) <= _STILL_MPS"): _TOLERANCE,
     (

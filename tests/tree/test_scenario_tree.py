@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.errors import DataError, UnknownComponent, UsageError
+from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._edit_log import MAX_DEPTH
 from oodscen.tree._scenario_tree import ROOT, Node, ScenarioTree, TreeEdit, slug
 from tests.tree.woods import REFUSED, broad, chain, changes, edits, few, grown, trees
@@ -522,3 +523,16 @@ def test_an_object_without_nodes_and_edits_is_no_tree():
 def test_arguments_of_another_kind_are_refused(call):
     with pytest.raises(UsageError, match="must be"):
         call(ScenarioTree.initial())
+
+
+def test_labels_pair_by_meaning_from_the_threshold_on():
+    def tree(label):
+        add = ScenarioTree.Edit(op="add", node=label[:3], parent="environmental", label=label)
+        return ScenarioTree.initial().apply(add)
+
+    one, other, encoder = tree("dense fog on the road"), tree("fog on the road"), HashEncoder()
+    for threshold, pairs in ((0.1, 1), (1.0, 0)):
+        found = one.diff(other, encoder=encoder, threshold=threshold)
+        assert len(found.added) == 1 - pairs
+        merged = one.merge(other, encoder=encoder, threshold=threshold)
+        assert len(merged) == len(one) + 1 - pairs

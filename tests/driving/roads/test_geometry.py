@@ -55,6 +55,13 @@ def test_many_points_have_the_bits_of_single_ones(curve: Curve, fractions: list[
     assert np.array(curve.at_all(along)).tobytes() == np.array(single).T.tobytes()
 
 
+def test_every_part_of_a_long_spiral_has_the_bits_of_single_points() -> None:
+    curve = Spiral(0.0, 1.0, 2.0, 0.3, 60.0, 0.001, 0.02)
+    along = np.linspace(-1.0, 61.0, 200)
+    single = [curve.at(one) for one in along.tolist()]
+    assert np.array(curve.at_all(along)).tobytes() == np.array(single).T.tobytes()
+
+
 @given(coordinate, coordinate, heading, length, bend, st.floats(0, 1))
 def test_a_spiral_without_change_is_an_arc(x, y, angle, size, curvature, fraction) -> None:
     spiral = Spiral(0.0, x, y, angle, size, curvature, curvature)
