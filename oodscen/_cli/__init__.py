@@ -160,6 +160,11 @@ def _interruptible() -> Iterator[None]:
         if sys.exc_info()[1] is None:
             raise _Interrupt(number)
 
+    def report(dropped: "sys.UnraisableHookArgs") -> None:
+        if not isinstance(dropped.exc_value, _Interrupt):
+            report_dropped(dropped)
+
+    report_dropped, sys.unraisablehook = sys.unraisablehook, report
     try:
         if threading.current_thread() is threading.main_thread():
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -176,6 +181,7 @@ def _interruptible() -> Iterator[None]:
     finally:
         if signal.SIGALRM in before:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
+        sys.unraisablehook = report_dropped
         for one, handler in before.items():
             signal.signal(one, handler)
 

@@ -166,14 +166,17 @@ def test_an_interruption_that_a_finaliser_swallows_comes_again(tmp_path, monkeyp
             signal.raise_signal(signal.SIGTERM)
 
     def swallow(study, bars, **more):
-        with monkeypatch.context() as patch:
-            patch.setattr(sys, "unraisablehook", lambda raised: None)
-            Last()
+        Last()
         time.sleep(60.0)
+
+    reported: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", reported.append)
 
     (tmp_path / "study.json").write_text('{"config": {}}')
     monkeypatch.setattr("oodscen.report._render.write_report", swallow)
     assert invoke("report", tmp_path).exit_code == 143
+    assert not reported
+    assert sys.unraisablehook == reported.append
 
 
 def test_a_signal_that_shall_be_ignored_is(tmp_path, monkeypatch) -> None:
