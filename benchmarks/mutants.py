@@ -77,6 +77,10 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "oodscen/judging/_parsing/reading.py",
         "if isinstance(inner, dict) and depth and any(_WRAPPERS.fullmatch(spelt(name)) for name in rest):",
     ): "there is an inner value only if there is one member",
+    (
+        "oodscen/driving/_roads/geometry.py",
+        "if not high >= low:",
+    ): "the arc of a cubic of at most 5,000 parts grows in each of them",
     (_SAFETY, "is_still = np.abs(speed) <= _STILL_MPS"): _TOLERANCE,
     (
         _RESAMPLING,
