@@ -1,4 +1,4 @@
-"""Decimal numbers as text."""
+"""Decimal numbers, times and speeds as text."""
 
 from decimal import ROUND_HALF_UP, Decimal
 
@@ -12,3 +12,13 @@ def tenths(value: float) -> str:
         return f"{value:.1f}"
     exact = Decimal(repr(round(value, 9) + 0.0))
     return str(exact.quantize(Decimal("0.1"), ROUND_HALF_UP) + 0)
+
+
+def seconds(value: float) -> str:
+    """Return a time in s as text."""
+    return f"{tenths(value)} s"
+
+
+def speed(value: float) -> str:
+    """Return a speed in m/s as text, with km/h beside it."""
+    return f"{tenths(value)} m/s ({3.6 * value:.0f} km/h)"

@@ -61,7 +61,7 @@ def drive(
     driver named here failed on an item; a collision is not a failure. An interrupted command keeps the drives that
     have ended.
     """
-    from oodscen._pipeline.drives import DriveJob, drive_all
+    from oodscen._pipeline.drives import drive_all
     from oodscen.data._pairing import scene_of
     from oodscen.judging._drive_board import current_results, drive_board
     from oodscen.report._render import write_report
@@ -76,8 +76,8 @@ def drive(
     names = drivers or ("rule-based",)
     before = study.drives
     found = {row.id: row for row in current_results(before, staged)}
-    jobs = [DriveJob(name, study.config.simulator, study.config.seed) for name in names]
-    drives = drive_all(jobs, scenes, workers=workers, time_limit_s=time_limit)
+    simulator, seed = study.config.simulator, study.config.seed
+    drives = drive_all(names, scenes, simulator, seed, workers=workers, time_limit_s=time_limit)
     has_driven = False
     try:
         for results in tracked(drives, "drive", len(names) * len(scenes)):

@@ -315,7 +315,7 @@ def _driver_name(ctx: click.Context, param: click.Parameter, value: str | None) 
         return None
     name = value.strip()
     if not name or name != printable(one_line(name)):
-        raise click.BadParameter("is empty, or no printable line.", ctx, param)
+        raise click.BadParameter("is empty, or no plain line.", ctx, param)
     if name.lower() in DRIVERS:
         raise click.BadParameter(f"{name!r} is a driver of `oodscen drive`.", ctx, param)
     return name

@@ -8,6 +8,7 @@ from concurrent.futures import BrokenExecutor, as_completed
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 
 from oodscen._members import close, using
 from oodscen._pipeline.sweep import check_workers
@@ -35,24 +36,28 @@ class DriveJob:
     """Registered name, or `module:attr`."""
     simulator: str
     """Registered name, or `module:attr`."""
-    seed: int = 0
+    seed: int
 
 
 def drive_all(
-    jobs: Sequence[DriveJob],
+    drivers: Sequence[str],
     scenes: Sequence[Scene],
+    simulator: str,
+    seed: int,
     *,
     workers: int = 1,
     time_limit_s: float | None = None,
 ) -> Iterator[Results]:
-    """Let the driver of each job drive every scene and its ordinary twin; yield results as they finish.
+    """Let every driver drive every scene and its ordinary twin; yield results as they finish.
 
     What a driver prints goes to standard error. Each has processes of its own, so that what it changes in them
     changes no other driver's drives. If a process dies, the drives in it fail, and the others go on in a fresh one.
 
     Args:
-        jobs: The drivers, and what they drive in.
+        drivers: Registered names, or `module:attr`.
         scenes: The scenes to drive.
+        simulator: Registered name, or `module:attr`.
+        seed: Seed of the simulator's random streams.
         workers: Processes; 0 drives in this process, where debuggers work and a stack can end everything.
         time_limit_s: Seconds after which a scene whose drives have not ended fails; by default drives take as
             long as they need. With it, the making of driver and simulator may take `MAKING_S`, or as long.
@@ -65,10 +70,10 @@ def drive_all(
     if workers <= 0:
         if time_limit_s is not None:
             raise UsageError("--time-limit ends processes; with --workers 0 there is none to end")
-        yield from _drive_here(jobs, scenes)
+        yield from _drive_here(drivers, scenes, simulator, seed)
         return
-    for simulator in {job.simulator for job in jobs}:
-        check_workers(simulator, workers, None)
+    check_workers(simulator, workers, None)
+    jobs = [DriveJob(driver, simulator, seed) for driver in drivers]
     if len(jobs) > 1:
         with Processes(1) as pool:
             for job in jobs:
@@ -86,15 +91,16 @@ def drive_all(
                     yield _failed(job.driver, futures[future], error)
 
 
-def _drive_here(jobs: Sequence[DriveJob], scenes: Sequence[Scene]) -> Iterator[Results]:
+def _drive_here(
+    drivers: Sequence[str], scenes: Sequence[Scene], simulator: str, seed: int
+) -> Iterator[Results]:
     with redirect_stdout(sys.stderr):
-        makers = [driver_maker(job.driver) for job in jobs]
-    for job, make in zip(jobs, makers, strict=True):
-        with using(make_simulator(job.simulator)) as simulator:
-            for scene in scenes:
-                with redirect_stdout(sys.stderr):
-                    found = drive([scene], make, simulator, name=job.driver, seed=job.seed)
-                yield found
+        makers = {name: driver_maker(name) for name in drivers}
+    with using(make_simulator(simulator)) as made:
+        for name, scene in product(drivers, scenes):
+            with redirect_stdout(sys.stderr):
+                found = drive([scene], makers[name], made, name=name, seed=seed)
+            yield found
 
 
 def _prepare_in(pool: Processes, job: DriveJob, time_limit_s: float | None) -> None:

@@ -12,7 +12,7 @@ import jinja2
 import jinja2.meta
 from pydantic import BaseModel
 
-from oodscen._decimals import tenths
+from oodscen._decimals import seconds, speed
 from oodscen.data._base import Data, canonical_json
 from oodscen.data._messages import Image, Message
 from oodscen.errors import Issue
@@ -149,17 +149,9 @@ def _environment() -> jinja2.Environment:
         keep_trailing_newline=False,
     )
     environment.filters["data"] = data_block
-    environment.filters["seconds"] = _seconds
-    environment.filters["speed"] = _speed
+    environment.filters["seconds"] = seconds
+    environment.filters["speed"] = speed
     return environment
-
-
-def _seconds(value: float) -> str:
-    return f"{tenths(value)} s"
-
-
-def _speed(value: float) -> str:
-    return f"{tenths(value)} m/s ({3.6 * value:.0f} km/h)"
 
 
 _FENCE = re.compile(r"[<＜﹤‹〈](?=[^\w<]*d[^\w<]*a[^\w<]*t[^\w<]*a)", re.IGNORECASE)

@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from oodscen._decimals import seconds, speed
 from oodscen.data._bird_sketch import Sketch
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode, in_order
 from oodscen.data._pairing import demand_id, is_ordinary, twin_id
@@ -205,7 +206,7 @@ def _frames(episode: Episode, folder: Path) -> list[Row]:
     rows = []
     for moment in in_order(episode.frames or MOMENTS):
         found = picture(folder, episode.frames.get(moment))
-        caption = f"{moment} · {words.moment(times[moment])}" if moment in times else moment
+        caption = f"{moment} · {seconds(times[moment])}" if moment in times else moment
         rows.append(
             {"moment": moment, "caption": caption, "href": found.href, "problem": found.problem}
         )
@@ -298,7 +299,7 @@ def _band(config: Mapping[str, Any]) -> tuple[float, float] | None:
 def _setting(scene: Scene) -> str:
     parts = [words.plain_words(scene.map)]
     parts += words.map_faults(scene.map_state) if scene.map_state else []
-    parts += [words.weather(scene.weather), f"ego at {words.speed(scene.ego.speed)}"]
+    parts += [words.weather(scene.weather), f"ego at {speed(scene.ego.speed)}"]
     return " · ".join(parts)
 
 
@@ -318,7 +319,7 @@ def _players(scene: Scene) -> list[Row]:
 
 def _decision(scene: Scene, episode: Episode | None, names: Mapping[str, str]) -> str:
     if scene.is_ordinary:
-        return f"The ego must choose at {words.moment(scene.decision.value)}, as in the scene."
+        return f"The ego must choose at {seconds(scene.decision.value)}, as in the scene."
     target = scene.decision.actor
     named = scene.decision.model_copy(
         update={"actor": f"the {names.get(target, target)}" if target else None}
@@ -327,8 +328,8 @@ def _decision(scene: Scene, episode: Episode | None, names: Mapping[str, str]) -
     if episode is None or episode.decision_s is None:
         return f"The ego must choose {when}."
     if not episode.decision_fired:
-        return f"The ego must choose {when}; that never came about, so the end of the approach at {words.moment(episode.decision_s)} was taken."
-    return f"The ego must choose {when}: at {words.moment(episode.decision_s)}."
+        return f"The ego must choose {when}; that never came about, so the end of the approach at {seconds(episode.decision_s)} was taken."
+    return f"The ego must choose {when}: at {seconds(episode.decision_s)}."
 
 
 def _facts(episode: Episode, names: Mapping[str, str]) -> list[list[str]]:

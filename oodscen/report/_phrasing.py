@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from oodscen._decimals import tenths
+from oodscen._decimals import seconds
 from oodscen.data._details import Details
 from oodscen.data._episode import ActionOutcome
 from oodscen.data._map_state import MapState
@@ -51,26 +51,16 @@ def amount(value: float) -> str:
     return f"{value:.3g}".replace("-", "\N{MINUS SIGN}") if abs(value) < 1000 else f"{value:.0f}"
 
 
-def speed(value: float) -> str:
-    """Return a speed in m/s as text, with km/h beside it."""
-    return f"{tenths(value)} m/s ({value * 3.6:.0f} km/h)"
-
-
 def p_value(value: float) -> str:
     """Return a p-value as text."""
     return "< 0.001" if value < 0.001 else f"{value:.3f}"
 
 
-def moment(seconds: float) -> str:
-    """Return a moment of a simulation as text."""
-    return f"{tenths(seconds)} s"
-
-
-def duration(seconds: float) -> str:
+def duration(value: float) -> str:
     """Return a time span as text."""
-    if seconds < 10:
-        return moment(seconds)
-    whole = round(seconds)
+    if value < 10:
+        return seconds(value)
+    whole = round(value)
     if whole < 60:
         return f"{whole} s"
     if whole < 3600:
@@ -230,7 +220,7 @@ def measures(value: ActionOutcome) -> str:
         return ""
     parts = []
     if value.min_ttc_s is not None and value.min_ttc_s > 0:
-        parts.append(f"TTC {moment(value.min_ttc_s)}")
+        parts.append(f"TTC {seconds(value.min_ttc_s)}")
     if value.peak_deceleration is not None:
         parts.append(f"brakes {value.peak_deceleration:.1f} m/s²")
     if value.peak_jerk is not None:

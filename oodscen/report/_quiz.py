@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from oodscen._decimals import tenths
+from oodscen._decimals import seconds
 from oodscen._files import is_written_through, read_bytes, replace, write_named
 from oodscen._seeding import stream
 from oodscen._study_files import QUIZ, refuse_own
@@ -91,7 +91,7 @@ def _item(study: Study, drive: AskedDrive, rears: Mapping[str, str]) -> dict[str
         "frames": [
             _data_url(study.store.inside(episode.frames[one])) for one in in_order(drive.frames)
         ],
-        "times": [f"{tenths(time)} s" for time in shown.facts.times_s],
+        "times": [seconds(time) for time in shown.facts.times_s],
         "facts": named[0],
         "questions": [named[1], listed[1], acted[1]],
         "options": [[one.id, one.label] for one in drive.options],

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from oodscen._arguments import checked
-from oodscen._members import conforming, is_interruption, message, working
+from oodscen._members import conforming, is_interruption, message, reason, working
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen._registry import driver_maker
@@ -305,7 +305,7 @@ def failed_drive(scene_id: str, name: str, error: BaseException) -> DriveResult:
     """Return the result of a drive that did not come to its end because of an error."""
     said = one_line(printable(message(error)))
     if not said or isinstance(error, SystemExit):
-        said = f"{type(error).__name__}: {said}" if said else type(error).__name__
+        said = reason(error)
     return DriveResult(
         id=f"{scene_id}@{name}",
         scene_id=scene_id,

@@ -49,8 +49,8 @@ def match(
 ) -> tuple[Match, ...]:
     """Pair the nodes of two trees, each at most once, in the order of the first tree.
 
-    The roots are a pair, and so are nodes that existed before the trees diverged. Pairs of an earlier merge are kept. Ids pair if both trees first assigned
-    them to the same label, since trees that were grown separately number their ids separately; a
+    The roots are a pair, and so are nodes that existed before the trees diverged. Pairs of an
+    earlier merge are kept. Ids pair if both trees first assigned them to the same label, since trees that were grown separately number their ids separately; a
     tree read from a file without a log is trusted. Labels pair regardless of case, spaces and
     invisible characters; children of paired parents come first. The remaining nodes pair by
     meaning: leaf with leaf and branch with branch, if each is the other's nearest and the centred
