@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from oodscen.driving._roads.corridor import LaneStrip, PaintedArea
-from oodscen_pybullet._land.ground import Ground, RoadCourse, Way
+from oodscen_pybullet._land.course import RoadCourse
+from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.ribbons import (
     PAINT,
     Ribbons,
@@ -16,6 +17,7 @@ from oodscen_pybullet._land.ribbons import (
     whole_pieces,
 )
 from oodscen_pybullet._land.theme import Theme
+from oodscen_pybullet._land.ways import Way
 from oodscen_pybullet._types import Array, Mask
 
 _PAINTED = ("solid", "broken")

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from oodscen.driving._roads.corridor import Corridor, LaneStrip
-from oodscen_pybullet._land.ground import RoadCourse, Way
+from oodscen_pybullet._land.course import RoadCourse
+from oodscen_pybullet._land.ways import Way
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._types import Array, Mask

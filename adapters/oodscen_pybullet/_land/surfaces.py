@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from oodscen.driving._roads.corridor import DRIVABLE, LaneStrip
-from oodscen_pybullet._land.ground import Ground, Way
+from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.land import KERB_FOOT
 from oodscen_pybullet._land.marks import mark_lanes, paint_crossings
 from oodscen_pybullet._land.relief import KERB
@@ -19,6 +19,7 @@ from oodscen_pybullet._land.ribbons import (
     whole_pieces,
 )
 from oodscen_pybullet._land.theme import Theme
+from oodscen_pybullet._land.ways import Way
 from oodscen_pybullet._land.wear import add_wear
 from oodscen_pybullet._meshes.atlas import swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from oodscen_pybullet._land.ground import TIGHT, Ground
+from oodscen_pybullet._land.course import TIGHT
+from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.islands import Islands
 from oodscen_pybullet._land.land import Land
 from oodscen_pybullet._land.relief import Relief

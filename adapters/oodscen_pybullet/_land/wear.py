@@ -3,8 +3,8 @@
 import numpy as np
 
 from oodscen.driving._roads.corridor import Corridor, LaneStrip
-from oodscen_pybullet._land.ground import Way
 from oodscen_pybullet._land.ribbons import LAYER, Ribbons, add_slab
+from oodscen_pybullet._land.ways import Way
 
 _APART_M, _JITTER_M = 19.0, 7.0
 """Distance between two places that may be worn, and the most by which each is moved, m."""

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from oodscen.data._map_state import MapState
-from oodscen_pybullet._land.ground import Ground, Way
+from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.terrain import Terrain
+from oodscen_pybullet._land.ways import Way
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._types import U8, Array, Heading, Point
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from oodscen.driving._roads.corridor import Structure
-from oodscen_pybullet._land.ground import Ground, RoadCourse
+from oodscen_pybullet._land.course import RoadCourse
+from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.land import WIDE_M
 from oodscen_pybullet._land.relief import BANK_M, KERB, PORTAL_M, VALLEY_M
 from oodscen_pybullet._land.ribbons import Ribbons

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from oodscen_pybullet._land.ground import Way
 from oodscen_pybullet._land.ribbons import Ribbons, strip_edges
 from oodscen_pybullet._land.theme import Theme
+from oodscen_pybullet._land.ways import Way
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import CIRCLE, ORIGIN
