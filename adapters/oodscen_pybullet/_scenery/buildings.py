@@ -154,8 +154,14 @@ def _gable(
     mesh.polygon([(-half, depth, eaves), (-half, -depth, eaves), (-half, 0, ridge - 0.2)], wall)
 
 
+def any_house(rng: np.random.Generator, *, is_night: bool) -> Mesh:
+    """Return one of the detached houses by chance."""
+    kind, roof, look = (int(rng.integers(0, n)) for n in (len(_HOUSE_WALLS), len(_ROOFS), 12))
+    return _house(kind, roof, look, is_night=is_night)
+
+
 @lru_cache(maxsize=128)
-def house(kind: int, roof: int, look: int, *, is_night: bool) -> Mesh:
+def _house(kind: int, roof: int, look: int, *, is_night: bool) -> Mesh:
     """Return a detached house with a pitched roof.
 
     Args:

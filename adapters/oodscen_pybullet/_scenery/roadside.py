@@ -15,7 +15,7 @@ from oodscen_pybullet._meshes.mesh import Lamp, Mesh
 from oodscen_pybullet._scenery.placing import Site
 from oodscen_pybullet._scenery.signals import stand_signals
 from oodscen_pybullet._scenery.structures import build_structures
-from oodscen_pybullet._scenery.themes import furnish
+from oodscen_pybullet._scenery.themes.furnishing import furnish
 from oodscen_pybullet._types import Point
 
 _SODIUM = (1.0, 0.82, 0.55)

@@ -15,7 +15,7 @@ MAKERS: dict[str, Callable[[], Mesh]] = {
     "lit_bus_stop": lambda: furniture.piece("bus_stop", is_night=True),
     "gantry": lambda: furniture.gantry(12.0),
     "block": lambda: buildings.city_block(18, 4, 1, 2, has_shop=True, is_night=True),
-    "house": lambda: buildings.house(1, 1, 1, is_night=True),
+    "house": lambda: buildings.any_house(np.random.default_rng(1), is_night=True),
     "tower": lambda: buildings.tower(2, 3, is_night=True),
     "barn": lambda: buildings.barn("red"),
     "broad_tree": lambda: greenery.broad_tree(1),

@@ -1,0 +1,1 @@
+"""The roadside objects of each kind of land."""

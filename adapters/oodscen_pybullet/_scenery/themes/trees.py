@@ -1,0 +1,55 @@
+"""Trees along roads, woods and the horizon."""
+
+from oodscen_pybullet._land.ways import Way
+from oodscen_pybullet._scenery import greenery
+from oodscen_pybullet._scenery.placing import RoadsidePlace, Site
+from oodscen_pybullet._scenery.themes.streets import SIDES
+
+
+def add_tree(
+    site: Site, spot: RoadsidePlace, along: float, out: float, margin: float, kind: str = ""
+) -> None:
+    """Add a tree if there is room for it."""
+    key = int(site.rng.integers(0, 10))
+    is_far = out > 14.0 or site.is_far(spot)
+    if is_far and kind == "bush":
+        return
+    match kind:
+        case "conifer":
+            mesh = greenery.conifer(key)
+        case "bush":
+            mesh = greenery.bush(key)
+        case "thicket":
+            mesh = greenery.thicket(key)
+        case _:
+            is_tall, is_pruned = kind == "tall", kind == "street"
+            mesh = greenery.broad_tree(key, is_tall=is_tall, is_far=is_far, is_pruned=is_pruned)
+    radius = {"bush": 0.5, "thicket": 7.0}.get(kind, 0.9)
+    site.try_to_stand(mesh, spot, along, out, margin=margin, radius=radius)
+
+
+def add_woods(site: Site, way: Way, reach: tuple[float, float]) -> None:
+    """Add scattered trees and bushes on both sides."""
+    near, far = reach
+    for side in SIDES:
+        for spot in site.spots(way, side, 15.0, jitter=6.0):
+            share = float(site.rng.uniform())
+            out = near + (far - near) * share * share
+            key = int(site.rng.integers(0, 6))
+            kind = "conifer" if key >= 4 else "tall" if key == 3 else ""
+            if site.is_spanned(spot, 2.0):
+                continue
+            add_tree(site, spot, 0.0, out, near - 0.5, kind)
+            if site.rng.uniform() < 0.4:
+                add_tree(site, spot, 3.0, max(near, out - 3.0), near - 0.5, "bush")
+
+
+def add_horizon(site: Site, out: float) -> None:
+    """Add the edges of distant woods along the ego's road."""
+    way = site.ground.ego
+    has_bridge = any(one.kind == "bridge" for one in way.corridor.structures)
+    for side in SIDES:
+        for spot in site.spots(way, side, 24.0, jitter=5.0):
+            far = out + 55.0 * float(site.rng.uniform())
+            if not (has_bridge and site.is_spanned(spot, 8.0)):
+                add_tree(site, spot, 0.0, far, 24.0, "thicket")
