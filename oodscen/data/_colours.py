@@ -1,5 +1,6 @@
 """Colours of parts: named ones, any by its hexadecimal code, and lit ones."""
 
+import re
 from typing import Annotated
 
 from pydantic import AfterValidator, Field, ValidationInfo
@@ -18,25 +19,32 @@ PALETTE: dict[str, tuple[int, int, int]] = {
 """Red, green and blue of the colours that have a name."""
 LIT = "lit "
 """Prefix of a colour that shines in the dark."""
+_HEX = re.compile(r"#([0-9a-fA-F]{2})([0-9a-fA-F]{2})([0-9a-fA-F]{2})")
 
 
 def rgb_of(colour: str) -> tuple[int, int, int] | None:
     """Return red, green and blue of `#rrggbb` or of a name, lit or not; `None` for other words."""
     name = colour.removeprefix(LIT)
-    if len(name) == 7 and name.startswith("#"):
-        try:
-            return int(name[1:3], 16), int(name[3:5], 16), int(name[5:7], 16)
-        except ValueError:
-            return None
+    if code := _HEX.fullmatch(name):
+        red, green, blue = (int(part, 16) for part in code.groups())
+        return red, green, blue
     return PALETTE.get(name)
+
+
+def unknown_colour(name: str) -> ValueError:
+    """Return the error that a colour is neither a code nor a known name."""
+    return ValueError(f"unknown colour {name[:40]!r}: use #rrggbb or one of {', '.join(PALETTE)}")
 
 
 def _known_colour(name: str, info: ValidationInfo) -> str:
     known = (info.context or {}).get("colours", ())
     if name not in known and rgb_of(name) is None:
-        raise ValueError(f"there is no colour {name[:40]!r}: #rrggbb, {', '.join(PALETTE)}")
+        raise unknown_colour(name)
     return name
 
 
 Colour = Annotated[str, Field(max_length=40), AfterValidator(_known_colour)]
-"""`#rrggbb` or a name of the palette, after `lit ` if it shines; `paint` and further names where the reader knows them."""
+"""`#rrggbb` or a name in `PALETTE`, with the prefix `lit ` if it shines.
+
+A reader may allow further names, such as `paint`, through the validation context `colours`.
+"""

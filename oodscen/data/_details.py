@@ -13,7 +13,7 @@ from pydantic import (
 
 from oodscen.data._base import ROUNDING, Data, LeanData
 from oodscen.data._category import Category
-from oodscen.data._colours import LIT, rgb_of
+from oodscen.data._colours import LIT, rgb_of, unknown_colour
 from oodscen.errors import Issue, close_matches
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ _TALL_M = 1.0
 
 def _known_colour(name: str) -> str:
     if name and (rgb_of(name) is None or name.startswith(LIT)):
-        raise ValueError(f"there is no colour {name[:40]!r}: #rrggbb, white, red, dark_grey ...")
+        raise unknown_colour(name)
     return name
 
 

@@ -12,7 +12,7 @@ from oodscen.data._base import Data
 from oodscen.llm._check import complete
 from oodscen.llm._prefix import cacheable_share
 from oodscen.llm._remote.usage import plausible_usage
-from oodscen.llm._wrapper import Wrapper
+from oodscen.llm._wrapper import WrappingLLM
 from oodscen.protocols import LLM, Completion, Request, Usage
 
 
@@ -50,11 +50,11 @@ class Call(Data):
     """When the question was asked, in UTC, e.g. `2026-01-31T12:00:00+00:00`."""
 
 
-class LoggedLLM(Wrapper):
+class LoggedLLM(WrappingLLM):
     """Reports every `complete` of another model, including failed ones.
 
     Args:
-        llm: The wrapped model; its other attributes are reachable through this object.
+        llm: The wrapped model.
         log: Called once per call, never from two threads at a time. What it raises is raised by the call.
     """
 

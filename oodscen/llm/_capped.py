@@ -5,15 +5,15 @@ from oodscen.llm._check import complete
 from oodscen.llm._remote.budget import Price, Spent, check_price
 from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.usage import estimate_tokens, plausible_usage
-from oodscen.llm._wrapper import Wrapper
+from oodscen.llm._wrapper import WrappingLLM
 from oodscen.protocols import LLM, Completion, Request
 
 
-class CappedLLM(Wrapper):
+class CappedLLM(WrappingLLM):
     """Holds another model to the caps of a run; a call counts as one request, or as many as it reports.
 
     Args:
-        llm: The wrapped model; its other attributes are reachable through this object.
+        llm: The wrapped model.
         limits: The caps, and the limit on concurrent calls.
         called: The name by which the run knows the model, e.g. `module:attr`; a price may be given for it too.
 

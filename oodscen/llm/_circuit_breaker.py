@@ -1,15 +1,15 @@
 """The circuit breaker: a model that is given up fails its own items and does not end the run."""
 
 from oodscen.errors import EndpointDown, ModelSkipped
-from oodscen.llm._wrapper import Wrapper
+from oodscen.llm._wrapper import WrappingLLM
 from oodscen.protocols import Completion, Request
 
 
-class CircuitBreakerLLM(Wrapper):
+class CircuitBreakerLLM(WrappingLLM):
     """Fails the question instead of the run when the wrapped model is given up.
 
     Args:
-        llm: The wrapped model; its other attributes are reachable through this object.
+        llm: The wrapped model.
     """
 
     def complete(self, request: Request) -> Completion:

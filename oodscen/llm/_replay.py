@@ -8,15 +8,15 @@ from oodscen._files import refuse_special
 from oodscen.errors import DataError, Issue, ReplayMiss
 from oodscen.llm._check import complete
 from oodscen.llm._recording import Exchange, Recorder, Recording
-from oodscen.llm._wrapper import Wrapper
+from oodscen.llm._wrapper import WrappingLLM
 from oodscen.protocols import LLM, Completion, Request
 
 
-class RecordingLLM(Wrapper):
+class RecordingLLM(WrappingLLM):
     """Records every answer of another model, and answers recorded questions from the recording.
 
     Args:
-        llm: The wrapped model; its other attributes are reachable through this object.
+        llm: The wrapped model.
         recorder: The recording; several models may share one.
         is_reading: Answer from the recording if it holds an answer of this model.
     """

@@ -7,8 +7,8 @@ from oodscen._members import conforming
 from oodscen.protocols import LLM
 
 
-class Wrapper(Brief):
-    """Takes over the name and the attributes of the wrapped model.
+class WrappingLLM(Brief):
+    """A model that wraps another one: it takes over its name; attributes that it lacks are the other's.
 
     Args:
         llm: The wrapped model.
@@ -21,6 +21,7 @@ class Wrapper(Brief):
         self._llm = llm
 
     def __getattr__(self, name: str) -> Any:
+        # A copy in the making has no `_llm` yet.
         if name.startswith("_"):
-            raise AttributeError(name)
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         return getattr(self._llm, name)

@@ -30,15 +30,15 @@ class Contrast(Data):
     difference: float
     """a - b."""
     low: float
-    """2.5 % of the differences over the subsamples."""
+    """2.5th percentile of the differences over the draws."""
     high: float
-    """97.5 % of the differences. Shows the effect of the draw; not a confidence interval."""
+    """97.5th percentile. Both show the effect of the draw and are no confidence interval."""
     p_value: float | None = None
     """For OOD-ness only: two-sided, by permutation, or by sign flips if the sets are matched pairs."""
 
 
 class Comparison(Data):
-    """A comparison of two sets of texts at equal size, by repeated subsampling."""
+    """The figures of two sets of texts, means over draws of equal size."""
 
     size: int
     """Texts drawn from each set in each repeat."""
@@ -62,8 +62,8 @@ class Comparison(Data):
 
     def __str__(self) -> str:
         lines = [
-            f"{self.n_a} and {self.n_b} texts, {self.repeats} draws of {self.size} from either, "
-            f"against {self.N} of {self.baseline} by {self.encoder}"
+            f"{self.n_a} and {self.n_b} texts, {self.repeats} draws of {self.size} from each, "
+            f"against {self.N} baseline texts ({self.baseline}), embedded by {self.encoder}"
         ]
         for label, found in (
             ("OOD-ness", self.oodness),
@@ -105,11 +105,12 @@ def compare(
     paired: bool,
     definition: Measure,
 ) -> Comparison:
-    """Return the comparison that `Metrics.compare` documents; `paths` are labels of either set."""
+    """Return the comparison that `Metrics.compare` documents; `paths` are the labels of each set."""
     a, b = sets
-    drawn = drawn_size(len(a), len(b), size, repeats)
     if paired and len(a) != len(b):
         raise UsageError(f"{len(a)} and {len(b)} texts are not matched pairs")
+    whole_number("repeats", repeats, 1)
+    drawn = _drawn_size(len(a), len(b), size)
     values = [space.scores(texts, definition) for texts in sets]
     names = ("pairs", "pairs") if paired else ("a", "b")
     figures = [
@@ -143,7 +144,8 @@ def distance(
     space: "BaselineSpace", first: Vectors, second: Vectors, *, size: int | None, repeats: int
 ) -> SetDistance:
     """Return the distance that `Metrics.distance` documents, of two sets of vectors."""
-    drawn = drawn_size(len(first), len(second), size, repeats)
+    whole_number("repeats", repeats, 1)
+    drawn = _drawn_size(len(first), len(second), size)
     draws = stream(space.seed, "distance")
     found = []
     for _ in range(repeats):
@@ -164,19 +166,18 @@ def distance(
     )
 
 
-def drawn_size(n: int, m: int, size: int | None, repeats: int) -> int:
+def _drawn_size(n: int, m: int, size: int | None) -> int:
     """Return the number of texts to draw from sets of n and m: `size`, or all of the smaller set.
 
     Raises:
         UsageError: If a set has fewer, or it is below 2.
     """
-    drawn = min(n, m) if size is None else whole_number("size", size, 2)
-    whole_number("repeats", repeats, 1)
-    if not 2 <= drawn <= min(n, m):
-        raise UsageError(
-            f"sets of {n} and {m} texts cannot be compared by {repeats} draws of {drawn}: at least "
-            "2 texts and at most all of the smaller set"
-        )
+    smaller = min(n, m)
+    if smaller < 2:
+        raise UsageError(f"each set needs at least 2 texts to be compared; they have {n} and {m}")
+    drawn = smaller if size is None else whole_number("size", size, 2)
+    if drawn > smaller:
+        raise UsageError(f"size is {drawn}, but the smaller set has {smaller} texts")
     return drawn
 
 
@@ -190,13 +191,16 @@ def _subsamples(
 ) -> np.ndarray:
     """Return OOD-ness and both diversities of the draws from one set: [3, repeats]."""
     vectors = space.vectors(texts)
+    if size == len(texts):
+        return np.repeat([_figures(vectors, values)], repeats, axis=0).T
     draws = stream(space.seed, "compare", name)
-    found = []
-    for _ in range(repeats):
-        chosen = draws.permutation(len(texts))[:size]
-        part = vectors[chosen]
-        found.append((values[chosen].mean(), -mean_nearest(part), -mean_pairwise(part)))
-    return np.array(found).T
+    chosen = (draws.permutation(len(texts))[:size] for _ in range(repeats))
+    return np.array([_figures(vectors[rows], values[rows]) for rows in chosen]).T
+
+
+def _figures(vectors: Vectors, oodness: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Return mean OOD-ness and both diversities of a set."""
+    return float(oodness.mean()), -mean_nearest(vectors), -mean_pairwise(vectors)
 
 
 def _contrast(a: np.ndarray, b: np.ndarray) -> Contrast:

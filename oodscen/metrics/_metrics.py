@@ -290,6 +290,7 @@ class Metrics(Brief):
             a: At least two texts.
             b: At least two texts; by default the baseline.
             size: Texts drawn from each set, without replacement; by default the size of the smaller set.
+                A set that is drawn whole gives the same figure in every repeat.
             repeats: Number of draws.
 
         Raises:
@@ -443,7 +444,7 @@ class Metrics(Brief):
         paired: bool = False,
         definition: Measure = "tabulated",
     ) -> Comparison:
-        """Return a comparison of two sets at equal size: each repeat draws `size` texts from either.
+        """Return a comparison of two sets at equal size: each repeat draws `size` texts from each.
 
         The p-value is for OOD-ness over all texts: by sign flips for pairs, else by permutation. Whole paths are
         permuted if all texts are scenarios with a path. Diversity has no test, because its terms share texts.
@@ -452,6 +453,7 @@ class Metrics(Brief):
             a: At least two texts.
             b: At least two texts.
             size: Texts drawn from each set, without replacement; by default the size of the smaller set.
+                A set that is drawn whole gives the same figure in every repeat.
             repeats: Number of draws.
             paired: Whether the i-th texts of both belong together (a scenario and its ordinary twin). If so, the
                 test is of their differences, and the same indices are drawn from both.

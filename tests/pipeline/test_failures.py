@@ -4,7 +4,7 @@ import pytest
 
 from oodscen import Study, make_llm
 from oodscen._pipeline import run_study
-from oodscen.llm._wrapper import Wrapper
+from oodscen.llm._wrapper import WrappingLLM
 from oodscen.protocols import Completion
 from oodscen.report._load import read
 from tests.pipeline.quick import SMALL
@@ -15,7 +15,7 @@ CONFIG = SMALL.model_copy(
 RARE = '{{"number": {}, "unit": "log10 km", "low": 4, "best": 5, "high": 6}}'
 
 
-class Author(Wrapper):
+class Author(WrappingLLM):
     """The built-in author, who also tells rarities; refuses some questions."""
 
     def __init__(self, *refused):

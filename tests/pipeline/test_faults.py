@@ -16,7 +16,7 @@ from oodscen._pipeline import RunOptions, estimate, run_study
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError
 from oodscen.llm._remote.budget import Price
 from oodscen.llm._remote.limits import Limits
-from oodscen.llm._wrapper import Wrapper
+from oodscen.llm._wrapper import WrappingLLM
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.llm.rogue import dripping, talking
 from tests.pipeline.quick import QUICK, SMALL
@@ -146,7 +146,7 @@ def test_an_interruption_leaves_no_question_to_be_waited_for(tmp_path, author, p
     limits = Limits(concurrency=2)
     together = threading.Barrier(2)
 
-    class Interrupted(Wrapper):
+    class Interrupted(WrappingLLM):
         def complete(self, request):
             if request.prompt.purpose != purpose:
                 return self._llm.complete(request)

@@ -65,12 +65,14 @@ class Squares:
             radius = size * _UNIT * 0.7072
             near = ground.near(middle[:, 0], middle[:, 1])
             away = np.maximum(np.abs(near.asphalt) - radius, 0.0)
-            keep = (near.asphalt > -radius - 1.0) & (near.ego < wide + radius)
-            keep |= _is_spanned(ground, near.s, radius) & (near.ego < wide + radius)
+            keep = (near.asphalt > -radius - 1.0) & (near.ego_asphalt < wide + radius)
+            keep |= _is_spanned(ground, near.s, radius) & (near.ego_asphalt < wide + radius)
             steps = np.searchsorted(np.array([0.5, 14.0, 50.0, 120.0]), away)
             wanted = np.array([8.0, 16.0, 32.0, 64.0, 128.0])[steps]
             wanted = np.minimum(wanted, _finest(meeting, middle, radius))
-            is_long = _is_spanned(ground, near.s, radius + 40.0) & (near.ego - radius < 60.0)
+            is_long = _is_spanned(ground, near.s, radius + 40.0) & (
+                near.ego_asphalt - radius < 60.0
+            )
             wanted = np.where(is_long, np.minimum(wanted, float(_COARSE)), wanted)
             split = keep & (wanted < size)
             if size <= _COARSE:

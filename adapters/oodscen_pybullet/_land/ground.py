@@ -1,6 +1,5 @@
 """The roads of a map on the ground, and the distance of points from asphalt."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,16 +10,18 @@ from oodscen_pybullet._land.ways import Way, ways_of
 from oodscen_pybullet._types import Array
 
 _NEAR = 60.0
-"""Distances from asphalt beyond this are approximate, m."""
+"""Margin around a road other than the ego's beyond which it is ignored, m."""
 _ROUGH = 3.0
 """Largest overestimate of a distance measured across a road, m."""
 _FAR = 1e4
 """Distance of points from asphalt where no road is near, m."""
+_CLOSE = 0.05
+"""Lower bound of the distances by which heights are weighted, m."""
 
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """The relation of points to the ground, one row per point."""
+    """The places of points relative to the roads, one row per point."""
 
     asphalt: Array
     """Distance from the nearest asphalt, m; negative inside; approximate where far away or negative."""
@@ -32,25 +33,22 @@ class Near:
     """Position along the ego's road, m."""
     t: Array
     """Offset to the left of the ego's reference line, m."""
-    ego: Array
+    ego_asphalt: Array
     """Distance from the asphalt of the ego's road, m."""
 
 
 class Ground:
-    """All roads of a map."""
+    """All roads of a map.
+
+    Args:
+        corridor: The ego's corridor with the others.
+    """
 
     def __init__(self, corridor: Corridor) -> None:
-        """Resample every road.
-
-        Args:
-            corridor: The ego's corridor with the others.
-        """
         self.corridor = corridor
         self.ways = ways_of(corridor)
-        self.kerbed = any(way.has_kerb for way in self.ways)
+        self.has_kerb = any(way.has_kerb for way in self.ways)
         self._bounds = [way.bounds(_NEAR) for way in self.ways]
-        self._along: dict[tuple[float, float], tuple[float, float]] = {}
-        self._free: dict[tuple[tuple[float, ...], tuple[float, ...], float], bool] = {}
         self._asphalt = Cover(strips([way.asphalt_band() for way in self.ways]))
 
     @property
@@ -78,7 +76,7 @@ class Ground:
                 continue
             along, across = way.course.locate(x[rows], y[rows])
             from_asphalt, from_paved = way.distances(along, across)
-            share = 1.0 / np.maximum(from_asphalt, 0.05) ** 2
+            share = 1.0 / np.maximum(from_asphalt, _CLOSE) ** 2
             asphalt[rows] = np.minimum(asphalt[rows], from_asphalt)
             paved[rows] = np.minimum(paved[rows], from_paved)
             weight[rows] += share
@@ -90,13 +88,11 @@ class Ground:
             asphalt[close] = _corrected(asphalt[close], self.asphalt(x[close], y[close]))
         return Near(asphalt, np.minimum(paved, asphalt), height / weight, s, t, ego)
 
-    def along(self, x: float, y: float) -> tuple[float, float]:
+    def locate(self, x: float, y: float) -> tuple[float, float]:
         """Return a point's position along the ego's road and its distance from that road, m."""
-        if (x, y) not in self._along:
-            s, t = self.ego.course.locate(np.array([x]), np.array([y]))
-            away, _ = self.ego.distances(s, t)
-            self._along[x, y] = float(s[0]), float(away[0])
-        return self._along[x, y]
+        s, t = self.ego.course.locate(np.array([x]), np.array([y]))
+        away, _ = self.ego.distances(s, t)
+        return float(s[0]), float(away[0])
 
     def asphalt(self, x: Array, y: Array) -> Array:
         """Return the distance of points from the asphalt as drawn.
@@ -110,21 +106,15 @@ class Ground:
         """
         return self._asphalt.distance(x, y)
 
-    def is_free(self, x: Iterable[float], y: Iterable[float], margin: float) -> bool:
-        """Return whether all points are off the asphalt by at least a margin, m."""
-        key = (tuple(x), tuple(y), margin)
-        if key not in self._free:
-            self._free[key] = self._is_free(np.array(key[0]), np.array(key[1]), margin)
-        return self._free[key]
-
-    def _is_free(self, x: Array, y: Array, margin: float) -> bool:
-        exact = self.asphalt(x, y)
-        if margin < REACH or bool((exact <= 0.0).any()):
-            return bool((exact > margin).all())
-        return bool((self.near(x, y).asphalt > margin).all())
+    def is_free(self, x: Array, y: Array, margin: float) -> bool:
+        """Return whether all points are off the asphalt by more than a margin, m."""
+        distance = self.asphalt(x, y)
+        if margin >= REACH and bool((distance > 0.0).all()):  # `asphalt` measures no farther
+            distance = self.near(x, y).asphalt
+        return bool((distance > margin).all())
 
 
 def _corrected(rough: Array, exact: Array) -> Array:
     """Return the distances with the sign of the exact ones, and with their size where they are near."""
-    on = np.where(rough < 0.0, rough, exact)
-    return np.where(exact >= REACH, np.maximum(rough, REACH), np.where(exact > 0.0, exact, on))
+    is_far, is_off, is_deep = exact >= REACH, exact > 0.0, rough < 0.0
+    return np.select([is_far, is_off, is_deep], [np.maximum(rough, REACH), exact, rough], exact)

@@ -117,7 +117,7 @@ class Land:
         open_, spanned = self._split_at_structures(self._corners())
         land, border = self._beside_asphalt(open_)
         pieces = []
-        if self._ground.kerbed:
+        if self._ground.has_kerb:
             pieces.append(_kerb_sides(border))
             kerbed, land = self._kerbed(land)
             pieces += kerbed
@@ -132,7 +132,7 @@ class Land:
         x, y = points[:, 0], points[:, 1]
         near, heights = self._ground.near(x, y), self.relief.heights(x, y)
         paved = near.paved
-        if self._ground.kerbed and len(self.meeting):
+        if self._ground.has_kerb and len(self.meeting):
             at_corner = np.minimum(paved, near.asphalt - _CORNER_PAVED_M)
             paved = np.where(self._is_corner(points), at_corner, paved)
         zero = np.zeros(len(points))

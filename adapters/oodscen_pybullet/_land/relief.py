@@ -95,13 +95,13 @@ class Relief:
     @property
     def lift(self) -> float:
         """Height of the ground above the adjacent asphalt, m; `heights` leaves it out."""
-        return KERB if self.ground.kerbed else _UNKERBED_LIFT
+        return KERB if self.ground.has_kerb else _UNKERBED_LIFT
 
     def heights(self, x: Array, y: Array) -> Heights:
         """Return the height of the ground at points."""
         near = self.ground.near(x, y)
         away = np.maximum(near.asphalt, 0.0)
-        ditch = np.zeros(len(x)) if self.ground.kerbed else _ditch(away)
+        ditch = np.zeros(len(x)) if self.ground.has_kerb else _ditch(away)
         spots = _Spots(near.s, away, near.z, ditch)
         beside = near.z + self._hills(x, y, away) + ditch
         found = Heights(beside, beside, np.zeros(len(x), bool))

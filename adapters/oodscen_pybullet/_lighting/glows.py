@@ -25,29 +25,49 @@ _VISIBLE_BESIDE = 0.6
 """Share of a lamp beside the picture that counts as visible."""
 _MURKY_M = 60.0
 """Distance whose extinction tells how murky the air is, m."""
-_RADIUS_M, _LEAST_PX = 0.055, 0.7
-"""Radius of a lamp of power 1, m, and its least radius in the picture, pixels."""
-_CORE, _WIDEST_HALO = 1.5, 0.16
-"""Radius of a lamp's core relative to the lamp's, and the largest of a halo relative to the picture's width."""
-_HALO_BY_DAY, _HALO_IN_DARK, _HALO_IN_FOG, _FOG_BY_DAY = 2.6, 2.5, 3.0, 0.3
-"""Radius of a halo relative to the lamp's by day; what darkness and what fog in the dark add to it; and the share of
-the latter by day."""
+_RADIUS_M = 0.055
+"""Radius of a lamp of power 1, m."""
+_LEAST_PX = 0.7
+"""Least radius of a lamp in the picture, pixels."""
+_CORE = 1.5
+"""Radius of a core relative to its lamp's."""
+_WIDEST_HALO = 0.16
+"""Greatest radius of a halo relative to the picture's width."""
+_HALO_BY_DAY = 2.6
+"""Radius of a halo by day relative to its lamp's."""
+_HALO_IN_DARK = 2.5
+"""Added to the radius of a halo in the dark."""
+_HALO_IN_FOG, _FOG_BY_DAY = 3.0, 0.3
+"""Added to the radius of a halo by fog in the dark, and the share of it that fog adds by day."""
 _CORE_LIGHT, _HALO_LIGHT = 235.0, 95.0
 """Light at the centres of a core and a halo, 0 to 255."""
+_CORE_WHITE = 0.5
+"""Share of white in the core of a lamp that is no signal."""
 _BEAM_GAIN = 1.4
 """Gain by which a lamp seen somewhat from the side still shines fully."""
 _SIGNAL = 0.5
 """Share of a lamp's glow by day above which it is a signal."""
-_SUN_M, _SKY_M = 1_000.0, 399.0
-"""Distance at which the sun's place in the picture is looked for, and depth at which it may be hidden, m."""
+_SUN_M = 1_000.0
+"""Distance of the point that stands for the sun, m."""
+_SKY_M = 399.0
+"""Depth of the sky, m: nearer things hide the sun."""
 _SCATTERED = 0.55
 """Share of the veil around a hidden sun that is left, since the air scatters it."""
-_NO_RADIUS = np.float32(1e-6)
-"""Added to a square of a radius, which may be 0."""
+_EPSILON = np.float32(1e-6)
+"""Added to the square of a radius, which may be 0."""
 
 
-class _Ring(NamedTuple):
-    """A part of the sun's glare, a round spot."""
+class _PixelPlace(NamedTuple):
+    """A point as seen by a camera."""
+
+    column: float
+    row: float
+    depth: float
+    """Distance along the camera's axis, m."""
+
+
+class _Disc(NamedTuple):
+    """A part of the sun's glare."""
 
     radius: float
     """As a share of the picture's width."""
@@ -59,9 +79,9 @@ class _Ring(NamedTuple):
 
 
 _GLARE = (
-    _Ring(0.6, 52.0, (1.0, 0.94, 0.80), is_veil=True),
-    _Ring(0.12, 150.0, (1.0, 0.90, 0.66), is_veil=False),
-    _Ring(0.04, 255.0, (1.0, 0.98, 0.9), is_veil=False),
+    _Disc(0.6, 52.0, (1.0, 0.94, 0.80), is_veil=True),
+    _Disc(0.12, 150.0, (1.0, 0.90, 0.66), is_veil=False),
+    _Disc(0.04, 255.0, (1.0, 0.98, 0.9), is_veil=False),
 )
 
 
@@ -69,8 +89,8 @@ def add_glows(
     image: U8,
     view: CameraView,
     depth: F32,
-    lamps: Sequence[Lamp],
     light: Light,
+    lamps: Sequence[Lamp],
     extinction: float,
 ) -> None:
     """Add the halos of visible lamps, in place.
@@ -79,20 +99,20 @@ def add_glows(
         image: [height, width, 3]
         view: The camera.
         depth: m
-        lamps: All lamps.
         light: The light of the scene; by day halos are faint.
+        lamps: All lamps.
         extinction: Extinction coefficient of the air, 1/m: it dims lamps and widens their halos.
     """
     for lamp in lamps:
         if lamp.is_street and light.daylight > _STREET_LAMPS_OFF:
             continue
-        spot = _spot(view, lamp)
-        if spot is None:
+        place = _place(view, lamp)
+        if place is None:
             continue
-        seen = _facing(view, lamp) * _visible(depth, *spot)
+        seen = _facing(view, lamp) * _visible(depth, place)
         if seen <= 0.0:
             continue
-        column, row, ahead = spot
+        column, row, ahead = place
         size = math.sqrt(lamp.power)
         strength = seen * exact.exp(-extinction * ahead) * _share_of_glow(lamp, light) * size
         radius = max(_LEAST_PX, view.focal * _RADIUS_M * size / ahead)
@@ -101,29 +121,32 @@ def add_glows(
         _add(image, column, row, halo, _HALO_LIGHT * strength, lamp.colour)
 
 
-def add_glare(image: U8, view: CameraView, light: Light, depth: F32) -> None:
+def add_glare(image: U8, view: CameraView, depth: F32, light: Light) -> None:
     """Add the glare of a low sun ahead, in place."""
-    x, y, z = (view.eye[axis] + _SUN_M * light.sun[axis] for axis in range(3))
-    spot = view.pixel((x, y, z))
-    if not light.has_glare or spot is None:
+    if not light.has_glare:
         return
-    column, row, _ = spot
-    disc = _visible(depth, column, row, _SKY_M)
-    veil = _SCATTERED + (1.0 - _SCATTERED) * disc
-    for ring in _GLARE:
-        strength = ring.light * (veil if ring.is_veil else disc)
-        _add(image, column, row, view.width * ring.radius, strength, ring.colour)
+    x, y, z = (view.eye[axis] + _SUN_M * light.sun[axis] for axis in range(3))
+    place = view.pixel((x, y, z))
+    if place is None:
+        return
+    column, row, _ = place
+    visible = _visible(depth, _PixelPlace(column, row, _SKY_M))
+    veil = _SCATTERED + (1.0 - _SCATTERED) * visible
+    for disc in _GLARE:
+        strength = disc.light * (veil if disc.is_veil else visible)
+        _add(image, column, row, view.width * disc.radius, strength, disc.colour)
 
 
-def _spot(view: CameraView, lamp: Lamp) -> Point | None:
-    """Return column, row and distance of a lamp whose halo may reach into the picture."""
-    spot = view.pixel(lamp.position)
-    if spot is None or spot[2] > _FARTHEST_M:
+def _place(view: CameraView, lamp: Lamp) -> _PixelPlace | None:
+    """Return the place in the picture of a lamp whose halo may reach into it."""
+    found = view.pixel(lamp.position)
+    if found is None:
         return None
-    column, row, _ = spot
+    place = _PixelPlace(*found)
     reach = view.width * _BESIDE
-    is_near = -reach < column < view.width + reach and -reach < row < view.height + reach
-    return spot if is_near else None
+    is_beside = -reach < place.column < view.width + reach
+    is_near = is_beside and -reach < place.row < view.height + reach and place.depth <= _FARTHEST_M
+    return place if is_near else None
 
 
 def _share_of_glow(lamp: Lamp, light: Light) -> float:
@@ -147,16 +170,16 @@ def _facing(view: CameraView, lamp: Lamp) -> float:
     return max(0.0, min(1.0, _BEAM_GAIN * (fx * dx + fy * dy + fz * dz) / length))
 
 
-def _visible(depth: F32, column: float, row: float, ahead: float) -> float:
-    """Return the fraction of the pixels around a point at a depth, m, that nothing in front occludes."""
+def _visible(depth: F32, place: _PixelPlace) -> float:
+    """Return the fraction of the pixels around a point that nothing in front of it occludes."""
     height, width = depth.shape
-    c, r = round(column - 0.5), round(row - 0.5)
+    c, r = round(place.column - 0.5), round(place.row - 0.5)
     patch = depth[
         max(r - 1, 0) : max(min(r + 2, height), 0), max(c - 1, 0) : max(min(c + 2, width), 0)
     ]
     if patch.size == 0:
         return _VISIBLE_BESIDE
-    return np.count_nonzero(patch > ahead - _CLEARANCE_M) / patch.size
+    return np.count_nonzero(patch > place.depth - _CLEARANCE_M) / patch.size
 
 
 def _core(lamp: Lamp) -> Point:
@@ -164,18 +187,20 @@ def _core(lamp: Lamp) -> Point:
     if lamp.by_day > _SIGNAL:
         return lamp.colour
     red, green, blue = lamp.colour
-    return (0.5 + 0.5 * red, 0.5 + 0.5 * green, 0.5 + 0.5 * blue)
+    own = 1.0 - _CORE_WHITE
+    return (_CORE_WHITE + own * red, _CORE_WHITE + own * green, _CORE_WHITE + own * blue)
 
 
 def _add(
     image: U8, column: float, row: float, radius: float, strength: float, colour: Point
 ) -> None:
+    """Add a round spot of coloured light."""
     light = np.array([value * strength for value in colour], np.float32)
-    splash(image, np.float32(column), np.float32(row), np.float32(radius), light)
+    _splash(image, np.float32(column), np.float32(row), np.float32(radius), light)
 
 
 @Kernel
-def splash(image: U8, column: np.float32, row: np.float32, radius: np.float32, light: F32) -> None:
+def _splash(image: U8, column: np.float32, row: np.float32, radius: np.float32, light: F32) -> None:
     """Add a round spot of light that fades to zero at twice its radius.
 
     Args:
@@ -192,7 +217,7 @@ def splash(image: U8, column: np.float32, row: np.float32, radius: np.float32, l
     top, bottom = max(int(row - reach), 0), min(int(row + reach) + 1, height)
     if left >= right or top >= bottom:
         return
-    scale = one / (np.float32(4.0) * radius * radius + _NO_RADIUS)
+    scale = one / (np.float32(4.0) * radius * radius + _EPSILON)
     aside = np.arange(left, right).astype(np.float32) + (half - column)
     aside = aside * aside
     for y in range(top, bottom):

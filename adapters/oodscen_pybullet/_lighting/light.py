@@ -11,20 +11,24 @@ from oodscen.data._scene import Weather
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._types import F32, Point
 
-_DEGREE = math.radians(1.0)
-
 _DAYLIGHT = ((-18.0, 0.06), (-6.0, 0.14), (0.0, 0.42), (8.0, 0.92), (15.0, 1.0))
 """Sun elevation, degrees, and brightness of the day."""
-_AHEAD_DEG, _BEHIND_DEG = 6.0, 144.0
-"""Heading of a sun that dazzles, and of any other, relative to the road, degrees."""
-_LOWEST_AHEAD_DEG, _LOWEST_DEG = 4.0, 12.0
-"""Lowest elevation at which either is drawn, degrees."""
+_GLARE_DEG = 12.0
+"""Elevation below which a sun ahead of the ego dazzles, degrees."""
+_GLARE_HIDDEN = 0.6
+"""Hidden share of the sun up to which it dazzles."""
+_AHEAD_DEG, _LOWEST_AHEAD_DEG = 6.0, 4.0
+"""Heading relative to the road, and lowest drawn elevation, of a sun that dazzles, degrees."""
+_BEHIND_DEG, _LOWEST_BEHIND_DEG = 144.0, 12.0
+"""Heading and lowest drawn elevation of any other sun, degrees."""
 _FOGGY_M = 600.0
 """Visual range below which fog hides the sun, m."""
-_SEEN_HIDDEN, _CAST_CLEAR = 0.6, 0.25
-"""Share of the sun up to which clouds let it dazzle, and its visible share from which it casts the shadows."""
-_RED_DEG, _LOW_DEG = 20.0, 28.0
-"""Elevation below which the sun is red, and below which it hardly reaches the ground, degrees."""
+_CASTS_CLEAR = 0.25
+"""Visible share of the sun above which it casts the shadows."""
+_RED_DEG = 20.0
+"""Elevation below which the sun is red, degrees."""
+_LOW_DEG = 28.0
+"""Elevation below which the sun hardly reaches the ground, degrees."""
 _AMBIENT, _AMBIENT_LOW, _AMBIENT_HIDDEN, _AMBIENT_SNOW = 0.54, 0.26, 0.28, 0.06
 """Fraction of ambient light under a high sun, and what a low sun, a hidden sun and lying snow add to it."""
 _DIRECT, _DIRECT_CLEAR = 0.10, 0.50
@@ -39,12 +43,12 @@ _RED_TINT, _NIGHT_TINT, _BLUE_TINT = (
     (-0.07, -0.01, 0.08),
 )
 """Change of the light's colour by a red sun, by night and by blue shade."""
-_LEAST_LEVEL, _MOST_BOOST = 0.02, 4.0
-"""Least of the sun's fraction on level ground by which its shadow is deepened, and the most that it is."""
+_LEAST_LEVEL = 0.02
+"""Lower bound of the sun's fraction of the light on level ground, by which shadows are deepened."""
+_MOST_BOOST = 4.0
+"""Greatest factor by which shadows are deepened."""
 _OVERCAST = (0.12, 0.16, 0.98)
 """Direction towards the brightest part of an overcast sky."""
-GLARE_DEG = 12.0
-"""Elevation below which a sun ahead of the ego dazzles, degrees."""
 
 
 @dataclass(frozen=True)
@@ -63,11 +67,12 @@ class Light:
     """Darkness of shadows, 0 to 1."""
     tint: Point
     """Colour of the light."""
-    has_glare: bool
-    shade: Point = (1.0, 1.0, 1.0)
+    shadow_tint: Point
     """Colour of the light in shadow."""
-    shades: Point = (0.0, 0.0, 1.0)
+    towards_caster: Point
     """Direction towards the light that casts shadows: the sun, or near the zenith under an overcast sky."""
+    has_glare: bool
+    """True if the sun dazzles ahead of the ego."""
 
     @classmethod
     def of(cls, weather: Weather, heading: float, *, reflects_snow: bool) -> "Light":
@@ -81,7 +86,7 @@ class Light:
         elevation = weather.sun_elevation_deg
         daylight = _between(_DAYLIGHT, elevation)
         hidden = _hidden(weather)
-        has_glare = 0.0 < elevation < GLARE_DEG and hidden < _SEEN_HIDDEN
+        has_glare = 0.0 < elevation < _GLARE_DEG and hidden < _GLARE_HIDDEN
         sun = _sun(elevation, heading, has_glare=has_glare)
         clear = 1.0 - hidden if elevation > 0.0 else 0.0
         red = _nearness(elevation, _RED_DEG) * clear
@@ -95,17 +100,17 @@ class Light:
             daylight=daylight,
             shadow=_SHADOW + _SHADOW_CLEAR * clear + _SHADOW_LOW * low,
             tint=_tint(red, 1.0 - daylight),
+            shadow_tint=_shadow_tint(clear * (_BLUE + _BLUE_RED * red)),
+            towards_caster=sun if clear > _CASTS_CLEAR else _OVERCAST,
             has_glare=has_glare,
-            shade=_shade(clear * (_BLUE + _BLUE_RED * red)),
-            shades=sun if clear > _CAST_CLEAR else _OVERCAST,
         )
 
     def darkness(self) -> F32:
         """Return the darkening of a shadow relative to the sunlit surface, 0 to 1, [256].
 
         The index is the sun's incidence on the surface, 0 (grazing) to 255 (perpendicular). The darkening
-        is the sun's fraction of the light; where an overcast sky makes that small, it is `shadow` near
-        the base of objects.
+        is the sun's fraction of the light. Where that is below `shadow` on level ground, all fractions are
+        scaled up to reach it, at most fourfold, and none beyond `shadow`.
         """
         slant = np.arange(256, dtype=np.float32) / np.float32(255.0)
         share = self.diffuse * slant / (self.ambient + self.diffuse * slant)
@@ -123,8 +128,8 @@ def _hidden(weather: Weather) -> float:
 
 def _sun(elevation: float, heading: float, *, has_glare: bool) -> Point:
     """Return the direction towards the sun: ahead of the ego where it dazzles, behind it otherwise."""
-    turn = heading + _DEGREE * (_AHEAD_DEG if has_glare else _BEHIND_DEG)
-    height = _DEGREE * max(elevation, _LOWEST_AHEAD_DEG if has_glare else _LOWEST_DEG)
+    turn = heading + math.radians(_AHEAD_DEG if has_glare else _BEHIND_DEG)
+    height = math.radians(max(elevation, _LOWEST_AHEAD_DEG if has_glare else _LOWEST_BEHIND_DEG))
     level = exact.cos(height)
     return (level * exact.cos(turn), level * exact.sin(turn), exact.sin(height))
 
@@ -143,7 +148,7 @@ def _tint(red: float, dark: float) -> Point:
     return x, y, z
 
 
-def _shade(blue: float) -> Point:
+def _shadow_tint(blue: float) -> Point:
     """Return the colour of the light in shadow."""
     x, y, z = (1.0 + change * blue for change in _BLUE_TINT)
     return x, y, z

@@ -153,7 +153,7 @@ def _daylight(light: Light, *, has_shadows: bool) -> Daylight:
     is_full = light.daylight >= _FULL_DAY
     level = 1.0 if is_full else light.daylight
     direct = np.array([tint * level for tint in light.tint], np.float32)
-    colour = light.shade if has_shadows else light.tint
+    colour = light.shadow_tint if has_shadows else light.tint
     shade = [direct[e] / light.tint[e] * colour[e] for e in range(3)]
     return Daylight(direct, np.array(shade, np.float32), light.darkness())
 

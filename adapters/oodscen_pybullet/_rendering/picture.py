@@ -38,7 +38,7 @@ def postprocessed(picture: RawPicture) -> U8:
         image = postprocess_arrays(plate)
     if picture.balls:
         add_puffs(image, picture, rate, air)
-    add_glows(image, view, shot.depth, picture.lamps, light, rate)
+    add_glows(image, view, shot.depth, light, picture.lamps, rate)
     is_raining = weather.precipitation == "rain"
     if is_compiled() and (is_raining or (plate.kinds & MIRROR).any()):
         add_reflections(
@@ -49,7 +49,7 @@ def postprocessed(picture: RawPicture) -> U8:
             np.float32(_MIRRORED_LAMPS * max(1.0 - 2.0 * light.daylight, 0.0)),
             np.uint32(picture.seed % 2**20),
         )
-    add_glare(image, view, light, shot.depth)
+    add_glare(image, view, shot.depth, light)
     if weather.precipitation != "none":
         _ADD_DROPS[weather.precipitation](image, picture, plate.kinds)
     return image

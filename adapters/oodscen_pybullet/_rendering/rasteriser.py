@@ -104,7 +104,7 @@ class Rasteriser:
             assert self._scenery is not None
             assert self._actors is not None
             shade = self._shadows.draw(
-                view, _LAMPS if is_inside else light.shades, ground, self._scenery, self._actors,
+                view, _LAMPS if is_inside else light.towards_caster, ground, self._scenery, self._actors,
                 is_inside=is_inside,
             )  # fmt: skip
         return self._render(view, light, shade)

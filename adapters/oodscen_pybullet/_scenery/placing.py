@@ -21,6 +21,8 @@ SHORT_M = 110.0
 """Distance before the end of the ego's road at which scenery ends, m; it looks small from there."""
 _CELL = 24.0
 """Size of the grid squares in which claimed rectangles are looked up, m."""
+_STEPS = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+"""Places along half the side of a rectangle that must be off the asphalt."""
 
 
 @dataclass(frozen=True)
@@ -115,8 +117,8 @@ class Site:
             self.stand(mesh, spot, along, out)
 
     def is_free(self, x: float, y: float, margin: float) -> bool:
-        """Return whether a point is off the asphalt by at least a margin, m."""
-        return self.ground.is_free((x,), (y,), margin)
+        """Return whether a point is off the asphalt by more than a margin, m."""
+        return self.ground.is_free(np.array([x]), np.array([y]), margin)
 
     def claim(
         self, x: float, y: float, heading: Heading, half_x: float, half_y: float, *, margin: float
@@ -142,13 +144,9 @@ class Site:
                 return False
         if margin > 0.0:
             c, s = heading
-            steps = [-1.0, -0.5, 0.0, 0.5, 1.0]
-            points = [
-                (x + a * half_x * c - b * half_y * s, y + a * half_x * s + b * half_y * c)
-                for a in steps
-                for b in steps
-            ]
-            if not self.ground.is_free([p for p, _ in points], [q for _, q in points], margin):
+            a, b = half_x * _STEPS[:, None], half_y * _STEPS
+            points_x, points_y = x + a * c - b * s, y + a * s + b * c
+            if not self.ground.is_free(points_x.ravel(), points_y.ravel(), margin):
                 return False
         for cell in cells:
             self._taken.setdefault(cell, []).append(own)
@@ -183,14 +181,14 @@ class Site:
         """Return whether a spot is on a bridge or in a tunnel, or close to the end of one."""
         if not self.ground.corridor.structures:
             return False
-        s, _ = self.ground.along(spot.x, spot.y)
+        s, _ = self.ground.locate(spot.x, spot.y)
         return any(
             one.start - margin < s < one.end + margin for one in self.ground.corridor.structures
         )
 
     def is_far(self, spot: RoadsidePlace) -> bool:
         """Return whether a spot is too far away for small objects to be visible."""
-        s, away = self.ground.along(spot.x, spot.y)
+        s, away = self.ground.locate(spot.x, spot.y)
         ahead = s - self.ground.corridor.start
         return ahead > FAR_M or ahead < -40.0 or away > 0.35 * FAR_M
 

@@ -84,7 +84,7 @@ def _street_lamp(head: Point) -> Lamp:
 def _lay(corridor: Corridor, theme: Theme, seed: int, name: str) -> tuple[Terrain, Mesh, Mesh]:
     """Build the parts that are the same by day and by night: terrain, roads, land.
 
-    Terrain and ground cache their answers about points, and variants of a map query the same points.
+    The terrain caches heights of points, and variants of a map query the same points.
     """
     ground = Ground(corridor)
     terrain = Terrain(ground, theme, stream(seed, "scenery", name, "land"))

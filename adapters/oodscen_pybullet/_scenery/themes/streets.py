@@ -27,7 +27,7 @@ def add_lamps(
             x, y = spot.beside(0.0, out)
             if not site.is_free(x, y, 0.25):
                 continue
-            ahead = site.ground.along(x, y)[0] - site.ground.corridor.start
+            ahead = site.ground.locate(x, y)[0] - site.ground.corridor.start
             is_dark = site.state is not None and site.state.is_dark(ahead)
             _, _, z = site.stand(dark if is_dark else lit, spot, 0.0, out)
             if not is_dark:

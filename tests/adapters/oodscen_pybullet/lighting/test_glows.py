@@ -18,11 +18,11 @@ def test_a_lamp_glows_where_it_is_and_only_when_nothing_hides_it() -> None:
     row, column = int(spot[1]), int(spot[0])
     for depth, shines in ((30.0, True), (10.0, False)):
         image = np.zeros((120, 160, 3), np.uint8)
-        add_glows(image, VIEW, np.full((120, 160), depth, np.float32), [lamp], NIGHT, 0.0)
+        add_glows(image, VIEW, np.full((120, 160), depth, np.float32), NIGHT, [lamp], 0.0)
         assert bool(image[row, column, 0] > 60) == shines
     image = np.zeros((120, 160, 3), np.uint8)
     away = Lamp(lamp.position, lamp.colour, (1.0, 0.0, 0.0), 1.0)
-    add_glows(image, VIEW, np.full((120, 160), 30.0, np.float32), [away], NIGHT, 0.0)
+    add_glows(image, VIEW, np.full((120, 160), 30.0, np.float32), NIGHT, [away], 0.0)
     assert not image.any()
 
 
@@ -31,5 +31,5 @@ def test_only_a_low_sun_ahead_dazzles() -> None:
     for elevation, dazzles in ((5.0, True), (50.0, False)):
         light = Light.of(Weather(sun_elevation_deg=elevation), 0.0, reflects_snow=False)
         image = np.full((120, 160, 3), 90, np.uint8)
-        add_glare(image, VIEW, light, far)
+        add_glare(image, VIEW, far, light)
         assert bool((image > 200).any()) == dazzles

@@ -14,7 +14,7 @@ def test_daylight_rises_with_the_sun(one: float, two: float) -> None:
     lights = [Light.of(Weather(sun_elevation_deg=e), 0.0, reflects_snow=False) for e in (low, high)]
     assert lights[0].daylight <= lights[1].daylight
     for light in lights:
-        for way in (light.sun, light.shades):
+        for way in (light.sun, light.towards_caster):
             assert math.isclose(sum(v * v for v in way), 1.0, rel_tol=0.01)
 
 
@@ -31,6 +31,6 @@ def test_shadows_darken_the_more_the_sun_lights(elevation: float, cover: float) 
 
 
 def test_under_clouds_shadows_fall_straight_down() -> None:
-    assert Light.of(Weather(cloud_cover=1.0), 0.0, reflects_snow=False).shades[2] > 0.95
+    assert Light.of(Weather(cloud_cover=1.0), 0.0, reflects_snow=False).towards_caster[2] > 0.95
     clear = Light.of(Weather(), 0.0, reflects_snow=False)
-    assert clear.shades == clear.sun
+    assert clear.towards_caster == clear.sun

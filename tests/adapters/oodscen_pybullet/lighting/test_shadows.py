@@ -116,7 +116,7 @@ def test_lit_faces_cast_no_shadow_on_themselves() -> None:
     stage.show_scenery([ground()])
     stage.show_actors([tower(14.0, 0.0, 3.0, 3.0)])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.0)])
-    light = Light(SUN, 0.5, 0.5, 1.0, 0.3, (1.0, 1.0, 1.0), has_glare=False, shades=SUN)
+    light = Light(SUN, 0.5, 0.5, 1.0, 0.3, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0), SUN, has_glare=False)
     shot = stage.render(VIEW, light, ground=0.0)
     assert shot.shade is not None
     shade = shot.shade

@@ -23,12 +23,13 @@ from oodscen_pybullet._types import Pose
 from oodscen.protocols import Camera
 
 CAMERA = Camera(width=200, height=150)
+WHITE, UP = (1.0, 1.0, 1.0), (0.0, 0.0, 1.0)
 IDS = [asset for asset in asset_ids() if asset != "ego_car"]
 
 
 def shoot(stage: Stage, view: CameraView) -> Shot:
     return stage.render(
-        view, Light((-0.6, 0.48, 0.64), 0.6, 0.4, 1.0, 0.3, (1.0, 1.0, 1.0), has_glare=False)
+        view, Light((-0.6, 0.48, 0.64), 0.6, 0.4, 1.0, 0.3, WHITE, WHITE, UP, has_glare=False)
     )
 
 
@@ -105,7 +106,7 @@ def render(stage):
     stage.pose_actors([(0.0, 0.0, 0.0, 0.1), (9.0, 1.0, 0.0, 2.0)])
     shot = stage.render(
         CameraView.of(Camera(120, 90), (0.0, 0.0, 0.0, 0.1)),
-        Light((0.0, 0.6, 0.8), 0.5, 0.5, 1.0, 0.3, (1.0, 1.0, 1.0), has_glare=False),
+        Light((0.0, 0.6, 0.8), 0.5, 0.5, 1.0, 0.3, WHITE, WHITE, UP, has_glare=False),
     )
     parts = (shot.rgb, shot.depth, shot.rows, shot.reach, shot.sky)
     return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()

@@ -33,7 +33,7 @@ def test_nothing_stands_on_any_road(road: RoadMap) -> None:
     corners = scenery.meshes[2].vertices
     near = ground.near(corners[:, 0], corners[:, 1])
     is_low = (corners[:, 2] - near.z < 2.2) & (corners[:, 2] - near.z > -0.5)
-    is_median = (near.ego < -0.5) & ("highway" in road.traits)
+    is_median = (near.ego_asphalt < -0.5) & ("highway" in road.traits)
     on_road = is_low & (near.asphalt < -0.05) & ~is_median
     assert not on_road.any(), corners[on_road][:5]
 
