@@ -1,6 +1,7 @@
 """The folder of a data set, which holds the earlier one or the new one, whatever goes wrong."""
 
 import os
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -20,6 +21,13 @@ CARD = "README.md"
 _PART = ".oodscen-part"
 """Folder, inside that of the data set, in which the new one is written."""
 
+_LINE = re.compile(
+    r"(?P<digest>[0-9a-f]{64})  (?P<name>"
+    r"README\.md|data/(questions|drives)/\w+\.parquet|vlmevalkit/oodscen\.tsv"
+    r"|lmms_eval/oodscen/[\w.]+|drivelm/(\w+\.json|images/[\w-]+\.jpg))"
+)
+"""Line of the sums of a data set: no other file is ever replaced or removed."""
+
 
 @contextmanager
 def replacing(folder: Path) -> Iterator[Path]:
@@ -33,17 +41,16 @@ def replacing(folder: Path) -> Iterator[Path]:
         FolderTaken: If the folder holds other files.
         InUse: If another process writes the folder.
         OSError: If a file cannot be written.
-        UsageError: If the card was changed since the data set was written.
+        UsageError: If a file of the data set was changed since it was written.
     """
     made = [path for path in (folder, *folder.parents) if not path.exists()]
     part = folder / _PART
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with locked(folder, "data set"):
-            earlier = _known(folder)
+            earlier = _earlier(folder)
             if others := sorted(set(names(folder)) - earlier):
                 raise FolderTaken(str(folder), others[:5])
-            _refuse_changed_card(folder)
             shutil.rmtree(part, ignore_errors=True)
             part.mkdir()
             try:
@@ -70,28 +77,33 @@ def names(folder: Path) -> list[str]:
     return sorted(name for name in found if name != LOCK)
 
 
-def _known(folder: Path) -> set[str]:
-    """Return the names of the files of the data set in a folder, and of one that was being moved in."""
-    known = set()
-    for sums in (folder / SUMS, folder / _PART / SUMS):
-        if sums.exists():
-            lines = read_regular(sums, "data set").decode("utf-8", "replace").splitlines()
-            known |= {SUMS, *(line.partition("  ")[2] for line in lines)}
-    return known
+def _earlier(folder: Path) -> set[str]:
+    """Return the names of the files of the data set in a folder, and of one that was being moved in.
+
+    Raises:
+        UsageError: If one of them was changed since.
+    """
+    told = _told(folder / SUMS)
+    for name, digest in told.items():
+        path = folder / name
+        is_whole = path.is_file() and not path.is_symlink()
+        if os.path.lexists(path) and not (is_whole and file_sha256(path).hex() == digest):
+            raise UsageError(
+                f"{path} was changed since it was published; nothing is overwritten: move it away, "
+                "or choose another folder"
+            )
+    coming = _told(folder / _PART / SUMS)
+    return {*told, *coming, SUMS} if told or coming else set()
 
 
-def _refuse_changed_card(folder: Path) -> None:
-    """Refuse to replace a card that is not the one of the sums."""
-    if not os.path.lexists(folder / CARD) or not (folder / SUMS).exists():
-        return
-    lines = read_regular(folder / SUMS, "data set").decode("utf-8", "replace").splitlines()
-    told = {name: digest for digest, _, name in (line.partition("  ") for line in lines)}
-    is_link = (folder / CARD).is_symlink()
-    if is_link or file_sha256(folder / CARD).hex() != told.get(CARD):
-        raise UsageError(
-            f"{folder / CARD} was changed since it was published; nothing is overwritten: move it away, "
-            "or choose another folder"
-        )
+def _told(sums: Path) -> dict[str, str]:
+    """Return names and hashes in the sums of a data set; empty for sums that somebody else wrote."""
+    if not sums.exists():
+        return {}
+    lines = read_regular(sums, "data set").decode("utf-8", "replace").splitlines()
+    found = [_LINE.fullmatch(line) for line in lines]
+    told = {one["name"]: one["digest"] for one in found if one}
+    return told if all(found) and CARD in told else {}
 
 
 def _move(part: Path, folder: Path, earlier: set[str]) -> None:

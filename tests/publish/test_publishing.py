@@ -165,7 +165,17 @@ def stopping(count: int) -> Callable[[Path, Path], Path]:
     return replace
 
 
-NAMES = st.sets(st.sampled_from(["README.md", "data/a/x", "data/a/y", "data/b", "tsv/c"]))
+NAMES = st.sets(
+    st.sampled_from(
+        [
+            "data/questions/test.parquet",
+            "data/drives/test.parquet",
+            "drivelm/test.json",
+            "drivelm/images/a-0.jpg",
+            "vlmevalkit/oodscen.tsv",
+        ]
+    )
+).map(lambda names: names | {"README.md"})
 
 
 @given(NAMES, NAMES, st.integers(0, 5))
@@ -189,6 +199,36 @@ def test_a_folder_holds_the_earlier_or_the_new_data_set(earlier, new, moved):
             fill(part, new, "new")
         fill(whole := Path(name) / "whole", new, "new")
         assert content(folder) == content(whole)
+
+
+@given(
+    names=st.dictionaries(st.sampled_from(["README.md", "a.tar.gz", "src/b.c"]), st.booleans()),
+    rest=st.lists(st.sampled_from(["", "notes", f"{'0' * 64}  ../out", f"{'0' * 64}  /etc"])),
+)
+@settings(deadline=None)
+def test_sums_of_somebody_else_are_no_licence_to_remove(names, rest):
+    with TemporaryDirectory() as name:
+        folder = Path(name) / "release"
+        fill(folder, names, "theirs")
+        with (folder / SUMS).open("a") as file:
+            file.write("".join(f"{line}\n" for line in rest))
+        before = content(folder)
+        if set(names) == {"README.md"} and not rest:
+            return
+        with pytest.raises(FolderTaken), replacing(folder):
+            pass
+        assert content(folder) == before
+
+
+@pytest.mark.parametrize("name", ["lmms_eval/oodscen/utils.py", "data/questions/test.parquet"])
+def test_a_file_that_was_changed_by_hand_is_kept(study, tmp_path, name):
+    folder = study.publish(tmp_path / "set", forms=("lmms-eval",)).folder
+    with (folder / name).open("ab") as file:
+        file.write(b"# ours")
+    before = content(folder)
+    with pytest.raises(UsageError, match="changed since it was published"):
+        study.publish(folder)
+    assert content(folder) == before
 
 
 def test_a_data_set_that_cannot_be_written_leaves_nothing(study, data, tmp_path, monkeypatch):
