@@ -16,7 +16,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.judging._items import last_by
 from oodscen.judging._leaderboard.rows import Estimate
-from oodscen.judging._leaderboard.sentences import lead, percent, spread
+from oodscen.judging._rates_in_words import bracketed, lead, percent
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler
 from oodscen.statistics._significance import PairedTest, paired
@@ -120,8 +120,8 @@ class DriveBoard(Data):
             progress, passed = twins.means["progress"].value, scenes.shares["passed"].value
             if progress is not None and passed is not None and progress < HARDLY_DRIVES:
                 found.append(
-                    f"{scenes.driver} passes {passed:.0%} of the scenes by hardly driving: on the ordinary twins it "
-                    f"comes {progress:.0%} as far as keeping the speed would. Standing still is no skill."
+                    f"{scenes.driver} passes {percent(passed)} of the scenes by hardly driving: on the ordinary twins it "
+                    f"comes {percent(progress)} as far as keeping the speed would. Standing still is no skill."
                 )
         return found
 
@@ -144,8 +144,8 @@ def _sentence(scenes: DriveRow, twins: DriveRow) -> str:
         return f"{scenes.driver} has driven no scene and its twin to the end."
     ahead = f" ({lead(test.difference, RULE_BASED)})" if test else ""
     return (
-        f"{scenes.driver} drives and passes {percent(sound.value)}{spread(sound)} of {sound.n} scenes with their "
-        f"ordinary twins{ahead}, and brakes hard without need in {percent(needless.value)}{spread(needless)} of "
+        f"{scenes.driver} drives and passes {percent(sound.value)}{bracketed(sound)} of {sound.n} scenes with their "
+        f"ordinary twins{ahead}, and brakes hard without need in {percent(needless.value)}{bracketed(needless)} of "
         "the twins."
     )
 

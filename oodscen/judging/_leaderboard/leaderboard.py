@@ -111,7 +111,7 @@ def _rank(row: LeaderboardRow) -> tuple[bool, str, float, float, str]:
 def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
     """Return the judge that scored most of the open aspects; empty for the matcher."""
     count = Counter(verdict.judge for found in grouped for verdict in found if verdict.judge)
-    return count.most_common(1)[0][0] if count else ""
+    return max(count, key=count.__getitem__, default="")
 
 
 def _groups(items: Items) -> list[tuple[SceneGroup, Mask]]:
