@@ -11,8 +11,10 @@ from oodscen.stages._demands.setting import (
     Draft,
     Setting,
     actor,
+    beside,
     demand,
     everyday_name,
+    standing_vehicle,
     with_article,
 )
 
@@ -37,8 +39,8 @@ def _line(
         if not asset:
             return []
         place += 0.5 * at.length(asset)
-        name = f"queue-{number}" if not lane else f"beside{lane + 3}-{number}"
-        row.append(actor(name, asset, place, lane=lane, does="follow_lane", speed=0.0))
+        name = f"queue-{number}" if not lane else f"{beside(lane)}-{number}"
+        row.append(standing_vehicle(name, asset, place, lane))
         place += 0.5 * at.length(asset) + float(rng.uniform(1.6, 3.0))
     return row
 
@@ -62,7 +64,7 @@ def queue(at: Setting, rng: np.random.Generator) -> Draft | None:
             near = max(rear - float(rng.uniform(8.0, 14.0)), 8.0)
             row.append(actor("sign", "road_works_sign", near, offset=-at.edge(near) - 0.6))
         return _queued(row, "in the lane before a temporary light that is red")
-    for lane in range(-at.lane, at.lanes - at.lane):
+    for lane in at.same_way_lanes:
         if lane:
             row += _line(at, rng, rear + float(rng.uniform(-3.0, 8.0)), "", 2, lane)
     return _queued(row, "in all lanes")
