@@ -35,7 +35,7 @@ class DemandKind(NamedTuple):
     weight: float = 1.0
     assets: tuple[str, ...] = ()
     """Assets by which a rare scene looks like this kind."""
-    categories: tuple[str, ...] = ()
+    categories: tuple[Category, ...] = ()
     """Categories of such assets."""
     does: tuple[str, ...] = ()
     """Behaviours by which a rare scene looks like this kind, if a `doer` has them."""
