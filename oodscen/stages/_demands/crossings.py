@@ -46,7 +46,7 @@ _HEAD_START_S = 0.3
 _KERB_M = 0.6
 """Distance of lights, and of people before and after they cross, from the edge of the asphalt, m."""
 _IN_THE_WAY_M = 0.9
-"""Greatest offset of whoever is in the ego's way from the middle of its lane, m."""
+"""Greatest offset of the first walker from the middle of the ego's lane when the ego would arrive, m."""
 _LONGEST_WALK_M = 60.0
 """Longest way that the behaviour `cross_road` allows, m."""
 _APART_M = (0.0, 1.0, -1.0)
