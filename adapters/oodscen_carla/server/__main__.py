@@ -7,7 +7,7 @@ from pathlib import Path
 
 from oodscen.data import Scene
 from oodscen_carla.server._faults import Fault
-from oodscen_carla.server._serving import serve
+from oodscen_carla.server._serve import serve
 
 
 def main() -> None:

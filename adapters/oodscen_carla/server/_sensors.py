@@ -45,8 +45,8 @@ def checked_camera(what: Description) -> None:
 class SensorSender:
     """Takes every picture once per mount, for all kinds of camera that hang there."""
 
-    def __init__(self, world: World, studio: CameraRenderer, streams: Streams) -> None:
-        self._world, self._studio, self._streams = world, studio, streams
+    def __init__(self, world: World, renderer: CameraRenderer, streams: Streams) -> None:
+        self._world, self._renderer, self._streams = world, renderer, streams
 
     def observe(self, dt: float) -> None:
         """Send the state of all actors."""
@@ -116,7 +116,7 @@ class SensorSender:
             size, pose, host, actor.place, world.place_of(actor), world.picture_time(hosting)
         )
         seed = world.seed
-        frame, ids = self._studio.take(
+        frame, ids = self._renderer.take(
             world.scene(), seed, shown, shot, has_host=hosting is not None
         )
         tags = [world.actors[key].blueprint.tag if key else 0 for key in ids.tolist()]

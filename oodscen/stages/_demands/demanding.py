@@ -58,11 +58,11 @@ def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> Deman
         SceneError: When no kind fits.
     """
     catalogue = rerunner.simulator.catalogue()
-    at = Setting.of(scene, catalogue, simulated.trace, simulated.episode.sketch)
+    setting = Setting.of(scene, catalogue, simulated.trace, simulated.episode.sketch)
     resort: Scene | None = None
     calm: set[str] = set()
-    ranked = ranked_candidates(scene, at, rerunner.seed, _company(scene))
-    for candidate, one in _alike_first(_admitted(scene, at, ranked), simulated, rerunner):
+    ranked = ranked_candidates(scene, setting, rerunner.seed, _company(scene))
+    for candidate, one in _alike_first(_admitted(scene, setting, ranked), simulated, rerunner):
         if candidate.kind.id in calm:
             continue
         try:
@@ -93,13 +93,13 @@ class _Staged(NamedTuple):
     scene: Scene
 
 
-def _admitted(scene: Scene, at: Setting, ranked: Iterable[Candidate]) -> Iterator[_Staged]:
+def _admitted(scene: Scene, setting: Setting, ranked: Iterable[Candidate]) -> Iterator[_Staged]:
     """Yield the candidates that the checks of a scene accept, in their order."""
     for candidate in ranked:
-        one = _stage(scene, at, candidate)
-        if one is None or one.demand is None or check_scene(one, at.catalogue):
+        one = _stage(scene, setting, candidate)
+        if one is None or one.demand is None or check_scene(one, setting.catalogue):
             continue
-        if not mismatches(check_claims(one.demand.claims, one, at.catalogue)):
+        if not mismatches(check_claims(one.demand.claims, one, setting.catalogue)):
             yield _Staged(candidate, one)
 
 
@@ -140,11 +140,11 @@ def _fullness(scene: Scene, rerunner: Rerunner) -> float:
         return math.inf
 
 
-def _stage(scene: Scene, at: Setting, candidate: Candidate) -> Scene | None:
+def _stage(scene: Scene, setting: Setting, candidate: Candidate) -> Scene | None:
     """Return the scene of a candidate; `None` if its values are out of range."""
     kind, draft = candidate.kind, candidate.draft
     weather = scene.hazard.weather or scene.weather
-    text = f"{_opening(at, weather)} {draft.event[0].upper()}{draft.event[1:]}."
+    text = f"{_opening(setting, weather)} {draft.event[0].upper()}{draft.event[1:]}."
     try:
         demand = Demand(kind=kind.id, text=text, claims=tuple(draft.claims))
         return Scene(
@@ -155,7 +155,7 @@ def _stage(scene: Scene, at: Setting, candidate: Candidate) -> Scene | None:
             weather=weather,
             actors=candidate.actors,
             hazard=Hazard(),
-            decision=Trigger(kind="time", value=round(at.decision_s, 6)),
+            decision=Trigger(kind="time", value=round(setting.decision_s, 6)),
             horizon_s=scene.horizon_s,
             demand=demand,
         )
@@ -197,9 +197,9 @@ _PLACES = (
 _FALLING: Mapping[Precipitation, str] = {"rain": " in the rain", "snow": " while it snows"}
 
 
-def _opening(at: Setting, weather: Weather) -> str:
+def _opening(setting: Setting, weather: Weather) -> str:
     """Return a sentence with place, time and weather."""
-    place = next((name for trait, name in _PLACES if at.has(trait)), "a road")
+    place = next((name for trait, name in _PLACES if setting.has(trait)), "a road")
     when = " at night" if weather.sun_elevation_deg < DARK_DEG else ""
     if weather.precipitation != "none":
         when += _FALLING[weather.precipitation]
