@@ -55,7 +55,7 @@ def leaderboard(
         episode for episode in last_by(whole, lambda one: one.scene_id) if episode.status == "ok"
     ]
     seen = {episode.scene_id for episode in ran if episode.hazard_visible}
-    items = Items.of(found, {one.id: one for one in scenarios})
+    items = Items.of(found, {scenario.id: scenario for scenario in scenarios})
     study = SharedValues(
         items,
         Resampler(items.clusters, seed=seed),
@@ -70,7 +70,7 @@ def leaderboard(
     standings = with_gains(items, study.resampler, sorted(rows, key=_rank), sheets)
     calls = (audit.best_calls(found) if audit else None) or rule_calls(items)
     asked = {one.scene_id for given in grouped.values() for one in given}
-    shortcut = [one for one in shortcut_verdicts(items, calls) if one.scene_id in asked]
+    shortcut = [verdict for verdict in shortcut_verdicts(items, calls) if verdict.scene_id in asked]
     floor = None
     if shortcut:
         sheet = AnswerColumns.of(items, shortcut)

@@ -93,7 +93,7 @@ def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
     silent = sum(row.outcomes.values()) - sum(
         row.outcomes.get(name, 0) for name in ("answered", "unavailable")
     )
-    most = max(one.asked for one in board.standings)
+    most = max(standing.asked for standing in board.standings)
     parts = []
     if row.asked < most and row.detection.specificity.n:
         parts.append(f"was asked about {row.asked} of the {most} drives so far")

@@ -66,9 +66,9 @@ def red_light(setting: Setting, rng: np.random.Generator) -> Draft | None:
 
 def _light_at_junction(setting: Setting, rng: np.random.Generator) -> Draft | None:
     marks = [
-        one
-        for one in landmarks(setting.corridor, setting.road.traits)
-        if one.kind == "traffic_light"
+        landmark
+        for landmark in landmarks(setting.corridor, setting.road.traits)
+        if landmark.kind == "traffic_light"
     ]
     if not marks:
         return None
@@ -128,7 +128,7 @@ def _light_at_crossing(setting: Setting, rng: np.random.Generator) -> Draft | No
         return None
     red_since_s = max(0.0, walkers[0].behaviour.trigger.value - _CLEAR_S)
     if red_since_s:
-        walkers = [one for one in walkers if one.behaviour.trigger.value > red_since_s]
+        walkers = [walker for walker in walkers if walker.behaviour.trigger.value > red_since_s]
     actors = [*_stripes(setting, ahead), *_lights(setting, ahead, red_since_s), *walkers]
     line = ahead - _LINE_BEFORE_CROSSING_M
     actors += _company(setting, rng, line, is_red=not red_since_s)

@@ -166,18 +166,18 @@ def _stage(scene: Scene, setting: Setting, candidate: Candidate) -> Scene | None
 def _company(scene: Scene) -> tuple[Actor, ...]:
     """Return the traffic that drives along in a scene and has nothing to do with its hazard."""
     return tuple(
-        one
-        for one in scene.actors
-        if one.id not in scene.hazard.actors
-        and one.behaviour.name == "follow_lane"
-        and one.behaviour.other is None
+        actor
+        for actor in scene.actors
+        if actor.id not in scene.hazard.actors
+        and actor.behaviour.name == "follow_lane"
+        and actor.behaviour.other is None
     )
 
 
 def _is_shown(episode: Episode, draft: Draft) -> bool:
     """Return whether a run is decided, and the demand can be seen."""
     pixels = episode.visible.get("last", {})
-    pixels_of_draft = sum(pixels.get(one.id, 0) for one in draft.actors)
+    pixels_of_draft = sum(pixels.get(actor.id, 0) for actor in draft.actors)
     is_seen = not episode.visible or pixels_of_draft >= _SEEN * VISIBLE_PX
     return is_seen and episode.decision_fired and episode.is_deterministic
 

@@ -45,11 +45,11 @@ class DemandKind(NamedTuple):
     def is_like(self, actors: Iterable[Actor], catalogue: Catalogue) -> bool:
         """Return whether unusual actors look like this kind."""
         known = {asset.id: asset.category for asset in catalogue.assets}
-        for one in actors:
-            category = known.get(one.asset)
-            if one.asset in self.assets or category in self.categories:
+        for actor in actors:
+            category = known.get(actor.asset)
+            if actor.asset in self.assets or category in self.categories:
                 return True
-            if one.behaviour.name in self.does and category == self.doer:
+            if actor.behaviour.name in self.does and category == self.doer:
                 return True
         return False
 

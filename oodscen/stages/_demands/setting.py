@@ -156,7 +156,7 @@ class Setting:
 
     def choose(self, rng: np.random.Generator, *options: str) -> str:
         """Draw one of the assets that the simulator has; empty if it has none of them."""
-        fitting = [one for one in options if one in self.assets]
+        fitting = [option for option in options if option in self.assets]
         return fitting[int(rng.integers(len(fitting)))] if fitting else ""
 
     def length(self, asset: str) -> float:
