@@ -1,6 +1,7 @@
 """The fixture `drive`: lets a driving stack drive the scene of a test."""
 
 import dataclasses
+import hashlib
 import re
 import unittest
 from collections.abc import Mapping
@@ -35,6 +36,9 @@ from oodscen.stages._drive import (
 _SKIPS = (unittest.SkipTest, pytest.skip.Exception, pytest.xfail.Exception)
 """Exceptions that end a test as neither passed nor failed; a stack must not raise them."""
 
+_READABLE = 120
+"""Maximum length of the readable part of a picture's name."""
+
 _Pictures = Mapping[str, NDArray[np.uint8]]
 """The frame and the plan view of one moment."""
 
@@ -46,7 +50,7 @@ class Drive:
         scene: The scene of the test.
         simulator: The simulator to drive in.
         scenes: The session's scenes.
-        test: The id of the test, which names the pictures.
+        test: The id of the test, which tells its pictures from those of other tests.
     """
 
     def __init__(self, scene: Scene, simulator: Simulator, scenes: Scenes, test: str) -> None:
@@ -179,7 +183,7 @@ class Drive:
         one, folder = self.drives[place], self._scenes.pictures
         if folder is None or one.pictures:
             return
-        stem = re.sub(r"[^\w.~-]+", "-", f"{one.scene.id}-{self._test}").strip("-")[:180]
+        stem = picture_stem(one.scene.id, self._test, one.result.driver, place)
         saved = []
         for kind, pixels in pictures.items():
             if (data := png(pixels)) is not None:
@@ -188,6 +192,23 @@ class Drive:
                 replace(path, data)
                 saved.append(path)
         self.drives[place] = dataclasses.replace(one, pictures=tuple(saved))
+
+
+def picture_stem(scene: str, test: str, driver: str, place: int) -> str:
+    """Return the file name of a drive's pictures, without its ending: no two drives of a session share one.
+
+    Names have letters of ASCII and are short, as all file systems take them, and do not rely on upper and lower case.
+
+    Args:
+        scene: The id of the scene or twin.
+        test: The id of the test.
+        driver: The name of the stack.
+        place: The place of the drive among those of its test.
+    """
+    function = test.rpartition("::")[2].partition("[")[0]
+    words = re.sub(r"[^A-Za-z0-9_~]+", "-", f"{scene}-{function}-{driver}")[:_READABLE].strip("-")
+    digest = hashlib.sha256(f"{test}\n{place}".encode(errors="surrogatepass")).hexdigest()
+    return f"{words}-{digest[:10]}"
 
 
 def _maker(driver: MakeDriver | str) -> tuple[MakeDriver, str]:
