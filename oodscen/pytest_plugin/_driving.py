@@ -3,6 +3,7 @@
 import dataclasses
 import hashlib
 import re
+import time
 import unittest
 from collections.abc import Mapping
 
@@ -58,6 +59,8 @@ class Drive:
         self._test = test
         self.results: list[DriveResult] = []
         """Results of the drives, in order, failed ones included."""
+        self.began: list[float] = []
+        """Times at which the drives of `results` began, s since the epoch."""
         self.drives: list[Driven] = []
         """The drives that came to an end, in order."""
         self._braking: dict[int, _Pictures] = {}
@@ -104,13 +107,14 @@ class Drive:
         is_clear = is_its_twin and plan.is_clear  # Before the drive, whose moments are pictured.
         facts: dict[str, object] = {"made_from": plan.scene.digest()}
         camera = camera_for(self._simulator.catalogue(), camera)
+        began = time.time()
         try:
             states, braking = self._run(make, driven, plan.steps, camera, is_clear=is_clear)
         except BaseException as error:
             is_skip = isinstance(error, _SKIPS)
             if is_skip or not is_interruption(error):
                 failed = failed_drive(driven.id, label, error)
-                self.results.append(failed.model_copy(update=facts))
+                self._add(failed.model_copy(update=facts), began)
             if is_skip:
                 raise UsageError(
                     f"{label} skips the scene: {error}; skip in the test, before drive()"
@@ -125,7 +129,7 @@ class Drive:
         result = result.model_copy(update=facts)
         if braking is not None and result.passed:
             self._braking[len(self.drives)] = braking
-        self.results.append(result)
+        self._add(result, began)
         self.drives.append(
             Driven(
                 result=result,
@@ -136,6 +140,10 @@ class Drive:
             )
         )
         return self.drives[-1] if result.passed else self.pictured(camera)
+
+    def _add(self, result: DriveResult, began: float) -> None:
+        self.results.append(result)
+        self.began.append(began)
 
     def _run(
         self, make: MakeDriver, scene: Scene, steps: int, camera: Camera, *, is_clear: bool
@@ -205,7 +213,7 @@ def picture_stem(scene: str, test: str, driver: str, place: int) -> str:
         driver: The name of the stack.
         place: The place of the drive among those of its test.
     """
-    function = test.rpartition("::")[2].partition("[")[0]
+    function = test.partition("[")[0].rpartition("::")[2]
     words = re.sub(r"[^A-Za-z0-9_~]+", "-", f"{scene}-{function}-{driver}")[:_READABLE].strip("-")
     digest = hashlib.sha256(f"{test}\n{place}".encode(errors="surrogatepass")).hexdigest()
     return f"{words}-{digest[:10]}"
