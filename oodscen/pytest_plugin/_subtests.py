@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Subtests:
-    """What the subtests of one test have done so far."""
+    """The subtests of one test that have been reported so far."""
 
     is_over: bool = False
     """True once the test has ended, so that the next report is its own."""
