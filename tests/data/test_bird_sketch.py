@@ -1,8 +1,8 @@
 """The sketch of a decision, against the traces that it shortens."""
 
-import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from oodscen import simulate
@@ -10,6 +10,8 @@ from oodscen.data import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigge
 from oodscen.data._episode import ACTIONS
 from oodscen.testing._flat import FlatSimulator
 
+TENTH = 0.051
+"""Rounding of the sketch, m."""
 SCENE = Scene(
     id="s",
     scenario_id="s",
@@ -47,28 +49,47 @@ def test_headings_are_relative_to_the_road(result):
     turned = {name: body.heading_deg for name, body in bodies.items()}
     assert turned == {"ego": 0, "lead": 0, "ghost": 180, "oncoming": 180, "askew": -30}
     assert (bodies["ego"].x, bodies["ego"].y) == (0.0, 0.0)
-    assert bodies["lead"].y == 0.0 < bodies["askew"].y < bodies["oncoming"].y
+    assert bodies["lead"].y == 0.0
+    assert bodies["lead"].y < bodies["askew"].y < bodies["oncoming"].y
+
+
+def from_ego(result, action, row=0):
+    """Return the way of a body after the decision, [n, 2], from where the ego was then."""
+    rollout, trace = result.rollouts[action], result.trace
+    return np.stack([rollout[axis][:, row] - trace[axis][-1, 0] for axis in ("s", "t")], axis=1)
 
 
 def test_paths_begin_at_the_ego_and_end_where_the_traces_end(result):
-    sketch, trace = result.episode.sketch, result.trace
+    sketch = result.episode.sketch
     assert list(sketch.paths) == [name for name in ACTIONS if name in result.rollouts]
     for action, path in sketch.paths.items():
-        rollout = result.rollouts[action]
         assert path[:2] == (0.0, 0.0)
-        end = (rollout["s"][-1, 0] - trace["s"][-1, 0], rollout["t"][-1, 0] - trace["t"][-1, 0])
-        assert path[-2:] == pytest.approx(end, abs=0.051)
+        assert path[-2:] == pytest.approx(from_ego(result, action)[-1], abs=TENTH)
 
 
-def test_only_actors_that_moved_have_an_end(result):
-    for action, ends in result.episode.sketch.ends.items():
-        rollout = result.rollouts[action]
-        moved = {
-            name
-            for row, name in enumerate(rollout.ids)
-            if math.dist(*((rollout["x"][i, row], rollout["y"][i, row]) for i in (0, -1))) > 1.0
-        }
-        assert set(ends) == moved - {"ego", "far"}
+def test_paths_have_a_point_a_second_until_the_ego_stops(result):
+    per_second = round(1.0 / FlatSimulator.dt)
+    for action, path in result.episode.sketch.paths.items():
+        points = np.reshape(path, (-1, 2))
+        seconds = from_ego(result, action)[::per_second]
+        moving = len(points) - 1
+        np.testing.assert_allclose(points[:-1], seconds[:moving], atol=TENTH)
+        np.testing.assert_allclose(
+            seconds[moving:], np.tile(points[-1], (len(seconds) - moving, 1)), atol=TENTH
+        )
+    stops = result.episode.sketch.paths["emergency_brake"]
+    assert len(stops) < len(result.episode.sketch.paths["keep_speed"])
+
+
+def test_actors_that_moved_have_the_end_of_their_trace(result):
+    sketch = result.episode.sketch
+    assert set(sketch.ends) == set(result.rollouts)
+    for action, ends in sketch.ends.items():
+        assert set(ends) == {"lead", "ghost", "oncoming"}
+        for name, (x, y, heading) in ends.items():
+            row = result.rollouts[action].ids.index(name)
+            assert (x, y) == pytest.approx(from_ego(result, action, row)[-1], abs=TENTH)
+            assert heading == sketch.bodies[name].heading_deg, "on a straight road"
 
 
 def test_lanes_lie_side_by_side(result):

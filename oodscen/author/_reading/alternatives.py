@@ -3,12 +3,12 @@
 import re
 from dataclasses import dataclass
 
-_PLACING = frozenset(
+PLACING = frozenset(
     """on in at into onto over under beside behind across along ahead near by from to towards toward
     with without through between around against inside outside off out after before during amid among
     past below above beneath up down where while when that which who beyond upon""".split()
 )
-_DETERMINERS = frozenset(
+DETERMINERS = frozenset(
     "a an the its their his her some any no every each this that these those several many two".split()
 )
 _OR = re.compile(r"\s*,?\s+(?:and/)?or\s+|(?<=[^\W\d_]{3})\s*/\s*(?=[^\W\d_]{3})", re.IGNORECASE)
@@ -62,7 +62,7 @@ def conjuncts(text: str) -> Split:
 def subject(text: str) -> list[str]:
     """Return the words of a label before the part that says what happens, or where."""
     words = _words(text)
-    while words and words[0].casefold() in _DETERMINERS:
+    while words and words[0].casefold() in DETERMINERS:
         words = words[1:]
     return words[: _tail_at(words)]
 
@@ -97,8 +97,8 @@ def _merged(chunks: list[str], joint: str) -> list[str]:
     for chunk in filter(None, chunks):
         words = chunk.casefold().split()
         before = found[-1].casefold().split() if found else []
-        is_open = bool(before) and before[-1] in _PLACING | _DETERMINERS
-        if found and (is_open or words[0] in _PLACING):
+        is_open = bool(before) and before[-1] in PLACING | DETERMINERS
+        if found and (is_open or words[0] in PLACING):
             found[-1] = f"{found[-1]} {joint} {chunk}"
         else:
             found.append(chunk)
@@ -125,7 +125,7 @@ def _readings(number: int, names: list[str], tail: str, is_act: bool) -> tuple[s
 
 def _is_placing(text: str) -> bool:
     """Return whether a phrase describes a location: `on the road`."""
-    return text.partition(" ")[0].casefold() in _PLACING
+    return text.partition(" ")[0].casefold() in PLACING
 
 
 def _is_act(words: list[str]) -> bool:
@@ -140,7 +140,7 @@ def _is_act(words: list[str]) -> bool:
 def _is_followed_as_act(words: list[str], number: int) -> bool:
     """Distinguish a verb from a participle in front of its noun by the word that follows."""
     after = words[number + 1].casefold() if number + 1 < len(words) else ""
-    return not after or after in _PLACING | _DETERMINERS or after.endswith(("ly", "wise"))
+    return not after or after in PLACING | DETERMINERS or after.endswith(("ly", "wise"))
 
 
 def _tail_at(words: list[str]) -> int:
@@ -148,7 +148,7 @@ def _tail_at(words: list[str]) -> int:
     for number, word in enumerate(words):
         if number == 0:
             continue
-        if word.casefold() in _PLACING:
+        if word.casefold() in PLACING:
             return number
         is_act = _ACT.search(word.casefold()) and len(word) > 4
         if is_act and _is_followed_as_act(words, number):

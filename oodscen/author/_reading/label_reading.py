@@ -15,6 +15,7 @@ from oodscen.author._reading.weather_words import (
     WEATHER_WORDS,
     circumstances,
     weather_kinds,
+    weather_stems,
     without_circumstances,
 )
 from oodscen.data._category import Category
@@ -219,8 +220,8 @@ class LabelReader:
     def _weather(self, text: str) -> HazardKind | None:
         """Return the hazard that consists of weather alone, if the text names nothing else."""
         left = set(stems(text)) - _STRENGTHS - NEUTRAL
-        for kind, words in WEATHER_WORDS.items():
-            if left and left <= set(map(stem, words)):
+        for kind in WEATHER_WORDS:
+            if left and left <= weather_stems(kind):
                 return next(
                     (
                         hazard

@@ -1,9 +1,11 @@
 """Words for weather and darkness in a label."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from functools import cache
 
 from oodscen._text import stem
+from oodscen.author._reading.alternatives import DETERMINERS, PLACING
 from oodscen.data._scene import WeatherKind
 
 WEATHER_WORDS: Mapping[WeatherKind, tuple[str, ...]] = {
@@ -12,29 +14,58 @@ WEATHER_WORDS: Mapping[WeatherKind, tuple[str, ...]] = {
     "fog": ("fog", "mist", "foggy"),
     "ice": ("ice", "icy"),
 }
+_DARKNESS = tuple("night,nighttime,night-time,nightfall,midnight,darkness,the dark,dark".split(","))
+_NAMES: Mapping[WeatherKind, tuple[str, ...]] = {**WEATHER_WORDS, "night": _DARKNESS}
+_ADJECTIVES = {"foggy", "icy", "dark"}
+_SUBSTANCES = {"ice"}
+"""Nouns for what a thing lies in rather than the weather around it."""
+
+_WORDS = {word for words in _NAMES.values() for word in words} - _SUBSTANCES
+_ANY = "|".join(sorted(_WORDS))
+_NOUN = "|".join(sorted(_WORDS - _ADJECTIVES))
+_BREAK = PLACING | set("and or but as if is are was were has have for".split())
+_NEXT = _BREAK | DETERMINERS | set("of ego it he she we you they".split())
+"""Words that follow a noun phrase; those of `_BREAK` occur in none."""
+_HEAD = (
+    r"\s+(?:weather|conditions?|hours?|time|sky|air"
+    r"|storms?|showers?|flurr(?:y|ies)|banks?|drifts?|patch(?:es)?)\b"
+)
+"""A noun that a word of weather describes: `foggy weather`, `snow storm`."""
+_END = rf"\s*$|\s+[^\w\s]|[^\w\s'\u2019-]|\s+(?:{'|'.join(sorted(_NEXT))})\b"
+"""The end of a noun phrase."""
+_ACT = r"[\s-](?!clothing|lighting|building)\w{3,}(?:ing|ed)\b"
+"""A participle after a noun: `fog crossing the road` is not a kind of fog, as `fog lamp` is not fog."""
 _CIRCUMSTANCE = re.compile(
-    r"\b(?:at|in|during|under|by|amid)\s+(?:(?!and\b|or\b)\w+\s+){0,2}?"
-    r"(night(?:time)?|dark(?:ness)?|rain(?:fall)?|snow(?:fall)?|fog|mist)\b",
+    r"\b(?:at|in|during|under|by|amid)\s+"
+    rf"(?:(?!(?:{'|'.join(sorted(_BREAK))})\s)[\w-]+\s+){{0,3}}?"
+    rf"(?P<names>(?:(?:{_ANY})\s+(?:of\s+)?)*"
+    rf"(?:(?:{_ANY})(?={_HEAD}|{_END})|(?:{_NOUN})(?={_ACT})|(?<=at )night\b))"
+    rf"(?:{_HEAD})?",
     re.IGNORECASE,
+)
+"""A preposition and a noun phrase about weather: not `in a dark coat` or `by a snow plough`."""
+_NAME = re.compile(
+    "|".join(rf"\b(?P<{kind}>{'|'.join(words)})\b" for kind, words in _NAMES.items()), re.IGNORECASE
 )
 
 
-def weather_kinds(stems: set[str]) -> tuple[WeatherKind, ...]:
-    """Return the kinds of weather that any of some stems names."""
-    return tuple(kind for kind, words in WEATHER_WORDS.items() if stems & set(map(stem, words)))
+@cache
+def weather_stems(kind: WeatherKind) -> frozenset[str]:
+    """Return the stems of the words for a kind of weather."""
+    return frozenset(map(stem, WEATHER_WORDS[kind]))
+
+
+def weather_kinds(stems: Collection[str]) -> tuple[WeatherKind, ...]:
+    """Return the kinds of weather that the stems name."""
+    return tuple(kind for kind in WEATHER_WORDS if not weather_stems(kind).isdisjoint(stems))
 
 
 def circumstances(text: str) -> tuple[str, ...]:
-    """Return the weather or light in which something happens: `night` for `in the dark`."""
-    return tuple(dict.fromkeys(map(_kind, _CIRCUMSTANCE.findall(text))))
+    """Return the weather and light in which something happens: `night` and `rain` for `in night rain`."""
+    names = " ".join(found["names"] for found in _CIRCUMSTANCE.finditer(text))
+    return tuple(dict.fromkeys(str(name.lastgroup) for name in _NAME.finditer(names)))
 
 
 def without_circumstances(text: str) -> str:
     """Return a text without the words that tell its circumstances."""
-    return _CIRCUMSTANCE.sub("", text)
-
-
-def _kind(word: str) -> str:
-    """Return the name of a weather need: `night` for `darkness`."""
-    found = (kind for kind, words in WEATHER_WORDS.items() if word.casefold() in words)
-    return next(found, "night")
+    return " ".join(_CIRCUMSTANCE.sub(" ", text).split())

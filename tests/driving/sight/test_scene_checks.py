@@ -18,32 +18,53 @@ from oodscen.driving._sight.scene_checks import (
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
 
-def staged(*actors, **fields):
-    near = Trigger(kind="distance", value=25.0, actor=actors[0].id)
-    unusual = Hazard(actors={actors[0].id: None})
-    return scene(*actors, hazard=unusual, **{"decision": near, **fields})
+def staged(unusual, *others, **fields):
+    near = Trigger(kind="distance", value=25.0, actor=unusual.id)
+    hazard = Hazard(actors={unusual.id: None})
+    return scene(unusual, *others, hazard=hazard, **{"decision": near, **fields})
 
 
-def moments(one, *, lift=0.0):
-    poses = world(one).poses()
+def attached(scene_, row, other):
+    """Return a scene in which an actor belongs to another."""
+    actors = list(scene_.actors)
+    actors[row] = actors[row].model_copy(update={"behaviour": Behaviour(other=other)})
+    return scene_.model_copy(update={"actors": tuple(actors)})
+
+
+def moments(scene_, *, lift=0.0):
+    """Return the corridor of a scene, and its bodies at their start for all moments."""
+    poses = world(scene_).poses()
     poses[1:, 2] += lift
-    cast = bodies(one, CATALOGUE, poses)
-    return load_corridor(CATALOGUE.map(one.map)), {"first": cast, "middle": cast, "last": cast}
+    cast = bodies(scene_, CATALOGUE, poses)
+    corridor = load_corridor(CATALOGUE.map(scene_.map))
+    return corridor, {"first": cast, "middle": cast, "last": cast}
 
 
 def test_a_box_ahead_is_seen():
-    one = staged(actor("box", "cardboard_box", ahead=50.0))
-    assert check_scene(one, CATALOGUE) == []
-    assert first_seen(one, *moments(one)) == {"box": "first"}
+    scene_ = staged(actor("box", "cardboard_box", ahead=50.0))
+    assert check_scene(scene_, CATALOGUE) == []
+    assert first_seen(scene_, *moments(scene_)) == {"box": "first"}
 
 
 @pytest.mark.parametrize(
-    ("one", "words"),
+    ("seen_at", "moment"),
+    [(["middle"], "middle"), (["middle", "last"], "middle"), (["last"], "last")],
+)
+def test_the_moment_is_the_first_at_which_a_body_is_seen(seen_at, moment):
+    scene_ = staged(actor("box", "cardboard_box", ahead=-40.0))
+    _, ahead = moments(staged(actor("box", "cardboard_box", ahead=50.0)))
+    corridor, behind = moments(scene_)
+    shown = behind | {at: ahead[at] for at in seen_at}
+    assert first_seen(scene_, corridor, shown) == {"box": moment}
+
+
+@pytest.mark.parametrize(
+    ("scene_", "words"),
     [
         (staged(actor("box", "cardboard_box", ahead=-40.0), decision=Trigger(value=1.0)), "behind the ego"),
         (
             staged(
-                actor("child", "adult", ahead=62.0),
+                actor("adult", "adult", ahead=62.0),
                 actor("bus", "bus", "follow_lane", ahead=40.0, speed=10.0),
                 decision=Trigger(value=1.0),
             ),
@@ -53,12 +74,12 @@ def test_a_box_ahead_is_seen():
     ],
     ids=["behind", "hidden", "small"],
 )  # fmt: skip
-def test_a_hazard_that_nobody_can_see_is_refused(one, words):
-    (issue,) = check_scene(one, CATALOGUE)
+def test_a_hazard_that_nobody_can_see_is_refused(scene_, words):
+    (issue,) = check_scene(scene_, CATALOGUE)
     assert issue.path == "actors[0]"
     assert words in issue.message
-    assert repr(one.actors[0].id) in issue.message
-    assert one.actors[0].asset in issue.message
+    assert repr(scene_.actors[0].id) in issue.message
+    assert scene_.actors[0].asset in issue.message
     assert "ahead_m" in issue.message
 
 
@@ -79,37 +100,27 @@ def test_weather_that_is_no_hazard_is_refused():
 
 
 def test_what_floats_or_sinks_is_named_unless_it_is_carried():
-    one = staged(actor("car"), actor("crate", "cardboard_box", ahead=60.0))
-    assert floating_issues(one, *moments(one)) == []
-    high = floating_issues(one, *moments(one, lift=1.0))
+    scene_ = staged(actor("car"), actor("crate", "cardboard_box", ahead=60.0))
+    assert floating_issues(scene_, *moments(scene_)) == []
+    high = floating_issues(scene_, *moments(scene_, lift=1.0))
     assert [issue.path for issue in high] == ["actors[0].placement", "actors[1].placement"]
     assert "floats" in high[0].message
-    assert "sinks" in floating_issues(one, *moments(one, lift=-1.0))[0].message
-    carried = one.actors[1].model_copy(update={"behaviour": Behaviour(other="car")})
-    riding = one.model_copy(update={"actors": (one.actors[0], carried)})
-    corridor, shown = moments(one, lift=1.0)
-    assert [issue.path for issue in floating_issues(riding, corridor, shown)] == [
-        "actors[0].placement"
-    ]
+    assert "sinks" in floating_issues(scene_, *moments(scene_, lift=-1.0))[0].message
+    riding = floating_issues(attached(scene_, 1, "car"), *moments(scene_, lift=1.0))
+    assert [issue.path for issue in riding] == ["actors[0].placement"]
 
 
 def test_what_belongs_to_another_may_touch_it():
-    one = staged(actor("car"), actor("door", "cardboard_box", ahead=31.0))
-    corridor, shown = moments(one)
-    (issue,) = overlap_issues(one, corridor, shown)
+    scene_ = staged(actor("car"), actor("door", "cardboard_box", ahead=31.0))
+    corridor, shown = moments(scene_)
+    (issue,) = overlap_issues(scene_, corridor, shown)
     assert issue.path == "actors[1].placement"
-    attached = one.actors[1].model_copy(update={"behaviour": Behaviour(other="car")})
-    assert (
-        overlap_issues(
-            one.model_copy(update={"actors": (one.actors[0], attached)}), corridor, shown
-        )
-        == []
-    )
+    assert overlap_issues(attached(scene_, 1, "car"), corridor, shown) == []
 
 
 def test_what_lies_flat_may_be_stood_upon_but_not_by_the_ego():
-    one = staged(actor("car"), actor("puddle", "puddle"))
-    _, shown = moments(one)
+    scene_ = staged(actor("car"), actor("puddle", "puddle"))
+    _, shown = moments(scene_)
     car, puddle = shown["first"][1:]
     assert not touch(car, puddle)
     assert touch(car, puddle, is_tall=False)
@@ -117,11 +128,11 @@ def test_what_lies_flat_may_be_stood_upon_but_not_by_the_ego():
     assert not touch(car, above)
 
 
-def test_a_later_overlap_is_the_behaviour_s_fault():
-    one = staged(actor("a"), actor("b", ahead=60.0))
-    corridor, shown = moments(one)
+def test_a_later_overlap_is_blamed_on_the_behaviour():
+    scene_ = staged(actor("a"), actor("b", ahead=60.0))
+    corridor, shown = moments(scene_)
     first, crashed = shown["first"], list(shown["first"])
     crashed[2] = crashed[2]._replace(solid=crashed[1].solid)
-    issues = truth_issues(one, corridor, {"first": first, "middle": first, "last": crashed})
+    issues = truth_issues(scene_, corridor, {"first": first, "middle": first, "last": crashed})
     assert [issue.path for issue in issues] == ["actors[1].behaviour"]
     assert "at the decision" in issues[0].message
