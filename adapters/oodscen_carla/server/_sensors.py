@@ -83,11 +83,11 @@ class SensorSender:
     def _carrier(self, actor: ServerActor) -> ServerActor:
         return self._world.actors.get(actor.parent, actor)
 
-    def _send(self, actor: ServerActor, *parts: bytes | memoryview) -> None:
+    def _send(self, actor: ServerActor, head: bytes, body: bytes | memoryview = b"") -> None:
         place = self._world.place_of(actor)
         kind = wire.REGISTRY[actor.type_id]
-        head = wire.header(kind, self._world.frame, self._world.time, place)
-        self._streams.send(actor.id, head, *parts)
+        header = wire.header(kind, self._world.frame, self._world.time, place)
+        self._streams.send(actor.id, header + head, body)
 
     def _picture(
         self,

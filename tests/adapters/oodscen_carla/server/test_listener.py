@@ -13,7 +13,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from oodscen_carla.server import CarlaTestServer
 from oodscen_carla.server._measurements import WORLD
-from oodscen_carla.server._streams import _send_both
 
 from oodscen.errors import SimulatorError
 from oodscen.testing import example_scene
@@ -45,29 +44,6 @@ class RawClient:
 def open_things(pid: int) -> tuple[int, int]:
     """Return the number of open files and of threads of a process."""
     return tuple(len(list(Path(f"/proc/{pid}/{kind}").iterdir())) for kind in ("fd", "task"))
-
-
-class Narrow:
-    """A connection that takes a few bytes at first."""
-
-    def __init__(self, width: int) -> None:
-        self.width, self.taken = width, b""
-
-    def sendmsg(self, buffers) -> int:
-        self.taken = b"".join(buffers)[: self.width]
-        return len(self.taken)
-
-    def sendall(self, data) -> None:
-        self.taken += bytes(data)
-
-
-@given(
-    first=st.binary(min_size=1, max_size=9), last=st.binary(max_size=9), width=st.integers(0, 18)
-)
-def test_both_buffers_arrive_however_few_bytes_are_taken_at_once(first, last, width):
-    connection = Narrow(width)
-    _send_both(connection, first, last)
-    assert connection.taken == first + last
 
 
 @settings(
