@@ -9,6 +9,7 @@ from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.land import KERB_FOOT
 from oodscen_pybullet._land.marks import mark_lanes, paint_crossings
 from oodscen_pybullet._land.relief import KERB
+from oodscen_pybullet._land.repairs import add_repairs_and_manholes
 from oodscen_pybullet._land.ribbons import (
     LAYER,
     PAINT,
@@ -20,7 +21,6 @@ from oodscen_pybullet._land.ribbons import (
 )
 from oodscen_pybullet._land.theme import Theme
 from oodscen_pybullet._land.ways import Way
-from oodscen_pybullet._land.wear import add_wear
 from oodscen_pybullet._meshes.atlas import swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import upright
@@ -73,7 +73,7 @@ def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
         elif theme == "highway" or not way.is_connecting:
             mark_lanes(way, ribbons, layer, ground.corridor.crosswalks, theme)
         if way.is_ego:
-            add_wear(way, ribbons, rng)
+            add_repairs_and_manholes(way, ribbons, rng)
         parts.append(ribbons)
     crossings = Ribbons(ground.ego.course)
     _lay_floors(ground, crossings)
