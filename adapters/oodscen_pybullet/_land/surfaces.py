@@ -126,7 +126,7 @@ class _Roadbed:
 
     def _lay_drivable(self, strip: LaneStrip, band: _Band, rng: np.random.Generator) -> None:
         way, ribbons, heights = self._way, self._ribbons, self._heights
-        right_most, left_most = way.asphalt
+        right_most, left_most = way.carriageway
         wider = _WIDER_WITH_KERB_M if way.has_kerb else _WIDER_M
         right = np.where(band.right <= right_most + _SEAM_M, band.right - wider, band.right)
         left = np.where(band.left >= left_most - _SEAM_M, band.left + wider, band.left)
@@ -144,7 +144,7 @@ class _Roadbed:
 
     def _lay_verge(self, band: _Band) -> list[_Band]:
         """Lay a median, or what lies beside the road on a bridge; return the median if it is raised."""
-        right_most, left_most = self._way.asphalt
+        right_most, left_most = self._way.carriageway
         right, left, is_there = band
         dark, heights = self._dark, self._heights
         is_inner = whole_pieces((right > right_most - _INNER_M) & (left < left_most + _INNER_M))
@@ -164,7 +164,7 @@ class _Roadbed:
 
     def _lay_below_kerbs(self) -> None:
         """Add asphalt below kerbs where the width changes or the road ends, to close gaps."""
-        right, left = self._way.asphalt
+        right, left = self._way.carriageway
         changes = (np.abs(np.diff(right)) > _CHANGE_M) | (np.abs(np.diff(left)) > _CHANGE_M)
         changes[:1] = changes[-1:] = True
         changes |= np.roll(changes, 1) | np.roll(changes, -1)
@@ -254,7 +254,7 @@ def _lay_floors(ground: Ground, ribbons: Ribbons) -> None:
     edges: dict[str, list[Array]] = {}
     for way, other in zip(ground.ways[1:], ground.corridor.others, strict=True):
         if way.is_connecting:
-            both = [way.course.points(edge) for edge in way.asphalt]
+            both = [way.course.points(edge) for edge in way.carriageway]
             edges.setdefault(other.junction, []).extend(both)
     for points in edges.values():
         cloud = np.concatenate(points)
