@@ -99,7 +99,7 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
         braking = self.given["deceleration"] if self.kind == "follow_lane" else grip
         self.ACC_MAX = min(braking, grip)
         self.pause_begins: float | None = None
-        """When a driver that halts begins to stand, s after its trigger; `None` before."""
+        """Time at which a driver that halts begins to stand, s after its trigger; `None` before."""
 
     def lane_distance_to(self, other: Any, lane: Any = None) -> float:
         """Return the distance between the middles as if the other were as long as this body."""

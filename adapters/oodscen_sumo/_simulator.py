@@ -83,7 +83,7 @@ class SumoSimulator(DynamicSimulator):
         self._present: set[str] = set()
         """Ids of the bodies on SUMO's network."""
         self._pause_begins: dict[str, float] = {}
-        """When drivers that halt begin to stand, s after their triggers."""
+        """Times at which drivers that halt begin to stand, s after their triggers."""
 
     def catalogue(self) -> Catalogue:
         """Return the available assets, behaviours, maps and weather."""
