@@ -85,7 +85,9 @@ def own_issues(simulator: ChecksScenes, scene: Scene) -> list[Issue]:
         SimulatorError: If it returns anything else than a list of issues.
     """
     issues = simulator.check(scene)
-    if not isinstance(issues, list | tuple) or not all(isinstance(one, Issue) for one in issues):
+    if not isinstance(issues, list | tuple) or not all(
+        isinstance(issue, Issue) for issue in issues
+    ):
         name = getattr(simulator, "name", type(simulator).__name__)
         raise SimulatorError(f"{name}: check() returned {said(issues, 80)}, not a list of issues")
     return list(issues)

@@ -122,17 +122,19 @@ def checked(function: Callable[P, Returned]) -> Callable[P, Returned]:
 def _alternatives(kind: Any) -> tuple[Any, ...]:
     """Return the kinds that an annotation allows."""
     if get_origin(kind) in (Union, UnionType):
-        return tuple(one for part in get_args(kind) for one in _alternatives(part))
+        return tuple(alternative for part in get_args(kind) for alternative in _alternatives(part))
     return _alternatives(get_args(kind)[0]) if get_origin(kind) is Annotated else (kind,)
 
 
 def _is_number(kind: Any) -> bool:
-    return not {int, float}.isdisjoint(one for one in _alternatives(kind) if isinstance(one, type))
+    return not {int, float}.isdisjoint(
+        alternative for alternative in _alternatives(kind) if isinstance(alternative, type)
+    )
 
 
 def _fits(value: Any, kind: Any) -> bool:
     """Return whether a value is of a kind, or the kind cannot be told."""
-    return any(_is_of(value, one) for one in _alternatives(kind))
+    return any(_is_of(value, alternative) for alternative in _alternatives(kind))
 
 
 def _is_of(value: Any, kind: Any) -> bool:
@@ -170,7 +172,9 @@ def _is_many(value: Any, kind: type) -> bool:
 
 def _component(kind: Any) -> str:
     """Return the kind of component that an annotation asks for, or nothing."""
-    alternatives = [one for one in _alternatives(kind) if one is not NoneType]
+    alternatives = [
+        alternative for alternative in _alternatives(kind) if alternative is not NoneType
+    ]
     return (
         _COMPONENTS.get(getattr(alternatives[0], "__qualname__", ""), "")
         if len(alternatives) == 1

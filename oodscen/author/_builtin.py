@@ -262,6 +262,6 @@ def _is_as_easy(kin: HazardKind, head: HazardKind) -> bool:
 
 def _marked(prompt: MarkHazard) -> MarkedHazard:
     """Mark the first actor that does more than stand or follow its lane."""
-    acting = [one for one in prompt.actors if one.does.partition(":")[0] not in USUAL]
+    acting = [actor for actor in prompt.actors if actor.does.partition(":")[0] not in USUAL]
     first = (acting or list(prompt.actors))[0]
     return MarkedHazard(reasoning=f"{first.id}: {first.does}", actors=[first.id])

@@ -61,7 +61,7 @@ class Realisation:
                 self.states.append(f"{able[0].id}: {states[0]}")
             return
         if there:
-            lacking = [f"{options[0]}: {one}" for one in states if one not in there[0].states]
+            lacking = [f"{options[0]}: {state}" for state in states if state not in there[0].states]
             if there[0].category == "signal":
                 for name in lacking:
                     self.lack(Addition(kind="state", name=name))
@@ -143,9 +143,11 @@ class BranchJudge:
         """
         label = prompt.path[-1] if prompt.path else ""
         reading = self._reading(label)
-        options = [self._option(one, prompt.catalogue) for one in reading.alternatives]
+        options = [
+            self._option(alternative, prompt.catalogue) for alternative in reading.alternatives
+        ]
         shown = [number for number, one in enumerate(options) if not one.missing]
-        hidden = [one for one in options if one.missing]
+        hidden = [option for option in options if option.missing]
         if not shown:
             return self._dropped(label, reading, options, prompt.catalogue)
         if reading.is_any:
@@ -215,12 +217,12 @@ class BranchJudge:
                 simulatable=False,
                 missing=[NO_RECIPE],
             )
-        least = next((one for one in options if NO_RECIPE not in one.missing), options[0])
+        least = next((option for option in options if NO_RECIPE not in option.missing), options[0])
         reason = _lacks(least.found, catalogue)
         if len(options) > 1 and not reading.is_any:
             whys = (
-                f"not {_small(one.words)}: {_lacks(one.found, catalogue, is_short=True)}"
-                for one in options
+                f"not {_small(option.words)}: {_lacks(option.found, catalogue, is_short=True)}"
+                for option in options
             )
             reason = f"{'; '.join(whys)}."
             reason = f"{reason[0].upper()}{reason[1:]}"
@@ -363,7 +365,7 @@ _KINDS = {
 
 def _lacking(kind: str, additions: Sequence[Addition]) -> str:
     """Name the missing items of one kind: `trench, deep water (assets)`."""
-    named = [one.words.split(": ", 1)[-1] for one in additions if one.kind == kind]
+    named = [addition.words.split(": ", 1)[-1] for addition in additions if addition.kind == kind]
     if not named:
         return ""
     return f"{', '.join(named)} ({_KINDS[kind][len(named) > 1]})"

@@ -103,7 +103,8 @@ class Showable:
 
     def _has_things(self, phrase: str) -> bool:
         return all(
-            any(one.thing.fits(asset) for asset in self.digest.assets) for one in mentions(phrase)
+            any(mention.thing.fits(asset) for asset in self.digest.assets)
+            for mention in mentions(phrase)
         )
 
 

@@ -18,6 +18,7 @@ from oodscen._arguments import checked
 from oodscen.baselines._off_topic import OffTopic, off_topic_texts
 from oodscen.baselines._texts import Split, bundled
 from oodscen.data._base import Data
+from oodscen.errors import UsageError
 
 
 class ControlText(Data):
@@ -58,12 +59,17 @@ def load_controls(
             off-topic texts also `blind`, by an author who had seen neither the others nor the guard.
         off_topic: Return the texts that are not about driving, near misses first.
 
+    Raises:
+        UsageError: If there is no such part.
+
     Returns:
         The sentences in pairs, the ordinary one first: `[::2]` and `[1::2]` are matched lists; or the
         off-topic texts.
     """
     if off_topic:
         return off_topic_texts(split)
+    if split == "blind":
+        raise UsageError("only the off-topic texts have a part `blind`")
     return tuple(control for control in _controls() if control.split == split)
 
 

@@ -56,6 +56,8 @@ def load_baseline(
         UsageError: If there is no such layout or part.
     """
     if path is None:
+        if layout not in ("auto", "plain"):
+            raise UsageError(f"layout {layout!r} is that of a file: give its path")
         return _bundled(parts)
     file = Path(path)
     found = _dataset(file, layout)

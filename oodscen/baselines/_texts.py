@@ -42,9 +42,9 @@ def bundled(name: str, package: str = "oodscen.baselines") -> str:
     return (resources.files(package) / name).read_text(encoding="utf-8")
 
 
-def _is_scalar(texts: object) -> bool:
-    """Return whether something is an array of no dimension, which claims to be iterable."""
-    return getattr(texts, "shape", None) == ()
+def _is_flat(texts: object) -> bool:
+    """Return whether something is no array or table of other than one dimension."""
+    return getattr(texts, "ndim", 1) == 1
 
 
 def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tuple[str, ...]:
@@ -59,7 +59,7 @@ def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tupl
     if (
         not isinstance(texts, Iterable)
         or isinstance(texts, Iterator | Mapping | Set)
-        or _is_scalar(texts)
+        or not _is_flat(texts)
     ):
         fault = f"is {type(texts).__name__}, not a sequence of texts"
         raise DataError(noun, [Issue("", fault)])

@@ -89,9 +89,9 @@ def check_claims(
 def mismatches(findings: Iterable[ClaimFinding]) -> list[Mismatch]:
     """Return the claims that a scene contradicts."""
     return [
-        Mismatch(claim=one.claim, found=one.found, path=one.path)
-        for one in findings
-        if one.status == "fails"
+        Mismatch(claim=finding.claim, found=finding.found, path=finding.path)
+        for finding in findings
+        if finding.status == "fails"
     ]
 
 
@@ -292,13 +292,13 @@ def _of_scenery(claim: Claim, fault: str) -> ClaimFinding:
 def _traffic(claim: Claim, seen: Sequence[ObservedActor], taken: set[str]) -> ClaimFinding:
     users = [one for one in seen if one.asset.category in ("vehicle", "cyclist")]
     if claim.value == "none":
-        extra = [one.id for one in users if one.id not in taken and one.is_traffic]
+        extra = [user.id for user in users if user.id not in taken and user.is_traffic]
         return _finding(claim, not extra, f"there are also {', '.join(extra)}", "actors")
     return _finding(claim, len(users) >= 2, f"there are {len(users)} other road users", "actors")
 
 
 def _faults(findings: Mapping[Claim, ClaimFinding]) -> int:
-    return sum(one.status == "fails" for one in findings.values())
+    return sum(finding.status == "fails" for finding in findings.values())
 
 
 def _finding(claim: Claim, holds: bool | None, found: str, path: str) -> ClaimFinding:

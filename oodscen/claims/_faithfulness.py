@@ -24,7 +24,7 @@ class Faithfulness(Data):
     @property
     def mismatches(self) -> tuple[ClaimFinding, ...]:
         """Findings on the claims that the scene contradicts."""
-        return tuple(one for one in self.findings if one.status == "fails")
+        return tuple(finding for finding in self.findings if finding.status == "fails")
 
     @property
     def is_faithful(self) -> bool:

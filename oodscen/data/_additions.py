@@ -110,26 +110,28 @@ def extend(catalogue: Catalogue, additions: Iterable[Addition]) -> Catalogue:
     behaviours = list(catalogue.behaviours)
     maps = list(catalogue.maps)
     weather = catalogue.weather
-    for one in additions:
-        if one.kind == "asset":
-            if one.name not in {asset.id for asset in assets}:
-                assets.append(_asset(one))
-        elif one.kind == "state":
-            name, _, state = (part.strip() for part in one.name.partition(":"))
+    for addition in additions:
+        if addition.kind == "asset":
+            if addition.name not in {asset.id for asset in assets}:
+                assets.append(_asset(addition))
+        elif addition.kind == "state":
+            name, _, state = (part.strip() for part in addition.name.partition(":"))
             assets = [
                 a.model_copy(update={"states": (*a.states, state)})
                 if name in (a.id, *a.names)
                 else a
                 for a in assets
             ]
-        elif one.kind == "behaviour":
+        elif addition.kind == "behaviour":
             every = sorted({category for kind in behaviours for category in kind.categories})
-            added = BehaviourKind(id=one.name, description=one.words, categories=tuple(every))
+            added = BehaviourKind(
+                id=addition.name, description=addition.words, categories=tuple(every)
+            )
             behaviours.append(added)
-        elif one.kind == "weather":
-            weather = _with_weather(weather, one.name)
-        elif one.kind == "map" and maps:
-            maps.append(_map(maps[0], one))
+        elif addition.kind == "weather":
+            weather = _with_weather(weather, addition.name)
+        elif addition.kind == "map" and maps:
+            maps.append(_map(maps[0], addition))
     return catalogue.model_copy(
         update={
             "assets": tuple(assets),

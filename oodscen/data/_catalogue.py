@@ -186,8 +186,8 @@ class Catalogue(LeanData):
     @model_validator(mode="after")
     def _unambiguous(self) -> Self:
         ids = {
-            "assets": [one.id for one in self.assets],
-            "behaviours": [one.id for one in self.behaviours],
+            "assets": [asset.id for asset in self.assets],
+            "behaviours": [behaviour.id for behaviour in self.behaviours],
             "maps": [one.id for one in self.maps],
         }
         issues = [

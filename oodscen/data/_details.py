@@ -126,7 +126,7 @@ class DetailKinds(Data):
 
     def pose(self, name: str) -> PoseKind | None:
         """Return a pose by id, `None` if it is unknown."""
-        return next((one for one in self.poses if one.id == name), None)
+        return next((pose for pose in self.poses if pose.id == name), None)
 
 
 class Bed(Data):
@@ -279,7 +279,7 @@ def described(
         told.append(f"holding {things[details.holds].description}")
     if details.colour:
         told.append(f"painted {details.colour.replace('_', ' ')}")
-    told += [one.seen for one in kinds.parts if one.id in details.parts]
+    told += [part.seen for part in kinds.parts if part.id in details.parts]
     if details.cargo in things:
         told.append(f"carrying {things[details.cargo].description}")
     if details.text:

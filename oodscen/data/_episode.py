@@ -300,7 +300,9 @@ class Episode(LeanData):
     def is_decidable(self) -> bool:
         """Return whether the choice matters: some action is safe, and another that can be executed is not."""
         outcomes = self.actions.values()
-        return any(one.safe for one in outcomes) and any(one.is_unsafe for one in outcomes)
+        return any(outcome.safe for outcome in outcomes) and any(
+            outcome.is_unsafe for outcome in outcomes
+        )
 
     def _repr_html_(self) -> str:
         """Return the outcomes of the actions as a table for notebooks."""

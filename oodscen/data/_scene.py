@@ -263,10 +263,10 @@ class Scene(LeanData, SceneUses):
         """
         if self.demand is None or self.demand.kind != RED_LIGHT:
             return None
-        lights = [one for one in self.actors if one.state == "red"]
+        lights = [actor for actor in self.actors if actor.state == "red"]
         if not lights:
             return None
-        nearest = min(lights, key=lambda one: one.placement.ahead_m)
+        nearest = min(lights, key=lambda light: light.placement.ahead_m)
         trigger = nearest.behaviour.trigger
         return StopLine(
             ahead_m=round(nearest.placement.ahead_m - BEFORE_LIGHT_M, 3),
@@ -387,7 +387,7 @@ def _unfit_names(scene: Scene) -> Iterator[Issue]:
             if name not in known:
                 yield Issue(f"stands_for.{thing}", f"there is no actor {name!r}")
     for member, designs in (("made", scene.made), ("motions", scene.motions)):
-        given = [one.id for one in designs]
+        given = [design.id for design in designs]
         for index, name in enumerate(given):
             if name in given[:index]:
                 yield Issue(f"{member}[{index}].id", f"{name!r} occurs more than once")

@@ -190,7 +190,7 @@ class MirrorSimulator(BaseSimulator):
             distances = [float(one) for one in found]
         except (TypeError, ValueError):
             distances = []
-        if len(distances) != len(rows) or not all(one >= -DEEPEST_M for one in distances):
+        if len(distances) != len(rows) or not all(distance >= -DEEPEST_M for distance in distances):
             raise SimulatorError(
                 f"{self.name}: gaps() returned {said(found, 80)}, not {len(rows)} distances of bodies that do not "
                 "touch, m"

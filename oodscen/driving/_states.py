@@ -23,7 +23,7 @@ _SHAPES: dict[str, tuple[int, ...]] = {
 """Shapes of a state's arrays after their first axis, the bodies."""
 _MEASURED = ("accelerations", "places")
 """The arrays that may be unknown."""
-_NUMBERS = tuple(one.name for one in fields(Observation) if one.name != "frame")
+_NUMBERS = tuple(field.name for field in fields(Observation) if field.name != "frame")
 _LANES = ("lane_left_m", "lane_right_m")
 """The numbers that are `None` where there is no lane."""
 _TOLERANCE = 0.01

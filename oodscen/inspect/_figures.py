@@ -42,7 +42,7 @@ def figure(name: str) -> Metric:
 
 
 def _columns(scores: Sequence[SampleScore]) -> tuple[Items, AnswerColumns]:
-    keys = [AnswerKey.parse((one.sample_metadata or {}).get("key")) for one in scores]
+    keys = [AnswerKey.parse((score.sample_metadata or {}).get("key")) for score in scores]
     items = items_of(keys)
     values = {
         key.item: {name: float(value) for name, value in one.score.as_dict().items()}

@@ -93,7 +93,7 @@ def _target(key: AnswerKey, purpose: str) -> str | list[str]:
     if is_ordinary(key.item):
         return ""
     if purpose == ChooseAspect.purpose:
-        return next((one.label for one in key.options if one.holds(key.leaf)), "")
+        return next((option.label for option in key.options if option.holds(key.leaf)), "")
     return key.path[-1] if key.path else ""
 
 

@@ -16,7 +16,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.judging._items import last_by
 from oodscen.judging._leaderboard.rows import Estimate
-from oodscen.judging._leaderboard.sentences import lead, percent, spread
+from oodscen.judging._rates_in_words import bracketed, lead, percent
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler
 from oodscen.statistics._significance import PairedTest, paired
@@ -35,7 +35,7 @@ def current_results(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> l
     """Return the results of the scenes as they are now, sorted by driver and then in the order of the scenes."""
     digests = {scene.id: scene.digest() for scene in scenes}
     order = {name: place for place, name in enumerate(digests)}
-    kept = [one for one in drives if digests.get(scene_of(one.scene_id)) == one.made_from]
+    kept = [drive for drive in drives if digests.get(scene_of(drive.scene_id)) == drive.made_from]
     return sorted(kept, key=lambda one: (one.driver, order[scene_of(one.scene_id)], one.is_twin))
 
 
@@ -120,8 +120,8 @@ class DriveBoard(Data):
             progress, passed = twins.means["progress"].value, scenes.shares["passed"].value
             if progress is not None and passed is not None and progress < HARDLY_DRIVES:
                 found.append(
-                    f"{scenes.driver} passes {passed:.0%} of the scenes by hardly driving: on the ordinary twins it "
-                    f"comes {progress:.0%} as far as keeping the speed would. Standing still is no skill."
+                    f"{scenes.driver} passes {percent(passed)} of the scenes by hardly driving: on the ordinary twins it "
+                    f"comes {percent(progress)} as far as keeping the speed would. Standing still is no skill."
                 )
         return found
 
@@ -144,8 +144,8 @@ def _sentence(scenes: DriveRow, twins: DriveRow) -> str:
         return f"{scenes.driver} has driven no scene and its twin to the end."
     ahead = f" ({lead(test.difference, RULE_BASED)})" if test else ""
     return (
-        f"{scenes.driver} drives and passes {percent(sound.value)}{spread(sound)} of {sound.n} scenes with their "
-        f"ordinary twins{ahead}, and brakes hard without need in {percent(needless.value)}{spread(needless)} of "
+        f"{scenes.driver} drives and passes {percent(sound.value)}{bracketed(sound)} of {sound.n} scenes with their "
+        f"ordinary twins{ahead}, and brakes hard without need in {percent(needless.value)}{bracketed(needless)} of "
         "the twins."
     )
 
@@ -174,20 +174,20 @@ def drive_board(
     """
     paths = paths_of(scenarios)
     grouped: dict[str, list[DriveResult]] = {}
-    for one in last_by(results, lambda one: (one.driver, one.scene_id)):
+    for one in last_by(results, lambda result: (result.driver, result.scene_id)):
         grouped.setdefault(one.driver, []).append(one)
     sums = _Sums(paths, seed_number(seed))
     yardstick = drives_and_passes(grouped.get(RULE_BASED, ()))
     found = []
     for driver, drives in grouped.items():
-        scenes = [one for one in drives if not one.is_twin]
-        twins = [one for one in drives if one.is_twin]
+        scenes = [drive for drive in drives if not drive.is_twin]
+        twins = [drive for drive in drives if drive.is_twin]
         pairing = sums.pairing(scenes, twins, {} if driver == RULE_BASED else yardstick)
         row = sums.row(driver, "scenes", scenes).model_copy(update={"paired": pairing})
         found.append((row, sums.row(driver, "twins", twins)))
     return DriveBoard(
         rows=tuple(row for rows in sorted(found, key=_rank) for row in rows if row.n),
-        paths=len({path_of(one, paths) for drives in grouped.values() for one in drives}),
+        paths=len({path_of(drive, paths) for drives in grouped.values() for drive in drives}),
     )
 
 
@@ -199,7 +199,7 @@ def _rank(rows: tuple[DriveRow, DriveRow]) -> tuple[float, bool, str]:
 
 def paths_of(scenarios: Iterable[Scenario]) -> dict[str, str]:
     """Return the path of every scene, by its id."""
-    return {one.id: " > ".join(one.path) for one in scenarios}
+    return {scenario.id: " > ".join(scenario.path) for scenario in scenarios}
 
 
 def path_of(one: DriveResult, paths: Mapping[str, str]) -> str:
@@ -210,12 +210,16 @@ def path_of(one: DriveResult, paths: Mapping[str, str]) -> str:
 
 def drives_and_passes(drives: Sequence[DriveResult]) -> dict[str, bool]:
     """Return, for every scene with a twin, whether the driver passed both and made progress in the twin."""
-    twins = {scene_of(one.scene_id): one for one in drives if one.is_twin and one.status == "ok"}
+    twins = {
+        scene_of(drive.scene_id): drive
+        for drive in drives
+        if drive.is_twin and drive.status == "ok"
+    }
     found = {}
-    for one in drives:
-        twin = twins.get(one.scene_id)
-        if not one.is_twin and one.status == "ok" and twin is not None:
-            found[one.scene_id] = one.passed and twin.passed and twin.progress >= HARDLY_DRIVES
+    for drive in drives:
+        twin = twins.get(drive.scene_id)
+        if not drive.is_twin and drive.status == "ok" and twin is not None:
+            found[drive.scene_id] = drive.passed and twin.passed and twin.progress >= HARDLY_DRIVES
     return found
 
 
@@ -229,7 +233,7 @@ class _Sums:
     def row(
         self, driver: str, kind: Literal["scenes", "twins"], drives: Sequence[DriveResult]
     ) -> DriveRow:
-        ran = [one for one in drives if one.status == "ok"]
+        ran = [drive for drive in drives if drive.status == "ok"]
         shares = {
             "passed": self.share(ran, lambda one: one.passed),
             "collisions": self.share(ran, lambda one: bool(one.collisions)),
@@ -243,8 +247,8 @@ class _Sums:
             driver=driver,
             kind=kind,
             n=len(drives),
-            failed=sum(one.status == "failed" for one in drives),
-            inconclusive=sum(one.status == "inconclusive" for one in drives),
+            failed=sum(drive.status == "failed" for drive in drives),
+            inconclusive=sum(drive.status == "inconclusive" for drive in drives),
             passed=shares["passed"].hits,
             collisions=shares["collisions"].hits,
             off_road=shares["off_road"].hits,
@@ -259,8 +263,8 @@ class _Sums:
         yardstick: dict[str, bool],
     ) -> Pairing:
         sound = drives_and_passes([*scenes, *twins])
-        passed = {scene_of(one.scene_id): one.passed for one in twins if one.status == "ok"}
-        both = [one for one in scenes if one.scene_id in sound]
+        passed = {scene_of(twin.scene_id): twin.passed for twin in twins if twin.status == "ok"}
+        both = [scene for scene in scenes if scene.scene_id in sound]
         counts = [(one.passed, passed[one.scene_id]) for one in both]
         return Pairing(
             n=len(both),
@@ -276,7 +280,7 @@ class _Sums:
     def compared(
         self, scenes: Sequence[DriveResult], sound: dict[str, bool], yardstick: dict[str, bool]
     ) -> PairedTest | None:
-        common = [one for one in scenes if one.scene_id in yardstick]
+        common = [scene for scene in scenes if scene.scene_id in yardstick]
         if not common:
             return None
         return paired(
@@ -289,7 +293,7 @@ class _Sums:
     def share(
         self, drives: Sequence[DriveResult], is_hit: Callable[[DriveResult], bool]
     ) -> DriveRate:
-        values = np.array([is_hit(one) for one in drives], np.float64)
+        values = np.array([is_hit(drive) for drive in drives], np.float64)
         if not len(values):
             return DriveRate()
         replicates, units = self._resampled(drives, values)
@@ -304,7 +308,7 @@ class _Sums:
     def mean(
         self, drives: Sequence[DriveResult], figure: Callable[[DriveResult], float | None]
     ) -> Estimate:
-        known = [(one, value) for one in drives if (value := figure(one)) is not None]
+        known = [(drive, value) for drive in drives if (value := figure(drive)) is not None]
         if not known:
             return Estimate()
         values = np.array([value for _, value in known], np.float64)
@@ -316,7 +320,7 @@ class _Sums:
         self, drives: Sequence[DriveResult], values: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64] | None, int]:
         """Return [r] resampled means, or `None` with too few paths, and the number of paths."""
-        clusters = [path_of(one, self._paths) for one in drives]
+        clusters = [path_of(drive, self._paths) for drive in drives]
         units = len(set(clusters))
         if units < FEWEST_CLUSTERS:
             return None, units

@@ -40,8 +40,8 @@ def drive_requirements(
     """
     paths = paths_of(scenarios)
     grouped: dict[str, list[DriveResult]] = {}
-    for one in drives:
-        grouped.setdefault(one.driver, []).append(one)
+    for drive in drives:
+        grouped.setdefault(drive.driver, []).append(drive)
     level = ALPHA / max(len(grouped), 1)
     results = []
     for name, found in sorted(grouped.items()):
@@ -57,7 +57,7 @@ def _columns(figure: str, drives: Sequence[DriveResult]) -> tuple[Floats, Mask]:
     values = np.full(len(drives), np.nan)
     missing = np.zeros(len(drives), np.bool_)
     both = drives_and_passes(drives)
-    driven = {scene_of(one.scene_id) for one in drives if one.is_twin}
+    driven = {scene_of(drive.scene_id) for drive in drives if drive.is_twin}
     simple: dict[str, tuple[bool, Callable[[DriveResult], bool | None]]] = {
         "safe": (False, lambda one: one.passed),
         "safe-twin": (True, lambda one: one.passed),

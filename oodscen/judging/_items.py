@@ -191,7 +191,7 @@ class AnswerColumns:
     @classmethod
     def of(cls, items: Items, verdicts: Iterable[Verdict]) -> Self:
         """Return the verdicts of one answerer as columns; those on unknown items are skipped."""
-        known = [one for one in verdicts if one.scene_id in items.index]
+        known = [verdict for verdict in verdicts if verdict.scene_id in items.index]
         values = {
             one.scene_id: answer_values(one, items.episodes[items.index[one.scene_id]])
             for one in known

@@ -39,10 +39,18 @@ class Kinds:
         A kind is possible on a map if a scene there shows it, or if no scene of it needs a certain place. `maps` holds
         the map of every scene, by its id.
         """
-        labels = {one.leaf: one.path[-1] for one in scenarios if one.leaf and one.path}
-        families = {one.leaf: one.path[-2:-1] for one in scenarios if one.leaf and one.path}
+        labels = {
+            scenario.leaf: scenario.path[-1]
+            for scenario in scenarios
+            if scenario.leaf and scenario.path
+        }
+        families = {
+            scenario.leaf: scenario.path[-2:-1]
+            for scenario in scenarios
+            if scenario.leaf and scenario.path
+        }
         kinds = merge_kinds(labels)
-        leaves = {one.id: one.leaf for one in scenarios}
+        leaves = {scenario.id: scenario.leaf for scenario in scenarios}
         here: dict[str, list[AspectOption]] = {}
         for scene, place in sorted(maps.items()):
             leaf = leaves.get(scene, "")
@@ -51,7 +59,7 @@ class Kinds:
         anywhere = [
             kind
             for kind in kinds
-            if all(one.kind != "place" for one in visible_naming(kind.label).concepts)
+            if all(concept.kind != "place" for concept in visible_naming(kind.label).concepts)
         ]
         lists: dict[str, tuple[tuple[AspectOption, ...], ...]] = {}
         homes: dict[str, dict[str, int]] = {}
@@ -92,7 +100,7 @@ def merge_kinds(labels: Mapping[str, str]) -> list[AspectOption]:
 def _look(label: str) -> object:
     """Return what frames show of a label: its concepts, or its words if it has none."""
     found = visible_naming(label)
-    names = frozenset(one.name for one in found.concepts)
+    names = frozenset(concept.name for concept in found.concepts)
     return names, frozenset(() if names else found.rest)
 
 

@@ -137,7 +137,9 @@ class PersonAnswers(CaseAnswerer):
             raise DataError(QuizAnswers.noun, [Issue("", f"{PEOPLE} lacks {name!r}: {remedy}")])
         given = QuizAnswers.parse(lines[as_name(name)], source=f"{PEOPLE}, {name}")
         items = _by_token(episodes)
-        return cls(name, {items[one.item]: one for one in given.answers if one.item in items})
+        return cls(
+            name, {items[answer.item]: answer for answer in given.answers if answer.item in items}
+        )
 
     def judge(self, case: Case) -> Answers:
         """Answer as the person did."""

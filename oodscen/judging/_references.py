@@ -114,7 +114,7 @@ class Oracle(CaseAnswerer):
         if case.episode.is_ordinary:
             return Answers(False, confidence=1.0, choice=NOTHING, action=action)
         label = case.path[-1] if case.path else ""
-        choice = next((one.id for one in case.options if one.holds(case.leaf)), case.leaf)
+        choice = next((option.id for option in case.options if option.holds(case.leaf)), case.leaf)
         return Answers(True, label, 1.0, choice or None, action)
 
 
@@ -151,7 +151,7 @@ class Blind(CaseAnswerer):
         action = max(ACTIONS, key=lambda name: self._safe[name] - own[name])
         others = [leaf for leaf in sorted(self._count) if leaf != case.leaf]
         leaf = max(others, key=lambda name: self._count[name], default=case.leaf)
-        listed = sorted(one.id for one in case.options if one.id != NOTHING)
+        listed = sorted(option.id for option in case.options if option.id != NOTHING)
         choice = max(listed, key=lambda name: self._count[name], default=leaf)
         return Answers(True, self._labels.get(leaf, ""), 0.5, choice or None, action)
 

@@ -148,7 +148,7 @@ def score_answers(key: AnswerKey, given: GivenAnswers, judge: LLM | None = None)
         outcome=ended,
         error=str(error)[:2_000] if error else None,
         error_type=type(error).__name__ if error else "",
-        retryable=any(getattr(one, "retryable", False) for one in given.failures),
+        retryable=any(getattr(failure, "retryable", False) for failure in given.failures),
         protocol=given.protocol,
         is_ordinary=is_ordinary(key.item),
         **given.fields,
@@ -237,7 +237,7 @@ def _scores(key: AnswerKey, given: GivenAnswers) -> dict[str, Any]:
         scores |= {"thing_is_right": named.thing, "aspect_is_right": named.right}
     if "choice" in fields:
         right = NOTHING if is_usual else key.leaf
-        right = next((one.id for one in key.options if one.holds(right)), right)
+        right = next((option.id for option in key.options if option.holds(right)), right)
         scores["choice_is_right"] = fields["choice"] == right
     if (outcome := key.actions.get(fields.get("action") or "")) is not None:
         is_paper, touched = given.protocol == "paper", bool(outcome.contacts)

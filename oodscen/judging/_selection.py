@@ -19,8 +19,8 @@ def choose_items(episodes: Sequence[Episode], *, count: int, seed: int) -> list[
     With one, a draw by seed and scene takes the twin or the demand, so that every other ordinary drive asks
     for a reaction; where only one of them ran, that one goes with the scene.
     """
-    there = {one.scene_id for one in episodes}
-    ran = {one.scene_id for one in episodes if one.status == "ok"}
+    there = {episode.scene_id for episode in episodes}
+    ran = {episode.scene_id for episode in episodes if episode.status == "ok"}
 
     def is_taken(item: str) -> bool:
         if count > 1 or not is_ordinary(item):
@@ -28,4 +28,4 @@ def choose_items(episodes: Sequence[Episode], *, count: int, seed: int) -> list[
         both = ordinary_drives(scene_of(item), seed=seed)
         return item == min(both, key=lambda one: (one not in ran, one not in there))
 
-    return [one for one in episodes if is_taken(one.scene_id)]
+    return [episode for episode in episodes if is_taken(episode.scene_id)]

@@ -152,7 +152,9 @@ def measurements(
             digest=metrics.baseline.digest(),
         ),
         sets={
-            name: metrics.report([one.text for one in texts], groups=[one.leaf for one in texts])
+            name: metrics.report(
+                [text.text for text in texts], groups=[text.leaf for text in texts]
+            )
             for name, texts in known.items()
         },
         baseline_batch=metrics.baseline_batch(min(paper.BATCH, max(1, len(metrics.baseline) // 2))),

@@ -8,6 +8,7 @@ import numpy as np
 from oodscen._arguments import checked
 from oodscen._numbers import whole_number
 from oodscen._seeding import stream
+from oodscen.baselines._texts import check_texts
 from oodscen.data._base import Data
 from oodscen.data._scenario import Scenario
 
@@ -59,7 +60,7 @@ def paper_table(
     repeats: int = 10,
 ) -> Table:
     """Return the paper's table; see `Metrics.paper_table`."""
-    plain = [item.text if isinstance(item, Scenario) else item for item in texts]
+    plain = check_texts(texts)
     drawn = [whole_number("each size", size, 1) for size in sizes]
     below = [size for size in drawn if size < len(plain)]
     return Table(

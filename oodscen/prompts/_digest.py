@@ -7,6 +7,7 @@ from typing import Self
 
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
+from oodscen.data._category import Category
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import DataError, UnknownComponent
@@ -46,7 +47,7 @@ class BehaviourLine(Data):
 
     id: str
     description: str
-    categories: tuple[str, ...]
+    categories: tuple[Category, ...]
     parameters: str = ""
     """Parameters such as `speed 0..20 (8) m/s`: minimum, maximum, default, unit or meaning."""
 

@@ -60,9 +60,11 @@ def _junctions(road: "Corridor", traits: tuple[str, ...]) -> Iterator[Landmark]:
 
 
 def _structures(road: "Corridor") -> Iterator[Landmark]:
-    for one in road.structures:
-        if -_REACH_M <= one.start - road.start <= _REACH_M and one.end > road.start:
-            yield _mark(one.kind, one.start - road.start, one.end - one.start)
+    for structure in road.structures:
+        if -_REACH_M <= structure.start - road.start <= _REACH_M and structure.end > road.start:
+            yield _mark(
+                structure.kind, structure.start - road.start, structure.end - structure.start
+            )
 
 
 def _lights(road: "Corridor") -> Iterator[Landmark]:

@@ -41,12 +41,12 @@ def layout(road: "Corridor") -> str:
 
 def _structures(road: "Corridor", usual: str) -> Iterator[str]:
     """Yield the strips inside tunnels and on bridges where they differ from those at the start."""
-    for one in road.structures:
-        if one.end > road.start and one.start - road.start <= _REACH_M:
-            section = _section(road, 0.5 * (one.start + one.end))
+    for structure in road.structures:
+        if structure.end > road.start and structure.start - road.start <= _REACH_M:
+            section = _section(road, 0.5 * (structure.start + structure.end))
             if section != usual:
-                where = "in" if one.kind == "tunnel" else "on"
-                yield f"{where} the {one.kind}: {section}"
+                where = "in" if structure.kind == "tunnel" else "on"
+                yield f"{where} the {structure.kind}: {section}"
 
 
 def _section(road: "Corridor", s: float) -> str:

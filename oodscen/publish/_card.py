@@ -76,7 +76,7 @@ def _split(name: str, drives: Sequence[PublishedDrive]) -> dict[str, Any]:
         "name": name,
         "drives": len(own),
         "questions": len(own) * len(TASKS),
-        "kinds": sorted(one.label for one in merge_kinds(labels)),
+        "kinds": sorted(option.label for option in merge_kinds(labels)),
         **{kind: count[kind] for kind in ("rare", "twin", "demand")},
     }
 

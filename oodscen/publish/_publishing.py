@@ -86,7 +86,7 @@ def publish(
         sums = "".join(f"{hashes[name]}  {name}\n" for name in sorted(hashes))
         (part / SUMS).write_text(sums, encoding="utf-8")
     files = {name: (folder / name).stat().st_size for name in names(folder)}
-    return Publication(folder, files, dict(Counter(one.split for one in drives)), questions)
+    return Publication(folder, files, dict(Counter(drive.split for drive in drives)), questions)
 
 
 def _write(

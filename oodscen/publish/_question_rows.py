@@ -126,7 +126,7 @@ def _chosen(drive: PublishedDrive) -> QuestionRow:
     return QuestionRow(
         drive,
         choosing_prompt(drive.asked.shown, options),
-        tuple(one.label for one in options),
+        tuple(option.label for option in options),
         answer,
         right,
         best=right[0] if right else None,

@@ -97,7 +97,7 @@ def _earlier(folder: Path) -> set[str]:
 
 
 def _told(sums: Path) -> dict[str, str]:
-    """Return names and hashes in the sums of a data set; empty for sums that somebody else wrote."""
+    """Return names and hashes in the sums of a data set; empty for sums of other kinds."""
     if not sums.exists():
         return {}
     lines = read_regular(sums, "data set").decode("utf-8", "replace").splitlines()

@@ -1,7 +1,9 @@
 """The fixture `drive`: lets a driving stack drive the scene of a test."""
 
 import dataclasses
+import hashlib
 import re
+import time
 import unittest
 from collections.abc import Mapping
 
@@ -35,6 +37,9 @@ from oodscen.stages._drive import (
 _SKIPS = (unittest.SkipTest, pytest.skip.Exception, pytest.xfail.Exception)
 """Exceptions that end a test as neither passed nor failed; a stack must not raise them."""
 
+_READABLE = 120
+"""Maximum length of the readable part of a picture's name."""
+
 _Pictures = Mapping[str, NDArray[np.uint8]]
 """The frame and the plan view of one moment."""
 
@@ -46,7 +51,7 @@ class Drive:
         scene: The scene of the test.
         simulator: The simulator to drive in.
         scenes: The session's scenes.
-        test: The id of the test, which names the pictures.
+        test: The id of the test, which tells its pictures from those of other tests.
     """
 
     def __init__(self, scene: Scene, simulator: Simulator, scenes: Scenes, test: str) -> None:
@@ -54,6 +59,8 @@ class Drive:
         self._test = test
         self.results: list[DriveResult] = []
         """Results of the drives, in order, failed ones included."""
+        self.began: list[float] = []
+        """Times at which the drives of `results` began, s since the epoch."""
         self.drives: list[Driven] = []
         """The drives that came to an end, in order."""
         self._braking: dict[int, _Pictures] = {}
@@ -100,13 +107,14 @@ class Drive:
         is_clear = is_its_twin and plan.is_clear  # Before the drive, whose moments are pictured.
         facts: dict[str, object] = {"made_from": plan.scene.digest()}
         camera = camera_for(self._simulator.catalogue(), camera)
+        began = time.time()
         try:
             states, braking = self._run(make, driven, plan.steps, camera, is_clear=is_clear)
         except BaseException as error:
             is_skip = isinstance(error, _SKIPS)
             if is_skip or not is_interruption(error):
                 failed = failed_drive(driven.id, label, error)
-                self.results.append(failed.model_copy(update=facts))
+                self._add(failed.model_copy(update=facts), began)
             if is_skip:
                 raise UsageError(
                     f"{label} skips the scene: {error}; skip in the test, before drive()"
@@ -121,7 +129,7 @@ class Drive:
         result = result.model_copy(update=facts)
         if braking is not None and result.passed:
             self._braking[len(self.drives)] = braking
-        self.results.append(result)
+        self._add(result, began)
         self.drives.append(
             Driven(
                 result=result,
@@ -132,6 +140,10 @@ class Drive:
             )
         )
         return self.drives[-1] if result.passed else self.pictured(camera)
+
+    def _add(self, result: DriveResult, began: float) -> None:
+        self.results.append(result)
+        self.began.append(began)
 
     def _run(
         self, make: MakeDriver, scene: Scene, steps: int, camera: Camera, *, is_clear: bool
@@ -179,7 +191,7 @@ class Drive:
         one, folder = self.drives[place], self._scenes.pictures
         if folder is None or one.pictures:
             return
-        stem = re.sub(r"[^\w.~-]+", "-", f"{one.scene.id}-{self._test}").strip("-")[:180]
+        stem = picture_stem(one.scene.id, self._test, one.result.driver, place)
         saved = []
         for kind, pixels in pictures.items():
             if (data := png(pixels)) is not None:
@@ -188,6 +200,23 @@ class Drive:
                 replace(path, data)
                 saved.append(path)
         self.drives[place] = dataclasses.replace(one, pictures=tuple(saved))
+
+
+def picture_stem(scene: str, test: str, driver: str, place: int) -> str:
+    """Return the file name of a drive's pictures, without its ending: no two drives of a session share one.
+
+    Names have letters of ASCII and are short, as all file systems take them, and do not rely on upper and lower case.
+
+    Args:
+        scene: The id of the scene or twin.
+        test: The id of the test.
+        driver: The name of the stack.
+        place: The place of the drive among those of its test.
+    """
+    function = test.partition("[")[0].rpartition("::")[2]
+    words = re.sub(r"[^A-Za-z0-9_~]+", "-", f"{scene}-{function}-{driver}")[:_READABLE].strip("-")
+    digest = hashlib.sha256(f"{test}\n{place}".encode(errors="surrogatepass")).hexdigest()
+    return f"{words}-{digest[:10]}"
 
 
 def _maker(driver: MakeDriver | str) -> tuple[MakeDriver, str]:

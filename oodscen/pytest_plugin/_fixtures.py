@@ -53,14 +53,13 @@ def drive(scene: "Scene", simulator: "Simulator", request: pytest.FixtureRequest
     """A function that lets a driving stack drive the scene, or its twin: `drive(stack, twin)`."""
     from oodscen.pytest_plugin._driving import Drive
 
-    test = request.node.nodeid.rpartition("::")[2].partition("[")[0]
     try:
         scenes = _session(
             request
         ).scenes  # Not read before where the test has a `scene` of its own.
     except OodscenError as error:
         pytest.fail(printable(str(error)), pytrace=False)
-    request.node.stash[DRIVE] = Drive(scene, simulator, scenes, test)
+    request.node.stash[DRIVE] = Drive(scene, simulator, scenes, request.node.nodeid)
     return cast("Drive", request.node.stash[DRIVE])
 
 

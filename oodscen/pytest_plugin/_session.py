@@ -1,7 +1,7 @@
 """The hooks of a session that names a study: scenes as parameters, reports, grades and the baseline."""
 
 import os
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from oodscen._text import printable
 from oodscen.errors import OodscenError, UsageError
 from oodscen.pytest_plugin._baseline import Change, KnownOutcomes, KnownTest, Outcome
 from oodscen.pytest_plugin._hooks import path_setting, setting
+from oodscen.pytest_plugin._subtests import Subtests
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Catalogue
@@ -27,6 +28,8 @@ PARAMETER = "oodscen_scene"
 """Name of the parameter behind the fixture `scene`, which a test's own `scene` hides."""
 DRIVE = pytest.StashKey["Drive"]()
 """The fixture `drive` of a test."""
+SUBTESTS = pytest.StashKey[Subtests]()
+"""The subtests of a test."""
 _LISTED = 20
 """Maximum number of tests that the summary lists by name."""
 
@@ -201,8 +204,8 @@ class DrivingSession:
             return report
         if report.when == "setup" and report.passed:
             return report
-        drive = item.stash.get(DRIVE, None)
-        outcome: Outcome = "passed" if report.passed else "failed"
+        drive, subtests = item.stash.get(DRIVE, None), item.stash.get(SUBTESTS, Subtests())
+        outcome: Outcome = "failed" if report.failed or subtests.forgiven else "passed"
         known = KnownTest(outcome=outcome, scene=scene.digest())
         test = self._test(item)
         change = self._baseline.change(test, outcome, known.scene)
@@ -212,7 +215,12 @@ class DrivingSession:
                 actions = self.scenes.safe_actions.get(one.scene.id, ())
                 report.sections.append(("oodscen", one.report(actions)))
         self._add_properties(item, report, scene, drive, change)
-        if report.failed and (reason := self._forgiven(change, call, drive)):
+        driven = subtests.own_drives(drive, call) if drive else []
+        reason = subtests.all_forgiven if report.passed and subtests.is_over else None
+        if report.failed:
+            reason = self._forgiven(change, call, driven)
+            subtests.forgiven.append(reason)
+        if reason:
             report.outcome = "skipped"
             vars(report)["wasxfail"] = f"reason: {reason}"
         vars(report)["oodscen"] = {
@@ -222,6 +230,15 @@ class DrivingSession:
             "drives": [one.model_dump(mode="json") for one in drive.results] if drive else [],
         }
         return report
+
+    @pytest.hookimpl(wrapper=True, tryfirst=True)
+    def pytest_runtest_call(self, item: pytest.Item) -> Generator[None]:
+        """Tell the reports of a test's subtests, which are made while it runs, from its own."""
+        subtests = item.stash[SUBTESTS] = Subtests()
+        try:
+            yield
+        finally:
+            subtests.is_over = True
 
     def _test(self, item: pytest.Item) -> str:
         """Return the id of a test in the baseline: its path is relative to the file of the baseline.
@@ -248,6 +265,7 @@ class DrivingSession:
         ]
         if self._file is not None:
             rows.append(("oodscen.change", change))
+        pictures = {id(one.result): one.pictures for one in drive.drives} if drive else {}
         for one in drive.results if drive else ():
             which = "oodscen.twin" if one.is_twin else "oodscen.drive"
             rows += [
@@ -255,16 +273,24 @@ class DrivingSession:
                 (f"{which}.safe", str(one.passed).lower()),
                 (f"{which}.min_ttc_s", one.min_ttc_s),
                 (f"{which}.progress", one.progress),
+                *(("oodscen.picture", str(path)) for path in pictures.get(id(one), ())),
             ]
-        for driven in drive.drives if drive else ():
-            rows += [("oodscen.picture", str(path)) for path in driven.pictures]
-        item.user_properties += [(name, _text(value)) for name, value in rows if value is not None]
+        names = {name for name, _ in rows}  # Those of the subtests before, which are fewer.
+        others = [pair for pair in item.user_properties if pair[0] not in names]
+        written = [(name, _text(value)) for name, value in rows if value is not None]
+        item.user_properties = [*others, *written]
         report.user_properties = list(item.user_properties)
 
     def _forgiven(
-        self, change: Change, call: pytest.CallInfo[None], drive: "Drive | None"
+        self, change: Change, call: pytest.CallInfo[None], drives: "Sequence[DriveResult]"
     ) -> str | None:
-        """Return why a failure does not fail the session; `None` if it does."""
+        """Return why a failure does not fail the session; `None` if it does.
+
+        Args:
+            change: How the test differs from the baseline.
+            call: What failed.
+            drives: The drives that it may be about.
+        """
         if self._file is not None:
             if self._mode != "compare":
                 return "goes into the baseline"
@@ -272,10 +298,10 @@ class DrivingSession:
         from oodscen.pytest_plugin._counting import is_counted
 
         found = call.excinfo
-        if drive is None or found is None:
+        if found is None:
             return None
         is_assertion = found.errisinstance((AssertionError, pytest.fail.Exception))
-        if is_assertion and is_counted(drive.results, self._bars):
+        if is_assertion and is_counted(drives, self._bars):
             return "counted by --oodscen-require"
         return None
 

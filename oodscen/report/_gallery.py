@@ -372,7 +372,7 @@ def _followers(episode: Episode, names: Mapping[str, str]) -> str:
 def _reactions(episode: Episode) -> str:
     if not episode.reaction_s:
         return ""
-    times = ", ".join(f"{one:g}" for one in episode.reaction_s)
+    times = ", ".join(f"{reaction:g}" for reaction in episode.reaction_s)
     watched = "" if episode.horizon_s is None else f", each watched for {episode.horizon_s:g} s"
     return f"they react after {times} s{watched}"
 

@@ -192,13 +192,13 @@ def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material
         if counts:
             top = tuple(
                 (
-                    names.get(one.truth, one.truth),
+                    names.get(confusion.truth, confusion.truth),
                     "nothing unusual"
-                    if one.chosen == NOTHING
-                    else names.get(one.chosen, one.chosen),
-                    one.count,
+                    if confusion.chosen == NOTHING
+                    else names.get(confusion.chosen, confusion.chosen),
+                    confusion.count,
                 )
-                for one in row.confusions[:_TOP_CONFUSIONS]
+                for confusion in row.confusions[:_TOP_CONFUSIONS]
             )
             rows.append(
                 Confused(row.model, charts.confusion(order, counts, len(order)), tuple(order), top)

@@ -172,7 +172,7 @@ def _leave_out_stale(store: Store, found: Material) -> None:
             episodes=_stored(store, TABLES["episodes"], Episode),
             whole=_stored(store, "episodes.paper.jsonl", Episode),
             scenarios=_stored(store, TABLES["scenarios"], Scenario),
-            scenes=[one for one in scenes if not one.is_ordinary],
+            scenes=[scene for scene in scenes if not scene.is_ordinary],
         )
         stale = tables.stale(stored)
     except OodscenError as error:
@@ -182,7 +182,7 @@ def _leave_out_stale(store: Store, found: Material) -> None:
         return
     if stale:
         ids = {make_printable(one.id) for one in stale}
-        found.verdicts = [one for one in found.verdicts if one.id not in ids]
+        found.verdicts = [verdict for verdict in found.verdicts if verdict.id not in ids]
         found.are_verdicts_whole = False
         _note(found, "verdicts.jsonl", f"{make_printable(stale_in_words(stale))}; left out here")
 

@@ -101,7 +101,7 @@ def made_to_order(study: Study, found: Material) -> Mapping[str, Any] | None:
 
 def _things(study: Study, found: Material) -> Iterator[ThingRow]:
     """Yield what was made, then what scenes carry besides."""
-    made = {one.prop: one for one in found.assets if one.prop is not None}
+    made = {asset.prop: asset for asset in found.assets if asset.prop is not None}
     for prop, uses in _used(made, found.scenes, lambda scene: scene.made):
         one = made.get(prop)
         look = one.look if one else None
@@ -124,7 +124,11 @@ def _picture(
 ) -> FramePicture:
     """Return the picture of a thing by itself, or of the first scene that shows it."""
     own = picture(study.folder, picture_of(prop.id)) if is_made else FramePicture()
-    frames = (one.frames.get("last") for one in found.episodes if one.scene_id in uses.scenes[:1])
+    frames = (
+        episode.frames.get("last")
+        for episode in found.episodes
+        if episode.scene_id in uses.scenes[:1]
+    )
     return own if own.href else picture(study.folder, next(frames, None))
 
 

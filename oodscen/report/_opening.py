@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from oodscen.judging._drive_board import drive_board
 from oodscen.judging._leaderboard.board import Leaderboard
-from oodscen.judging._leaderboard.sentences import sentences as about_models
+from oodscen.judging._rates_in_words import percent
 from oodscen.report._load import Material
 
 
@@ -31,18 +31,18 @@ def opening(found: Material, board: Leaderboard) -> Opening:
     has_models = any(row.is_judged for row in board.standings)
     is_top_view = found.info.get("camera") == "top"
     if has_models:
-        sentences = about_models(board)
+        sentences = board.sentences()
     elif found.drives:
         seed = found.config.get("seed")
         drives = drive_board(
             found.drives, found.scenarios, seed=seed if isinstance(seed, int) else 0
         )
-        sentences = [*drives.sentences(), "Brackets hold 95\N{NO-BREAK SPACE}% intervals."]
+        sentences = [*drives.sentences(), f"Brackets hold {percent(board.level)} intervals."]
     elif is_top_view:
         sentences = [
             f"These scenes are for driving stacks: {found.config.get('simulator')} draws views from above only, about "
             "which no vision-language model is asked. None has driven them yet."
         ]
     else:
-        sentences = about_models(board)
+        sentences = board.sentences()
     return Opening(tuple(sentences), has_models, bool(found.drives), is_top_view)

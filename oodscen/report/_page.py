@@ -157,7 +157,7 @@ def _followed(episodes: Sequence[Episode]) -> list[Followed]:
     """Return the outcomes of braking with and without an actor close behind."""
     rows = []
     for is_followed in (True, False):
-        some = [one for one in episodes if bool(one.followers) is is_followed]
+        some = [episode for episode in episodes if bool(episode.followers) is is_followed]
         if some:
             safe = {
                 action: sum(one.actions[action].safe for one in some if action in one.actions)
@@ -188,8 +188,8 @@ def _counts(found: Material, choices: Sequence[str]) -> Counts:
         mixed=tally["mixed"],
         all_safe=tally["all"],
         none_safe=tally["none"],
-        sighted=sum(one.sighting is not None for one in found.episodes),
-        below_floor=sum(one.is_below_floor for one in found.episodes),
+        sighted=sum(episode.sighting is not None for episode in found.episodes),
+        below_floor=sum(episode.is_below_floor for episode in found.episodes),
     )
 
 

@@ -55,9 +55,12 @@ def driving(study: Study, found: Material) -> Variables | None:
 def undecided(study: Study, found: Material) -> Variables | None:
     """Return the scenes in which every action, or none, is safe, with what was tried."""
     episodes = [
-        one
-        for one in found.episodes
-        if one.status == "ok" and not one.is_ordinary and one.actions and not one.is_decidable
+        episode
+        for episode in found.episodes
+        if episode.status == "ok"
+        and not episode.is_ordinary
+        and episode.actions
+        and not episode.is_decidable
     ]
     if not episodes:
         return None
@@ -65,15 +68,16 @@ def undecided(study: Study, found: Material) -> Variables | None:
     return {
         "count": len(episodes),
         "restaged": sum(
-            bool(one.restaged) and not one.restaged.startswith(TO_NAME) for one in found.episodes
+            bool(episode.restaged) and not episode.restaged.startswith(TO_NAME)
+            for episode in found.episodes
         ),
         "rows": [
             {
-                "id": one.scene_id,
-                "all_safe": bool(one.safe_set),
-                "tried": _tried(lines_by_id.get(one.scene_id, {})),
+                "id": episode.scene_id,
+                "all_safe": bool(episode.safe_set),
+                "tried": _tried(lines_by_id.get(episode.scene_id, {})),
             }
-            for one in episodes[:_MOST_SCENES]
+            for episode in episodes[:_MOST_SCENES]
         ],
     }
 
@@ -99,9 +103,12 @@ def saturated(study: Study, found: Material) -> Variables | None:
 def restored(study: Study, found: Material) -> Variables | None:
     """Return the single additions to the catalogue, by the number of pruned paths each restores."""
     ranking = restoration(found.decisions)
-    labels = {one.id: one.path[-1] if one.path else one.id for one in found.decisions}
+    labels = {
+        decision.id: decision.path[-1] if decision.path else decision.id
+        for decision in found.decisions
+    }
     rows = restoration_rows(ranking, labels, limit=_MOST_ADDITIONS)
-    dropped = {one.id for one in found.decisions if not one.keep}
+    dropped = {decision.id for decision in found.decisions if not decision.keep}
     paths = found.metrics.paths if found.metrics is not None else None
     exposure = paths.of(dropped) if paths is not None else None
     return {"ranking": ranking, "rows": rows, "exposure": exposure} if rows else None

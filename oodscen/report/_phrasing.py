@@ -176,7 +176,7 @@ def details(value: Details) -> list[str]:
     """Return the details of an actor in words, one by one."""
     told = [plain_words(value.pose)] if value.pose else []
     told += [f"holding a {plain_words(value.holds)}"] if value.holds else []
-    told += [plain_words(one) for one in value.parts]
+    told += [plain_words(part) for part in value.parts]
     told += [f"painted {value.colour.replace('_', ' ')}"] if value.colour else []
     told += [f"carrying a {plain_words(value.cargo)}"] if value.cargo else []
     return told + ([f"“{value.text}” on its sides"] if value.text else [])

@@ -94,7 +94,7 @@ def _item(study: Study, drive: AskedDrive, rears: Mapping[str, str]) -> dict[str
         "times": [seconds(time) for time in shown.facts.times_s],
         "facts": named[0],
         "questions": [named[1], listed[1], acted[1]],
-        "options": [[one.id, one.label] for one in drive.options],
+        "options": [[option.id, option.label] for option in drive.options],
     }
     if episode.scene_id in rears:
         item["rear"] = _data_url(study.store.inside(rears[episode.scene_id]))

@@ -72,12 +72,12 @@ def visible_of(
     lanes = next((road.lanes for road in catalogue.maps if road.id == map_id), 1)
     found = [
         Visible(
-            what=_bare(_described(one, known, kinds)),
-            where=_where(one, ego.lane, lanes),
-            doing=_doing(one, known[one.asset], ego.speed, kinds, motions),
+            what=_bare(_described(actor, known, kinds)),
+            where=_where(actor, ego.lane, lanes),
+            doing=_doing(actor, known[actor.asset], ego.speed, kinds, motions),
         )
-        for one in actors
-        if one.id in hazard.actors and one.asset in known
+        for actor in actors
+        if actor.id in hazard.actors and actor.asset in known
     ]
     if hazard.weather is not None:
         found += [Visible(what=what, where="everywhere") for what in _sky(weather, hazard.weather)]

@@ -94,7 +94,7 @@ def contradiction(
     found = mismatches(check_claims(claims, after, catalogue)) if claims else []
     if not found:
         return ""
-    known = {one.claim for one in mismatches(check_claims(claims, before, catalogue))}
+    known = {mismatch.claim for mismatch in mismatches(check_claims(claims, before, catalogue))}
     return next((str(one) for one in found if one.claim not in known), "")
 
 

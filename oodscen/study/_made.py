@@ -20,12 +20,12 @@ class MadeToOrder(NamedTuple):
 
     def digests(self) -> tuple[str, ...]:
         """Return the digests of all of them."""
-        return tuple(one.digest() for one in self.props + self.motions)
+        return tuple(prop.digest() for prop in self.props + self.motions)
 
     def described(self) -> tuple[str, ...]:
         """Return all of them in words, as a writer sees them."""
         return tuple(
-            f"{one.id.replace('_', ' ')}: {one.description}" for one in self.props + self.motions
+            f"{prop.id.replace('_', ' ')}: {prop.description}" for prop in self.props + self.motions
         )
 
 

@@ -38,13 +38,13 @@ def stale_scenes(
     """
     now = {scene.id: scene.digest() for scene in scenes}
     demands = [line["demand"] for line in staged if isinstance(line.get("demand"), Mapping)]
-    ran = {one.get("id"): digest(one) for one in demands}
+    ran = {demand.get("id"): digest(demand) for demand in demands}
     found = dict[str, None]()
-    for one in episodes:
-        name = scene_of(one.scene_id)
-        is_own = now.get(name) == one.made_from
-        is_own &= one.scene_id not in ran or now.get(one.scene_id) == ran[one.scene_id]
-        if name in changed or (one.made_from and not is_own):
+    for episode in episodes:
+        name = scene_of(episode.scene_id)
+        is_own = now.get(name) == episode.made_from
+        is_own &= episode.scene_id not in ran or now.get(episode.scene_id) == ran[episode.scene_id]
+        if name in changed or (episode.made_from and not is_own):
             found[name] = None
     return list(found)
 
@@ -58,7 +58,7 @@ def changed_texts(study: "Study") -> set[str]:
         DataError: If a table or the tree is malformed.
     """
     store = study.store
-    texts = {one.id: one for one in study.scenarios}
+    texts = {scenario.id: scenario for scenario in study.scenarios}
     claims = {str(line.get("id")): line for line in store.lines("claims.jsonl")}
     has_tree = store.holds("tree.simulatable.json")
     paths = study.tree("simulatable").paths if has_tree else None

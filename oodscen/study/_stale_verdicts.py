@@ -163,16 +163,16 @@ def _truths(
     The empty item covers all items of this protocol and of those before it, since references may look at
     every episode.
     """
-    texts = {one.id: [one.leaf, one.path] for one in scenarios}
-    leaves = sorted({(one.leaf, *one.path[-1:]) for one in scenarios})
+    texts = {scenario.id: [scenario.leaf, scenario.path] for scenario in scenarios}
+    leaves = sorted({(scenario.leaf, *scenario.path[-1:]) for scenario in scenarios})
     maps = sorted((one.id, one.map) for one in scenes)
     visible = {one.id: [seen.model_dump() for seen in one.visible] for one in scenes}
     found: dict[tuple[Protocol, str], str] = {}
     for protocol, episodes in shown.items():
-        for one in episodes:
+        for episode in episodes:
             # The pixels count, not the bytes that hold them.
-            content = one.model_dump(mode="json", exclude={"file_sha256"})
-            scene = scene_of(one.scene_id)
+            content = episode.model_dump(mode="json", exclude={"file_sha256"})
+            scene = scene_of(episode.scene_id)
             truth = [
                 digest(content),
                 texts.get(scene),
@@ -182,7 +182,7 @@ def _truths(
                 config.chain,
             ]
             truth += ["rear view"] if config.rear_view and protocol == "ours" else []
-            found[protocol, one.scene_id] = digest(truth)
+            found[protocol, episode.scene_id] = digest(truth)
         found[protocol, ""] = digest(list(found.values()))
     return found
 
@@ -201,8 +201,8 @@ class Judged(NamedTuple):
         cls, episodes: Sequence[Episode], scenes: Sequence[Scene], config: StudyConfig
     ) -> "Judged":
         """Return the part of a study's episodes and scenes that answerers are judged on."""
-        unseen = {one.scene_id for one in episodes if one.is_below_floor}
-        seen = [one for one in episodes if scene_of(one.scene_id) not in unseen]
+        unseen = {episode.scene_id for episode in episodes if episode.is_below_floor}
+        seen = [episode for episode in episodes if scene_of(episode.scene_id) not in unseen]
         asked = choose_items(seen, count=config.ordinary, seed=config.seed)
         return cls(seen, asked, [scene for scene in scenes if scene.id not in unseen])
 
@@ -250,21 +250,21 @@ class Tables(NamedTuple):
         """
         if not verdicts:
             return []
-        answerers = {one.model for one in verdicts}
+        answerers = {verdict.model for verdict in verdicts}
         people = [name for name in self.config.people if person(name) in answerers]
         rule, opinions = self.rule(people), dict[str, Opinion]()
-        if any(one.judge for one in verdicts):
+        if any(verdict.judge for verdict in verdicts):
             for line in self.store.lines(OPINIONS):
                 found = Opinion.parse(line, source=str(self.store.path(OPINIONS)))
                 opinions[found.id] = found
-        return [one for one in verdicts if not rule.belongs(one, opinions)]
+        return [verdict for verdict in verdicts if not rule.belongs(verdict, opinions)]
 
 
 def stale_in_words(stale: Sequence[Verdict]) -> str:
     """Return the sentence about verdicts that do not belong to the drives of a study."""
     names = list(Counter(one.model for one in stale if one.kind == "model"))
     names += [one for one in Counter(one.model for one in stale) if one not in names]
-    told = ", ".join(one_line(one) for one in names[:_SHOWN]) + ", ..." * (len(names) > _SHOWN)
+    told = ", ".join(one_line(name) for name in names[:_SHOWN]) + ", ..." * (len(names) > _SHOWN)
     do, it = ("do", "they were") if len(stale) > 1 else ("does", "it was")
     return (
         f"{len(stale)} verdict{'s' * (len(stale) > 1)} ({told}) {do} not belong to the drives of this "

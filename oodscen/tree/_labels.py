@@ -32,7 +32,8 @@ def label_fault(label: str) -> str:
 
 def same_words(label: str) -> str:
     """Return a key that is equal for labels that differ only in case, width, spaces and invisible characters."""
-    return one_line(seen(label).casefold())
+    folded = seen(label).casefold()
+    return one_line(unicodedata.normalize("NFKC", folded))
 
 
 def slug(label: str, longest: int = 48) -> str:

@@ -2,7 +2,7 @@ import pytest
 
 from oodscen.baselines import load_baseline
 from oodscen.baselines._baseline import Baseline
-from oodscen.errors import DataError
+from oodscen.errors import DataError, UsageError
 
 
 def test_a_file_becomes_a_baseline(tmp_path):
@@ -36,3 +36,9 @@ def test_an_undecodable_file_is_refused(tmp_path):
     (tmp_path / "a.txt").write_bytes(b"\x80\x81")
     with pytest.raises(DataError):
         load_baseline(tmp_path / "a.txt")
+
+
+def test_the_bundled_texts_have_no_layout():
+    with pytest.raises(UsageError, match="layout"):
+        load_baseline(layout="drivelm")
+    assert load_baseline(layout="plain") == load_baseline()

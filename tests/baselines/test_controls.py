@@ -5,6 +5,7 @@ import pytest
 
 from oodscen.baselines._controls import load_controls
 from oodscen.baselines._ordinary import bare, ordinary_driving
+from oodscen.errors import UsageError
 
 TUNE, FROZEN = load_controls("tune"), load_controls("frozen")
 ALL = (*TUNE, *FROZEN)
@@ -66,3 +67,9 @@ def test_sentences_of_different_pairs_differ():
 def _grams(text):
     letters = bare(text)
     return {letters[i : i + 3] for i in range(len(letters) - 2)}
+
+
+def test_a_part_that_the_controls_lack_is_refused():
+    with pytest.raises(UsageError, match="blind"):
+        load_controls("blind")
+    assert load_controls("blind", off_topic=True)

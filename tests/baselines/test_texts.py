@@ -1,6 +1,7 @@
 import csv
 import json
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -88,10 +89,27 @@ def test_groups_come_from_path_leaf_or_group(tmp_path):
     assert [record.group for record in read_records(path)] == ["r / x", "y", "z", None]
 
 
+class Table:
+    """A table as pandas has it: a loop over it gives the names of its columns."""
+
+    ndim = 2
+
+    def __iter__(self):
+        return iter(["text", "label"])
+
+
 def test_one_string_is_not_a_set_of_texts():
     with pytest.raises(DataError):
         check_texts("a text")
-    for other in ({"a": "b"}, {"a"}, (text for text in ["a"]), 3):
+    for other in (
+        {"a": "b"},
+        {"a"},
+        (text for text in ["a"]),
+        3,
+        np.array("a"),
+        np.array([["a", "b"]]),
+        Table(),
+    ):
         with pytest.raises(DataError, match="not a sequence of texts"):
             check_texts(other)
     assert check_texts(["a text"]) == ("a text",)

@@ -194,7 +194,7 @@ def test_a_trace_with_a_huge_value_leaves_the_others_judged(study, tmp_path):
     assert run("export", study, "-o", tmp_path, "--to", "osi").exit_code == 0
     first, *others = sorted(tmp_path.glob("*.osi"))
     data = first.read_bytes()
-    _, name, (x, *_) = next(read_osi_trace(data, first.name))
+    _, name, (x, *_), *_ = next(read_osi_trace(data, first.name))
     first.write_bytes(data.replace(struct.pack("<d", x), struct.pack("<d", 1.7e308), 1))
     found = run("verdict", study, first, *others, "--json")
     assert found.exit_code == 1

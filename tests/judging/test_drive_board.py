@@ -97,7 +97,7 @@ def test_who_stands_still_passes_every_scene_and_ranks_last():
     assert test.difference < -0.9
     assert test.p_clustered < 0.05
     (said,) = board.remarks()
-    assert "still passes 100% of the scenes by hardly driving" in said
+    assert "still passes 100\N{NO-BREAK SPACE}% of the scenes by hardly driving" in said
 
 
 def test_without_paths_enough_means_have_no_interval_and_shares_have_wilsons():

@@ -57,8 +57,9 @@ def changed(value, unshown, annotation=None):
     elif isinstance(value, tuple):
         if value:
             yield value[:-1]
+        of_items = next(iter(get_args(annotation)), None)
         for index, item in enumerate(value):
-            for other in changed(item, unshown):
+            for other in changed(item, unshown, of_items):
                 yield (*value[:index], other, *value[index + 1 :])
     elif isinstance(value, str):
         words = [word for word in get_args(annotation) if isinstance(word, str)]

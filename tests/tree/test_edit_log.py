@@ -121,3 +121,36 @@ def test_siblings_stand_in_the_order_in_which_they_were_first_added(steps):
     first = {edit.node: index for index, edit in reversed(list(enumerate(tree.edits)))}
     for below in tree.children.values():
         assert list(below) == sorted(below, key=first.__getitem__)
+
+
+def test_a_free_id_is_that_of_the_version_whatever_came_later():
+    trees = [FOG]
+    for name in ("ice", "ice-2", "ice-3"):
+        trees.append(
+            trees[-1].apply(
+                TreeEdit(op="add", node=name, parent="environmental", label=name.replace("-", " "))
+            )
+        )
+    for tree in (*reversed(trees), *trees):
+        number = trees.index(tree) + 1
+        assert tree.new_id("Ice") == ("ice" if number == 1 else f"ice-{number}")
+
+
+def test_a_list_with_a_fault_applies_nothing():
+    tree = ScenarioTree(FOG.edits)
+    good = TreeEdit(op="add", node="ice", parent="environmental", label="Ice")
+    with pytest.raises(DataError):
+        tree.apply(good, TreeEdit(op="keep", node="nobody"))
+    assert "ice" not in tree.by_id
+    assert tree.apply(good).by_id["ice"].label == "Ice"
+
+
+def test_what_comes_back_stands_below_the_parent_that_was_removed_with_it():
+    pair = FOG.apply(
+        TreeEdit(op="add", node="mist", parent="fog", label="Mist"),
+        TreeEdit(op="add", node="ice", parent="environmental", label="Ice"),
+    )
+    gone = pair.apply(*(TreeEdit(op="remove", node=node) for node in ("mist", "fog", "ice")))
+    back = gone.undo(len(pair.edits))
+    assert back.path("mist") == pair.path("mist")
+    assert "ice" not in back

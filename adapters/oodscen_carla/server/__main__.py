@@ -8,7 +8,7 @@ from oodscen._files import read_utf8
 from oodscen.data import Scene
 from oodscen.errors import OodscenError
 from oodscen_carla.server._faults import Fault, Faults
-from oodscen_carla.server._serving import serve
+from oodscen_carla.server._serve import serve
 
 
 def main() -> None:

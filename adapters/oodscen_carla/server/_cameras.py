@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ _AWAY = 5_000.0
 """Distance at which a stand-in waits where a picture has no vehicle of its own, m."""
 
 
+@runtime_checkable
 class BodyRenderer(Protocol):
     """The part of a simulator that draws without a world of its own."""
 

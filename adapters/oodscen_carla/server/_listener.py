@@ -25,6 +25,8 @@ from oodscen_carla.server._world import World
 MAX_CLIENTS = 64
 AWAIT_S = 1.0
 """Maximum time that a tick waits for a stream whose token was just asked for, s."""
+_ATTEMPTS = 50
+"""Number of free ports that are tried until the next one is free, too."""
 FREE_RUN_S = 0.05
 """Time between the ticks of the asynchronous mode, s."""
 
@@ -35,7 +37,7 @@ class Listener:
     def __init__(
         self,
         world: World,
-        studio: CameraRenderer,
+        renderer: CameraRenderer,
         *,
         host: str = "127.0.0.1",
         port: int = 0,
@@ -46,7 +48,7 @@ class Listener:
 
         Args:
             world: Is driven by the clients.
-            studio: Takes the pictures.
+            renderer: Takes the pictures.
             host: The address to listen on; the default is reached from this machine only.
             port: Port for calls; the next one is for streams. 0 chooses free ones.
             faults: Faults to produce.
@@ -61,7 +63,7 @@ class Listener:
         self._faults = faults or Faults()
         self._log = log or (lambda line: None)
         self._streams = Streams(self._heard)
-        self._sender = SensorSender(world, studio, self._streams)
+        self._sender = SensorSender(world, renderer, self._streams)
         self._calls = Calls(world, self._streams, self._tick, self._log)
         self._pool = MemoryPool()
         self._clients: set[socket.socket] = set()
@@ -79,11 +81,15 @@ class Listener:
         _thread(self._run_free)
 
     def close(self) -> None:
-        """End all connections."""
+        """Wait until the tick or call at work has ended, then end all connections; no other follows."""
         self._is_closed = True
-        for one in (*self._sockets, *self._clients):
+        for one in self._sockets:
             end(one)
-        self._streams.close()
+        with self._lock:
+            for one in self._clients:
+                end(one)
+            self._streams.close()
+            self._heard.notify_all()
 
     # ------------------------------------------------------------------ ticks
 
@@ -96,6 +102,8 @@ class Listener:
         world = self._world
         self._heard.wait_for(self._streams.are_expected_heard, AWAIT_S)
         self._streams.forget_expected()
+        if self._is_closed:
+            return world.frame
         world.advance()
         fault, self._fault = self._fault, None
         if fault == "late":
@@ -127,6 +135,8 @@ class Listener:
 
     def _serve_calls(self, connection: socket.socket) -> None:
         with self._lock:
+            if self._is_closed:
+                return end(connection)
             if len(self._clients) >= MAX_CLIENTS:
                 self._log(f"refused a connection: {MAX_CLIENTS} are open")
                 return end(connection)
@@ -160,6 +170,8 @@ class Listener:
         if fault == "hang":
             return
         with self._lock:
+            if self._is_closed:
+                return
             self._streams.host = connection.getsockname()[0]
             self._fault = fault
             if fault == "refuse":
@@ -172,7 +184,8 @@ class Listener:
             connection.sendall(packed)
         for send in late:
             with self._lock:
-                send()
+                if not self._is_closed:
+                    send()
 
     def _answer(self, method: str, arguments: list[Any]) -> Any:
         try:
@@ -188,7 +201,7 @@ class Listener:
             if len(asked) == 4:
                 number = struct.unpack("<I", asked)[0]
                 with self._lock:
-                    if not self._streams.add(number, connection):
+                    if self._is_closed or not self._streams.add(number, connection):
                         return
                     if number == WORLD_STREAM:
                         # Until two states have the new step, `apply_settings` ticks: a step of 0 here
@@ -210,7 +223,8 @@ def _listening(host: str, port: int) -> tuple[socket.socket, socket.socket]:
     Raises:
         UsageError: If one of them cannot be had.
     """
-    for _ in range(50):
+    fault: Exception | None = None
+    for _ in range(1 if port else _ATTEMPTS):
         opened = [socket.socket(), socket.socket()]
         try:
             for one in opened:
@@ -223,11 +237,11 @@ def _listening(host: str, port: int) -> tuple[socket.socket, socket.socket]:
         except (OSError, OverflowError) as error:
             for one in opened:
                 one.close()
-            if port:
-                raise UsageError(
-                    f"cannot listen on {host}, ports {port} and {port + 1}: {error}"
-                ) from None
-    raise UsageError(f"cannot find two free ports on {host}")
+            fault = error
+            if isinstance(error, socket.gaierror):
+                break
+    ports = f"ports {port} and {port + 1}" if port else "two free ports"
+    raise UsageError(f"cannot listen on {host}, {ports}: {fault}")
 
 
 def _thread(target: Callable[..., None], *arguments: Any) -> None:

@@ -42,6 +42,9 @@ _LEAST_M = 1e-6
 _ROUNDING_M = 1e-9
 """Distance before a lane section from which a place belongs to it, m."""
 
+RECEIVED = "OpenDriveMap"
+"""Name of the map that a client sent."""
+
 
 @dataclass(frozen=True, eq=False)
 class ServedMap:
@@ -79,7 +82,7 @@ class ServedMap:
             path = folder / f"{digest[:16]}.xodr"
             path.write_bytes(data)
             known = find_map(str(path), catalogue)
-        return cls._of("OpenDriveMap", text, known)
+        return cls._of(RECEIVED, text, known)
 
     @classmethod
     def of(cls, road_map: RoadMap, name: str = "") -> "ServedMap":

@@ -48,8 +48,8 @@ def camera_of(attributes: Mapping[str, str]) -> Camera:
 class SensorSender:
     """Takes every picture once per mount, for all kinds of camera that hang there."""
 
-    def __init__(self, world: World, studio: CameraRenderer, streams: Streams) -> None:
-        self._world, self._studio, self._streams = world, studio, streams
+    def __init__(self, world: World, renderer: CameraRenderer, streams: Streams) -> None:
+        self._world, self._renderer, self._streams = world, renderer, streams
         self._due_at = WeakKeyDictionary[ServerActor, float]()
         """Time of the simulation from which a sensor sends again, s."""
 
@@ -119,7 +119,7 @@ class SensorSender:
             size, pose, host, actor.place, world.place_of(actor), world.picture_time(hosting)
         )
         seed = world.seed
-        frame, ids = self._studio.take(
+        frame, ids = self._renderer.take(
             world.scene(), seed, shown, shot, has_host=hosting is not None
         )
         tags = [world.actors[key].blueprint.tag if key else 0 for key in ids.tolist()]

@@ -20,7 +20,7 @@ _END_S = 10.0
 class CarlaTestServer:
     """Serves CARLA 0.9.16's protocol on 127.0.0.1 while the context is active.
 
-    The process is a new one, because the official client holds the interpreter's lock while it
+    The process is a new one, because the official client holds the GIL while it
     waits. Pictures are the flat simulator's unless another is named; they are quick and plain.
     """
 

@@ -10,7 +10,7 @@ from typing import Any
 from oodscen.data import Actor as SceneActor
 from oodscen.data import Behaviour, Catalogue, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving._roads.building import find_map
-from oodscen.errors import OodscenError
+from oodscen.errors import OodscenError, UsageError
 from oodscen_carla._blueprints import own_id
 from oodscen_carla._catalogue import load_catalogue
 from oodscen_carla._lights import LAMPS_OF_STATE, VehicleLight
@@ -27,7 +27,7 @@ from oodscen_carla.server._cameras import PicturedBody
 from oodscen_carla.server._collisions import collide
 from oodscen_carla.server._geometry import OrientedBox, mounted, rotated
 from oodscen_carla.server._kinematics import Surface, move
-from oodscen_carla.server._roads import ServedMap
+from oodscen_carla.server._roads import RECEIVED, ServedMap
 from oodscen_carla.server._staging import HERO, ServedScene, carla_place
 from oodscen_carla.server._values import CallError, Description, Transform, WorldSettings
 
@@ -55,7 +55,9 @@ class World:
 
         Raises:
             SceneError: If the first scene cannot be staged.
+            UsageError: If two things that can be loaded have one name.
         """
+        _check_names([scene.id for scene in scenes], catalogue)
         self.catalogue = catalogue
         self.library = BlueprintLibrary(load_catalogue(), catalogue)
         self.scenes = {scene.id: scene for scene in scenes}
@@ -86,7 +88,7 @@ class World:
     @property
     def map_names(self) -> list[str]:
         """The names that `load` knows."""
-        return [*self.scenes, *(road.id for road in self.catalogue.maps if road.file)]
+        return [*self.scenes, *_map_names(self.catalogue)]
 
     def receive(self, text: str) -> None:
         """Keep a client's OpenDRIVE document for the next `load` of `OpenDriveMap`.
@@ -117,7 +119,7 @@ class World:
             scene = self.scenes[short]
             staged = ServedScene(scene, self.catalogue, self.seed)
             found = ServedMap.of(find_map(scene.map, self.catalogue), short)
-        elif short == "OpenDriveMap" and self._received is not None:
+        elif short == RECEIVED and self._received is not None:
             found = self._received
         elif any(road.id == short and road.file for road in self.catalogue.maps):
             found = ServedMap.of(self.catalogue.map(short))
@@ -353,6 +355,18 @@ class World:
             actor.place = Transform((x, y, z), (0.0, yaw, 0.0))
             actor.velocity = rotated((actor.speed, 0.0, 0.0), yaw)
             actor.acceleration = rotated((actor.acceleration_along, 0.0, 0.0), yaw)
+
+
+def _map_names(catalogue: Catalogue) -> list[str]:
+    return [road.id for road in catalogue.maps if road.file]
+
+
+def _check_names(scenes: Sequence[str], catalogue: Catalogue) -> None:
+    taken = {RECEIVED, *_map_names(catalogue)}
+    for name in scenes:
+        if name in taken:
+            raise UsageError(f"two maps are called {name!r}")
+        taken.add(name)
 
 
 def _spectator() -> ServerActor:

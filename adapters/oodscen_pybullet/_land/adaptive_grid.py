@@ -174,8 +174,8 @@ def _finest(meeting: Array, middle: Array, radius: float) -> Array:
 
 def _is_spanned(ground: Ground, s: Array, margin: float) -> Mask:
     spanned = np.zeros(len(s), bool)
-    for one in ground.corridor.structures:
-        spanned |= (s > one.start - margin) & (s < one.end + margin)
+    for structure in ground.corridor.structures:
+        spanned |= (s > structure.start - margin) & (s < structure.end + margin)
     return spanned
 
 

@@ -113,7 +113,7 @@ def _positions(corridor: Corridor, first: float, last: float) -> Array:
             bulge = np.interp(middle, corridor.s, edge) - 0.5 * (ends[1:] + ends[:-1])
             split |= np.abs(bulge) > _BULGE
     parts = [s[:-1], *((s[:-1] + k * long / 3)[split] for k in (1, 2)), s[-1:]]
-    breaks = [end for one in corridor.structures for end in (one.start, one.end)]
+    breaks = [end for structure in corridor.structures for end in (structure.start, structure.end)]
     if is_fast(corridor):
         # Where a lane leaves the road, a long piece would taper it and leave a hole beside it.
         breaks += _lane_changes(corridor)

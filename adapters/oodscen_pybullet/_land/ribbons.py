@@ -127,9 +127,9 @@ def spanned_pieces(way: Way, *kinds: str) -> Mask:
     """Return which pieces of a course lie in tunnels or on bridges, by the kinds of the structures."""
     middles = way.course.middles
     found = np.zeros(len(middles), bool)
-    for one in way.corridor.structures:
-        if one.kind in kinds:
-            found |= (middles > one.start) & (middles < one.end)
+    for structure in way.corridor.structures:
+        if structure.kind in kinds:
+            found |= (middles > structure.start) & (middles < structure.end)
     return found
 
 

@@ -194,12 +194,12 @@ def _kerb_medians(ribbons: Ribbons, medians: list[_Band]) -> None:
     """Add kerbs along both edges of raised medians, except between two that touch."""
     if not medians:
         return
-    where = np.array([one.where for one in medians])
+    where = np.array([median.where for median in medians])
     is_there = np.zeros((len(medians), where.shape[1] + 1), bool)
     is_there[:, :-1] |= where
     is_there[:, 1:] |= where
-    right = np.where(is_there, np.array([one.right for one in medians]), np.inf).min(axis=0)
-    left = np.where(is_there, np.array([one.left for one in medians]), -np.inf).max(axis=0)
+    right = np.where(is_there, np.array([median.right for median in medians]), np.inf).min(axis=0)
+    left = np.where(is_there, np.array([median.left for median in medians]), -np.inf).max(axis=0)
     is_any = is_there.any(axis=0)
     right, left = np.where(is_any, right, 0.0), np.where(is_any, left, 0.0)
     whole = _Band(right, left, np.logical_or.reduce(where, axis=0))

@@ -59,7 +59,7 @@ class Shelter:
 
     @cached_property
     def _tunnels(self) -> list[Structure]:
-        return [one for one in self.corridor.structures if one.kind == "tunnel"]
+        return [structure for structure in self.corridor.structures if structure.kind == "tunnel"]
 
     def covers(self, points: Array) -> Mask:
         """Return which points, [n, 3] m, lie in a tunnel, including its walls and ceiling."""
@@ -75,8 +75,8 @@ class Shelter:
         right = np.interp(s, road.s, road.strips[0].right) - _WALL_M
         left = np.interp(s, road.s, road.strips[-1].left) + _WALL_M
         within = (t > right) & (t < left) & (above > -_BELOW_M) & (above < CEILING_M + _SHELL_M)
-        for one in self._tunnels:
-            found[some] |= within & (s > one.start) & (s < one.end)
+        for tunnel in self._tunnels:
+            found[some] |= within & (s > tunnel.start) & (s < tunnel.end)
         return found
 
     def portal(self, view: CameraView) -> Portal | None:
@@ -112,7 +112,7 @@ class Shelter:
 
     def _next_entrance(self, s: float, sign: float) -> float | None:
         """Return s of the next entrance; `None` if no tunnel lies ahead."""
-        entrances = (one.start if sign > 0.0 else one.end for one in self._tunnels)
+        entrances = (tunnel.start if sign > 0.0 else tunnel.end for tunnel in self._tunnels)
         ahead = (at for at in entrances if (at - s) * sign > 0.0)
         return min(ahead, key=lambda at: abs(at - s), default=None)
 
@@ -122,7 +122,7 @@ class Shelter:
         return min(1.0, min(s - tunnel.start, tunnel.end - s) / _USED_M)
 
     def _around(self, s: float) -> Structure:
-        return next(one for one in self._tunnels if one.start < s < one.end)
+        return next(tunnel for tunnel in self._tunnels if tunnel.start < s < tunnel.end)
 
     def _direction(self, s: float) -> tuple[float, float]:
         road = self.corridor

@@ -183,7 +183,8 @@ class Site:
             return False
         s, _ = self.ground.locate(spot.x, spot.y)
         return any(
-            one.start - margin < s < one.end + margin for one in self.ground.corridor.structures
+            structure.start - margin < s < structure.end + margin
+            for structure in self.ground.corridor.structures
         )
 
     def is_far(self, spot: RoadsidePlace) -> bool:

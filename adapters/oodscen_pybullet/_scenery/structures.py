@@ -25,14 +25,14 @@ def build_structures(ground: Ground) -> tuple[list[Mesh], list[Point]]:
     """Return the meshes of all tunnels and bridges, and the positions of tunnel lamps."""
     meshes: list[Mesh] = []
     lamps: list[Point] = []
-    for one in ground.corridor.structures:
-        reach = 0.45 if one.kind == "tunnel" else 0.0
-        line = RoadCourse.between(ground.corridor, one.start - reach, one.end + reach)
+    for structure in ground.corridor.structures:
+        reach = 0.45 if structure.kind == "tunnel" else 0.0
+        line = RoadCourse.between(ground.corridor, structure.start - reach, structure.end + reach)
         # A tunnel keeps the width of its ends up to the faces of its portals.
-        within = np.clip(line.s, one.start, one.end)
+        within = np.clip(line.s, structure.start, structure.end)
         edges = [np.interp(within, ground.ego.course.s, edge) for edge in ground.ego.paved]
-        if one.kind == "tunnel":
-            meshes.append(_tunnel(ground, one, line, edges[0], edges[1], lamps))
+        if structure.kind == "tunnel":
+            meshes.append(_tunnel(ground, structure, line, edges[0], edges[1], lamps))
         else:
             meshes += _bridge(ground, line, edges[0], edges[1])
     return meshes, lamps

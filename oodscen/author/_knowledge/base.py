@@ -175,7 +175,7 @@ class Recipe(Data):
     @property
     def removes_hazards(self) -> bool:
         """True if it has such actors, and the ordinary twin has nothing in their place."""
-        return bool(self.hazards) and all(one.ordinary == "remove" for one in self.hazards)
+        return bool(self.hazards) and all(hazard.ordinary == "remove" for hazard in self.hazards)
 
     @property
     def is_static(self) -> bool:

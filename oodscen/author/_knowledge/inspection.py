@@ -87,7 +87,7 @@ def inspect_knowledge(
     _check_needs(found, hazards, list(offered.values()), knowledge)
     recipes = [hazard for hazard in hazards if hazard.stage is not None]
     able = {
-        name: [one for one in recipes if not realise(one, digest, knowledge).missing]
+        name: [recipe for recipe in recipes if not realise(recipe, digest, knowledge).missing]
         for name, digest in offered.items()
     }
     _check_staging(found, recipes, able, catalogues, _StagingLLM(Stager(knowledge, recogniser)))

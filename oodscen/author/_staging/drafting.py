@@ -192,7 +192,7 @@ def _off_centre(cast: Cast, seed: int, text: str) -> Cast:
         return one if one.id in tied else off_centre(one, stream(seed, "off centre", text, one.id))
 
     unusual = {name: one and moved(one) for name, one in cast.unusual.items()}
-    return Cast([moved(one) for one in cast.actors], unusual)
+    return Cast([moved(actor) for actor in cast.actors], unusual)
 
 
 def _shown(things: Sequence[str], cast: Cast, layout: Layout) -> dict[str, list[str]]:
@@ -200,9 +200,9 @@ def _shown(things: Sequence[str], cast: Cast, layout: Layout) -> dict[str, list[
     found = {}
     for thing in things:
         fits = [
-            one.id
-            for one in cast.actors
-            if one.asset in layout.assets and may_be(thing, layout.assets[one.asset])
+            actor.id
+            for actor in cast.actors
+            if actor.asset in layout.assets and may_be(thing, layout.assets[actor.asset])
         ]
         if shown := [name for name in fits if name in cast.unusual] or fits:
             found[thing] = shown

@@ -91,10 +91,10 @@ class Layout:
         """Yield length along the road, width across it and height of the assets that an actor may be, m."""
         heading = math.radians(0.5 * sum(actor.heading_deg))
         cosine, sine = abs(math.cos(heading)), abs(math.sin(heading))
-        for one in self.digest.assets:
-            if one.id in actor.asset:
-                along = cosine * one.length_m + sine * one.width_m
-                yield along, cosine * one.width_m + sine * one.length_m, one.height_m
+        for asset in self.digest.assets:
+            if asset.id in actor.asset:
+                along = cosine * asset.length_m + sine * asset.width_m
+                yield along, cosine * asset.width_m + sine * asset.length_m, asset.height_m
 
 
 def _meant(

@@ -39,7 +39,7 @@ class Agreement:
     def _in(self, clause: str) -> tuple[Clash, ...]:
         found = self._found.get(clause)
         if found is None:
-            found = tuple(one for one in self._clashes if one.pattern.search(clause))
+            found = tuple(clash for clash in self._clashes if clash.pattern.search(clause))
             self._found[clause] = found
         return found
 

@@ -200,7 +200,7 @@ class Construction:
     """True if it is a single line, as in a test catalogue."""
 
     def build(self, plot: Plot) -> str:
-        words = (" ".join(one.format(plot).split()) for one in self.sentences)
+        words = (" ".join(sentence.format(plot).split()) for sentence in self.sentences)
         return " ".join(_sentence(text) for text in words if text)
 
 

@@ -176,7 +176,7 @@ class OrdinaryAuthor:
         traffic = known.traffic(frame)
         return PlaceAndTime(
             place=place.key if place else "",
-            conditions=tuple(one.key for one in known.conditions(frame)),
+            conditions=tuple(condition.key for condition in known.conditions(frame)),
             traffic=traffic.key if traffic else "",
         )
 

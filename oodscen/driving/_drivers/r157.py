@@ -65,7 +65,7 @@ class R157Driver(WatchingDriver):
         time, speed = observation.time, observation.speed
         self._remember(seen, time)
         risks = [one for one in seen if self._is_risk(one, time, speed)]
-        is_wrapped = any(abs(one.aside) <= WANDER_M for one in risks)
+        is_wrapped = any(abs(risk.aside) <= WANDER_M for risk in risks)
         return self._brake.deceleration(
             time,
             demanded=bool(risks),

@@ -80,7 +80,7 @@ def piecewise_all(pieces: tuple[Cubic, ...], s: Floats) -> Floats:
     """Return `piecewise` at many positions, with the same bits for each."""
     if not pieces:
         return np.zeros_like(s)
-    table = np.array([(one.start, one.a, one.b, one.c, one.d) for one in pieces])
+    table = np.array([(piece.start, piece.a, piece.b, piece.c, piece.d) for piece in pieces])
     found = np.searchsorted(table[:, 0], s + _ROUNDING_M, side="right")
     start, *k = table[np.maximum(found - 1, 0)].T
     d = s - start

@@ -110,10 +110,10 @@ def followers(network: Network, leg: Leg) -> list[Leg]:
     if link.kind == "road":
         return [Leg(network.roads[link.id], link.contact == "start")]
     found: dict[tuple[str, bool], Leg] = {}
-    for one in network.junctions[link.id].connections:
-        through = network.roads[one.connecting]
-        if one.incoming == leg.road.id:
-            forward = one.contact == "start"
+    for connection in network.junctions[link.id].connections:
+        through = network.roads[connection.connecting]
+        if connection.incoming == leg.road.id:
+            forward = connection.contact == "start"
             back = through.predecessor if forward else through.successor
             if back is None or back.id != leg.road.id or back.contact == leg.exit:
                 found.setdefault((through.id, forward), Leg(through, forward))
@@ -222,12 +222,16 @@ def lane_links(network: Network, before: Leg, after: Leg) -> list[tuple[int, int
     for junction in (before.onward, after.turned.onward):
         if junction is None or junction.kind != "junction":
             continue
-        for one in network.junctions[junction.id].connections:
+        for connection in network.junctions[junction.id].connections:
             contact = after.turned.exit
-            if (one.incoming, one.connecting) == (before.road.id, after.road.id):
-                raw += [pair for pair in one.lanes if one.contact == contact]
-            elif (one.incoming, one.connecting) == (after.road.id, before.road.id):
-                raw += [(to, start) for start, to in one.lanes if one.contact == before.exit]
+            if (connection.incoming, connection.connecting) == (before.road.id, after.road.id):
+                raw += [pair for pair in connection.lanes if connection.contact == contact]
+            elif (connection.incoming, connection.connecting) == (after.road.id, before.road.id):
+                raw += [
+                    (to, start)
+                    for start, to in connection.lanes
+                    if connection.contact == before.exit
+                ]
     if before.onward is not None and before.onward.kind == "road":
         for lane in before.sections[-1].lanes:
             following = lane.successor if before.forward else lane.predecessor

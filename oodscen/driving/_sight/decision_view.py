@@ -46,7 +46,7 @@ def drawn(
             height = max(v for _, v in shown) - min(v for _, v in shown) if area(shown) else 0.0
             total += free * sight.area_px
             parts.append((free * height, sight, cast[row]))
-        height, sight, who = max(parts, key=lambda one: one[0])
+        height, sight, who = max(parts, key=lambda part: part[0])
         found.append(
             Sighting(
                 actor=who.id,

@@ -30,7 +30,9 @@ def has_lamps_on(scene: Scene, actor_id: str) -> bool:
 
 def waits_in_traffic(scene: Scene, actor_id: str) -> bool:
     """Return whether an actor keeps its foot on the brake while it stands."""
-    return any(one.id == actor_id and one.behaviour.name in _HOLDS_BRAKE for one in scene.actors)
+    return any(
+        actor.id == actor_id and actor.behaviour.name in _HOLDS_BRAKE for actor in scene.actors
+    )
 
 
 def is_braking(speed: float, acceleration: float, *, waits: bool) -> bool:

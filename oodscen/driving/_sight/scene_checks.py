@@ -218,7 +218,7 @@ def _hider(cast: Sequence[PlacedBody], row: int, camera: Camera, corridor: Corri
         if i not in (0, row)
     ]
     shares.append((eye.see(body, (), corridor).hidden, " by the crest of the road"))
-    return max(shares, key=lambda one: one[0])[1]
+    return max(shares, key=lambda share: share[0])[1]
 
 
 def _nearer(

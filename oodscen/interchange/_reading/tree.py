@@ -15,6 +15,8 @@ from oodscen.interchange._reading.expressions import substituted
 Scope = Mapping[str, str]
 
 NOUN = "OpenSCENARIO file"
+_TRACES = (".osi", ".mcap")
+"""Suffixes of traces of runs."""
 _LARGEST = 1e9
 _DEEPEST = 6
 """Maximum number of catalogue references within each other."""
@@ -33,6 +35,9 @@ class OpenScenarioFile:
             DataError: If it is not an OpenSCENARIO file, or too large or deep.
         """
         self.path = Path(path)
+        if self.path.suffix.lower() in _TRACES:
+            fault = "is a trace of a run, which `oodscen verdict` reads, not a scenario"
+            raise DataError(NOUN, [Issue("", fault)], source=str(path))
         data = read_regular(path, NOUN, limit=MAX_BYTES)
         element = Document(str(path), "OpenSCENARIO").parse(data).element
         self.omissions: dict[Issue, None] = {}

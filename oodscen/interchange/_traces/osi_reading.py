@@ -3,22 +3,35 @@
 import math
 import struct
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from oodscen.errors import DataError, Issue
 from oodscen.interchange._traces.mcap_files import mcap_messages
 
 Pose = tuple[float, float, float, float]
-Row = tuple[float, str, Pose]
-"""Time, entity and pose; the entity is empty if the body has no name."""
+
+
+class Row(NamedTuple):
+    """One body at one time."""
+
+    time: float
+    name: str
+    """The entity; empty if the body has no name."""
+    pose: Pose
+    size: tuple[float, float] | None = None
+    """Length and width as the file tells them, m."""
+    is_host: bool | None = None
+    """True if the file says that the body is the ego, False if it says that another one is."""
+
 
 Fields = dict[int, list["bytes | int | float"]]
 
 _NOUN = "OSI trace"
-_TIMESTAMP, _MOVING, _STATIONARY = 2, 5, 4
-"""Numbers of `timestamp`, `moving_object` and `stationary_object` in `GroundTruth`."""
+_TIMESTAMP, _HOST, _MOVING, _STATIONARY = 2, 3, 5, 4
+"""Numbers of `timestamp`, `host_vehicle_id`, `moving_object` and `stationary_object` in `GroundTruth`."""
 _MOVING_REFERENCE, _STATIONARY_REFERENCE = 10, 5
 """Numbers of `source_reference` in `MovingObject` and `StationaryObject`."""
-_BASE, _DIMENSION, _POSITION, _ORIENTATION = 2, 1, 2, 3
+_ID, _BASE, _DIMENSION, _POSITION, _ORIENTATION = 1, 2, 1, 2, 3
 _YAW = 3
 _LENGTH = struct.Struct("<I")
 _PLAIN = {1: struct.Struct("<d"), 5: struct.Struct("<f")}
@@ -30,7 +43,7 @@ _NANOSECOND = 1e-9
 
 
 def read_osi_trace(data: bytes, source: str) -> Iterator[Row]:
-    """Yield time, entity and pose of the footprint's centre for every object.
+    """Yield a row for every object, with the pose of its footprint's centre.
 
     Stationary objects that refer to something else, such as an object of the road, are left out.
 
@@ -72,15 +85,20 @@ def _ground_truth(message: bytes) -> Iterator[Row]:
     fields = _fields(message)
     stamp = _fields(_inner(fields, _TIMESTAMP))
     time = round(_integer(stamp, 1) + _NANOSECOND * _integer(stamp, 2), 6)
+    host = _identifier(fields, _HOST)
     for number, reference in ((_MOVING, _MOVING_REFERENCE), (_STATIONARY, _STATIONARY_REFERENCE)):
         for one in fields.get(number, []):
             parts = _fields(_content(one))
             name = _entity_name(parts, reference)
             if name or number == _MOVING or reference not in parts:
-                pose = _pose(_fields(_inner(parts, _BASE)))
+                base = _fields(_inner(parts, _BASE))
+                pose = _pose(base)
+                if name and _POSITION not in base:
+                    raise ValueError(f"the position of {name} at {time:g} s is missing")
                 if name and not all(map(math.isfinite, pose)):
                     raise ValueError(f"the pose of {name} at {time:g} s is not finite")
-                yield time, name, pose
+                is_host = None if host is None else _identifier(parts, _ID) == host
+                yield Row(time, name, pose, _size(base), is_host)
 
 
 def _pose(base: Fields) -> Pose:
@@ -90,6 +108,17 @@ def _pose(base: Fields) -> Pose:
     )
     x, y, z = (_double(at, number) for number in (1, 2, 3))
     return x, y, z - 0.5 * _double(size, 3), _double(turned, _YAW)
+
+
+def _size(base: Fields) -> tuple[float, float] | None:
+    """Return length and width, m; `None` if the body has none."""
+    size = _fields(_inner(base, _DIMENSION))
+    return (_double(size, 1), _double(size, 2)) if size else None
+
+
+def _identifier(fields: Fields, number: int) -> int | None:
+    """Return the value of an identifier; `None` if there is none."""
+    return _integer(_fields(_inner(fields, number)), 1) if number in fields else None
 
 
 def _entity_name(parts: Fields, reference: int) -> str:
@@ -121,7 +150,7 @@ def _integer(fields: Fields, number: int) -> int:
     """Return an integer with its sign."""
     value = fields.get(number, [0])[-1]
     if not isinstance(value, int):
-        raise ValueError("a time is not an integer")
+        raise ValueError("a time or an identifier is not an integer")
     return value - (1 << 64) if value >> 63 else value
 
 

@@ -37,6 +37,10 @@ class PlayedPoses(Brief):
     """[n, bodies, 4] x, y, z of the footprints' centres, m, and heading, rad; NaN where a body is missing."""
     unnamed: int = 0
     """Most bodies without a name at one time."""
+    ego_sizes: tuple[tuple[float, float], ...] = ()
+    """Lengths and widths of the ego that the file tells, m; the run is judged with the scene's."""
+    host: str = ""
+    """The body that the file takes for the ego, and when, if it is another one than `ego`; else empty."""
 
 
 def read_poses(path: str | Path) -> PlayedPoses:
@@ -67,24 +71,34 @@ def _collected(rows: Iterator[Row], source: str) -> PlayedPoses:
     names: dict[str, int] = {}
     found: list[Row] = []
     unnamed: dict[float, set[Pose]] = {}
-    for time, name, pose in rows:
-        if name:
-            names.setdefault(name, len(names))
-            found.append((time, name, pose))
+    for row in rows:
+        if row.name:
+            names.setdefault(row.name, len(names))
+            found.append(row)
         else:
-            unnamed.setdefault(time, set()).add(pose)
-    times = sorted({time for time, _, _ in found})
+            unnamed.setdefault(row.time, set()).add(row.pose)
+    times = sorted({row.time for row in found})
     if len(times) < 2:
         raise _fault("", "holds fewer than two moments", source)
     order = {time: index for index, time in enumerate(times)}
     poses = np.full((len(times), len(names), 4), np.nan)
-    for time, name, pose in found:
+    for time, name, pose, *_ in found:
         before = poses[order[time], names[name]]
         if not np.isnan(before[0]) and tuple(before) != pose:
             raise _fault(name, f"has two poses at {time:g} s", source)
         poses[order[time], names[name]] = pose
     most = max(map(len, unnamed.values()), default=0)
-    return PlayedPoses(tuple(names), np.array(times), poses, most)
+    sizes = dict.fromkeys(row.size for row in found if row.name == "ego" and row.size)
+    return PlayedPoses(tuple(names), np.array(times), poses, most, tuple(sizes), _other_host(found))
+
+
+def _other_host(rows: Sequence[Row]) -> str:
+    """Return the body that a file takes for the ego where it is not `ego`, and the first such time; else empty."""
+    first = next((row.time for row in rows if row.name == "ego" and row.is_host is False), None)
+    if first is None:
+        return ""
+    named = [row.name for row in rows if row.time == first and row.is_host]
+    return f"{named[0] if named else 'no named body'} at {first:g} s"
 
 
 def _plain_rows(text: str, source: str) -> Iterator[Row]:
@@ -109,7 +123,7 @@ def _plain_rows(text: str, source: str) -> Iterator[Row]:
         name = (row["name"] or "").strip()
         if len(name) > _LONGEST_NAME:
             raise _fault(where, f"a name has {len(name):,} characters", source)
-        yield time, name, (x, y, z, h)
+        yield Row(time, name, (x, y, z, h))
 
 
 def _table_rows(table: "csv.DictReader[str]", source: str) -> Iterator[dict[str, Any]]:
@@ -163,7 +177,7 @@ def _esmini_rows(lines: Sequence[str], source: str) -> Iterator[Row]:
             )
             level = ahead * math.cos(pitch)
             x, y = x + level * math.cos(heading), y + level * math.sin(heading)
-            yield (
+            yield Row(
                 time,
                 cell(f"#{body} Entity_Name [-]"),
                 (x, y, z - ahead * math.sin(pitch), heading),

@@ -8,7 +8,7 @@ import numpy as np
 
 from oodscen._arguments import checked
 from oodscen.data._base import Data
-from oodscen.data._catalogue import Catalogue
+from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import ActionOutcome
 from oodscen.data._scene import Scene
@@ -35,6 +35,8 @@ _ALIGNED = 0.8
 """Cosine to the road's direction from which an actor drives along the road."""
 _EARLY_S = 0.25
 """Time before the horizon at which a run may end, s."""
+_SIZE_M = 0.25
+"""Difference of the ego's length or width from the scene's above which it is noted, m."""
 _ROUNDING_S = 1e-6
 """Time after the horizon up to which a moment of a recording is within it, s."""
 
@@ -96,6 +98,7 @@ def verdict(
 
     poses, notes = _poses_of(scene, played, world().ids)
     begun, doubt = start_of(world(), played.time, poses)
+    notes += _ego_notes(played, catalogue.ego)
     if begun:
         notes.append(f"times start at {begun:g} s and are counted from there")
     states = _states(world(), played.time - begun, poses)
@@ -166,6 +169,21 @@ def _poses_of(scene: Scene, played: PlayedPoses, ids: tuple[str, ...]) -> tuple[
     if played.unnamed:
         others.append(f"{played.unnamed} without a name")
     return poses, [f"not in the scene, and not looked at: {', '.join(others)}"] if others else []
+
+
+def _ego_notes(played: PlayedPoses, own: Asset) -> list[str]:
+    """Return notes on what a file tells about the ego otherwise than the scene."""
+    notes = []
+    for length, width in played.ego_sizes:
+        off = max(abs(length - own.length), abs(width - own.width))
+        if not off <= _SIZE_M:
+            notes.append(
+                f"ego is {length:g} x {width:g} m in the file, and judged as {own.length:g} x {own.width:g} m"
+            )
+            break
+    if played.host:
+        notes.append(f"host_vehicle_id is that of {played.host}, not of ego, which is judged")
+    return notes
 
 
 def _states(world: KinematicWorld, times: Floats, poses: Floats) -> list[State]:

@@ -32,11 +32,13 @@ def agreement(opinions: Iterable[Opinion], judge: str) -> tuple[int, int]:
 
     `judge` is the judge's label.
     """
-    judgements = {one.id: one.is_same for one in opinions if one.is_same is not None}
+    judgements = {
+        opinion.id: opinion.is_same for opinion in opinions if opinion.is_same is not None
+    }
     pairs = [
-        judgements[name] == one.is_right
-        for one in labelled_answers()
-        if (name := opinion_id(judge, one.answer, one.path)) in judgements
+        judgements[name] == example.is_right
+        for example in labelled_answers()
+        if (name := opinion_id(judge, example.answer, example.path)) in judgements
     ]
     return sum(pairs), len(pairs)
 

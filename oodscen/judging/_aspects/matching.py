@@ -113,7 +113,7 @@ def score_naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = 
 def _fits(answer_naming: Naming, aspect: str, text: str, label: Naming) -> bool:
     heads = label.heads or _implied(label.concepts)
     if not heads:
-        states = {one.name for one in label.concepts if one.kind == "state"}
+        states = {concept.name for concept in label.concepts if concept.kind == "state"}
         return bool(states & _widened(answer_naming.concepts)) or _names_word(aspect, text)
     return any(
         _names_oddity(answer_naming, head) or _names_case(answer_naming, label, head)
@@ -142,10 +142,10 @@ def _names_oddity(answer_naming: Naming, head: Concept) -> bool:
     """Rule 2: return whether an answer names a thing that is odd in itself."""
     if head.kind != "odd":
         return False
-    if any(head.name in with_broader(one.name) for one in answer_naming.concepts):
+    if any(head.name in with_broader(concept.name) for concept in answer_naming.concepts):
         return True
-    named = {one.name for one in answer_naming.concepts}
-    wider = {one.name for one in answer_naming.concepts if one.kind == "odd"}
+    named = {concept.name for concept in answer_naming.concepts}
+    wider = {concept.name for concept in answer_naming.concepts if concept.kind == "odd"}
     return any(
         not any(name in with_broader(other) for other in named - {name})
         for name in wider & with_broader(head.name)
@@ -159,7 +159,7 @@ def _names_case(answer_naming: Naming, label: Naming, head: Concept) -> bool:
     is_narrow = any(head.name in with_broader(one.name) for one in things)
     if not is_narrow and not any(one.name in kinds for one in things):
         return False
-    others = [one for one in label.concepts if one != head]
+    others = [concept for concept in label.concepts if concept != head]
     oddities = {one.name for one in others if one.kind in ("odd", "state")}
     named = _widened(answer_naming.concepts)
     if oddities & named:
@@ -225,8 +225,8 @@ def _names_circumstances(
 
 def _names_other_state(answer_naming: Naming, label: Naming) -> bool:
     """Return whether an answer names states, and none of them is the label's, or broader or narrower."""
-    found = [one for one in answer_naming.concepts if one.kind == "state"]
-    own = {one.name for one in label.concepts}
+    found = [concept for concept in answer_naming.concepts if concept.kind == "state"]
+    own = {concept.name for concept in label.concepts}
     return bool(found) and not any(
         own & with_broader(one.name) or any(one.name in with_broader(name) for name in own)
         for one in found
@@ -243,7 +243,7 @@ def _singles_out(shared: set[str], told: _Circumstances, head: Concept) -> bool:
 
 def _things(answer_naming: Naming) -> list[Concept]:
     """Return the things named; without any, and without unknown words, the things that states imply."""
-    found = [one for one in answer_naming.concepts if one.kind in ("odd", "ordinary")]
+    found = [concept for concept in answer_naming.concepts if concept.kind in ("odd", "ordinary")]
     is_clear = not telling_words(" ".join(answer_naming.rest))
     return found or (_implied(answer_naming.concepts) if is_clear else [])
 

@@ -55,7 +55,7 @@ def leaderboard(
         episode for episode in last_by(whole, lambda one: one.scene_id) if episode.status == "ok"
     ]
     seen = {episode.scene_id for episode in ran if episode.hazard_visible}
-    items = Items.of(found, {one.id: one for one in scenarios})
+    items = Items.of(found, {scenario.id: scenario for scenario in scenarios})
     study = SharedValues(
         items,
         Resampler(items.clusters, seed=seed),
@@ -70,7 +70,7 @@ def leaderboard(
     standings = with_gains(items, study.resampler, sorted(rows, key=_rank), sheets)
     calls = (audit.best_calls(found) if audit else None) or rule_calls(items)
     asked = {one.scene_id for given in grouped.values() for one in given}
-    shortcut = [one for one in shortcut_verdicts(items, calls) if one.scene_id in asked]
+    shortcut = [verdict for verdict in shortcut_verdicts(items, calls) if verdict.scene_id in asked]
     floor = None
     if shortcut:
         sheet = AnswerColumns.of(items, shortcut)
@@ -111,7 +111,7 @@ def _rank(row: LeaderboardRow) -> tuple[bool, str, float, float, str]:
 def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
     """Return the judge that scored most of the open aspects; empty for the matcher."""
     count = Counter(verdict.judge for found in grouped for verdict in found if verdict.judge)
-    return count.most_common(1)[0][0] if count else ""
+    return max(count, key=count.__getitem__, default="")
 
 
 def _groups(items: Items) -> list[tuple[SceneGroup, Mask]]:

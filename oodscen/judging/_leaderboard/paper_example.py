@@ -100,7 +100,7 @@ def paper_example(*, icc: float = 0.2) -> PaperExample:
         for index, task in enumerate(TASKS)
         for model, found in paper.VLM_SUCCESS.items()
     )
-    comparisons = tuple(one for task in TASKS for one in _pairs(rows, task, effect))
+    comparisons = tuple(pair for task in TASKS for pair in _pairs(rows, task, effect))
     return PaperExample(
         icc=icc,
         design_effect=effect,

@@ -83,8 +83,8 @@ class RequirementResult(Data):
 
     def __str__(self) -> str:
         listing = ", ".join(
-            f"{one.bar.figure} {'-' if one.share is None else f'{one.share:.1%}'}"
-            for one in self.bars
+            f"{bar.bar.figure} {'-' if bar.share is None else f'{bar.share:.1%}'}"
+            for bar in self.bars
         )
         return f"{self.name}: {self.words} ({listing})"
 
@@ -145,7 +145,7 @@ def requirements(
 
     `episodes` are those of scenes and ordinary drives; `bars` holds at least one.
     """
-    items = Items.of(list(episodes), {one.id: one for one in scenarios})
+    items = Items.of(list(episodes), {scenario.id: scenario for scenario in scenarios})
     grouped: dict[str, list[Verdict]] = {}
     for verdict in verdicts:
         is_graded = verdict.kind == "model" and not is_without_pictures(verdict.model)
@@ -182,14 +182,14 @@ def grade_of(
     level_each = level / len(tests)
     grade: Grade = "cannot tell yet"
     more = None
-    if all(one.p_meets <= level for one in results):
+    if all(result.p_meets <= level for result in results):
         grade = "meets"
-    elif any(one.p_fails <= level_each for one in results):
+    elif any(result.p_fails <= level_each for result in results):
         grade = "fails"
     else:
         times = _times(tests, results, level, level_each)
         if times is not None:
-            paths = max(one.paths for one in results)
+            paths = max(result.paths for result in results)
             more = max(math.ceil((times - 1) * paths * per_path), 1)
     return RequirementResult(name=name, grade=grade, more_scenes=more, bars=results)
 

@@ -1,26 +1,29 @@
-"""A leaderboard in a few sentences: the main figures of every model beside the reference to beat."""
+"""A leaderboard in a few sentences."""
 
 from typing import TYPE_CHECKING
 
-from oodscen.judging._leaderboard.rows import Estimate, LeaderboardRow, PairedScores, Rate
+from oodscen.judging._leaderboard.rows import LeaderboardRow, PairedScores, Rate
+from oodscen.judging._rates_in_words import bracketed, bracketed_points, lead, number_of, percent
 
 if TYPE_CHECKING:
-    from oodscen.judging._drive_board import DriveRate
     from oodscen.judging._leaderboard.board import Leaderboard
 
-_GAP = "\N{NO-BREAK SPACE}"
-_TO = "\N{WORD JOINER}–\N{WORD JOINER}"
-"""A dash without a line break around it."""
+_ONLY_THE_PAPERS = (
+    "Models were judged under the paper's protocol only, which asks about no ordinary drives: it cannot tell "
+    "those that notice from those that always say so."
+)
 
 
 def sentences(board: "Leaderboard") -> list[str]:
     """Return a few sentences: the main figures of every model beside the reference to beat."""
-    models = [row for row in board.standings if row.is_judged and row.protocol == "ours"]
+    judged = [row for row in board.standings if row.is_judged]
+    models = [row for row in judged if row.protocol == "ours"]
     if not models:
-        return _without_models(board)
-    found = [sentence for row in models for sentence in (_main(row), _unfinished(board, row))]
-    rest = f"This rests on {board.scenes} scenes of {board.paths} kinds. Brackets hold 95{_GAP}% intervals."
-    return [sentence for sentence in (*found, constants(board), rest) if sentence]
+        return [_ONLY_THE_PAPERS if judged else _no_models(board), *_bar(board)]
+    about_models = [text for row in models for text in (_main(row), _unfinished(board, row))]
+    basis = f"{number_of(board.scenes, 'scene')} of {number_of(board.paths, 'path')}"
+    rest = f"This rests on {basis}. Brackets hold {percent(board.level)} intervals."
+    return [text for text in (*about_models, constants(board), rest) if text]
 
 
 def constants(board: "Leaderboard") -> str:
@@ -30,27 +33,14 @@ def constants(board: "Leaderboard") -> str:
         row = board.standing(f"constant:{action}")
         if row is not None and row.paired.act.value is not None:
             kinds = ", ".join(
-                f"{percent(found.value)} with a {kind}"
-                for kind, found in row.paired.act_by_kind.items()
+                f"{percent(rate.value)} with a {kind}"
+                for kind, rate in row.paired.act_by_kind.items()
             )
             what = f"“{action.replace('_', ' ')}” {percent(row.paired.act.value)}"
-            parts.append(f"{what}{spread(row.paired.act)} ({kinds})")
+            parts.append(f"{what}{bracketed(row.paired.act)} ({kinds})")
     if not parts:
         return ""
-    return f"The same action everywhere, without looking, acts rightly in: {'; '.join(parts)}."
-
-
-def percent(value: float | None) -> str:
-    """Return a share in whole per cent."""
-    return "–" if value is None else f"{100 * value:.0f}{_GAP}%"
-
-
-def spread(value: "Rate | Estimate | DriveRate") -> str:
-    """Return the interval of a share as text."""
-    if value.interval is None:
-        return ""
-    low, high = 100 * value.interval.low, 100 * value.interval.high
-    return f" [{low:.0f}{_TO}{high:.0f}{_GAP}%]"
+    return f"Choosing the same action everywhere, without looking, is right in: {'; '.join(parts)}."
 
 
 def _main(row: LeaderboardRow) -> str:
@@ -58,8 +48,8 @@ def _main(row: LeaderboardRow) -> str:
     paired, parts = row.paired, []
     if paired.notice.n:
         parts.append(
-            f"notices {percent(paired.notice.value)}{spread(paired.notice)} of the scenes and leaves their "
-            f"ordinary drives alone{_gain(paired, 'notice')}"
+            f"notices {_share(paired.notice)} of the scenes and leaves their ordinary drives "
+            f"alone{_gain(paired, 'notice')}"
         )
     elif row.detection.sensitivity.n:
         parts.append(
@@ -68,25 +58,20 @@ def _main(row: LeaderboardRow) -> str:
         )
     if paired.act.n:
         parts.append(
-            f"acts rightly in {percent(paired.act.value)}{spread(paired.act)} of the scenes and their ordinary "
-            f"drives alike{_gain(paired, 'act')}"
+            f"acts rightly in {_share(paired.act)} of the scenes and their ordinary drives "
+            f"alike{_gain(paired, 'act')}"
         )
     if not parts:
         return f"{row.model} gave no answer that can be scored."
-    found = f"{row.model} {', and '.join(parts)}."
-    if not paired.notice.missing + paired.act.missing:
-        return found
-    return (
-        f"{found} With its missing answers counted as wrong: {percent(paired.notice.with_missing_wrong)} and "
-        f"{percent(paired.act.with_missing_wrong)}."
-    )
+    return f"{row.model} {', and '.join(parts)}."
 
 
-def lead(difference: float, than: str) -> str:
-    """Return a difference of two shares in words."""
-    return (
-        f"{abs(100 * difference):.0f} points {'more' if difference >= 0 else 'fewer'} than {than}"
-    )
+def _share(rate: Rate) -> str:
+    """Return a share with its interval, and what it is with every missing answer counted as wrong."""
+    told = f"{percent(rate.value)}{bracketed(rate)}"
+    if not rate.missing:
+        return told
+    return f"{told} (with its missing answers counted as wrong: {percent(rate.with_missing_wrong)})"
 
 
 def _gain(scores: PairedScores, figure: str) -> str:
@@ -96,17 +81,11 @@ def _gain(scores: PairedScores, figure: str) -> str:
     parts = []
     for one, whom in against:
         if one.figure == figure and one.difference.value is not None:
-            scored = f"in the {one.difference.n} scenes that score for both"
-            parts.append(f"{lead(one.difference.value, whom)}{_range(one.difference)} {scored}")
+            scored = f"in the {number_of(one.difference.n, 'scene')} scored for both"
+            parts.append(
+                f"{lead(one.difference.value, whom)}{bracketed_points(one.difference)} {scored}"
+            )
     return f" ({', '.join(parts)})" if parts else ""
-
-
-def _range(difference: Estimate) -> str:
-    """Return the interval of a difference of two shares as text, in points."""
-    if difference.interval is None:
-        return ""
-    low, high = 100 * difference.interval.low, 100 * difference.interval.high
-    return f" [{low:+.0f}{_TO}{high:+.0f}]".replace("-", "\N{MINUS SIGN}")
 
 
 def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
@@ -114,7 +93,7 @@ def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
     silent = sum(row.outcomes.values()) - sum(
         row.outcomes.get(name, 0) for name in ("answered", "unavailable")
     )
-    most = max(one.asked for one in board.standings)
+    most = max(standing.asked for standing in board.standings)
     parts = []
     if row.asked < most and row.detection.specificity.n:
         parts.append(f"was asked about {row.asked} of the {most} drives so far")
@@ -125,22 +104,26 @@ def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
     return f"{row.model} {' and '.join(parts)}." if parts else ""
 
 
-def _without_models(board: "Leaderboard") -> list[str]:
-    found = ["No vision-language model was judged in this study."]
+def _no_models(board: "Leaderboard") -> str:
+    """Return the sentence on a study without a model that saw the pictures."""
+    if any(row.kind == "model" for row in board.standings):
+        return "No model was judged with the pictures in this study."
+    return "No vision-language model was judged in this study."
+
+
+def _bar(board: "Leaderboard") -> list[str]:
+    """Return the sentences on the reference to beat; none without one."""
     floor = board.floor("control")
-    if floor is not None and floor.control.safe.value is not None:
-        what = f"“{floor.model}”"
-        if floor.model.startswith("constant:"):
-            action = floor.model.removeprefix("constant:").replace("_", " ")
-            what = f"always choosing “{action}”, whatever is seen,"
-        found.append(
-            f"The bar to beat: {what} is safe in {percent(floor.control.safe.value)}"
-            f"{spread(floor.control.safe)} of the {floor.control.safe.n} scenes in which it scores"
-            + (
-                ""
-                if board.chance is None
-                else f", a random action in {percent(board.chance)} of all"
-            )
-            + f". Brackets hold a 95{_GAP}% interval."
-        )
-    return found
+    if floor is None or floor.control.safe.value is None:
+        return []
+    who = f"“{floor.model}”"
+    if floor.model.startswith("constant:"):
+        action = floor.model.removeprefix("constant:").replace("_", " ")
+        who = f"always choosing “{action}”, whatever is seen,"
+    safe = floor.control.safe
+    chance = "" if board.chance is None else f", a random action in {percent(board.chance)} of all"
+    return [
+        f"The bar to beat: {who} is safe in {percent(safe.value)}{bracketed(safe)} of the "
+        f"{number_of(safe.n, 'scene')} in which it scores{chance}.",
+        f"Brackets hold a {percent(board.level)} interval.",
+    ]

@@ -49,7 +49,7 @@ def standing(
     rare = [verdict for verdict in verdicts if not is_ordinary(verdict.scene_id)]
     return LeaderboardRow(
         model=verdicts[0].model,
-        kind="reference" if any(v.kind == "reference" for v in verdicts) else "model",
+        kind=verdicts[0].kind,
         protocol=protocol,
         asked=len(verdicts),
         outcomes=dict(sorted(Counter(outcome_of(v) for v in verdicts).items())),

@@ -80,7 +80,7 @@ _DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{_CONFIDENCE.patte
 
 
 def _detection(value: Mapping[str, Any]) -> Detected | None:
-    held = [one for one in members(value, _IS_OOD) if not is_placeholder(one)]
+    held = [member for member in members(value, _IS_OOD) if not is_placeholder(member)]
     if not held:
         return None
     truths = {_truth(one) for one in held}
@@ -101,7 +101,7 @@ def _detection(value: Mapping[str, Any]) -> Detected | None:
 
 
 def _words_of_aspect(value: Mapping[str, Any]) -> str:
-    return next((words for one in members(value, _ASPECT) if (words := words_in(one))), "")
+    return next((words for member in members(value, _ASPECT) if (words := words_in(member))), "")
 
 
 def _says_usual(said: str) -> bool:
@@ -116,7 +116,7 @@ def _aspect(said: str) -> str:
 
 
 def _named_aspect(value: Mapping[str, Any]) -> str | None:
-    held = [one for one in members(value, _NAMED) if not is_placeholder(one)]
+    held = [member for member in members(value, _NAMED) if not is_placeholder(member)]
     said = {words_in(one) for one in held}
     if len(said) > 1:
         raise UnusableError(TWO_ANSWERS)

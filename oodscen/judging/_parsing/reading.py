@@ -233,7 +233,7 @@ def _is_confidence(name: str, value: Any) -> bool:
 def _texts(value: Any) -> list[str]:
     """Return a text, or the texts of a list of nothing else, as a list; else an empty one."""
     texts = value if isinstance(value, list) else [value]
-    return list(texts) if all(isinstance(one, str) for one in texts) else []
+    return list(texts) if all(isinstance(text, str) for text in texts) else []
 
 
 def spelt(name: str) -> str:

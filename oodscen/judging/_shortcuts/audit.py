@@ -124,7 +124,7 @@ def audit(
         StudyError: If fewer than two paths have a scene with an ordinary drive.
         MissingExtra: If scikit-learn or OpenCV is not installed.
     """
-    items = Items.of(list(episodes), {one.id: one for one in scenarios})
+    items = Items.of(list(episodes), {scenario.id: scenario for scenario in scenarios})
     there = is_audited(items)
     rows: list[int] = np.flatnonzero(there).tolist()
     clusters = [items.clusters[row] for row in rows]
@@ -135,9 +135,9 @@ def audit(
     shortcuts = list(_shortcuts(task, ran, {scene.id: scene for scene in scenes}, folder))
     resampler = Resampler(clusters, seed=seed)
     kinds = np.array([items.kinds[row] for row in rows])
-    table = [_score(one, task.is_rare, kinds, resampler) for one in shortcuts]
+    table = [_score(shortcut, task.is_rare, kinds, resampler) for shortcut in shortcuts]
     best = max(
-        (one.guess for one in shortcuts if one.needs in _FLOOR),
+        (shortcut.guess for shortcut in shortcuts if shortcut.needs in _FLOOR),
         key=lambda guess: guess.balanced(task.is_rare),
     )
     place = {row: at for at, row in enumerate(rows)}

@@ -92,7 +92,7 @@ def settings(episodes: Sequence[Episode], scenes: Mapping[str, Scene]) -> dict[s
 
     The weather of an ordinary drive is that of the ordinary road.
     """
-    known = [scenes.get(scene_of(one.scene_id)) for one in episodes]
+    known = [scenes.get(scene_of(episode.scene_id)) for episode in episodes]
     maps = sorted({one.map for one in known if one})
     weather = []
     for one, scene in zip(episodes, known, strict=True):

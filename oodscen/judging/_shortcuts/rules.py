@@ -46,7 +46,7 @@ class Guess:
 
     def calls(self, episodes: Sequence[Episode]) -> dict[str, bool]:
         """Return by scene id whether an item is called out of the ordinary."""
-        names = [one.scene_id for one in episodes]
+        names = [episode.scene_id for episode in episodes]
         return dict(zip(names, self.is_called.tolist(), strict=True))
 
 
@@ -77,7 +77,7 @@ def is_audited(items: Items) -> Mask:
     scene = np.where(items.owners >= 0, items.owners, np.arange(len(items.episodes)))
     paired = np.zeros(len(items.episodes), np.bool_)
     paired[items.owners[items.owners >= 0]] = True
-    named = np.array([not one.is_below_floor for one in items.episodes], np.bool_)
+    named = np.array([not episode.is_below_floor for episode in items.episodes], np.bool_)
     is_known = items.is_scene | (items.owners >= 0)
     return is_known & paired[scene] & named[scene] if len(scene) else is_known
 

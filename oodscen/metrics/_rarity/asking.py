@@ -81,8 +81,8 @@ def _drawn(llm: LLM, texts: Sequence[str], draws: int, per_call: int) -> list[Te
                 found = ask(llm, prompt, sample)
             except (AnswerError, ContentFiltered):
                 continue
-            for one in found.estimates:
-                answers[first + one.number - 1].append(one)
+            for estimate in found.estimates:
+                answers[first + estimate.number - 1].append(estimate)
     return [_join(found, text) for found, text in zip(answers, texts, strict=True)]
 
 

@@ -149,7 +149,7 @@ def estimate_rarity(
             flags.append("no driving")
         values = (found.low[place], found.best[place], found.high[place])
         low, best, high = (
-            (None,) * 3 if UNTOLD & set(flags) else (round(float(one), 2) for one in values)
+            (None,) * 3 if UNTOLD & set(flags) else (round(float(value), 2) for value in values)
         )
         ordered = tuple(flag for flag in FLAGS if flag in flags)
         per_text.append(TextRarity(low=low, best=best, high=high, flags=ordered))

@@ -6,6 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from oodscen._display import Brief
 from oodscen.data import _motion as motions
+from oodscen.data._category import Category
 from oodscen.data._motion import Motion
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
@@ -36,7 +37,7 @@ class DesignMotion(Prompt[DesignedMotion]):
     """Name of the movement, which becomes its id."""
     path: tuple[str, ...] = ()
     """Labels from the root down to a leaf that needs it."""
-    categories: tuple[str, ...] = ()
+    categories: tuple[Category, ...] = ()
     """Categories of the things of which some move so; empty if that is not known."""
 
     def variables(self) -> dict[str, Any]:

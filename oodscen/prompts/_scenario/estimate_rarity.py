@@ -43,7 +43,7 @@ class EstimateRarity(Prompt[RarityEstimates]):
 
     def check(self, answer: RarityEstimates) -> list[Issue]:
         """Return a fault for every text without exactly one entry, and for figures out of order or missing."""
-        numbers = [one.number for one in answer.estimates]
+        numbers = [estimate.number for estimate in answer.estimates]
         counts = {number: numbers.count(number) for number in range(1, len(self.texts) + 1)}
         issues = [
             Issue("estimates", f"text {number} has {count} entries, not one")

@@ -50,7 +50,7 @@ class MarkHazard(Prompt[MarkedHazard]):
 
     def check(self, answer: MarkedHazard) -> list[Issue]:
         """Return faults: actors that the scene does not have, or named twice."""
-        known = {one.id for one in self.actors}
+        known = {actor.id for actor in self.actors}
         issues = [
             Issue(f"actors[{index}]", f"there is no actor {name!r}")
             for index, name in enumerate(answer.actors)

@@ -176,7 +176,7 @@ class JudgeBranches(Prompt[BranchJudgements]):
 
     def check(self, answer: BranchJudgements) -> list[Issue]:
         """Return faults: missing, repeated or unknown numbers, and those of every judgement."""
-        counts = Counter(one.number for one in answer.judgements)
+        counts = Counter(judgement.number for judgement in answer.judgements)
         wanted = range(1, len(self.paths) + 1)
         issues = [
             Issue("judgements", f"give exactly one for number {number}, not {counts[number]}")

@@ -189,7 +189,7 @@ def _draw_rects(axes: Any, rects: Sequence[Element], points: float, order: int) 
 
 
 def _draw_circles(axes: Any, circles: Sequence[Element], points: float, order: int) -> None:
-    xs, ys, radii = zip(*(_numbers(one, "cx", "cy", "r") for one in circles), strict=True)
+    xs, ys, radii = zip(*(_numbers(circle, "cx", "cy", "r") for circle in circles), strict=True)
     size = (2 * radii[0] * points) ** 2
     style = _styled(circles[0], _FILLS, points)
     axes.scatter(xs, ys, s=size, linewidths=0, zorder=order, **style)

@@ -56,7 +56,9 @@ def _fate(decision: PruneDecision | None) -> Fate:
 
 def _lines(decision: PruneDecision, tree: ScenarioTree) -> tuple[tuple[str, str], ...]:
     shown_with = (*decision.assets, *decision.behaviours, *decision.weather)
-    stand_ins = [f"{one.asset} for {one.stands_for}" for one in decision.substitutes]
+    stand_ins = [
+        f"{substitute.asset} for {substitute.stands_for}" for substitute in decision.substitutes
+    ]
     alike = [tree.by_id[name].label for name in decision.same_as if name in tree.by_id]
     lines = [
         ("", decision.reason or decision.error or ""),

@@ -126,6 +126,6 @@ def _numbers(name: str, values: Any, axes: int) -> NDArray[Any]:
 
 
 def _filled(sets: Mapping[str, T]) -> Mapping[str, T]:
-    if not sets or not all(isinstance(one, Sized) and len(one) for one in sets.values()):
+    if not sets or not all(isinstance(texts, Sized) and len(texts) for texts in sets.values()):
         raise UsageError("there is no set to draw, or one is empty")
     return sets

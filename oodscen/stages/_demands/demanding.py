@@ -58,11 +58,11 @@ def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> Deman
         SceneError: When no kind fits.
     """
     catalogue = rerunner.simulator.catalogue()
-    at = Setting.of(scene, catalogue, simulated.trace, simulated.episode.sketch)
+    setting = Setting.of(scene, catalogue, simulated.trace, simulated.episode.sketch)
     resort: Scene | None = None
     calm: set[str] = set()
-    ranked = ranked_candidates(scene, at, rerunner.seed, _company(scene))
-    for candidate, one in _alike_first(_admitted(scene, at, ranked), simulated, rerunner):
+    ranked = ranked_candidates(scene, setting, rerunner.seed, _company(scene))
+    for candidate, one in _alike_first(_admitted(scene, setting, ranked), simulated, rerunner):
         if candidate.kind.id in calm:
             continue
         try:
@@ -93,13 +93,13 @@ class _Staged(NamedTuple):
     scene: Scene
 
 
-def _admitted(scene: Scene, at: Setting, ranked: Iterable[Candidate]) -> Iterator[_Staged]:
+def _admitted(scene: Scene, setting: Setting, ranked: Iterable[Candidate]) -> Iterator[_Staged]:
     """Yield the candidates that the checks of a scene accept, in their order."""
     for candidate in ranked:
-        one = _stage(scene, at, candidate)
-        if one is None or one.demand is None or check_scene(one, at.catalogue):
+        one = _stage(scene, setting, candidate)
+        if one is None or one.demand is None or check_scene(one, setting.catalogue):
             continue
-        if not mismatches(check_claims(one.demand.claims, one, at.catalogue)):
+        if not mismatches(check_claims(one.demand.claims, one, setting.catalogue)):
             yield _Staged(candidate, one)
 
 
@@ -140,11 +140,11 @@ def _fullness(scene: Scene, rerunner: Rerunner) -> float:
         return math.inf
 
 
-def _stage(scene: Scene, at: Setting, candidate: Candidate) -> Scene | None:
+def _stage(scene: Scene, setting: Setting, candidate: Candidate) -> Scene | None:
     """Return the scene of a candidate; `None` if its values are out of range."""
     kind, draft = candidate.kind, candidate.draft
     weather = scene.hazard.weather or scene.weather
-    text = f"{_opening(at, weather)} {draft.event[0].upper()}{draft.event[1:]}."
+    text = f"{_opening(setting, weather)} {draft.event[0].upper()}{draft.event[1:]}."
     try:
         demand = Demand(kind=kind.id, text=text, claims=tuple(draft.claims))
         return Scene(
@@ -155,7 +155,7 @@ def _stage(scene: Scene, at: Setting, candidate: Candidate) -> Scene | None:
             weather=weather,
             actors=candidate.actors,
             hazard=Hazard(),
-            decision=Trigger(kind="time", value=round(at.decision_s, 6)),
+            decision=Trigger(kind="time", value=round(setting.decision_s, 6)),
             horizon_s=scene.horizon_s,
             demand=demand,
         )
@@ -166,18 +166,18 @@ def _stage(scene: Scene, at: Setting, candidate: Candidate) -> Scene | None:
 def _company(scene: Scene) -> tuple[Actor, ...]:
     """Return the traffic that drives along in a scene and has nothing to do with its hazard."""
     return tuple(
-        one
-        for one in scene.actors
-        if one.id not in scene.hazard.actors
-        and one.behaviour.name == "follow_lane"
-        and one.behaviour.other is None
+        actor
+        for actor in scene.actors
+        if actor.id not in scene.hazard.actors
+        and actor.behaviour.name == "follow_lane"
+        and actor.behaviour.other is None
     )
 
 
 def _is_shown(episode: Episode, draft: Draft) -> bool:
     """Return whether a run is decided, and the demand can be seen."""
     pixels = episode.visible.get("last", {})
-    pixels_of_draft = sum(pixels.get(one.id, 0) for one in draft.actors)
+    pixels_of_draft = sum(pixels.get(actor.id, 0) for actor in draft.actors)
     is_seen = not episode.visible or pixels_of_draft >= _SEEN * VISIBLE_PX
     return is_seen and episode.decision_fired and episode.is_deterministic
 
@@ -197,9 +197,9 @@ _PLACES = (
 _FALLING: Mapping[Precipitation, str] = {"rain": " in the rain", "snow": " while it snows"}
 
 
-def _opening(at: Setting, weather: Weather) -> str:
+def _opening(setting: Setting, weather: Weather) -> str:
     """Return a sentence with place, time and weather."""
-    place = next((name for trait, name in _PLACES if at.has(trait)), "a road")
+    place = next((name for trait, name in _PLACES if setting.has(trait)), "a road")
     when = " at night" if weather.sun_elevation_deg < DARK_DEG else ""
     if weather.precipitation != "none":
         when += _FALLING[weather.precipitation]

@@ -23,18 +23,18 @@ _PARKED_M = 2.2
 """Least width of a strip to park on, m."""
 
 
-def merging_car(at: Setting, rng: np.random.Generator) -> Draft | None:
+def merging_car(setting: Setting, rng: np.random.Generator) -> Draft | None:
     """Return a car that moves over with its indicator on, or leaves the kerb where there is one lane."""
-    if at.lanes == 1:
-        return _leaves_the_kerb(at, rng)
-    side = 1 if at.lane < at.lanes - 1 else -1
-    asset = at.choose(rng, *(("truck", "van") if at.area_m2 > 4.5 else CARS))
-    if not asset or at.decision_s < _MIRROR_S or at.has("junction"):
+    if setting.lanes == 1:
+        return _leaves_the_kerb(setting, rng)
+    side = 1 if setting.lane < setting.lanes - 1 else -1
+    asset = setting.choose(rng, *(("truck", "van") if setting.area_m2 > 4.5 else CARS))
+    if not asset or setting.decision_s < _MIRROR_S or setting.has("junction"):
         return None
-    speed = 0.7 * at.speed
-    reach = 0.5 * at.length(asset)
-    gap = max(at.gap_m, reach + FRONT_M + 3.0 + at.room(_SOFT, speed))
-    begin = at.decision_m + gap - speed * at.decision_s
+    speed = 0.7 * setting.speed
+    reach = 0.5 * setting.length(asset)
+    gap = max(setting.gap_m, reach + FRONT_M + 3.0 + setting.room(_SOFT, speed))
+    begin = setting.decision_m + gap - speed * setting.decision_s
     if begin < reach + FRONT_M + 4.0:
         return None
     state = "indicate_right" if side > 0 else "indicate_left"
@@ -44,7 +44,7 @@ def merging_car(at: Setting, rng: np.random.Generator) -> Draft | None:
         begin,
         lane=side,
         does="cut_in",
-        start=at.decision_s - float(rng.uniform(1.6, 2.0)),
+        start=setting.decision_s - float(rng.uniform(1.6, 2.0)),
         state=state,
         speed=speed,
         lanes=-side,
@@ -55,18 +55,18 @@ def merging_car(at: Setting, rng: np.random.Generator) -> Draft | None:
     return demand([car], noun, quote, ("motion", "into_lane"), ("place", "ahead"))
 
 
-def _leaves_the_kerb(at: Setting, rng: np.random.Generator) -> Draft | None:
-    since = min(at.decision_s, float(rng.uniform(2.4, 3.2)))
-    asset = at.choose(rng, *CARS)
-    if not asset or since < _MIRROR_S or at.has("junction", "roundabout"):
+def _leaves_the_kerb(setting: Setting, rng: np.random.Generator) -> Draft | None:
+    since = min(setting.decision_s, float(rng.uniform(2.4, 3.2)))
+    asset = setting.choose(rng, *CARS)
+    if not asset or since < _MIRROR_S or setting.has("junction", "roundabout"):
         return None
     end = 0.5 * 1.6 * since * since
-    gap = max(at.gap_m, 0.5 * at.length(asset) + FRONT_M + 4.0 + at.room(_SOFT, 3.5))
-    begin = at.decision_m + gap - end
-    strip = at.edge(begin) - at.half_width(begin)
+    gap = max(setting.gap_m, 0.5 * setting.length(asset) + FRONT_M + 4.0 + setting.room(_SOFT, 3.5))
+    begin = setting.decision_m + gap - end
+    strip = setting.edge(begin) - setting.half_width(begin)
     if begin < 8.0 or strip < _PARKED_M - 0.2:
         return None
-    aside = -(at.half_width(begin) + 0.5 * strip)
+    aside = -(setting.half_width(begin) + 0.5 * strip)
     cars = [
         actor(
             "leaving",
@@ -74,55 +74,55 @@ def _leaves_the_kerb(at: Setting, rng: np.random.Generator) -> Draft | None:
             begin,
             offset=aside,
             does="pull_out",
-            start=at.decision_s - since,
+            start=setting.decision_s - since,
             state="indicate_left",
-            speed=min(7.0, 0.9 * at.speed),
+            speed=min(7.0, 0.9 * setting.speed),
             duration=_MOVE_S,
         )
     ]
-    place = begin - 0.5 * at.length(asset)
+    place = begin - 0.5 * setting.length(asset)
     for number in range(1, int(rng.integers(2, 4))):
-        other = at.choose(rng, *CARS)
-        place -= 0.5 * at.length(other) + 1.4
+        other = setting.choose(rng, *CARS)
+        place -= 0.5 * setting.length(other) + 1.4
         if place > 5.0:
             cars.append(actor(f"parked-{number}", other, place, offset=aside))
-        place -= 0.5 * at.length(other)
-    front = at.choose(rng, *CARS)
-    ahead = begin + 0.5 * (at.length(asset) + at.length(front)) + 3.5
+        place -= 0.5 * setting.length(other)
+    front = setting.choose(rng, *CARS)
+    ahead = begin + 0.5 * (setting.length(asset) + setting.length(front)) + 3.5
     cars.append(actor("parked-front", front, ahead, offset=aside))
     noun = everyday_name(asset)
     quote = f"{with_article(noun)} leaves its parking space ahead with its indicator on"
     return demand(cars, noun, quote, ("motion", "moving"), ("place", "ahead"))
 
 
-def ambulance(at: Setting, rng: np.random.Generator) -> Draft | None:
+def ambulance(setting: Setting, rng: np.random.Generator) -> Draft | None:
     """Return an ambulance with its blue lights on that passes and moves back ahead of the ego."""
-    if "ambulance" not in at.assets or at.has("junction", "roundabout", "tunnel"):
+    if "ambulance" not in setting.assets or setting.has("junction", "roundabout", "tunnel"):
         return None
-    if at.decision_s < 2.6 or at.lane >= at.lanes - 1:
+    if setting.decision_s < 2.6 or setting.lane >= setting.lanes - 1:
         return None
-    speed = at.speed + 2.5
-    gap = max(min(at.gap_m, 22.0), 11.0)
-    begin = at.decision_m + gap - speed * at.decision_s
+    speed = setting.speed + 2.5
+    gap = max(min(setting.gap_m, 22.0), 11.0)
+    begin = setting.decision_m + gap - speed * setting.decision_s
     one = actor(
         "ambulance",
         "ambulance",
         begin,
         lane=1,
         does="cut_in",
-        start=at.decision_s - float(rng.uniform(1.8, 2.2)),
+        start=setting.decision_s - float(rng.uniform(1.8, 2.2)),
         state="beacon",
         speed=speed,
         lanes=-1,
         duration=_MOVE_S,
     )
     quote = "an ambulance with its blue lights on passes and moves over ahead of the ego vehicle"
-    slower = at.choose(rng, *CARS)
+    slower = setting.choose(rng, *CARS)
     lead = actor(
         "lead",
         slower,
-        at.decision_m + gap + 16.0 - 0.6 * at.speed * at.decision_s,
+        setting.decision_m + gap + 16.0 - 0.6 * setting.speed * setting.decision_s,
         does="follow_lane",
-        speed=0.6 * at.speed,
+        speed=0.6 * setting.speed,
     )
     return demand([one, lead], "ambulance", quote, ("state", "beacon"), ("motion", "moving"))

@@ -11,30 +11,34 @@ _ASIDE_M = (0.1, 0.4)
 """Offset of a standing vehicle towards the kerb, if there is room, m."""
 
 
-def _place(at: Setting, asset: str, rng: np.random.Generator) -> tuple[float, float]:
+def _place(setting: Setting, asset: str, rng: np.random.Generator) -> tuple[float, float]:
     """Return the place along the road of a vehicle that stands at the kerb, and its offset, m."""
-    reach = 0.5 * at.length(asset)
-    ahead = at.decision_m + max(at.gap_m, reach + FRONT_M + 2.0 + at.room(_CALM))
-    aside = at.edge(ahead) - 0.5 * at.assets[asset].width - 0.2
+    reach = 0.5 * setting.length(asset)
+    ahead = setting.decision_m + max(setting.gap_m, reach + FRONT_M + 2.0 + setting.room(_CALM))
+    aside = setting.edge(ahead) - 0.5 * setting.assets[asset].width - 0.2
     return ahead, -min(aside, float(rng.uniform(*_ASIDE_M)))
 
 
-def _is_street(at: Setting) -> bool:
+def _is_street(setting: Setting) -> bool:
     """Return whether the road is a plain street with a pavement beside the ego's lane."""
-    return at.has("urban", "residential") and not at.lane and not at.has("junction", "roundabout")
+    return (
+        setting.has("urban", "residential")
+        and not setting.lane
+        and not setting.has("junction", "roundabout")
+    )
 
 
-def bus_stop(at: Setting, rng: np.random.Generator) -> Draft | None:
+def bus_stop(setting: Setting, rng: np.random.Generator) -> Draft | None:
     """Return a bus at its stop, its indicator on, and people who get on."""
-    if "bus" not in at.assets or not _is_street(at):
+    if "bus" not in setting.assets or not _is_street(setting):
         return None
-    ahead, aside = _place(at, "bus", rng)
+    ahead, aside = _place(setting, "bus", rng)
     row = [actor("bus", "bus", ahead, offset=aside, state="indicate_right")]
-    kerb = at.edge(ahead)
-    if "bus_stop" in at.assets:
+    kerb = setting.edge(ahead)
+    if "bus_stop" in setting.assets:
         row.append(actor("stop", "bus_stop", ahead + 1.0, offset=-kerb - 2.1, heading=180.0))
     for number in range(1, int(rng.integers(2, 5))):
-        who = at.choose(rng, "adult", "elderly_person", "child")
+        who = setting.choose(rng, "adult", "elderly_person", "child")
         if who:
             along = ahead + 3.2 - 1.7 * number + float(rng.uniform(-0.2, 0.2))
             out = kerb + 0.5 + float(rng.uniform(0.0, 0.3))
@@ -44,13 +48,15 @@ def bus_stop(at: Setting, rng: np.random.Generator) -> Draft | None:
     return demand(row, "bus", quote, ("motion", "stationary"), rest=" ahead in the lane")
 
 
-def refuse_lorry(at: Setting, rng: np.random.Generator) -> Draft | None:
+def refuse_lorry(setting: Setting, rng: np.random.Generator) -> Draft | None:
     """Return a refuse lorry that empties bins, its beacon on."""
-    if not {"garbage_truck", "worker", "wheelie_bin"} <= at.assets.keys() or not _is_street(at):
+    if not {"garbage_truck", "worker", "wheelie_bin"} <= setting.assets.keys() or not _is_street(
+        setting
+    ):
         return None
-    ahead, aside = _place(at, "garbage_truck", rng)
-    reach = 0.5 * at.length("garbage_truck")
-    kerb = at.edge(ahead)
+    ahead, aside = _place(setting, "garbage_truck", rng)
+    reach = 0.5 * setting.length("garbage_truck")
+    kerb = setting.edge(ahead)
     row = [actor("refuse-lorry", "garbage_truck", ahead, offset=aside, state="beacon")]
     row.append(actor("loader", "worker", ahead - reach - 0.8, offset=aside - 0.7, heading=90.0))
     for number in range(1, int(rng.integers(3, 6))):
@@ -61,15 +67,19 @@ def refuse_lorry(at: Setting, rng: np.random.Generator) -> Draft | None:
     return demand(row, "refuse lorry", quote, ("motion", "stationary"), ("state", "beacon"))
 
 
-def works(at: Setting, rng: np.random.Generator) -> Draft | None:
+def works(setting: Setting, rng: np.random.Generator) -> Draft | None:
     """Return a proper lane closure: sign, taper, arrow board or shuttle light, machine and worker."""
-    if not {"cone", "road_works_sign", "worker"} <= at.assets.keys():
+    if not {"cone", "road_works_sign", "worker"} <= setting.assets.keys():
         return None
-    if at.has("tunnel", "roundabout", "junction", "bridge"):
+    if setting.has("tunnel", "roundabout", "junction", "bridge"):
         return None
-    begin = at.decision_m + max(at.gap_m, FRONT_M + 1.0 + at.room(_CALM))
-    half = at.half_width(begin)
-    row = _closure_of_one(at, rng, begin, half) if at.lanes == 1 else _closure(at, rng, begin, half)
+    begin = setting.decision_m + max(setting.gap_m, FRONT_M + 1.0 + setting.room(_CALM))
+    half = setting.half_width(begin)
+    row = (
+        _closure_of_one(setting, rng, begin, half)
+        if setting.lanes == 1
+        else _closure(setting, rng, begin, half)
+    )
     if not row:
         return None
     quote = "road works with a sign and a row of cones close the lane ahead"
@@ -77,13 +87,13 @@ def works(at: Setting, rng: np.random.Generator) -> Draft | None:
 
 
 def _closure_of_one(
-    at: Setting, rng: np.random.Generator, begin: float, half: float
+    setting: Setting, rng: np.random.Generator, begin: float, half: float
 ) -> list[Actor]:
     """Close the only lane, with a light for alternate traffic."""
-    if not {"barrier", "temporary_light"} <= at.assets.keys():
+    if not {"barrier", "temporary_light"} <= setting.assets.keys():
         return []
-    machine = at.choose(rng, "excavator", "road_roller", "generator")
-    side = at.edge(begin)
+    machine = setting.choose(rng, "excavator", "road_roller", "generator")
+    side = setting.edge(begin)
     row = [actor("sign", "road_works_sign", max(begin - 26.0, 8.0), offset=-side - 0.6)]
     for number in range(4):
         across = -half + 0.3 + (2.0 * half - 0.75) * number / 3.0
@@ -97,17 +107,17 @@ def _closure_of_one(
     return row
 
 
-def _closure(at: Setting, rng: np.random.Generator, begin: float, half: float) -> list[Actor]:
+def _closure(setting: Setting, rng: np.random.Generator, begin: float, half: float) -> list[Actor]:
     """Close the ego's lane where another lane leads the same way."""
-    if "arrow_board" not in at.assets or at.lane not in (0, at.lanes - 1):
+    if "arrow_board" not in setting.assets or setting.lane not in (0, setting.lanes - 1):
         return []
-    machine = at.choose(rng, "excavator", "truck", "road_roller")
-    towards = 1.0 if at.lane == 0 else -1.0
-    is_fast = at.has("highway")
+    machine = setting.choose(rng, "excavator", "truck", "road_roller")
+    towards = 1.0 if setting.lane == 0 else -1.0
+    is_fast = setting.has("highway")
     count, gap = (8, 5.0) if is_fast else (6, 3.0)
-    side = at.edge(begin, -1 if at.lane == 0 else 1)
+    side = setting.edge(begin, -1 if setting.lane == 0 else 1)
     row = []
-    if at.lane == 0 or is_fast:
+    if setting.lane == 0 or is_fast:
         near = max(begin - 24.0, 8.0)
         row.append(actor("sign", "road_works_sign", near, offset=-towards * (side + 0.6)))
     for number in range(count):

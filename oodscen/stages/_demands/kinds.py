@@ -35,7 +35,7 @@ class DemandKind(NamedTuple):
     weight: float = 1.0
     assets: tuple[str, ...] = ()
     """Assets by which a rare scene looks like this kind."""
-    categories: tuple[str, ...] = ()
+    categories: tuple[Category, ...] = ()
     """Categories of such assets."""
     does: tuple[str, ...] = ()
     """Behaviours by which a rare scene looks like this kind, if a `doer` has them."""
@@ -45,11 +45,11 @@ class DemandKind(NamedTuple):
     def is_like(self, actors: Iterable[Actor], catalogue: Catalogue) -> bool:
         """Return whether unusual actors look like this kind."""
         known = {asset.id: asset.category for asset in catalogue.assets}
-        for one in actors:
-            category = known.get(one.asset)
-            if one.asset in self.assets or category in self.categories:
+        for actor in actors:
+            category = known.get(actor.asset)
+            if actor.asset in self.assets or category in self.categories:
                 return True
-            if one.behaviour.name in self.does and category == self.doer:
+            if actor.behaviour.name in self.does and category == self.doer:
                 return True
         return False
 
@@ -100,7 +100,7 @@ class Candidate(NamedTuple):
 
 
 def ranked_candidates(
-    scene: Scene, at: Setting, seed: int, company: tuple[Actor, ...] = ()
+    scene: Scene, setting: Setting, seed: int, company: tuple[Actor, ...] = ()
 ) -> list[Candidate]:
     """Return draws of the kinds for a scene in the order in which they are tried.
 
@@ -111,17 +111,17 @@ def ranked_candidates(
     unusual = [one for one in scene.actors if one.id in scene.hazard.actors]
     found: list[tuple[bool, float, Candidate]] = []
     for kind in KINDS:
-        if kind.is_like(unusual, at.catalogue):
+        if kind.is_like(unusual, setting.catalogue):
             continue
         for attempt in range(2 * _ATTEMPTS):
             rng = stream(seed, "demand", scene.id, kind.id, attempt)
-            draft = kind.draw(at, rng)
+            draft = kind.draw(setting, rng)
             if draft is None:
                 break
             draft = draft._replace(actors=[off_centre(actor, rng) for actor in draft.actors])
             is_alone = attempt >= _ATTEMPTS
             one = Candidate(kind, draft, () if is_alone else company)
-            unlike = at.look.difference(at.look_of(one.actors))
+            unlike = setting.look.difference(setting.look_of(one.actors))
             wait = float(rng.exponential()) / (kind.weight * math.exp(-_SHARPNESS * unlike))
             found.append((is_alone, wait, one))
     return [one for *_, one in sorted(found, key=lambda row: row[:2])]

@@ -142,6 +142,11 @@ class Setting:
     def lanes(self) -> int:
         return len(self.corridor.ego_lanes)
 
+    @property
+    def same_way_lanes(self) -> range:
+        """The lanes that lead the ego's way, counted to the left from its own."""
+        return range(-self.lane, self.lanes - self.lane)
+
     @cached_property
     def assets(self) -> dict[str, Asset]:
         return {asset.id: asset for asset in self.catalogue.assets}
@@ -151,7 +156,7 @@ class Setting:
 
     def choose(self, rng: np.random.Generator, *options: str) -> str:
         """Draw one of the assets that the simulator has; empty if it has none of them."""
-        fitting = [one for one in options if one in self.assets]
+        fitting = [option for option in options if option in self.assets]
         return fitting[int(rng.integers(len(fitting)))] if fitting else ""
 
     def length(self, asset: str) -> float:
@@ -228,6 +233,16 @@ def actor(
         ),
         state=state,
     )
+
+
+def standing_vehicle(name: str, asset: str, ahead: float, lane: int = 0) -> Actor:
+    """Return a vehicle of the traffic in a lane that does not move."""
+    return actor(name, asset, ahead, lane=lane, does="follow_lane", speed=0.0)
+
+
+def beside(lane: int) -> str:
+    """Return the id of a vehicle beside the ego; the sum keeps lanes to the right free of a minus sign."""
+    return f"beside{lane + 3}"
 
 
 def demand(

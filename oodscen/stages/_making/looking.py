@@ -154,14 +154,14 @@ def _seen(
 ) -> Iterator[ShownProp]:
     catalogue = simulator.catalogue()
     without = [_shown(simulator, catalogue, None, 0.0, night, camera) for night in (False, True)]
-    for one in exhibits:
+    for exhibit in exhibits:
         views, pictures = [], []
         for is_night in (False, True):
             for distance in DISTANCES_M:
-                frame = _shown(simulator, catalogue, one, distance, is_night, camera)
+                frame = _shown(simulator, catalogue, exhibit, distance, is_night, camera)
                 views.append(_view(frame, without[is_night], distance, is_night))
                 pictures.append(frame.rgb)
-        look = PropLook(id=one.name, views=tuple(views), faults=tuple(_faults(views, camera)))
+        look = PropLook(id=exhibit.name, views=tuple(views), faults=tuple(_faults(views, camera)))
         yield ShownProp(look, tuple(pictures))
 
 
@@ -212,7 +212,7 @@ def _view(frame: Frame, without: Frame, distance: float, is_night: bool) -> Prop
 
 def _faults(views: Sequence[PropView], camera: Camera) -> Iterator[str]:
     least = LEAST_PX * camera.width * camera.height / (640 * 480)
-    (judged,) = (one for one in views if one.distance_m == JUDGED_M and not one.is_night)
+    (judged,) = (view for view in views if view.distance_m == JUDGED_M and not view.is_night)
     if judged.pixels < least:
         yield f"{judged.pixels} pixels at {JUDGED_M:g} m, and {least:.0f} can be recognised"
     if judged.contrast < LEAST_CONTRAST:

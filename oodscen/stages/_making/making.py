@@ -143,9 +143,11 @@ class PropMaker:
     def _parts(self, category: Category) -> tuple[KnownPart, ...]:
         """Return what may be a part: things that stand, and bodies of the same category."""
         return tuple(
-            KnownPart(id=one.id, length_m=one.length, width_m=one.width, height_m=one.height)
-            for one in self.catalogue.assets
-            if one.category in ("object", "work_zone", "vegetation", "signal", category)
+            KnownPart(
+                id=asset.id, length_m=asset.length, width_m=asset.width, height_m=asset.height
+            )
+            for asset in self.catalogue.assets
+            if asset.category in ("object", "work_zone", "vegetation", "signal", category)
         )
 
     def _faults(self, answer: DesignedProp, looks: dict[str, ShownProp]) -> Sequence[Issue]:
@@ -165,7 +167,7 @@ class PropMaker:
             return [Issue("prop.parts", fault) for fault in seen.look.faults]
         taken_for = self.recogniser.mistakes(prop, seen)
         verdict = f"{'not ' if taken_for else ''}named by {self.recogniser.name}"
-        is_first = not any(one.look.taken_for for one in looks.values())
+        is_first = not any(look.look.taken_for for look in looks.values())
         looks[prop.digest()] = seen.judged(verdict, taken_for)
         if not (taken_for and is_first):
             return []
@@ -180,7 +182,7 @@ def is_makeable(decision: PruneDecision) -> bool:
         and decision.status == "ok"
         and not decision.made
         and bool(decision.lacks)
-        and all(one.kind in ("asset", "behaviour") for one in decision.lacks)
+        and all(lack.kind in ("asset", "behaviour") for lack in decision.lacks)
     )
 
 
@@ -217,19 +219,19 @@ def judged_again(
     The pruner's catalogue must have them. A leaf is kept only if it is shown with a thing that was made for it.
     """
     names = {
-        one.id: tuple(lack.name for lack in one.lacks)
-        for one in decisions
-        if is_makeable(one) and all(lack.name in made for lack in one.lacks)
+        decision.id: tuple(lack.name for lack in decision.lacks)
+        for decision in decisions
+        if is_makeable(decision) and all(lack.name in made for lack in decision.lacks)
     }
     others = {leaf.id for leaf in tree.leaves if leaf.id not in names}
-    before = {one.id: one for one in decisions}
+    before = {decision.id: decision for decision in decisions}
     found = []
-    for one in pruner.decisions(tree, others):
-        if one.status == "ok":
-            lacks = one.lacks if one.keep else one.lacks or before[one.id].lacks
-            made_as = before[one.id].lacks
-            update = {"made": names[one.id], "made_as": made_as, "lacks": lacks}
-            found.append(one.model_copy(update=update))
+    for decision in pruner.decisions(tree, others):
+        if decision.status == "ok":
+            lacks = decision.lacks if decision.keep else decision.lacks or before[decision.id].lacks
+            made_as = before[decision.id].lacks
+            update = {"made": names[decision.id], "made_as": made_as, "lacks": lacks}
+            found.append(decision.model_copy(update=update))
     return found
 
 

@@ -116,15 +116,15 @@ def wanted_motions(
         if decision is None:
             continue
         additions = additions_to_make(decision)
-        things = dict.fromkeys(one.category for one in additions if one.category)
-        for one in additions:
-            if one.kind == "behaviour" and is_id(one) and one.name not in known:
-                wanted = WantedMotion(one.name, decision.path, tuple(things))
-                found.setdefault(one.name, wanted)
+        things = dict.fromkeys(addition.category for addition in additions if addition.category)
+        for addition in additions:
+            if addition.kind == "behaviour" and is_id(addition) and addition.name not in known:
+                wanted = WantedMotion(addition.name, decision.path, tuple(things))
+                found.setdefault(addition.name, wanted)
     return list(found.values())
 
 
 def made_motions(rows: Iterable[Mapping[str, object]]) -> dict[str, Motion]:
     """Return the movements that were made, by id, from lines of `motions.jsonl`."""
     lines = (MadeMotion.parse(row, source=MOTIONS) for row in rows)
-    return {one.id: one.motion for one in lines if one.motion is not None}
+    return {line.id: line.motion for line in lines if line.motion is not None}

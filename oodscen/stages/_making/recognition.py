@@ -64,9 +64,9 @@ def options(prop: Prop, catalogue: Catalogue) -> tuple[str, ...]:
     draw = np.random.Generator(np.random.PCG64(int(prop.digest()[:12], 16)))
     own = _words(f"{prop.id} {prop.description}")
     others = [
-        one
-        for one in catalogue.assets
-        if one.description and own.isdisjoint(_words(f"{one.id} {one.description}"))
+        asset
+        for asset in catalogue.assets
+        if asset.description and own.isdisjoint(_words(f"{asset.id} {asset.description}"))
     ]
     order = [others[place] for place in draw.permutation(len(others))]
     order.sort(key=lambda one: one.category != prop.category)

@@ -94,8 +94,8 @@ def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[P
     judged = alike(tree, judged)
     leaves = {decision.id for decision in judged}
     return [
-        one if one.id in leaves else one.model_copy(update={"path": tree.path(one.id)})
-        for one in fates(tree, judged)
+        fate if fate.id in leaves else fate.model_copy(update={"path": tree.path(fate.id)})
+        for fate in fates(tree, judged)
     ]
 
 

@@ -124,7 +124,9 @@ class Pruner(Brief):
                 paths=tuple(paths), catalogue=self.catalogue, exact=not self.substitutes
             )
             try:
-                by_number = {one.number: one for one in ask(self.llm, question).judgements}
+                by_number = {
+                    judgement.number: judgement for judgement in ask(self.llm, question).judgements
+                }
             except LLMError as error:
                 if error.retryable:
                     return [self._failed(leaf, path, error, question) for leaf, path in asked]
@@ -164,8 +166,8 @@ class Pruner(Brief):
         self, leaf: Node, path: tuple[str, ...], answer: BranchJudgement, question: Prompt[Any]
     ) -> PruneDecision:
         standing = tuple(
-            SubstitutedAsset(asset=one.asset, stands_for=one.stands_for)
-            for one in answer.substitutes
+            SubstitutedAsset(asset=substitute.asset, stands_for=substitute.stands_for)
+            for substitute in answer.substitutes
         )
         keep = answer.simulatable and (self.substitutes or not standing)
         match: Match = "full"
@@ -189,7 +191,7 @@ class Pruner(Brief):
             label=one_line(answer.label) if keep else "",
             **means if keep else {},
             substitutes=standing if keep else (),
-            missing=tuple(one.words for one in lacks),
+            missing=tuple(lack.words for lack in lacks),
             lacks=lacks,
             **self._asked(question),
         )
@@ -207,4 +209,4 @@ def _said(keep: bool, lacks: Sequence[Addition]) -> str:
     """Return a reason for a decision whose model gave none."""
     if keep:
         return "the model says that it can be shown"
-    return f"missing: {', '.join(one.words for one in lacks)}" if lacks else "no reason was given"
+    return f"missing: {', '.join(lack.words for lack in lacks)}" if lacks else "no reason was given"

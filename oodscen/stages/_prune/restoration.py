@@ -25,9 +25,9 @@ class Unlocked(Data):
     def words(self) -> str:
         """Readable description of the additions."""
         if self.category is not None:
-            listed = ", ".join(one.name.replace("_", " ") for one in self.additions)
+            listed = ", ".join(addition.name.replace("_", " ") for addition in self.additions)
             return f"{len(self.additions)} assets of the category {self.category}: {listed}"
-        return "; ".join(one.words for one in self.additions)
+        return "; ".join(addition.words for addition in self.additions)
 
 
 class RestorationStep(Data):
@@ -74,7 +74,7 @@ def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
     everything = list(decisions)
     inner = {one.path[:-1] for one in everything}
     leaves = [one for one in everything if one.path not in inner and len(one.path) > 2]
-    dropped = [one for one in leaves if not one.keep and one.status == "ok"]
+    dropped = [leaf for leaf in leaves if not leaf.keep and leaf.status == "ok"]
     first: dict[tuple[str, str], Addition] = {}
     needs = {
         one.id: tuple(dict.fromkeys(first.setdefault(_key(lack), lack) for lack in one.lacks))
@@ -82,14 +82,14 @@ def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
         if one.lacks and all(addition.kind != "other" for addition in one.lacks)
     }
     return Restoration(
-        catalogue=next((one.catalogue for one in leaves if one.catalogue), ""),
-        kept=sum(one.keep for one in leaves),
-        dropped=sum(not one.keep for one in leaves),
+        catalogue=next((leaf.catalogue for leaf in leaves if leaf.catalogue), ""),
+        kept=sum(leaf.keep for leaf in leaves),
+        dropped=sum(not leaf.keep for leaf in leaves),
         single=_ranked(_alone(needs)),
         categories=_ranked(_by_category(needs)),
         sequence=_sequence(needs),
         beyond=tuple(one.id for one in dropped if one.id not in needs),
-        unknown=tuple(one.id for one in leaves if one.status == "failed"),
+        unknown=tuple(leaf.id for leaf in leaves if leaf.status == "failed"),
     )
 
 
@@ -160,7 +160,7 @@ def _sequence(needs: Needs) -> tuple[RestorationStep, ...]:
         }
         first = min(worth.values())
         best = min(
-            (one for one in groups if worth[one] == first),
+            (group for group in groups if worth[group] == first),
             key=lambda wanted: sorted(addition.words for addition in wanted),
         )
         paths = sorted((leaf for g in restored[best] for leaf in groups[g]), key=order.__getitem__)
@@ -180,7 +180,7 @@ def _closure(wanted: Wanted, users: Mapping[Addition, object]) -> Wanted:
     if all(addition.kind != "map" for addition in wanted):
         return wanted
     maps = [addition for addition in wanted if addition.kind == "map"]
-    brought = (one for one in users if one.kind == "map" and any(m.brings(one) for m in maps))
+    brought = (user for user in users if user.kind == "map" and any(m.brings(user) for m in maps))
     return wanted.union(brought)
 
 

@@ -73,7 +73,7 @@ def check_weather(probe: Probe) -> None:
     if not wanted:
         raise NotApplicable("the catalogue offers one weather only")
     car = next(
-        (one for one in probe.catalogue.assets if one.category == "vehicle"),
+        (asset for asset in probe.catalogue.assets if asset.category == "vehicle"),
         probe.catalogue.assets[0],
     )
     actor = probe.still(car, ahead=18.0)

@@ -65,7 +65,9 @@ def check_grip(probe: Probe) -> None:
 
 def check_contact(probe: Probe) -> None:
     """Check that bodies keep moving after a contact, and that the contact is in the state."""
-    box = max(probe.catalogue.assets, key=lambda one: (not one.is_passable(), one.height > 0.5))
+    box = max(
+        probe.catalogue.assets, key=lambda asset: (not asset.is_passable(), asset.height > 0.5)
+    )
     scene = probe.scene(probe.still(box, ahead=15.0), speed=8.0)
     states = probe.run(scene, follow_lane, steps=round(3.0 / probe.simulator.dt))
     touched = [state.step for state in states if state.contacts]

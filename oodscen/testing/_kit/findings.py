@@ -58,8 +58,8 @@ def _line(part: str, group: list[Finding]) -> str:
         return f"{part}: {subjects[0]}: {message}"
     words = [subject.partition(" ") for subject in subjects]
     noun, rest = words[0][0], subjects
-    if noun in _NOUNS and all(one[0] == noun and one[2] for one in words):
-        rest, counted = [one[2] for one in words], f"{len(words)} {noun}s"
+    if noun in _NOUNS and all(word[0] == noun and word[2] for word in words):
+        rest, counted = [word[2] for word in words], f"{len(words)} {noun}s"
     else:
         counted = f"{len(words)} times"
     more = f" and {len(rest) - _NAMED} more" if len(rest) > _NAMED else ""

@@ -101,7 +101,9 @@ def _scene(probe: Probe) -> Scene:
             id=name.replace("_", "-"),
             trigger=Trigger(value=0.1),
             parameters={
-                one: parameters[one] for one in parameters if one in known[name].parameters
+                parameter: parameters[parameter]
+                for parameter in parameters
+                if parameter in known[name].parameters
             },
         )
         ahead, offset = place

@@ -39,7 +39,7 @@ def check_catalogue(probe: Probe) -> None:
             inside = parameter.minimum <= parameter.default <= parameter.maximum
             found.expect(inside, f"behaviour {kind.id}", f"the default of {name} is out of range")
     kinds = catalogue.details or DetailKinds()
-    known = {one.id for one in kinds.poses} | {one.id for one in kinds.parts}
+    known = {pose.id for pose in kinds.poses} | {part.id for part in kinds.parts}
     for asset in catalogue.assets:
         offers = asset.offers or AssetDetails()
         for name in sorted({*offers.poses, *offers.parts} - known):

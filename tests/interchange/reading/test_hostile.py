@@ -1,6 +1,7 @@
 """Files that are broken, or written to do harm, are refused with the line and the element."""
 
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -8,6 +9,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from oodscen.errors import DataError, OodscenError
+from oodscen.interchange._reading.tree import OpenScenarioFile
 from tests.interchange.reading.test_scenario import FOREIGN, foreign
 
 __all__ = ["foreign"]
@@ -162,3 +164,10 @@ def test_starts_that_wait_for_each_other_are_refused(foreign):
     place = '<RelativeObjectPosition entityRef="Other" dx="1" dy="0"/>'
     with pytest.raises(DataError):
         foreign(PLACE=place)
+
+
+@pytest.mark.parametrize("name", ["a.osi", "a.MCAP"])
+def test_a_trace_is_told_from_a_scenario(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(b"\x0a\0\0\0")
+    with pytest.raises(DataError, match="oodscen verdict"):
+        OpenScenarioFile(tmp_path / name)

@@ -27,7 +27,7 @@ def test_both_containers_hold_the_same_messages():
     packed, plain = mcap(), osi_trace(SCENE, catalogue())
     found = list(read_osi_trace(packed, "run.mcap"))
     assert found == list(read_osi_trace(plain, "run.osi"))
-    assert {name for _, name, _ in found} == {"ego", *(one.id for one in SCENE.actors)}
+    assert {row.name for row in found} == {"ego", *(one.id for one in SCENE.actors)}
     assert packed == osi_trace(SCENE, catalogue(), container="mcap")
 
 
@@ -117,6 +117,6 @@ def test_files_of_other_writers_are_read(options):
 def test_one_topic_with_ground_truth_is_read():
     own = list(read_osi_trace(mcap(), "run.mcap"))
     both = rewritten("prediction", "ground_truth", shift_ns=25_000_000)
-    assert list(read_osi_trace(both, "run.mcap")) == own[: 5 * len({name for _, name, _ in own})]
+    assert list(read_osi_trace(both, "run.mcap")) == own[: 5 * len({row.name for row in own})]
     with pytest.raises(DataError, match="topics lab, prediction, and none is 'ground_truth'"):
         list(read_osi_trace(rewritten("prediction", "lab"), "run.mcap"))

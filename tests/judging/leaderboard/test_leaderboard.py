@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._verdict import Verdict
+from oodscen.errors import UsageError
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
 from oodscen.judging._leaderboard.sentences import sentences
 from tests.judging.cases import Case
@@ -326,6 +327,45 @@ def test_a_half_is_at_least_as_often_right_as_both(seed: int, kind: str) -> None
     assert paired.drop.value is None or -1 <= paired.drop.value <= 1
     assert set(row.control.needless_by_kind) == {"twin", kind}
     assert found.ordinary == len(case.episodes) - found.scenes
+
+
+def test_a_mean_of_two_shares_lies_in_its_interval_below_one() -> None:
+    case = Case(paths=24)
+
+    def sometimes(index: int, twin: bool) -> dict[str, Any]:
+        return {**knows(index, twin), "is_ood": index % 5 < 2 if twin else index % 3 < 2}
+
+    found = board(case, case.verdicts("m", sometimes)).standings[0].detection.balanced_accuracy
+    assert 0 <= found.interval.low <= found.value <= found.interval.high <= 1
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "one"])
+def test_a_seed_is_a_whole_number_though_nothing_is_resampled(seed: Any) -> None:
+    with pytest.raises(UsageError):
+        leaderboard([], [], [], seed=seed)
+
+
+def test_models_under_the_papers_protocol_alone_are_models() -> None:
+    case = Case()
+    verdicts = [
+        v.model_copy(update={"protocol": "paper"})
+        for v in case.verdicts("m", knows)
+        if not v.is_ordinary
+    ]
+    words = " ".join(sentences(board(case, verdicts)))
+    assert "paper's protocol only" in words
+    assert "No vision-language model" not in words
+
+
+def test_the_worst_case_of_a_figure_stands_beside_it() -> None:
+    case = Case()
+    silent = [
+        v.model_copy(update={"action": None, "action_is_safe": None})
+        for v in case.verdicts("m", knows)
+    ]
+    words = " ".join(sentences(board(case, silent)))
+    assert "acts rightly" not in words
+    assert "counted as wrong" not in words
 
 
 def test_a_model_without_ordinary_drives_is_not_praised_for_noticing() -> None:

@@ -77,8 +77,8 @@ def test_no_kind_looks_like_the_hazard(simulator, asset, left_out):
     (box,) = scene.actors
     changed = scene.model_copy(update={"actors": (box.model_copy(update={"asset": asset}),)})
     run = simulate(scene, simulator)
-    at = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
-    kinds = {one.kind.id for one in ranked_candidates(changed, at, 0)}
+    setting = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
+    kinds = {one.kind.id for one in ranked_candidates(changed, setting, 0)}
     assert left_out not in kinds
     assert kinds < {kind.id for kind in KINDS}
 
@@ -87,10 +87,10 @@ def test_no_kind_looks_like_the_hazard(simulator, asset, left_out):
 def test_nobody_of_a_demand_drives_in_the_very_middle_of_a_lane(simulator, road):
     scene = placed(road)
     run = simulate(scene, simulator)
-    at = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
+    setting = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
     drivers = [
         actor.placement.offset_m
-        for candidate in ranked_candidates(scene, at, 0)
+        for candidate in ranked_candidates(scene, setting, 0)
         for actor in candidate.draft.actors
         if actor.behaviour.name in ("follow_lane", "halt", "cut_in")
     ]
@@ -114,10 +114,10 @@ def test_looks_differ_as_much_either_way_and_not_from_themselves(one, other):
 def test_a_demand_has_about_as_many_bodies_as_its_scene(simulator):
     scene = placed("urban_avenue")
     run = simulate(scene, simulator)
-    at = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
+    setting = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
 
     def first_bodies(bodies):
-        like = replace(at, look=at.look._replace(bodies=bodies))
+        like = replace(setting, look=setting.look._replace(bodies=bodies))
         return np.mean([len(ranked_candidates(scene, like, seed)[0].actors) for seed in range(30)])
 
     assert first_bodies(1) < first_bodies(10)
@@ -125,9 +125,9 @@ def test_a_demand_has_about_as_many_bodies_as_its_scene(simulator):
 
 def candidates_for(scene, run, rerunner, picture):
     """Return the first few admitted candidates, and the same in the order for a rare picture."""
-    at = Setting.of(scene, rerunner.simulator.catalogue(), run.trace, run.episode.sketch)
-    ranked = ranked_candidates(scene, at, 0)
-    few = list(islice(_admitted(scene, at, ranked), _COMPARED))
+    setting = Setting.of(scene, rerunner.simulator.catalogue(), run.trace, run.episode.sketch)
+    ranked = ranked_candidates(scene, setting, 0)
+    few = list(islice(_admitted(scene, setting, ranked), _COMPARED))
     frame = replace(run.frames["last"], rgb=picture)
     return few, list(_alike_first(few, replace(run, frames={"last": frame}), rerunner))
 

@@ -47,7 +47,7 @@ def add_woods(site: Site, way: Way, reach: tuple[float, float]) -> None:
 def add_horizon(site: Site, out: float) -> None:
     """Add the edges of distant woods along the ego's road."""
     way = site.ground.ego
-    has_bridge = any(one.kind == "bridge" for one in way.corridor.structures)
+    has_bridge = any(structure.kind == "bridge" for structure in way.corridor.structures)
     for side in SIDES:
         for spot in site.spots(way, side, 24.0, jitter=5.0):
             far = out + 55.0 * float(site.rng.uniform())

@@ -1,9 +1,8 @@
-"""Opens the server: the world, its drawing simulator and its ports."""
+"""`serve`: runs the CARLA server in this process."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import cast
 
 from oodscen import make_simulator
 from oodscen.data import Scene
@@ -14,7 +13,7 @@ from oodscen_carla.server._world import World
 
 
 @dataclass(frozen=True)
-class Serving:
+class RunningServer:
     """A server that runs in threads of this process."""
 
     port: int
@@ -34,10 +33,10 @@ def serve(
     simulator: str = "pybullet",
     seed: int = 0,
     log: Callable[[str], None] | None = None,
-) -> Iterator[Serving]:
+) -> Iterator[RunningServer]:
     """Serve CARLA 0.9.16's protocol while the context is active.
 
-    The official client needs another process: it holds the interpreter's lock while it waits.
+    Run the official client in another process: it holds the GIL while it waits.
 
     Args:
         scenes: Scenes that clients load by their ids; the first is open from the start.
@@ -49,7 +48,8 @@ def serve(
 
     Raises:
         MissingExtra: If msgpack is not installed.
-        UsageError: If the simulator cannot draw for a server, or a port is taken.
+        UsageError: If the simulator cannot draw for a server, two scenes or a scene and a map have one name, or the
+            server cannot listen there.
         SceneError: If the first scene cannot be staged.
     """
     try:
@@ -58,18 +58,20 @@ def serve(
         if error.name != "msgpack":
             raise
         raise MissingExtra("the CARLA server", "carla-server", "msgpack") from None
-    drawn = make_simulator(simulator)
-    if not hasattr(drawn, "draw_from"):
-        drawn.close()
-        raise UsageError(f"simulator {simulator!r} cannot draw for a server; pybullet and flat can")
+    drawing = make_simulator(simulator)
+    if not isinstance(drawing, BodyRenderer):
+        drawing.close()
+        raise UsageError(
+            f"simulator {simulator!r} cannot draw for a server: it has no method draw_from"
+        )
     with ExitStack() as stack:
-        studio = CameraRenderer(cast(BodyRenderer, drawn))
-        stack.callback(studio.close)
-        world = World(drawn.catalogue(), scenes, seed)
+        renderer = CameraRenderer(drawing)
+        stack.callback(renderer.close)
+        world = World(drawing.catalogue(), scenes, seed)
         stack.callback(world.close)
-        studio.warm_up(world.scene())
+        renderer.warm_up(world.scene())
         faults = Faults()
-        listener = Listener(world, studio, host=host, port=port, faults=faults, log=log)
+        listener = Listener(world, renderer, host=host, port=port, faults=faults, log=log)
         stack.callback(listener.close)
         listener.start()
-        yield Serving(listener.port, tuple(world.map_names), faults)
+        yield RunningServer(listener.port, tuple(world.map_names), faults)
