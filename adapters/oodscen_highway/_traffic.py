@@ -31,6 +31,8 @@ BESIDE_M = 0.3
 """Distance from the lane up to which drivers mind a body's middle, m."""
 EDGES = {1: ("start", "end"), -1: ("far", "near")}
 """Nodes of highway-env's network between which the lanes of each direction of travel lie."""
+_STANDING_MPS = 0.01
+"""Speed up to which a driver that halts stands, m/s."""
 STRAIGHT_ON = having(lambda row: row.keeps_heading)
 CHANGES_LANE = having(lambda row: row.plain_action == "lane_change")
 
@@ -96,6 +98,8 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
         self.DISTANCE_WANTED = 2.0 + self.LENGTH
         braking = self.given["deceleration"] if self.kind == "follow_lane" else grip
         self.ACC_MAX = min(braking, grip)
+        self.pause_begins: float | None = None
+        """Time at which a driver that halts begins to stand, s after its trigger; `None` before."""
 
     def lane_distance_to(self, other: Any, lane: Any = None) -> float:
         """Return the distance between the middles as if the other were as long as this body."""
@@ -124,8 +128,8 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
             case "hard_brake" | "stall" if waited is not None:
                 return -given["deceleration"]
             case "halt" if waited is not None:
-                standing = given["speed"] / given["deceleration"] + given["pause"]
-                return min(-given["deceleration"], following) if waited < standing else following
+                has_paused = self._has_paused(waited)
+                return following if has_paused else min(-given["deceleration"], following)
             case "stop_and_go" if waited is not None and waited / given["period"] % 1.0 < 0.5:
                 return min(-2.5, following)
             case "wrong_way":
@@ -138,6 +142,12 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
             return -math.inf
         most: float = given.get("acceleration", float(self.COMFORT_ACC_MAX))
         return float(np.clip(self.speed_control(self.target_speed), -most, most))
+
+    def _has_paused(self, waited: float) -> bool:
+        """Return whether a driver that halts has stood for its pause, which begins no earlier than by its own braking."""
+        if self.pause_begins is None and self.speed <= _STANDING_MPS:
+            self.pause_begins = max(waited, self.given["speed"] / self.given["deceleration"])
+        return self.pause_begins is not None and waited >= self.pause_begins + self.given["pause"]
 
     def step(self, dt: float) -> None:
         """Move by one step."""

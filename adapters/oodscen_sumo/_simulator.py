@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +20,44 @@ GRIP = 9.0
 """Maximum braking on a dry road, m/s^2."""
 BRAKING, STOPPING = 4.5, 2.5
 """Braking of drivers without urgency, and in stop-and-go traffic, m/s^2."""
-OPTIONS = (
-    "--no-step-log --no-warnings --step-method.ballistic --time-to-teleport -1 "
-    "--lateral-resolution 0.4 --collision.action none --default.speeddev 0"
-).split()
-"""Sublanes let drivers pass what leaves them room; bodies that touch move on."""
+SIMULATION_OPTIONS = (
+    *("--no-step-log", "--no-warnings"),
+    "--step-method.ballistic",
+    *("--time-to-teleport", "-1"),  # Nobody vanishes from a jam.
+    *("--lateral-resolution", "0.4"),  # Sublanes let drivers pass what leaves them room, m.
+    *("--collision.action", "none"),  # Bodies that touch move on.
+    *("--default.speeddev", "0"),
+)
+_ALL_CHECKS, _NO_CHECKS = 31, 0
+"""SUMO's speed modes: drivers mind everything, and guided bodies nothing."""
+_SPEED_FACTOR = 100.0
+"""Factor of speed limits, which are never reached: the scene's speeds count, not the signs'."""
+_LATERAL_ACCELERATION = "10"
+"""Maximum sideways acceleration, m/s^2, which leaves the limit to the lateral speed."""
+_LATERAL_PEAK = 1.3
+"""Greatest lateral speed of a lane change relative to its mean."""
+_STANDING = 0.1
+"""Speed up to which SUMO counts a vehicle as halting, m/s."""
+
+
+class FrontBumper(NamedTuple):
+    """A place as SUMO gives it: the middle of the front bumper, and the compass direction."""
+
+    x: float
+    y: float
+    angle_deg: float
+    """Clockwise from north, degrees."""
+
+    @classmethod
+    def of(cls, x: float, y: float, yaw: float, *, length: float) -> "FrontBumper":
+        """Return the place of a body of this length whose centre and yaw are given."""
+        half = 0.5 * length
+        return cls(x + half * math.cos(yaw), y + half * math.sin(yaw), 90.0 - math.degrees(yaw))
+
+    def pose(self, length: float) -> tuple[float, float, float]:
+        """Return x and y of the body's centre, m, and its yaw, rad."""
+        yaw, half = math.remainder(math.radians(90.0 - self.angle_deg), math.tau), 0.5 * length
+        return self.x - half * math.cos(yaw), self.y - half * math.sin(yaw), yaw
 
 
 class SumoSimulator(DynamicSimulator):
@@ -38,22 +71,33 @@ class SumoSimulator(DynamicSimulator):
     _owner: ClassVar["SumoSimulator | None"] = None
 
     def __init__(self) -> None:
-        """Start nothing yet."""
         super().__init__()
         self._networks: Networks | None = None
         self._sumo: Any = None
-        self._guided: Any = None
+        self._guided: KinematicWorld | None = None
+        """Moves the ego and the bodies without drivers; `None` before the first scene."""
+        self._rows: dict[str, int] = {}
+        self._poses = np.zeros((0, 3))
+        self._speeds = np.zeros(0)
+        self._grip = GRIP
+        self._present: set[str] = set()
+        """Ids of the bodies on SUMO's network."""
+        self._pause_begins: dict[str, float] = {}
+        """Times at which drivers that halt begin to stand, s after their triggers."""
 
     def catalogue(self) -> Catalogue:
         """Return the available assets, behaviours, maps and weather."""
         return load_catalogue()
 
     def check(self, scene: Scene) -> Sequence[Issue]:
-        """Return an issue for every driver who would change into an oncoming lane."""
+        """Return an issue for every driver on the wrong side of the road, or who would change to it."""
         staged = StagedScene(scene, self.catalogue())
         sides = [strip.direction for strip in staged.corridor.strips]
         return [
-            Issue(f"actors[{index}].behaviour.parameters.lanes", "drivers keep to their side")
+            Issue(
+                f"actors[{index}].{_field_of_side(body)}",
+                "SUMO's drivers keep to their side of the road",
+            )
             for index, body in enumerate(staged.bodies[1:])
             if body.behaviour in DRIVEN and sides[body.goal_lane] != body.direction
         ]
@@ -69,7 +113,7 @@ class SumoSimulator(DynamicSimulator):
         self._networks = self._networks or Networks(programs)
         assert staged.corridor.road_map is not None
         network = self._networks.path(staged.corridor.road_map.file)
-        options = [*OPTIONS, "-n", f"{network}", "--step-length", f"{self.dt}"]
+        options = [*SIMULATION_OPTIONS, "-n", f"{network}", "--step-length", f"{self.dt}"]
         if self._sumo.isLoaded():
             self._sumo.load(options)
         else:
@@ -78,6 +122,8 @@ class SumoSimulator(DynamicSimulator):
         guided = tuple(one for one in staged.scene.actors if one.behaviour.name not in DRIVEN)
         scene = staged.scene.model_copy(update={"actors": guided})
         self._guided = KinematicWorld(staged.corridor, scene, staged.catalogue, seed, dt=self.dt)
+        self._rows = {name: row for row, name in enumerate(staged.ids)}
+        self._pause_begins = {}
         self._poses = np.array([body.pose for body in staged.bodies])[:, [0, 1, 3]]
         self._speeds = np.array([body.speed for body in staged.bodies])
         self._grip = GRIP * scene.weather.friction
@@ -95,9 +141,10 @@ class SumoSimulator(DynamicSimulator):
         """Let a driver change lanes."""
         if body.behaviour in CHANGES_LANE and body.id in self._present:
             road, given = self.staged.corridor, body.parameters or {}
-            s, t = road.locate(*self._poses[self.staged.ids.index(body.id), :2])
+            s, t = road.locate(*self._poses[self._rows[body.id], :2])
             aside = road.centre(body.goal_lane, s) - t
-            self._sumo.vehicle.setMaxSpeedLat(body.id, 1.3 * abs(aside) / given["duration"])
+            fastest = _LATERAL_PEAK * abs(aside) / given["duration"]
+            self._sumo.vehicle.setMaxSpeedLat(body.id, fastest)
             self._sumo.vehicle.changeSublane(body.id, aside * body.direction)
 
     def move(self, control: Control) -> None:
@@ -111,16 +158,17 @@ class SumoSimulator(DynamicSimulator):
             waited = self.since(body.id)
             if body.id in self._present and body.behaviour in DRIVEN and waited is not None:
                 self._drive(body, waited)
+        assert self._guided is not None
         self._guided.step(control)
-        self._guide()
+        self._guide(self._guided)
         self._sumo.simulationStep()
         vehicles = self._sumo.vehicle
         self._present = set(vehicles.getIDList())
         for row, body in enumerate(self.staged.bodies):
             if body.behaviour in DRIVEN and body.id in self._present:
-                yaw = math.remainder(math.radians(90.0 - vehicles.getAngle(body.id)), math.tau)
-                (x, y), half = vehicles.getPosition(body.id), 0.5 * body.asset.length
-                self._poses[row] = (x - half * math.cos(yaw), y - half * math.sin(yaw), yaw)
+                x, y = vehicles.getPosition(body.id)
+                front = FrontBumper(x, y, vehicles.getAngle(body.id))
+                self._poses[row] = front.pose(body.asset.length)
                 self._speeds[row] = vehicles.getSpeed(body.id)
 
     def bodies(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -149,30 +197,30 @@ class SumoSimulator(DynamicSimulator):
         types.setWidth(name, body.asset.width)
         types.setTau(name, given.get("headway", 1.2))
         types.setMaxSpeed(name, max(given.get("speed", 0.0), 0.1))
-        types.setSpeedFactor(name, 100.0)  # The scene's speeds count, not the signs'.
+        types.setSpeedFactor(name, _SPEED_FACTOR)
         types.setImperfection(name, 0.0)
         types.setLateralAlignment(name, "arbitrary")
-        most = given["deceleration"] if body.behaviour == "follow_lane" else GRIP
-        types.setEmergencyDecel(name, min(most, self._grip))
-        types.setDecel(name, min(BRAKING, most, self._grip))
+        wished = given["deceleration"] if body.behaviour == "follow_lane" else GRIP
+        hardest = min(wished, self._grip)
+        types.setEmergencyDecel(name, hardest)
+        types.setDecel(name, min(BRAKING, hardest))
         self._sumo.route.add(name, [self._sumo.simulation.convertRoad(x, y)[0]])
         vehicles.add(name, name, name, departPos="0")
         vehicles.setLaneChangeMode(name, 0)
-        vehicles.setSpeedMode(name, 31 if body.behaviour in DRIVEN else 0)
-        vehicles.setParameter(name, "laneChangeModel.lcAccelLat", "10")
+        vehicles.setSpeedMode(name, _ALL_CHECKS if body.behaviour in DRIVEN else _NO_CHECKS)
+        vehicles.setParameter(name, "laneChangeModel.lcAccelLat", _LATERAL_ACCELERATION)
         self._put(body, (x, y, yaw))
 
     def _put(self, body: StagedScene.Body, place: Sequence[float]) -> None:
-        """Move a body to a place; SUMO's places are those of front bumpers."""
-        (x, y, yaw), half = place, 0.5 * body.asset.length
-        x, y = x + half * math.cos(yaw), y + half * math.sin(yaw)
-        self._sumo.vehicle.moveToXY(body.id, "", -1, x, y, 90.0 - math.degrees(yaw), keepRoute=2)
+        """Move a body to a place: x and y of its centre, m, and its yaw, rad."""
+        x, y, angle = FrontBumper.of(*place, length=body.asset.length)
+        self._sumo.vehicle.moveToXY(body.id, "", -1, x, y, angle, keepRoute=2)
 
-    def _guide(self) -> None:
+    def _guide(self, guided: KinematicWorld) -> None:
         """Put the ego and all bodies that are not drivers where the library has moved them."""
-        poses, speeds = self._guided.poses()[:, [0, 1, 3]], self._guided.speeds()
-        for name, place, speed in zip(self._guided.ids, poses, speeds, strict=True):
-            row = self.staged.ids.index(name)
+        poses, speeds = guided.poses()[:, [0, 1, 3]], guided.speeds()
+        for name, place, speed in zip(guided.ids, poses, speeds, strict=True):
+            row = self._rows[name]
             self._poses[row], self._speeds[row] = place, speed
             if name in self._present:
                 self._put(self.staged.bodies[row], place.tolist())
@@ -180,10 +228,10 @@ class SumoSimulator(DynamicSimulator):
                 self._sumo.vehicle.setSpeed(name, float(speed) if name == "ego" else 0.0)
 
     def _drive(self, body: StagedScene.Body, waited: float) -> None:
-        """Let a driver brake, or go on, as its behaviour says some time after its trigger."""
+        """Brake or release a driver, `waited` seconds after its trigger."""
         given = body.parameters or {}
         match body.behaviour:
-            case "halt" if waited >= given["speed"] / given["deceleration"] + given["pause"]:
+            case "halt" if self._has_paused(body, waited):
                 braking = 0.0
             case "hard_brake" | "stall" | "halt":
                 braking = given["deceleration"]
@@ -193,3 +241,16 @@ class SumoSimulator(DynamicSimulator):
                 return
         self._sumo.vehicle.setDecel(body.id, min(braking or BRAKING, self._grip))
         self._sumo.vehicle.setSpeed(body.id, 0.0 if braking else -1.0)
+
+    def _has_paused(self, body: StagedScene.Body, waited: float) -> bool:
+        """Return whether a driver that halts has stood for its pause, which begins no earlier than by its own braking."""
+        given = body.parameters or {}
+        if body.id not in self._pause_begins and self._speeds[self._rows[body.id]] <= _STANDING:
+            self._pause_begins[body.id] = max(waited, given["speed"] / given["deceleration"])
+        return waited >= self._pause_begins.get(body.id, math.inf) + given["pause"]
+
+
+def _field_of_side(body: StagedScene.Body) -> str:
+    """Return the field of an actor that puts it on the wrong side of the road."""
+    changes_lane = body.goal_lane != body.lane
+    return "behaviour.parameters.lanes" if changes_lane else "placement.heading_deg"

@@ -95,7 +95,10 @@ def test_a_log_that_nobody_reads_delays_no_request(are_joined):
     [
         (["serve"], "--carla"),
         (["serve", "--carla", "0", "--simulator", "nothing"], "unknown simulator"),
-        (["serve", "--carla", "0", "--host", "203.0.113.1", "--simulator", "flat"], "cannot find"),
+        (
+            ["serve", "--carla", "0", "--host", "203.0.113.1", "--simulator", "flat"],
+            "cannot listen",
+        ),
     ],
 )
 def test_wrong_orders_are_one_line(order, line):

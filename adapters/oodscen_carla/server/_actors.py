@@ -61,24 +61,24 @@ class ServerActor:
     has_physics: bool = True
     lights: int = 0
     touching: set[int] = field(default_factory=set)
-    """Ids of the actors that it touched in the last tick."""
+    """Ids of the actors that it was still touching at the end of the last tick."""
     staged: str = ""
     """Id of the body of the staged scene that it is; empty for a client's own."""
-    born: float = 0.0
+    spawned_at: float = 0.0
     """Time of the simulation when it was spawned, s."""
     is_placed: bool = False
     """True if a client has put it somewhere since the last tick."""
     placings: int = 0
-    """Number of ticks before which a client has put it somewhere."""
-    due: float = 0.0
-    """Time of the simulation from which a sensor sends its next picture, s."""
+    """Number of ticks that began with it newly placed by a client."""
+    attributes: dict[str, str] = field(init=False)
+    """The values of its description's attributes by name."""
 
     def __post_init__(self) -> None:
         self.attributes = {name: value for name, _, value in self.description.attributes}
 
     @property
     def type_id(self) -> str:
-        """The id of its blueprint."""
+        """The id of its blueprint, as CARLA's clients know it."""
         return self.blueprint.id
 
     @property
@@ -88,7 +88,7 @@ class ServerActor:
 
     @property
     def is_vehicle(self) -> bool:
-        """Return whether it is a vehicle."""
+        """Return whether its blueprint is a vehicle's."""
         return self.type_id.startswith("vehicle.")
 
     @property
@@ -118,7 +118,7 @@ class ServerActor:
         self.speed = self.acceleration_along = 0.0
 
     def row(self, token: bytes) -> list[Any]:
-        """Return the actor as a client reads it."""
+        """Return the `ActorInfo` of CARLA's protocol."""
         uid, type_id, attributes = self.description
         box = [
             [0.0, 0.0, self.blueprint.extent[2]],

@@ -14,6 +14,12 @@ BOOL, INT, FLOAT, STRING, COLOUR = 1, 2, 3, 4, 5
 Attribute = tuple[str, int, str, bool]
 """Name, type code, default and whether a client may change it."""
 
+PICTURE: tuple[Attribute, ...] = (
+    ("image_size_x", INT, "800", True),
+    ("image_size_y", INT, "600", True),
+    ("fov", FLOAT, "90.0", True),
+)
+"""The attributes of a camera's picture."""
 CAMERAS = {
     "sensor.camera.rgb": "rgb",
     "sensor.camera.depth": "depth",
@@ -170,11 +176,6 @@ def _sensor_attributes(name: str) -> tuple[Attribute, ...]:
     every: Attribute = ("sensor_tick", FLOAT, "0.0", True)
     if name not in CAMERAS:
         return role, every
-    size: tuple[Attribute, ...] = (
-        ("image_size_x", INT, "800", True),
-        ("image_size_y", INT, "600", True),
-        ("fov", FLOAT, "90.0", True),
-    )
     lens = _LENS if name != "sensor.camera.rgb" else (*_LENS, *_EFFECTS)
     extra = [("enable_postprocess_effects", BOOL, "true", True)] if lens is not _LENS else []
-    return role, every, *size, *((one, FLOAT, "0.0", True) for one in lens), *extra
+    return role, every, *PICTURE, *((one, FLOAT, "0.0", True) for one in lens), *extra

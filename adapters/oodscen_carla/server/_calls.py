@@ -10,7 +10,7 @@ from oodscen_carla.server._actors import ZERO, ServerActor, VehicleControl, Walk
 from oodscen_carla.server._blueprints import CAMERAS
 from oodscen_carla.server._commands import run_batch
 from oodscen_carla.server._geometry import rotated
-from oodscen_carla.server._sensors import checked_camera
+from oodscen_carla.server._sensors import camera_of
 from oodscen_carla.server._streams import WORLD_STREAM, Streams
 from oodscen_carla.server._values import CallError, Transform
 from oodscen_carla.server._vehicles import physics
@@ -169,7 +169,7 @@ class Calls:
         """Add an actor from the values of a call."""
         described = read.description(what)
         if described.type_id in CAMERAS:
-            checked_camera(described)
+            camera_of({name: value for name, _, value in described.attributes})
         return self._world.spawn(described, read.transform(place), read.whole(parent))
 
     def rpc_destroy_actor(self, number: Any) -> bool:

@@ -27,6 +27,21 @@ class Fault:
     def __post_init__(self) -> None:
         if self.kind not in get_args(FaultKind):
             raise ValueError(f"no fault {self.kind!r}; known: {', '.join(get_args(FaultKind))}")
+        if any(type(count) is not int or count < 0 for count in (self.after, self.times)):
+            raise ValueError("after and times are whole numbers from 0")
+
+    @classmethod
+    def from_json(cls, line: str) -> "Fault":
+        """Read what `to_json` has written.
+
+        Raises:
+            ValueError: If the line is no fault.
+        """
+        given = json.loads(line)
+        try:
+            return cls(**given)
+        except TypeError:
+            raise ValueError("a fault has a kind, and may have call, after and times") from None
 
     def to_json(self) -> str:
         """Return the fault as one line."""

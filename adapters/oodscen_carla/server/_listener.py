@@ -18,7 +18,8 @@ from oodscen_carla.server._cameras import CameraRenderer
 from oodscen_carla.server._faults import Faults
 from oodscen_carla.server._messages import MemoryPool, MessageReader, ProtocolError
 from oodscen_carla.server._sensors import SensorSender
-from oodscen_carla.server._streams import WORLD_STREAM, Streams, end, limit_sends
+from oodscen_carla.server._sockets import end, limit_sends
+from oodscen_carla.server._streams import WORLD_STREAM, Streams
 from oodscen_carla.server._world import World
 
 MAX_CLIENTS = 64
@@ -99,7 +100,7 @@ class Listener:
         has its answer therefore waits for no picture.
         """
         world = self._world
-        self._heard.wait_for(self._streams.is_complete, AWAIT_S)
+        self._heard.wait_for(self._streams.are_expected_heard, AWAIT_S)
         self._streams.forget_expected()
         if self._is_closed:
             return world.frame

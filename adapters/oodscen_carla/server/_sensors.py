@@ -1,6 +1,8 @@
 """Sends what the sensors of the served world measure in a tick."""
 
 import math
+from collections.abc import Mapping
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +11,10 @@ from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.protocols import Camera, Frame
 from oodscen_carla.server import _measurements as wire
 from oodscen_carla.server._actors import ServerActor
-from oodscen_carla.server._blueprints import CAMERAS
+from oodscen_carla.server._blueprints import CAMERAS, PICTURE
 from oodscen_carla.server._cameras import CameraRenderer, PicturedBody, View
 from oodscen_carla.server._streams import WORLD_STREAM, Streams
-from oodscen_carla.server._values import CallError, Description, Transform
+from oodscen_carla.server._values import CallError, Transform
 from oodscen_carla.server._vehicles import MASS_KG
 from oodscen_carla.server._world import World
 
@@ -24,22 +26,23 @@ Picture = tuple[Frame, NDArray[np.int32], NDArray[np.uint8]]
 """A frame, and the actor's id and semantic tag for each of its ids."""
 
 
-def checked_camera(what: Description) -> None:
-    """Check the size of a camera's picture before the camera is spawned.
+def camera_of(attributes: Mapping[str, str]) -> Camera:
+    """Return the camera, not yet mounted, that a blueprint's attributes describe.
 
     Raises:
-        CallError: If it is not a picture, or too large.
+        CallError: If its picture is none, or too large.
     """
-    given = {name: value for name, _, value in what.attributes}
+    given = {name: attributes.get(name, default) for name, _, default, _ in PICTURE}
     try:
-        width, height = (int(given.get(f"image_size_{axis}", "64")) for axis in "xy")
-        fov = float(given.get("fov", "90"))
+        width, height = (int(given[f"image_size_{axis}"]) for axis in "xy")
+        fov = float(given["fov"])
     except ValueError:
         raise CallError("image_size_x, image_size_y and fov must be numbers") from None
     if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE and width * height <= MAX_PIXELS):
         raise CallError(f"a picture has at most {MAX_SIDE} pixels a side and {MAX_PIXELS} in all")
     if not 1.0 <= fov <= 170.0:
         raise CallError("fov must be between 1 and 170 degrees")
+    return Camera(width=width, height=height, fov_deg=fov)
 
 
 class SensorSender:
@@ -47,6 +50,8 @@ class SensorSender:
 
     def __init__(self, world: World, renderer: CameraRenderer, streams: Streams) -> None:
         self._world, self._renderer, self._streams = world, renderer, streams
+        self._due_at = WeakKeyDictionary[ServerActor, float]()
+        """Time of the simulation from which a sensor sends again, s."""
 
     def observe(self, dt: float) -> None:
         """Send the state of all actors."""
@@ -74,20 +79,19 @@ class SensorSender:
         self._collisions()
 
     def _is_due(self, actor: ServerActor) -> bool:
-        every = actor.number("sensor_tick", 0.0)
-        if self._world.time < actor.due - ROUNDING_S:
+        if self._world.time < self._due_at.get(actor, 0.0) - ROUNDING_S:
             return False
-        actor.due = self._world.time + every
+        self._due_at[actor] = self._world.time + actor.number("sensor_tick", 0.0)
         return True
 
     def _carrier(self, actor: ServerActor) -> ServerActor:
         return self._world.actors.get(actor.parent, actor)
 
-    def _send(self, actor: ServerActor, *parts: bytes | memoryview) -> None:
+    def _send(self, actor: ServerActor, head: bytes, body: bytes | memoryview = b"") -> None:
         place = self._world.place_of(actor)
         kind = wire.REGISTRY[actor.type_id]
-        head = wire.header(kind, self._world.frame, self._world.time, place)
-        self._streams.send(actor.id, head, *parts)
+        header = wire.header(kind, self._world.frame, self._world.time, place)
+        self._streams.send(actor.id, header + head, body)
 
     def _picture(
         self,
@@ -95,15 +99,14 @@ class SensorSender:
         bodies: list[PicturedBody],
         taken: dict[object, Picture],
     ) -> None:
-        width = int(actor.number("image_size_x", 800))
-        height = int(actor.number("image_size_y", 600))
-        fov = actor.number("fov", 90.0)
-        key = (actor.parent, actor.place, width, height, fov)
+        camera = camera_of(actor.attributes)
+        key = (actor.parent, actor.place, camera)
         if key not in taken:
-            taken[key] = self._shoot(actor, bodies, Camera(width=width, height=height, fov_deg=fov))
+            taken[key] = self._shoot(actor, bodies, camera)
         frame, ids, tags = taken[key]
         pixels = wire.picture(CAMERAS[actor.type_id], frame, ids, tags)
-        self._send(actor, wire.picture_head(width, height, fov), pixels.data.cast("B"))
+        head = wire.picture_head(camera.width, camera.height, camera.fov_deg)
+        self._send(actor, head, pixels.data.cast("B"))
 
     def _shoot(self, actor: ServerActor, bodies: list[PicturedBody], size: Camera) -> Picture:
         world = self._world

@@ -3,17 +3,17 @@
 import socket
 import struct
 import threading
-from contextlib import suppress
+
+from oodscen_carla.server._sockets import end, send_both
 
 WORLD_STREAM = 1
 """Stream of the world's state; a sensor's stream has the number of the sensor."""
-MAX_STREAMS = 512
-STALL_S = 5.0
-"""Time after which a client that does not read is disconnected, s."""
+MAX_EXPECTED, MAX_CONNECTIONS = 512, 512
+"""Numbers of streams that a tick waits for, and of connections that listen to streams."""
 
 
 class Streams:
-    """The connections that listen to streams; calls hold the listener's lock."""
+    """The connections that listen to streams; callers must hold the listener's lock."""
 
     def __init__(self, heard: threading.Condition) -> None:
         self._heard = heard
@@ -29,10 +29,10 @@ class Streams:
 
     def expect(self, stream: int) -> None:
         """Let the next tick wait until a client listens to this stream."""
-        if len(self._expected) < MAX_STREAMS:
+        if len(self._expected) < MAX_EXPECTED:
             self._expected.add(stream)
 
-    def is_complete(self) -> bool:
+    def are_expected_heard(self) -> bool:
         """Return whether every expected stream is heard."""
         return all(stream in self._open for stream in self._expected)
 
@@ -45,15 +45,15 @@ class Streams:
         return stream in self._open
 
     def add(self, stream: int, connection: socket.socket) -> bool:
-        """Let a connection listen to a stream; false if there are too many."""
-        if sum(map(len, self._open.values())) >= MAX_STREAMS:
+        """Let a connection listen to a stream; return false if too many connections are open."""
+        if sum(map(len, self._open.values())) >= MAX_CONNECTIONS:
             return False
         self._open.setdefault(stream, []).append(connection)
         self._heard.notify_all()
         return True
 
     def remove(self, connection: socket.socket) -> None:
-        """Forget a connection."""
+        """Forget a connection, without closing it."""
         for stream, listeners in list(self._open.items()):
             if connection in listeners:
                 listeners.remove(connection)
@@ -66,13 +66,12 @@ class Streams:
         for connection in self._open.pop(stream, []):
             end(connection)
 
-    def send(self, stream: int, *parts: bytes | memoryview) -> None:
-        """Send one message; a connection that does not read in time is ended."""
-        length = struct.pack("<I", sum(len(part) for part in parts))
-        message = (b"".join([length, *parts[:-1]]), parts[-1])
+    def send(self, stream: int, head: bytes, body: bytes | memoryview = b"") -> None:
+        """Send one message; a connection that does not take it in time is ended."""
+        first = struct.pack("<I", len(head) + len(body)) + head
         for connection in list(self._open.get(stream, ())):
             try:
-                _send_both(connection, *message)
+                send_both(connection, first, body)
             except OSError:
                 self.remove(connection)
                 end(connection)
@@ -81,25 +80,3 @@ class Streams:
         """End all streams."""
         for stream in list(self._open):
             self.drop(stream)
-
-
-def _send_both(connection: socket.socket, first: bytes, last: bytes | memoryview) -> None:
-    """Send two buffers, so that the peer wakes once."""
-    sent = connection.sendmsg((first, last))
-    if sent < len(first):
-        connection.sendall(first[sent:])
-    if sent < len(first) + len(last):
-        connection.sendall(memoryview(last)[max(0, sent - len(first)) :])
-
-
-def limit_sends(connection: socket.socket) -> None:
-    """Let `sendall` fail on a peer that does not read; receiving may take for ever."""
-    seconds, microseconds = int(STALL_S), int(STALL_S % 1 * 1e6)
-    timeout = struct.pack("ll", seconds, microseconds)
-    connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, timeout)
-
-
-def end(connection: socket.socket) -> None:
-    with suppress(OSError):
-        connection.shutdown(socket.SHUT_RDWR)
-    connection.close()

@@ -115,12 +115,21 @@ class CarlaTestServer:
             call: The remote procedure, as the client's library names it.
             after: Number of calls that pass first.
             times: Number of calls that are struck.
+
+        Raises:
+            ValueError: If there is no such fault.
+            SimulatorError: If the server does not set it.
         """
+        wanted = Fault(kind, call, after, times)
         process = self._running()
         assert process.stdin is not None
         assert process.stdout is not None
-        print(Fault(kind, call, after, times).to_json(), file=process.stdin, flush=True)
-        process.stdout.readline()
+        answer = ""
+        with suppress(BrokenPipeError):
+            print(wanted.to_json(), file=process.stdin, flush=True)
+            answer = process.stdout.readline().strip()
+        if answer != "set":
+            raise SimulatorError(f"the server did not set the fault: {answer or 'it has ended'}")
 
     def kill(self) -> None:
         """End the process as a crash would."""

@@ -239,7 +239,7 @@ class World:
 
     def _add(self, actor: ServerActor) -> ServerActor:
         self._next += 1
-        actor.born = self.time
+        actor.spawned_at = self.time
         self.actors[actor.id] = actor
         return actor
 
@@ -318,7 +318,7 @@ class World:
             return self.staged.world.time
         if host is not None and not host.has_physics and host.placings:
             return round((host.placings - 1) * self.step, 6)
-        return round(self.time - host.born, 6) if host else 0.0
+        return round(self.time - host.spawned_at, 6) if host else 0.0
 
     def advance(self) -> None:
         """Move everything by one tick."""

@@ -49,7 +49,7 @@ class Ground:
         self.ways = ways_of(corridor)
         self.has_kerb = any(way.has_kerb for way in self.ways)
         self._bounds = [way.bounds(_NEAR) for way in self.ways]
-        self._asphalt = Cover(strips([way.asphalt_band() for way in self.ways]))
+        self._asphalt = Cover(strips([way.carriageway_band() for way in self.ways]))
 
     @property
     def ego(self) -> Way:
@@ -67,11 +67,8 @@ class Ground:
         asphalt, paved = np.full(count, _FAR), np.full(count, _FAR)
         weight, height = np.zeros(count), np.zeros(count)
         s, t, ego = np.zeros(count), np.zeros(count), np.zeros(count)
-        for way, (x0, x1, y0, y1) in zip(self.ways, self._bounds, strict=True):
-            if way.is_ego:
-                rows = np.arange(count)
-            else:
-                rows = np.flatnonzero((x > x0) & (x < x1) & (y > y0) & (y < y1))
+        for way, bounds in zip(self.ways, self._bounds, strict=True):
+            rows = np.arange(count) if way.is_ego else np.flatnonzero(bounds.contain(x, y))
             if len(rows) == 0:
                 continue
             along, across = way.course.locate(x[rows], y[rows])
@@ -91,8 +88,7 @@ class Ground:
     def locate(self, x: float, y: float) -> tuple[float, float]:
         """Return a point's position along the ego's road and its distance from that road, m."""
         s, t = self.ego.course.locate(np.array([x]), np.array([y]))
-        away, _ = self.ego.distances(s, t)
-        return float(s[0]), float(away[0])
+        return float(s[0]), float(self.ego.distances(s, t).carriageway[0])
 
     def asphalt(self, x: Array, y: Array) -> Array:
         """Return the distance of points from the asphalt as drawn.

@@ -128,8 +128,8 @@ def _interrupted(way: Way, outlines: Sequence[PaintedArea]) -> Mask:
         points = np.asarray(outline.points, np.float64)
         middle = points[:-1].mean(axis=0)
         s, t = road.locate(float(middle[0]), float(middle[1]))
-        right = float(np.interp(s, line.s, way.asphalt[0]))
-        left = float(np.interp(s, line.s, way.asphalt[1]))
+        right = float(np.interp(s, line.s, way.carriageway.right))
+        left = float(np.interp(s, line.s, way.carriageway.left))
         if not (0.0 <= s <= road.length and right < t < left):
             continue
         places = [road.locate(x, y)[0] for x, y in points.tolist()]

@@ -9,6 +9,7 @@ from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.land import KERB_FOOT
 from oodscen_pybullet._land.marks import mark_lanes, paint_crossings
 from oodscen_pybullet._land.relief import KERB
+from oodscen_pybullet._land.repairs import add_repairs_and_manholes
 from oodscen_pybullet._land.ribbons import (
     LAYER,
     PAINT,
@@ -20,7 +21,6 @@ from oodscen_pybullet._land.ribbons import (
 )
 from oodscen_pybullet._land.theme import Theme
 from oodscen_pybullet._land.ways import Way
-from oodscen_pybullet._land.wear import add_wear
 from oodscen_pybullet._meshes.atlas import swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import upright
@@ -73,7 +73,7 @@ def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
         elif theme == "highway" or not way.is_connecting:
             mark_lanes(way, ribbons, layer, ground.corridor.crosswalks, theme)
         if way.is_ego:
-            add_wear(way, ribbons, rng)
+            add_repairs_and_manholes(way, ribbons, rng)
         parts.append(ribbons)
     crossings = Ribbons(ground.ego.course)
     _lay_floors(ground, crossings)
@@ -126,7 +126,7 @@ class _Roadbed:
 
     def _lay_drivable(self, strip: LaneStrip, band: _Band, rng: np.random.Generator) -> None:
         way, ribbons, heights = self._way, self._ribbons, self._heights
-        right_most, left_most = way.asphalt
+        right_most, left_most = way.carriageway
         wider = _WIDER_WITH_KERB_M if way.has_kerb else _WIDER_M
         right = np.where(band.right <= right_most + _SEAM_M, band.right - wider, band.right)
         left = np.where(band.left >= left_most - _SEAM_M, band.left + wider, band.left)
@@ -144,7 +144,7 @@ class _Roadbed:
 
     def _lay_verge(self, band: _Band) -> list[_Band]:
         """Lay a median, or what lies beside the road on a bridge; return the median if it is raised."""
-        right_most, left_most = self._way.asphalt
+        right_most, left_most = self._way.carriageway
         right, left, is_there = band
         dark, heights = self._dark, self._heights
         is_inner = whole_pieces((right > right_most - _INNER_M) & (left < left_most + _INNER_M))
@@ -164,7 +164,7 @@ class _Roadbed:
 
     def _lay_below_kerbs(self) -> None:
         """Add asphalt below kerbs where the width changes or the road ends, to close gaps."""
-        right, left = self._way.asphalt
+        right, left = self._way.carriageway
         changes = (np.abs(np.diff(right)) > _CHANGE_M) | (np.abs(np.diff(left)) > _CHANGE_M)
         changes[:1] = changes[-1:] = True
         changes |= np.roll(changes, 1) | np.roll(changes, -1)
@@ -254,7 +254,7 @@ def _lay_floors(ground: Ground, ribbons: Ribbons) -> None:
     edges: dict[str, list[Array]] = {}
     for way, other in zip(ground.ways[1:], ground.corridor.others, strict=True):
         if way.is_connecting:
-            both = [way.course.points(edge) for edge in way.asphalt]
+            both = [way.course.points(edge) for edge in way.carriageway]
             edges.setdefault(other.junction, []).extend(both)
     for points in edges.values():
         cloud = np.concatenate(points)

@@ -81,7 +81,7 @@ def _meeting_points(ground: Ground) -> Array:
         if way.is_connecting:
             is_tight[:] = True
         is_tight |= np.interp(line.s, road.s, road.in_junction.astype(np.float64)) > 0.0
-        for edge in (way.asphalt[0], way.asphalt[1]):
+        for edge in way.carriageway:
             points = line.points(edge)[is_tight]
             found.append(points[:, :2])
     every = np.concatenate(found)

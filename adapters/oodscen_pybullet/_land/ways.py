@@ -2,36 +2,68 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen_pybullet._land.course import RoadCourse, is_fast
-from oodscen_pybullet._types import Array
+from oodscen_pybullet._types import Array, Mask
 
 _ONWARD_M = 90.0
 """Length drawn beyond the end of a road that ends in the open, m."""
-_OVERLAP = 0.6
+_OVERLAP_M = 0.6
 """Overlap of a road with its successors, m, which hides the seam."""
-_MEETING = 8.0
-"""Greatest distance between the end of a road and a road that it meets, m."""
-_NARROW = 0.05
+_MEETING_M = 8.0
+"""Distance from a sample of another road's reference line within which the end of a road meets that road, m."""
+_NARROW_M = 0.05
 """A strip no wider than this is not there, m."""
-_ABSENT = 3.0
-"""Distance from the edges of a road where it has none, m."""
+_ABSENT_M = 3.0
+"""Distance that is reported from a carriageway where a road has none, m."""
+
+
+class Outline(NamedTuple):
+    """The outermost edges of strips along a course."""
+
+    right: Array
+    """[n] t, m"""
+    left: Array
+
+
+class Bounds(NamedTuple):
+    """An area parallel to the axes, m."""
+
+    x_min: float
+    x_max: float
+    y_min: float
+    y_max: float
+
+    def contain(self, x: Array, y: Array) -> Mask:
+        """Return which points lie inside."""
+        inside: Mask = (x > self.x_min) & (x < self.x_max) & (y > self.y_min) & (y < self.y_max)
+        return inside
+
+
+class Distances(NamedTuple):
+    """Distances of points from a road, m; negative inside."""
+
+    carriageway: Array
+    paved: Array
+    """From the carriageway or the pavements."""
 
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """A road as drawn: its course and its width along it."""
+    """A road: its course and its edges along it."""
 
     corridor: Corridor
     course: RoadCourse
-    asphalt: tuple[Array, Array]
-    """[n] t of the outermost edges of what is driven on, rails included, right and left."""
-    paved: tuple[Array, Array]
-    """[n] t of the outermost edges including pavements, right and left."""
+    carriageway: Outline
+    """The edges of what is driven on, rails included."""
+    paved: Outline
+    """The edges including pavements."""
     is_ego: bool
+    """True if it is the ego's road."""
     is_connecting: bool
     """True if the road is only a path through a junction."""
     has_kerb: bool
@@ -43,15 +75,15 @@ class Way:
     ) -> "Way":
         """Measure a road along its course."""
         firm = DRIVABLE | {"rail"}
-        asphalt = _outline(corridor, course, firm)
-        paved = _outline(corridor, course, firm | {"sidewalk"})
+        carriageway = _outline(corridor, course, firm)
+        right, left = _outline(corridor, course, firm | {"sidewalk"})
         kinds = {strip.kind for strip in corridor.strips}
         marks = {strip.mark for strip in corridor.strips} | {corridor.strips[0].right_mark}
         return cls(
             corridor=corridor,
             course=course,
-            asphalt=asphalt,
-            paved=(np.minimum(paved[0], asphalt[0]), np.maximum(paved[1], asphalt[1])),
+            carriageway=carriageway,
+            paved=Outline(np.minimum(right, carriageway.right), np.maximum(left, carriageway.left)),
             is_ego=is_ego,
             is_connecting=is_connecting,
             has_kerb="sidewalk" in kinds or "curb" in marks,
@@ -63,42 +95,38 @@ class Way:
         """Return whether it is a railway, on which nothing is for road users."""
         return all(strip.kind == "rail" for strip in self.corridor.strips)
 
-    def asphalt_band(self) -> tuple[Array, Array]:
-        """Return the right and left edge of the asphalt, [n, 2] each, extended slightly at both ends, m."""
-        line = self.course
-        reach = np.zeros((len(line.s), 1))
-        reach[0], reach[-1] = -_OVERLAP, _OVERLAP
-        along = reach * np.stack([line.cos, line.sin], axis=1)
-        right, left = (line.points(edge)[:, :2] + along for edge in self.asphalt)
+    def carriageway_band(self) -> tuple[Array, Array]:
+        """Return the right and left edge of the carriageway, [n, 2] each, extended slightly at both ends, m."""
+        course = self.course
+        reach = np.zeros((len(course.s), 1))
+        reach[0], reach[-1] = -_OVERLAP_M, _OVERLAP_M
+        along = reach * np.stack([course.cos, course.sin], axis=1)
+        right, left = (course.points(edge)[:, :2] + along for edge in self.carriageway)
         return right, left
 
-    def bounds(self, margin: float) -> tuple[float, float, float, float]:
-        """Return the lowest and highest x and y of the area within a margin of the road, m."""
+    def bounds(self, margin: float) -> Bounds:
+        """Return the bounds of the area within a margin of the road, m."""
         reach = margin + max(float(np.abs(edge).max()) for edge in self.paved)
         x, y = self.course.x, self.course.y
-        return (
-            float(x.min()) - reach, float(x.max()) + reach,
-            float(y.min()) - reach, float(y.max()) + reach,
-        )  # fmt: skip
+        return Bounds(
+            x_min=float(x.min()) - reach,
+            x_max=float(x.max()) + reach,
+            y_min=float(y.min()) - reach,
+            y_max=float(y.max()) + reach,
+        )
 
-    def distances(self, s: Array, t: Array) -> tuple[Array, Array]:
-        """Return the distances of points from the asphalt and from asphalt and pavements, m; negative inside."""
-        line = self.course
-        past = np.maximum(np.maximum(line.s[0] - s, s - line.s[-1]) - _OVERLAP, 0.0)
-        is_past = bool(past.any())
-        out = []
-        for right, left in (self.asphalt, self.paved):
-            a, b = np.interp(s, line.s, right), np.interp(s, line.s, left)
-            away = np.where(b - a > _NARROW, np.maximum(a - t, t - b), _ABSENT)
-            if is_past:
-                side = np.maximum(away, 0.0)
-                away = np.where(past > 0.0, np.sqrt(past * past + side * side), away)
-            out.append(away)
-        return out[0], out[1]
+    def distances(self, s: Array, t: Array) -> Distances:
+        """Return the distances of points on the road's course."""
+        course = self.course
+        past = np.maximum(np.maximum(course.s[0] - s, s - course.s[-1]) - _OVERLAP_M, 0.0)
+        return Distances(
+            carriageway=_distance(course.s, self.carriageway, s, t, past),
+            paved=_distance(course.s, self.paved, s, t, past),
+        )
 
 
 def ways_of(corridor: Corridor) -> tuple[Way, ...]:
-    """Return all roads around the ego's corridor as drawn, the ego's first."""
+    """Return all roads around the ego's corridor, the ego's first."""
     course = RoadCourse.of(corridor)
     ways = [Way.of(corridor, course, is_ego=True, is_connecting=False, name="ego")]
     for other in corridor.others:
@@ -110,7 +138,7 @@ def ways_of(corridor: Corridor) -> tuple[Way, ...]:
             last += 0.0 if _meets(float(x[-1]), float(y[-1]), rest) else _ONWARD_M
         elif is_fast(corridor):
             # A motorway's lane ends within half a metre, where its exit takes it over.
-            first, last = first - _OVERLAP, last + _OVERLAP
+            first, last = first - _OVERLAP_M, last + _OVERLAP_M
         ways.append(
             Way.of(
                 other.corridor,
@@ -123,20 +151,40 @@ def ways_of(corridor: Corridor) -> tuple[Way, ...]:
     return tuple(ways)
 
 
-def _outline(corridor: Corridor, course: RoadCourse, kinds: frozenset[str]) -> tuple[Array, Array]:
-    """Return t of the outermost edges of strips of some kinds; without such strips the edges coincide."""
+def _outline(corridor: Corridor, course: RoadCourse, kinds: frozenset[str]) -> Outline:
+    """Return the outermost edges of the strips of these kinds; without such strips they coincide."""
     right, left = np.full(len(course.s), np.inf), np.full(len(course.s), -np.inf)
     for strip in corridor.strips:
         if strip.kind in kinds:
             a = np.interp(course.s, corridor.s, strip.right)
             b = np.interp(course.s, corridor.s, strip.left)
-            is_there = b - a > _NARROW
+            is_there = b - a > _NARROW_M
             right = np.where(is_there, np.minimum(right, a), right)
             left = np.where(is_there, np.maximum(left, b), left)
     is_there = left > right
-    return np.where(is_there, right, 0.0), np.where(is_there, left, 0.0)
+    return Outline(np.where(is_there, right, 0.0), np.where(is_there, left, 0.0))
+
+
+def _distance(along: Array, outline: Outline, s: Array, t: Array, past: Array) -> Array:
+    """Return the distances of points from an outline, m; negative inside.
+
+    Args:
+        along: [n] s of the outline, m.
+        outline: The edges.
+        s: [m], m
+        t: [m], m
+        past: [m] distance beyond the ends of the road, m; 0 beside it.
+    """
+    right, left = np.interp(s, along, outline.right), np.interp(s, along, outline.left)
+    away = np.where(left - right > _NARROW_M, np.maximum(right - t, t - left), _ABSENT_M)
+    if not past.any():
+        return away
+    beside = np.maximum(away, 0.0)
+    return np.where(past > 0.0, np.sqrt(past * past + beside * beside), away)
 
 
 def _meets(x: float, y: float, roads: Iterable[Corridor]) -> bool:
-    """Return whether the end of a road touches one of the others."""
-    return any(bool(((r.x - x) ** 2 + (r.y - y) ** 2).min() < _MEETING * _MEETING) for r in roads)
+    """Return whether the end of a road meets one of the others."""
+    return any(
+        bool(((r.x - x) ** 2 + (r.y - y) ** 2).min() < _MEETING_M * _MEETING_M) for r in roads
+    )

@@ -9,9 +9,9 @@ from oodscen_pybullet._types import F32, U8
 _FARTHEST_M = np.float32(300.0)
 """Depth from which wet ground reflects nothing, m."""
 _GRAZING_M = np.float32(13.0)
-"""Depth at which ground is seen flat enough to gain half of what it gains at the horizon, m."""
+"""Depth at which the gain at grazing angles is half of that at the horizon, m."""
 _SMEAR, _RIPPLE = np.float32(0.93), np.float32(0.4)
-"""Shares of the reflection one row above that rough asphalt keeps, and water."""
+"""Share of the reflection in the row above that is kept: by rough asphalt, by water."""
 _WATER, _WATER_GRAZING = np.float32(0.26), np.float32(0.6)
 """Reflectivity of water seen from above, and what it gains at grazing angles."""
 _SKY_M = np.float32(400.0)
@@ -21,7 +21,7 @@ _PALE, _PALE_GREY = np.float32(0.7), np.float32(0.93)
 _LAMP = np.float32(205.0)
 """Value above which a pixel counts as a lamp."""
 _HASH = np.uint32(2654435761)
-"""Multiplier of Knuth's multiplicative hash."""
+"""Multiplier of Knuth's multiplicative hash; numba computes the product in 64 bits."""
 
 
 @Kernel
@@ -37,7 +37,8 @@ def add_reflections(
 
     Column by column, the picture above the line where ground and background meet is mirrored at that
     line: exact for upright objects, a good approximation for the rest. Rough wet asphalt smears the
-    reflection into streaks; a puddle keeps it sharp.
+    reflection into streaks; a puddle keeps it sharp. A column without background above the ground has
+    nothing to mirror, and stays as it is.
 
     Args:
         image: [height, width, 3], changed in place.
@@ -49,8 +50,8 @@ def add_reflections(
     """
     height, width = depth.shape
     one, zero = np.float32(1.0), np.float32(0.0)
-    base = np.zeros(width, np.int32)
-    streak = np.zeros((width, 3), np.float32)
+    base = np.full(width, -1, np.int32)
+    reflection = np.zeros((width, 3), np.float32)
     for y in range(height):
         for x in range(width):
             near = depth[y, x]
@@ -61,18 +62,19 @@ def add_reflections(
             if not is_ground:
                 base[x] = y
                 for e in range(3):
-                    streak[x, e] = np.float32(image[y, x, e])
+                    reflection[x, e] = np.float32(image[y, x, e])
                 continue
-            if not is_water and wet <= zero:
+            if base[x] < 0 or (not is_water and wet <= zero):
                 continue
-            noise = (np.uint32(y * width + x) + seed) * _HASH
-            shift = int((noise >> np.uint32(16)) % np.uint32(3)) - 1
-            column = min(max(x + (0 if is_water else shift), 0), width - 1)
             source = max(2 * base[x] - y, 0)
-            flat = near / (near + _GRAZING_M)
-            share, keep = wet * flat * flat, _SMEAR
+            grazing = near / (near + _GRAZING_M)
             if is_water:
-                share, keep = _WATER + _WATER_GRAZING * flat, _RIPPLE
+                column, share, keep = x, _WATER + _WATER_GRAZING * grazing, _RIPPLE
+            else:
+                noise = (np.uint32(y * width + x) + seed) * _HASH
+                shift = int((noise >> np.uint32(16)) % np.uint32(3)) - 1
+                column = min(max(x + shift, 0), width - 1)
+                share, keep = wet * grazing * grazing, _SMEAR
             grey = np.float32(image[source, column, 0]) + np.float32(image[source, column, 1])
             grey = (grey + np.float32(image[source, column, 2])) * np.float32(1.0 / 3.0)
             # The sky near the horizon is paler than the sky above, and water is murky.
@@ -82,7 +84,7 @@ def add_reflections(
                 mirrored += (grey * _PALE_GREY - mirrored) * pale
                 # A lamp is far brighter than the largest value that a picture can hold.
                 mirrored += gain * max(mirrored - _LAMP, zero)
-                streak[x, e] = streak[x, e] * keep + mirrored * (one - keep)
+                reflection[x, e] = reflection[x, e] * keep + mirrored * (one - keep)
                 before = np.float32(image[y, x, e])
-                after = before + (streak[x, e] - before) * share
+                after = before + (reflection[x, e] - before) * share
                 image[y, x, e] = np.uint8(min(after + np.float32(0.5), np.float32(255.0)))

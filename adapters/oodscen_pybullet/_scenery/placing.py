@@ -169,7 +169,7 @@ class Site:
     def spot(self, way: Way, s: float, side: int) -> RoadsidePlace:
         """Return the place on the edge of a road's pavement at `s`."""
         line = way.course
-        t = float(np.interp(s, line.s, way.paved[1] if side > 0 else way.paved[0]))
+        t = float(np.interp(s, line.s, way.paved.left if side > 0 else way.paved.right))
         x, y = float(np.interp(s, line.s, line.x)), float(np.interp(s, line.s, line.y))
         c, n = float(np.interp(s, line.s, line.cos)), float(np.interp(s, line.s, line.sin))
         norm = math.sqrt(c * c + n * n)

@@ -78,8 +78,8 @@ def _portal(mesh: MeshBuilder, ground: Ground, s: float, *, forward: bool) -> No
     x, y, z, _ = road.point(s, 0.0)
     c = float(np.interp(s, road.s, road.cos))
     n = float(np.interp(s, road.s, road.sin))
-    right = float(np.interp(s, ego.course.s, ego.paved[0])) - _WALL
-    left = float(np.interp(s, ego.course.s, ego.paved[1])) + _WALL
+    right = float(np.interp(s, ego.course.s, ego.paved.right)) - _WALL
+    left = float(np.interp(s, ego.course.s, ego.paved.left)) + _WALL
     wide, step = BANK_M + 5.0, -0.25 if forward else 0.25
 
     def at(t: float, h: float, out: float = 0.0) -> Point:

@@ -181,13 +181,20 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
 
 @part
 def _halt(w: Situation, i: int, waited: float) -> None:
-    """Brake to a stop, stand for a while, and drive on."""
-    braking = w.traits[i, col.DECELERATION]
-    if waited < w.traits[i, col.GOAL] / braking + w.traits[i, col.PAUSE]:
+    """Brake until it stands, wait for the pause, and drive on.
+
+    The first memory column holds the time at which the pause begins, s; 0 before. A driver whom traffic stops earlier
+    than its own braking would have begins it no earlier.
+    """
+    braking, begun = w.traits[i, col.DECELERATION], w.state[i, col.MEMORY]
+    if begun == 0.0 and w.state[i, col.SPEED] == 0.0:
+        begun = max(w.traits[i, col.GOAL] / braking, waited - w.dt)
+        w.state[i, col.MEMORY] = begun
+    if begun > 0.0 and waited >= begun + w.traits[i, col.PAUSE]:
+        cruise(w, i, 0.0)
+    else:
         acceleration = min(-braking, idm_acceleration(w, i, desired_speed(w, i), 1.2, -math.inf))
         keep_lane(w, i, accelerate(w, i, acceleration), 0.0, 0.0)
-    else:
-        cruise(w, i, 0.0)
 
 
 @part

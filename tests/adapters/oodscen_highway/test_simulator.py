@@ -48,6 +48,20 @@ def test_the_ego_never_reverses_and_a_restored_run_repeats(
         assert runs[0] == runs[1]
 
 
+@pytest.mark.parametrize("friction", [1.0, 0.1])
+def test_a_driver_that_halts_stands_for_the_pause_and_goes_on_even_on_ice(friction) -> None:
+    halt = Behaviour(name="halt", parameters={"speed": 8.0, "deceleration": 4.0, "pause": 2.0})
+    actor = Actor(id="a", asset="car", placement=Placement(ahead_m=60.0), behaviour=halt)
+    scene = sample_scene(CATALOGUE.map("urban_avenue"), (actor,))
+    weather = scene.weather.model_copy(update={"friction": friction})
+    ego = scene.ego.model_copy(update={"speed": 0.0})
+    with HighwaySimulator() as simulator:
+        simulator.reset(scene.model_copy(update={"weather": weather, "ego": ego}), 0)
+        speeds = [simulator.step(Control()).speeds[1] for _ in range(300)]
+    assert 1.9 < simulator.dt * sum(speed < 0.1 for speed in speeds) < 2.3
+    assert speeds[-1] > 1.0
+
+
 def test_the_catalogue_needs_no_highway_env_and_a_run_says_how_to_get_it() -> None:
     told = told_without("highway_env", "oodscen_highway:HighwaySimulator")
     assert told == ["highway", "highway_env"]

@@ -1,8 +1,13 @@
+import math
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from oodscen_sumo import SumoSimulator
 from oodscen_sumo._catalogue import load_catalogue
 from oodscen_sumo._network import Networks, load_sumo
+from oodscen_sumo._simulator import FrontBumper
 
 from oodscen import make_catalogue
 from oodscen.data import Actor, Behaviour, Placement, Trigger
@@ -62,6 +67,41 @@ def test_a_change_into_an_oncoming_lane_is_refused() -> None:
     assert [issue.path for issue in refused.value.issues] == [
         "actors[0].behaviour.parameters.lanes"
     ]
+
+
+@pytest.mark.parametrize("behaviour", ["follow_lane", "hard_brake"])
+def test_a_driver_against_the_traffic_of_its_lane_is_refused(behaviour) -> None:
+    against = Placement(ahead_m=60.0, heading_deg=180.0)
+    staged = actor(behaviour).model_copy(update={"placement": against})
+    with SumoSimulator() as simulator, pytest.raises(SceneError) as refused:
+        simulator.reset(sample_scene(AVENUE, (staged,)), 0)
+    assert [issue.path for issue in refused.value.issues] == ["actors[0].placement.heading_deg"]
+
+
+@pytest.mark.parametrize("friction", [1.0, 0.1])
+def test_a_driver_that_halts_stands_for_the_pause_and_goes_on_even_on_ice(friction) -> None:
+    halting = actor("halt", ahead=60.0, speed=8.0, deceleration=4.0, pause=2.0)
+    scene = sample_scene(AVENUE, (halting,))
+    weather = scene.weather.model_copy(update={"friction": friction})
+    ego = scene.ego.model_copy(update={"speed": 0.0})
+    with SumoSimulator() as simulator:
+        simulator.reset(scene.model_copy(update={"weather": weather, "ego": ego}), 0)
+        speeds = [simulator.step(Control()).speeds[1] for _ in range(300)]
+    standing = simulator.dt * sum(speed < 0.1 for speed in speeds)
+    assert 1.9 < standing < 2.3
+    assert speeds[-1] > 1.0
+
+
+@given(
+    x=st.floats(-1e3, 1e3),
+    y=st.floats(-1e3, 1e3),
+    yaw=st.floats(-3.1, 3.1),
+    length=st.floats(0.1, 20.0),
+)
+def test_places_of_front_bumpers_and_of_centres_are_two_views_of_one(x, y, yaw, length) -> None:
+    front = FrontBumper.of(x, y, yaw, length=length)
+    assert math.dist(front[:2], (x, y)) == pytest.approx(0.5 * length)
+    assert front.pose(length) == pytest.approx((x, y, yaw), abs=1e-9)
 
 
 def test_one_simulation_runs_per_process() -> None:

@@ -234,6 +234,28 @@ def test_stop_and_go_stops_and_goes() -> None:
     assert min(speeds[160:240]) == 0.0
 
 
+@settings(max_examples=15)
+@given(
+    friction=st.floats(0.1, 1.2),
+    speed=st.floats(1.0, 12.0),
+    deceleration=st.floats(0.5, 4.0),
+    pause=st.floats(0.0, 4.0),
+)
+def test_who_halts_stands_for_the_pause_and_goes_on_even_on_ice(
+    friction: float, speed: float, deceleration: float, pause: float
+) -> None:
+    halting = actor("a", "car", "halt", speed=speed, deceleration=deceleration, pause=pause)
+    result = world(scene(halting, friction=friction, speed=0.0))
+    stopping = speed / min(deceleration, 0.9 * 9.81 * friction)
+    speeds = []
+    for _ in range(math.ceil((stopping + pause + 1.0) / result.dt)):
+        result.step(Control())
+        speeds.append(result.motion("a").speed)
+    assert abs(speeds.count(0.0) - pause / result.dt) <= 2
+    assert speeds.index(0.0) * result.dt == pytest.approx(stopping, abs=0.2)
+    assert speeds[-1] > 0.0
+
+
 def test_wrong_way_drivers_face_the_ego_whatever_the_heading() -> None:
     for lane, sign in ((0, -1), (2, 1)):
         for heading in (0.0, 180.0):

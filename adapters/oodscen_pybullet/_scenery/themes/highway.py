@@ -22,7 +22,7 @@ def furnish_highway(site: Site) -> None:
                 _, left = strip_edges(way.corridor, way.course, strip)
                 _rails(site, way, left - 0.16, left + 0.16)
                 break
-        right, left = way.asphalt
+        right, left = way.carriageway
         _rails(site, way, left + 1.0, right - 1.0)
         for side in SIDES:
             for spot in site.spots(way, side, 50.0):
@@ -35,11 +35,11 @@ def furnish_highway(site: Site) -> None:
 
 def _gantries(site: Site, way: Way) -> None:
     """Add sign gantries where the road is as wide as at its beginning."""
-    first = float(way.asphalt[0][0])
+    first = float(way.carriageway.right[0])
     mesh = furniture.gantry(abs(first) + 0.6)
     for spot in site.spots(way, -1, 420.0, first=20.0):
         x, y = spot.beside(0.0, 0.9)
-        edge = float(np.interp(spot.s, way.course.s, way.asphalt[0]))
+        edge = float(np.interp(spot.s, way.course.s, way.carriageway.right))
         fits = abs(edge - first) < 0.1 and site.is_free(x, y, 0.3)
         if fits and not site.is_spanned(spot, 20.0):
             site.stand(mesh, spot, 0.0, 0.9)
@@ -58,7 +58,7 @@ def _rail(site: Site, way: Way, t: Array, side: int) -> None:
     """
     ribbons, line = Ribbons(way.course), way.course
     is_free = site.ground.asphalt(line.x - t * line.sin, line.y + t * line.cos) > 0.4
-    is_median = bool((t > way.asphalt[0]).all() and (t < way.asphalt[1]).all())
+    is_median = bool((t > way.carriageway.right).all() and (t < way.carriageway.left).all())
     stands = is_free | is_median
     where = stands[1:] & stands[:-1]
     for low, high, colour in ((0.44, 0.56, "rail"), (0.56, 0.60, "post"), (0.60, 0.74, "rail")):

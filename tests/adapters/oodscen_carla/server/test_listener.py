@@ -1,7 +1,10 @@
 """Raw bytes on the real sockets: nothing ends the server or stays behind in it."""
 
+import re
 import socket
 import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import msgpack
@@ -10,9 +13,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from oodscen_carla.server import CarlaTestServer
 from oodscen_carla.server._measurements import WORLD
-from oodscen_carla.server._streams import _send_both
 
 from oodscen.errors import SimulatorError
+from oodscen.testing import example_scene
 
 
 class RawClient:
@@ -41,29 +44,6 @@ class RawClient:
 def open_things(pid: int) -> tuple[int, int]:
     """Return the number of open files and of threads of a process."""
     return tuple(len(list(Path(f"/proc/{pid}/{kind}").iterdir())) for kind in ("fd", "task"))
-
-
-class Narrow:
-    """A connection that takes a few bytes at first."""
-
-    def __init__(self, width: int) -> None:
-        self.width, self.taken = width, b""
-
-    def sendmsg(self, buffers) -> int:
-        self.taken = b"".join(buffers)[: self.width]
-        return len(self.taken)
-
-    def sendall(self, data) -> None:
-        self.taken += bytes(data)
-
-
-@given(
-    first=st.binary(min_size=1, max_size=9), last=st.binary(max_size=9), width=st.integers(0, 18)
-)
-def test_both_buffers_arrive_however_few_bytes_are_taken_at_once(first, last, width):
-    connection = Narrow(width)
-    _send_both(connection, first, last)
-    assert connection.taken == first + last
 
 
 @settings(
@@ -118,6 +98,38 @@ def test_a_server_that_cannot_start_says_so():
         pass
 
 
+def test_names_may_hold_separators_of_lines():
+    scene = example_scene().model_copy(update={"scenario_id": "a\u2028b\x85c"})
+    with CarlaTestServer([scene]) as server:
+        assert server.is_alive
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("no scene", r"line 3:\s.*is no JSON"),
+        (example_scene().to_json().replace('"schema_version":1', '"schema_version":0'), "line 3"),
+    ],
+)
+def test_a_line_that_is_no_scene_is_named(tmp_path, line, told):
+    (tmp_path / "scenes.jsonl").write_text(f"{example_scene().to_json()}\n\n{line}\n")
+    order = [sys.executable, "-m", "oodscen_carla.server", "--simulator", "flat", "--scenes"]
+    result = subprocess.run([*order, tmp_path / "scenes.jsonl"], capture_output=True, text=True)
+    assert result.returncode == 2
+    assert re.search(told, result.stderr)
+    assert "Traceback" not in result.stderr
+
+
+@pytest.mark.parametrize(
+    "line", ["", "no fault", "[]", "{}", '{"kind": "explode"}', '{"kind": "die", "after": "x"}']
+)
+def test_a_line_that_is_no_fault_is_refused_and_the_server_goes_on(server, line):
+    process = server._process
+    print(line, file=process.stdin, flush=True)
+    assert process.stdout.readline().startswith("refused: ")
+    server.fault("refuse", "no_such_call")
+
+
 def test_it_dies_on_demand_and_its_end_is_seen():
     with CarlaTestServer() as server:
         server.fault("die", "get_map_info")
@@ -127,6 +139,8 @@ def test_it_dies_on_demand_and_its_end_is_seen():
                 client.ask("get_map_info")
         server.kill()
         assert not server.is_alive
+        with pytest.raises(SimulatorError, match="it has ended"):
+            server.fault("refuse")
 
 
 def test_it_refuses_and_hangs_on_demand(server):

@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 from oodscen_pybullet._lighting.reflections import add_reflections
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR, PLAIN, SHELTERED, SOFT
 from oodscen_pybullet._rendering.view import CameraView
@@ -38,6 +39,14 @@ def test_wet_ground_takes_the_colour_of_what_stands_on_it_and_water_more_so() ->
     for some in (wet, water):
         assert some[:80, 0].astype(int).mean() > 66 > some[:80, 1].mean()
     assert water[:80, 0].astype(int).mean() > wet[:80, 0].astype(int).mean() + 10
+
+
+@pytest.mark.parametrize("kind", [GROUND, MIRROR])
+def test_a_picture_of_ground_only_mirrors_nothing(kind: int) -> None:
+    image = np.full((40, 8, 3), 100, np.uint8)
+    depth, kinds = np.full((40, 8), 30.0, np.float32), np.full((40, 8), kind, np.uint8)
+    add_reflections(image, depth, kinds, np.float32(0.6), np.float32(0.0), np.uint32(1))
+    assert (image == 100).all()
 
 
 def test_grass_and_roads_in_tunnels_mirror_nothing() -> None:

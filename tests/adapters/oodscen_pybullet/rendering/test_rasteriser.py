@@ -100,13 +100,14 @@ from oodscen_pybullet._rendering.view import CameraView
 from oodscen.protocols import Camera
 
 def render(stage):
+    white, up = (1.0, 1.0, 1.0), (0.0, 0.0, 1.0)
     mesh = MeshBuilder().textured_quad([(-9, -9, 0), (90, -9, 0), (90, 9, 0), (-9, 9, 0)], "paving")
     stage.show_scenery([mesh.build()])
     stage.show_actors([Look("ego_car"), Look("cow")])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.1), (9.0, 1.0, 0.0, 2.0)])
     shot = stage.render(
         CameraView.of(Camera(120, 90), (0.0, 0.0, 0.0, 0.1)),
-        Light((0.0, 0.6, 0.8), 0.5, 0.5, 1.0, 0.3, WHITE, WHITE, UP, has_glare=False),
+        Light((0.0, 0.6, 0.8), 0.5, 0.5, 1.0, 0.3, white, white, up, has_glare=False),
     )
     parts = (shot.rgb, shot.depth, shot.rows, shot.reach, shot.sky)
     return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()

@@ -7,23 +7,23 @@ from oodscen_pybullet._land.ribbons import LAYER, Ribbons, add_slab
 from oodscen_pybullet._land.ways import Way
 
 _APART_M, _JITTER_M = 19.0, 7.0
-"""Distance between two places that may be worn, and the most by which each is moved, m."""
+"""Distance between places that may have something, and the most by which each is moved, m."""
 _FIRST_M, _LAST_M = 8.0, 60.0
-"""Distances from the ends of the road within which nothing is worn, m."""
+"""Distances of the first and the last place from the ends of the road, before they are moved, m."""
 _BEFORE_M, _AFTER_M = 6.0, 1.0
-"""Distances from a tunnel or bridge within which nothing is worn, m."""
-_LANE_M = 2.5
-"""Width from which a lane is worn, m."""
-_MANHOLES, _REPAIRS = 0.35, 0.65
-"""Shares of the places up to which there is a manhole cover, then a repair; the rest is whole."""
-_FAST = 20.0
+"""Distances before and behind a tunnel or bridge within which nothing begins, m: a repair fits before it."""
+_LEAST_WIDTH_M = 2.5
+"""Width from which a lane has something, m."""
+_MANHOLE, _REPAIR = 0.35, 0.65
+"""Draws below which a place has a manhole cover, or else a repair; where there are no manholes it has a repair."""
+_NO_MANHOLES_MPS = 20.0
 """Speed limit from which a road has no manholes, m/s."""
 _ASIDE_M = 0.7
 """Largest distance of a manhole cover from the lane's middle, m."""
 _RIM_M = 0.25
-"""Distance of repairs from the lane's edges, m."""
+"""Distance of repairs from the lane's edges where they begin, m."""
 _LENGTH_M, _INWARDS_M, _WIDTH_M = (1.2, 5.0), (0.0, 0.9), (0.7, 1.9)
-"""Least and largest length of a repair, distance from that rim, and width, m."""
+"""Least and largest length of a repair, its distance from the rim at the right edge, and its width, m."""
 _COVER = ((0.36, "asphalt_light", 0.003), (0.29, "asphalt_patch", 0.006))
 """Radius, colour and height of a manhole's frame and lid, m."""
 _DIAGONAL = 0.7071
@@ -33,31 +33,34 @@ _OCTAGON = (
 )  # fmt: skip
 
 
-def add_wear(way: Way, ribbons: Ribbons, rng: np.random.Generator) -> None:
+def add_repairs_and_manholes(way: Way, ribbons: Ribbons, rng: np.random.Generator) -> None:
     """Add repairs and manhole covers to a road."""
     first, last = float(way.course.s[0]) + _FIRST_M, float(way.course.s[-1]) - _LAST_M
     for strip in way.corridor.strips:
         if strip.kind == "driving":
-            for s in np.arange(first, last, _APART_M).tolist():
-                at = s + float(rng.uniform(-_JITTER_M, _JITTER_M))
-                _wear_at(at, way.corridor, strip, ribbons, rng)
+            for place in np.arange(first, last, _APART_M).tolist():
+                s = place + float(rng.uniform(-_JITTER_M, _JITTER_M))
+                _add_at(s, way.corridor, strip, ribbons, rng)
 
 
-def _wear_at(
+def _add_at(
     s: float, road: Corridor, strip: LaneStrip, ribbons: Ribbons, rng: np.random.Generator
 ) -> None:
-    """Add a repair, a manhole cover or nothing at a place of a lane."""
-    kind = float(rng.uniform())
+    """Add a repair, a manhole cover or nothing at a place of a lane.
+
+    A repair keeps the lateral position that fits where it begins, even if the lane narrows along it.
+    """
+    draw = float(rng.uniform())
     if any(one.start - _BEFORE_M < s < one.end + _AFTER_M for one in road.structures):
         return
     right = float(np.interp(s, road.s, strip.right))
     left = float(np.interp(s, road.s, strip.left))
-    if left - right < _LANE_M:
+    if left - right < _LEAST_WIDTH_M:
         return
-    if kind < _MANHOLES and road.speed_limit < _FAST:
+    if draw < _MANHOLE and road.speed_limit < _NO_MANHOLES_MPS:
         aside = float(rng.uniform(-_ASIDE_M, _ASIDE_M))
         _add_manhole(road, ribbons, s, 0.5 * (left + right) + aside)
-    elif kind < _REPAIRS:
+    elif draw < _REPAIR:
         length = float(rng.uniform(*_LENGTH_M))
         low = right + _RIM_M + float(rng.uniform(*_INWARDS_M))
         high = min(left - _RIM_M, low + float(rng.uniform(*_WIDTH_M)))
