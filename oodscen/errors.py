@@ -400,6 +400,9 @@ class InUse(UsageError):
 class RunStopped(OodscenError):
     """The run stopped early; its results stay valid, and the same command continues it."""
 
+    requests: int = 0
+    """Number of HTTP requests that the stopped call of a model had made."""
+
 
 class BudgetExceeded(RunStopped):
     """The next request could exceed a cap on requests, tokens, cost or time."""

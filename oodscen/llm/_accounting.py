@@ -59,7 +59,7 @@ def accounts(
 
 def account(group: tuple[str, ...], calls: Sequence[Mapping[str, Any]]) -> Account:
     """Sum up the calls of one group; missing and invalid amounts count as 0."""
-    requests = [max(1, int(_number(call, "requests"))) for call in calls]
+    requests = [int(_number(call, "requests")) for call in calls]
     costs = [call.get("cost_usd") for call in calls if call.get("status") != "failed"]
     known = [float(cost) for cost in costs if _is_amount(cost)]
     times = sorted(_number(call, "seconds") for call in calls)
@@ -67,7 +67,7 @@ def account(group: tuple[str, ...], calls: Sequence[Mapping[str, Any]]) -> Accou
         group=group,
         calls=len(calls),
         requests=sum(requests),
-        retries=sum(requests) - len(calls),
+        retries=sum(max(0, number - 1) for number in requests),
         repairs=sum(_number(call, "attempt") > 1 for call in calls),
         failed=sum(call.get("status") == "failed" for call in calls),
         input_tokens=round(sum(_number(call, "input_tokens") for call in calls)),
