@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 from urllib.parse import urlsplit
 
 from oodscen._arguments import instance_of
@@ -49,8 +49,8 @@ class LiteLLM(Brief):
     state the format in any case. If the provider takes seeds, each call has its own `provider_seed`: `(seed *
     1_000_003 + sample) % 2**31` for the question itself.
 
-    Rate limits, timeouts, lost connections, server errors and unusable responses (empty, a web page, too
-    large) are retried here and nowhere else, after the time in the server's `Retry-After`, or 1, 2, 4 ...
+    Rate limits, timeouts, lost connections, server errors and unusable responses (an empty body, a web page,
+    too large) are retried here and nowhere else, after the time in the server's `Retry-After`, or 1, 2, 4 ...
     seconds with jitter; a timeout is retried only once.
 
     Args:
@@ -289,6 +289,7 @@ class LiteLLM(Brief):
             text=redact_keys(text.encode("utf-8", "replace").decode()),
             usage=plausible_usage(usage.model_copy(update={"cost_usd": cost}), request),
             is_cut_off=ending == "length" or str(native).casefold() in _CUT_OFF,
+            instead=None if text.strip() else _in_place_of_text(choice.message),
         )
 
     def _cost(self, response: Any, asked: int, answered: int) -> float | None:
@@ -346,6 +347,12 @@ _CUT_OFF = frozenset(
     "length max_tokens max_output_tokens model_length error abort aborted cancelled canceled timeout".split()
 )
 """Servers' own words for an answer that did not come to its end."""
+
+
+def _in_place_of_text(message: Any) -> Literal["a tool call", "reasoning"] | None:
+    if getattr(message, "tool_calls", None) or getattr(message, "function_call", None):
+        return "a tool call"
+    return "reasoning" if getattr(message, "reasoning_content", None) else None
 
 
 def _own_fields(part: Any) -> Mapping[str, Any]:
