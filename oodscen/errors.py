@@ -11,7 +11,7 @@
     │   └── InUse               another process is writing this folder or file (who, since when)
     ├── LLMError                a model could not be reached, or its answer not understood
     │   ├── AnswerError         its answer stayed invalid after repair (keeps the raw text)
-    │   ├── ResponseError       the response was not an answer: empty, a web page, too large (keeps its start)
+    │   ├── ResponseError       the response was not an answer: no body, a web page, too large (keeps its start)
     │   ├── LLMTimeout          the server responds, but no answer came in time
     │   ├── ContentFiltered     the provider's content filter blocked this question
     │   ├── ModelSkipped        not asked: the run had already given up on the model
@@ -399,6 +399,9 @@ class InUse(UsageError):
 
 class RunStopped(OodscenError):
     """The run stopped early; its results stay valid, and the same command continues it."""
+
+    requests: int = 0
+    """Number of HTTP requests that the stopped call of a model had made."""
 
 
 class BudgetExceeded(RunStopped):

@@ -14,7 +14,7 @@ y to the left, z up; angles and curvatures are positive to the left (counter-clo
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
+from typing import TYPE_CHECKING, Any, Literal, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +88,8 @@ class Completion(Data):
     """HTTP requests made for this completion, including retries; 0 for a model that makes none."""
     is_cut_off: bool = False
     """True if the text ends because a limit on its length was reached."""
+    instead: Literal["a tool call", "reasoning"] | None = None
+    """The part of the response that stood in place of a text, if there was one and no text."""
 
     @field_validator("text")
     @classmethod

@@ -93,7 +93,7 @@ def test_the_command_and_python_dash_m_have_one_entry():
     ],
 )
 def test_an_unknown_name_is_one_line_with_close_matches(tmp_path, option, wrong, hint):
-    result = call("run", tmp_path / "out", *QUICK, option, wrong)
+    result = call("run", tmp_path / "out", "--quick", option, wrong)
     assert result.exit_code == 2
     assert hint in result.stderr
     assert "Traceback" not in result.stderr

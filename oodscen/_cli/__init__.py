@@ -35,6 +35,7 @@ from oodscen._cli import (
     study,
     tree,
 )
+from oodscen._cli.groups import CommandGroup
 from oodscen._cli.help import COMMANDS, sections_of
 from oodscen._cli.output import drop_output, say, shortened
 from oodscen._processes import ending_children
@@ -53,7 +54,7 @@ _ORDER = "oodscen.order"
 """The key in a click context for the arguments after the program's name."""
 
 
-class _CommandGroup(click.Group):
+class _MainGroup(CommandGroup):
     """Turns the library's errors into one friendly line and an exit code."""
 
     def main(self, args: Sequence[str] | None = None, *given: Any, **options: Any) -> Any:
@@ -214,7 +215,7 @@ _EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in 
 
 
 @click.group(
-    cls=_CommandGroup, context_settings={"help_option_names": ["-h", "--help"]}, epilog=_EPILOG
+    cls=_MainGroup, context_settings={"help_option_names": ["-h", "--help"]}, epilog=_EPILOG
 )
 @click.version_option(__version__, prog_name="oodscen")
 @click.option("--debug", is_flag=True, help="Show tracebacks.")

@@ -6,6 +6,7 @@ from contextlib import redirect_stdout
 
 import click
 
+from oodscen._cli.groups import CommandGroup
 from oodscen._cli.options import json_option, refuse_idle
 from oodscen._cli.output import say
 from oodscen._cli.progress import bars
@@ -25,7 +26,7 @@ def plugins(as_json: bool) -> None:
         say(f"{row['kind']:10} {row['name']:22} {row['source']:55} {row['state']}")
 
 
-@click.group()
+@click.group(cls=CommandGroup)
 def new() -> None:
     """Write the beginnings of a package of your own."""
 

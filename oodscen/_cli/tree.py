@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from oodscen._cli.groups import CommandGroup
 from oodscen._cli.numbers import FiniteRange
 from oodscen._cli.options import json_option, out_option, refuse_idle
 from oodscen._cli.output import say, write
@@ -44,7 +45,7 @@ def _encoder_options(command: Any) -> Any:
     return encoder(threshold(command))
 
 
-@click.group()
+@click.group(cls=CommandGroup)
 def tree() -> None:
     """Inspect and combine scenario trees, from files or studies."""
 

@@ -167,6 +167,7 @@ class _PricedAuthor:
         return {
             "stage": stage,
             "model": self.name,
+            "requests": 1,
             "cacheable_tokens": cacheable,
             **usage.model_dump(),
         }

@@ -19,8 +19,7 @@ from oodscen.inspect._samples import samples
 from oodscen.judging._items import answer_values
 from oodscen.judging._questions import ATTEMPTS
 from oodscen.judging._scoring import AnswerKey
-from oodscen.llm._ask import heard, is_incomplete, repair
-from oodscen.llm._reading import CUT_OFF
+from oodscen.llm._ask import heard, incompleteness, repair
 from oodscen.prompts._judging.choose_action import ChooseAction
 from oodscen.prompts._judging.choose_aspect import ChooseAspect
 from oodscen.prompts._judging.name_aspect import NameAspect
@@ -115,7 +114,7 @@ def asked() -> Solver:
             if isinstance(failure, ContentFiltered):
                 break
             try:
-                answer, issues = (None, [CUT_OFF])
+                answer, issues = (None, list(failure.issues) if failure else [])
                 if failure is None:
                     answer, issues, _ = reader.read(raw, model=str(state.model))
             except AnswerError:
@@ -181,12 +180,13 @@ def _scoring(*kept: str, judge: str | None = None) -> Scorer:
 
 
 def _failure(state: TaskState) -> AnswerError | ContentFiltered | None:
-    """Return why the words of an answer do not count, whatever they say: they were withheld, or a limit ended them."""
+    """Return why the words of an answer do not count: they were withheld, a limit ended them, or there are none."""
     model, raw = str(state.model), heard(state.output.completion)
     if state.output.stop_reason == "content_filter":
         return ContentFiltered("the answer was withheld or cut", model=model)
-    if state.output.stop_reason in ("max_tokens", "model_length") and is_incomplete(raw):
-        return AnswerError(model, state.metadata["purpose"], [CUT_OFF], raw, 1)
+    is_cut_off = state.output.stop_reason in ("max_tokens", "model_length")
+    if issues := incompleteness(raw, is_cut_off=is_cut_off):
+        return AnswerError(model, state.metadata["purpose"], issues, raw, 1)
     return None
 
 

@@ -59,15 +59,16 @@ def accounts(
 
 def account(group: tuple[str, ...], calls: Sequence[Mapping[str, Any]]) -> Account:
     """Sum up the calls of one group; missing and invalid amounts count as 0."""
-    requests = [max(1, int(_number(call, "requests"))) for call in calls]
-    costs = [call.get("cost_usd") for call in calls if call.get("status") != "failed"]
+    requests = [int(_number(call, "requests")) for call in calls]
+    unanswered = ("failed", "interrupted")
+    costs = [call.get("cost_usd") for call in calls if call.get("status") not in unanswered]
     known = [float(cost) for cost in costs if _is_amount(cost)]
     times = sorted(_number(call, "seconds") for call in calls)
     return Account(
         group=group,
         calls=len(calls),
         requests=sum(requests),
-        retries=sum(requests) - len(calls),
+        retries=sum(max(0, number - 1) for number in requests),
         repairs=sum(_number(call, "attempt") > 1 for call in calls),
         failed=sum(call.get("status") == "failed" for call in calls),
         input_tokens=round(sum(_number(call, "input_tokens") for call in calls)),
@@ -102,7 +103,7 @@ class Ledger:
             self.failed += call.status == "failed"
             self.tokens += call.input_tokens + call.output_tokens
             self.cost_usd += call.cost_usd or 0.0
-            is_free = call.status == "failed" or not (call.input_tokens + call.output_tokens)
+            is_free = call.status != "ok" or not (call.input_tokens + call.output_tokens)
             self.is_priced &= call.cost_usd is not None or is_free
 
     def __str__(self) -> str:

@@ -14,7 +14,7 @@ from oodscen._text import whole
 from oodscen.data._messages import Message
 from oodscen.errors import AnswerError, Issue
 from oodscen.llm._check import complete
-from oodscen.llm._reading import CUT_OFF, read_answer
+from oodscen.llm._reading import CUT_OFF, EMPTY, ONLY, read_answer
 from oodscen.prompts._base import Prompt
 from oodscen.protocols import LLM, Request
 
@@ -70,9 +70,11 @@ def ask(
     for attempt in range(1, attempts + 1):
         completion = complete(llm, Request(prompt, messages, schema, sample, attempt))
         raw = heard(completion.text)
-        if completion.is_cut_off and is_incomplete(raw):
-            answer, issues = None, [CUT_OFF]
-        else:
+        answer, issues = (
+            None,
+            incompleteness(raw, is_cut_off=completion.is_cut_off, instead=completion.instead),
+        )
+        if not issues:
             answer, issues = read(raw) if read else read_answer(raw, kind, checks)
         if answer is not None:
             return answer
@@ -85,9 +87,16 @@ def heard(text: str) -> str:
     return redact_keys(whole(text))
 
 
-def is_incomplete(raw: str) -> bool:
-    """Return whether an answer that a limit cut off lacks its end, and so may have said something else."""
-    return not is_object(raw.encode())
+def incompleteness(raw: str, *, is_cut_off: bool, instead: str | None = None) -> list[Issue]:
+    """Return the faults of an answer that has no text, or that a limit cut off before the end of its object.
+
+    Args:
+        raw: The text.
+        is_cut_off: As for `Completion`.
+        instead: As for `Completion`.
+    """
+    issues = [] if raw.strip() else [ONLY.get(instead or "", EMPTY)]
+    return [*issues, CUT_OFF] if is_cut_off and not is_object(raw.encode()) else issues
 
 
 def speaker(llm: LLM) -> str:

@@ -9,11 +9,14 @@ from typing import ClassVar, Literal
 from oodscen._members import of_the_caller
 from oodscen._redaction import redact
 from oodscen.data._base import Data
+from oodscen.errors import RunStopped
 from oodscen.llm._check import complete
 from oodscen.llm._prefix import cacheable_share
 from oodscen.llm._remote.usage import plausible_usage
 from oodscen.llm._wrapper import WrappingLLM
 from oodscen.protocols import LLM, Completion, Request, Usage
+
+Status = Literal["ok", "failed", "interrupted"]
 
 
 class Call(Data):
@@ -31,8 +34,8 @@ class Call(Data):
     sample: int
     attempt: int
     """1 for the question itself, higher for repair requests."""
-    status: Literal["ok", "failed"]
-    """`ok` if text came back, whether or not it was a valid answer."""
+    status: Status
+    """`ok` if text came back, whether or not it was a valid answer; `interrupted` if the run was, by a signal."""
     error: str | None = None
     input_tokens: int = 0
     output_tokens: int = 0
@@ -88,14 +91,15 @@ class LoggedLLM(WrappingLLM):
         seconds: float,
     ) -> Call:
         usage = plausible_usage(completion.usage, request) if completion else Usage()
+        status, fault = _ending(failure)
         return Call(
             purpose=request.prompt.purpose,
             prompt_version=request.prompt.version(),
             model=self.name,
             sample=request.sample,
             attempt=request.attempt,
-            status="ok" if completion else "failed",
-            error=None if failure is None else redact(f"{type(failure).__name__}: {failure}"),
+            status=status,
+            error=fault,
             input_tokens=usage.input_tokens,
             output_tokens=usage.output_tokens,
             cached_tokens=usage.cached_tokens,
@@ -104,3 +108,12 @@ class LoggedLLM(WrappingLLM):
             requests=completion.requests if completion else getattr(failure, "requests", 0),
             seconds=round(seconds, 6),
         )
+
+
+def _ending(failure: BaseException | None) -> tuple[Status, str | None]:
+    """Return the status of a call that ended with this, and the words for it."""
+    if failure is None:
+        return "ok", None
+    if not isinstance(failure, Exception) or type(failure) is RunStopped:
+        return "interrupted", "interrupted"
+    return "failed", redact(f"{type(failure).__name__}: {failure}")

@@ -1,6 +1,6 @@
 """The circuit breaker: a model that is given up fails its own items and does not end the run."""
 
-from oodscen.errors import EndpointDown, ModelSkipped
+from oodscen.errors import EndpointDown, LLMError, ModelSkipped
 from oodscen.llm._wrapper import WrappingLLM
 from oodscen.protocols import Completion, Request
 
@@ -16,13 +16,16 @@ class CircuitBreakerLLM(WrappingLLM):
         """Pass the request on.
 
         Raises:
-            ModelSkipped: When the model is given up.
-            LLMError: When the model gives no answer.
+            ModelSkipped: When the model was given up before the question was sent.
+            LLMError: When the model gives no answer, or is given up meanwhile.
             BudgetExceeded: When a cap is reached.
         """
         try:
             return self._llm.complete(request)
         except EndpointDown as error:
-            raise ModelSkipped(
-                f"{error.endpoint} is given up: {error.reason}", model=self.name
-            ) from error
+            said = f"{error.endpoint} is given up: {error.reason}"
+            if error.requests:
+                raise LLMError(
+                    said, model=self.name, retryable=True, requests=error.requests
+                ) from error
+            raise ModelSkipped(said, model=self.name) from error

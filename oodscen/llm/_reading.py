@@ -16,6 +16,15 @@ MAX_ANSWER = 200_000
 """Longest answer that is read, in characters."""
 
 CUT_OFF = Issue("", "the answer is cut off before its end; answer more briefly")
+EMPTY = Issue("", "the answer is empty")
+UNSPOKEN = Issue("", "there is no answer after its reasoning")
+ONLY = {
+    "a tool call": Issue(
+        "", "the answer is empty: it is only a tool call; call none, and write text"
+    ),
+    "reasoning": Issue("", "the answer is empty: it is only reasoning; write text after it"),
+}
+"""Faults of an empty answer, by what stood in its place."""
 
 
 class _Reading(NamedTuple, Generic[Answer]):
@@ -44,6 +53,8 @@ def read_answer(
     if len(raw) > MAX_ANSWER:
         return None, [Issue("", f"the answer has {len(raw):,} characters; {MAX_ANSWER:,} at most")]
     said = without_thoughts(raw)
+    if not said.strip():
+        return None, [UNSPOKEN if raw.strip() else EMPTY]
     readings = [_read(candidates, kind, said) for candidates in find_objects(said)]
     answers = [one for one in readings if one.answer is not None]
     others = [one for one in readings if one.answer is None]

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from io import FileIO
 from pathlib import Path
-from typing import BinaryIO, ClassVar, NamedTuple
+from typing import BinaryIO, ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -21,7 +21,7 @@ from oodscen._display import Brief
 from oodscen._files import refuse_special, unreadable
 from oodscen._lock import locked
 from oodscen._redaction import redact_keys
-from oodscen.data._base import Data, digest
+from oodscen.data._base import LeanData, digest
 from oodscen.data._messages import Message
 from oodscen.errors import DataError, Issue, StudyError, UsageError
 from oodscen.protocols import Completion, Request, Usage
@@ -33,10 +33,11 @@ _LONGEST = 1 << 26
 """Bytes at which a line is refused: no exchange is as long."""
 
 
-class Exchange(Data):
+class Exchange(LeanData):
     """One question and its answer, as a line of a recording, without credentials."""
 
     noun: ClassVar[str] = "exchange"
+    _left_out: ClassVar[tuple[str, ...]] = ("instead",)
 
     purpose: str
     """The prompt's purpose, e.g. `stage-scene`."""
@@ -59,6 +60,8 @@ class Exchange(Data):
     """HTTP requests, retries included."""
     is_cut_off: bool = False
     """`Completion.is_cut_off`."""
+    instead: Literal["a tool call", "reasoning"] | None = None
+    """`Completion.instead`."""
 
     @classmethod
     def of(cls, request: Request, completion: Completion, model: str, seconds: float) -> "Exchange":
@@ -75,12 +78,17 @@ class Exchange(Data):
             seconds=round(seconds, 6),
             requests=completion.requests,
             is_cut_off=completion.is_cut_off,
+            instead=completion.instead,
         )
 
     def again(self) -> Completion:
         """Return the recorded answer, which costs no request."""
         return Completion(
-            text=self.answer, usage=self.usage, requests=0, is_cut_off=self.is_cut_off
+            text=self.answer,
+            usage=self.usage,
+            requests=0,
+            is_cut_off=self.is_cut_off,
+            instead=self.instead,
         )
 
     def key(self) -> str:

@@ -241,7 +241,8 @@ class _Handler(BaseHTTPRequestHandler):
         ending = "length" if completion.is_cut_off or fault == "truncated" else "stop"
         ending = "content_filter" if fault in ("withheld", "flagged") else ending
         spoilt = _spoil(completion.text, fault)
-        document = _chat_completion(body["model"], body["messages"], spoilt, ending)
+        message = _message(spoilt, completion.instead)
+        document = _chat_completion(body["model"], body["messages"], message, ending)
         if fault == "cut":
             return self._send(200, document, announced=len(document) + 999)
         return self._send(200, document)
@@ -321,11 +322,22 @@ def _spoil(text: str, fault: Fault | None) -> str | None:
     return None if fault in ("null", "withheld") else text
 
 
+def _message(text: str | None, instead: str | None) -> dict[str, Any]:
+    """Return the turn of an assistant, with a part that stands in place of its text."""
+    message: dict[str, Any] = {"role": "assistant", "content": text}
+    if instead == "a tool call":
+        call = {"name": "answer", "arguments": "{}"}
+        message["tool_calls"] = [{"id": "call-0", "type": "function", "function": call}]
+    elif instead == "reasoning":
+        message["reasoning_content"] = "The lane may be blocked."
+    return message
+
+
 def _chat_completion(
-    model: str, messages: list[dict[str, Any]], text: str | None, ending: str
+    model: str, messages: list[dict[str, Any]], message: dict[str, Any], ending: str
 ) -> bytes:
     asked = sum(len(_content(message)[0]) for message in messages) // 4
-    answered = len(text or "") // 4
+    answered = len(message["content"] or "") // 4
     document = {
         "id": "chatcmpl-0",
         "object": "chat.completion",
@@ -335,7 +347,7 @@ def _chat_completion(
             {
                 "index": 0,
                 "finish_reason": ending,
-                "message": {"role": "assistant", "content": text},
+                "message": message,
             }
         ],
         "usage": {

@@ -90,6 +90,12 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+def without(option: click.Option, given: list[str]) -> list[str]:
+    """Return the arguments without an option and its value."""
+    at = next((index for index, word in enumerate(given) if word in option.opts), None)
+    return given if at is None else [*given[:at], *given[at + 1 + option.nargs :]]
+
+
 def orders(name: str, value: str) -> Iterator[list[str]]:
     """Yield a command line for every option and argument that gets a value."""
     given = CHEAP[name]
@@ -99,7 +105,7 @@ def orders(name: str, value: str) -> Iterator[list[str]]:
             words = [*given[:arguments], value, *given[arguments + 1 :]]
             arguments += 1
         elif not one.is_flag and one.name not in TRAFFIC:
-            words = [one.opts[0], *[value] * one.nargs, *given]
+            words = [one.opts[0], *[value] * one.nargs, *without(one, given)]
         else:
             continue
         yield [*name.split(), *words]
@@ -202,3 +208,38 @@ def test_a_switch_that_a_file_leaves_off_is_not_refused(folder) -> None:
     (folder / "run.toml").write_text("without-pictures = true\n")
     done = CliRunner().invoke(main, ["run", "new", "--config", "run.toml"])
     assert "--without-pictures has no effect without --vlm" in done.stderr
+
+
+def with_a_value(option: click.Option) -> list[str]:
+    return [option.opts[-1], *["1"] * option.nargs]
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_an_option_of_one_value_is_given_once(name, folder) -> None:
+    before = sorted(folder.rglob("*"))
+    options = [one for one in COMMANDS[name].params if isinstance(one, click.Option)]
+    for option in options:
+        if option.multiple or option.is_flag:
+            continue
+        for other in options[:2]:
+            between = [] if option is other or other.is_flag else with_a_value(other)
+            twice = [*with_a_value(option), *between, *with_a_value(option)]
+            done = CliRunner().invoke(main, [*name.split(), *twice])
+            assert (done.exit_code, done.stdout) == (2, ""), twice
+            assert done.stderr == (
+                f"oodscen: {option.opts[-1]} is given more than once; give one value\n"
+            )
+    assert sorted(folder.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    "order", ["plugins --json --json", "show . --json --json", "power 0.66 0.51 --json --json"]
+)
+def test_a_switch_may_be_repeated(order, folder) -> None:
+    assert "more than once" not in CliRunner().invoke(main, order.split()).output
+
+
+def test_both_ways_to_give_a_value_count(folder) -> None:
+    order = ["export", "empty", "-o", "a", "--to=osi", "--out", "b", "--to", "mcap"]
+    done = CliRunner().invoke(main, order)
+    assert done.stderr == ("oodscen: --out and --to are given more than once; give one value\n")

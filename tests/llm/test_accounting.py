@@ -64,7 +64,7 @@ def test_percentiles_are_values_that_enough_calls_keep(seconds):
 
 def test_lines_of_any_kind_are_summed():
     found = account(("x",), [{}, {"seconds": "long", "cost_usd": "much", "requests": None}])
-    assert (found.calls, found.requests, found.seconds) == (2, 2, 0)
+    assert (found.calls, found.requests, found.retries, found.seconds) == (2, 0, 0, 0)
 
 
 def test_a_second_model_answers_where_the_first_does_not():

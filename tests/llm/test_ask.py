@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.errors import AnswerError, Issue, LLMError
+from oodscen.judging import read_action
 from oodscen.llm._ask import ATTEMPTS, QUOTED, SHOWN_ISSUES, ask
 from oodscen.llm._reading import MAX_ANSWER, read_answer
 from oodscen.prompts import QUESTIONS
@@ -20,6 +21,7 @@ from oodscen.testing import ScriptedLLM
 from tests import strategies  # noqa: F401  # says how claims are drawn
 from tests.prompts.samples import SAMPLES
 
+BLANK = st.text(" \n\t", max_size=5)
 QUESTION = ImagineScenario(shown=("A deer crosses.",))
 GOOD = {"reasoning": "rare", "text": "A grand piano lies across the ego vehicle's lane."}
 
@@ -338,3 +340,13 @@ def test_an_answer_that_the_model_did_not_end_is_not_taken_for_a_shorter_one(tex
     with nullcontext() if is_taken else pytest.raises(AnswerError, match="cut off before its end"):
         ask(llm, QUESTION, read=read)
     assert len(llm.requests) == (1 if is_taken else ATTEMPTS)
+
+
+@given(BLANK, st.sampled_from(["", "<think>A deer?</think>", "<think>A deer?"]), BLANK)
+def test_nothing_is_told_from_an_answer_that_cannot_be_read(before, thoughts, after):
+    raw = before + thoughts + after
+    fault = "no answer after its reasoning" if thoughts else "the answer is empty"
+    with pytest.raises(AnswerError, match=fault):
+        ask(ScriptedLLM(lambda asked: Completion(text=raw)), QUESTION)
+    assert fault in str(read_answer(raw, ImaginedScenario)[1])
+    assert fault in read_action(raw).note

@@ -7,8 +7,9 @@ import pytest
 
 from oodscen import make_llm
 from oodscen._concurrency import as_finished
-from oodscen.errors import LLMError
+from oodscen.errors import EndpointDown, LLMError, RunStopped
 from oodscen.judging._constant_answerers import ConstantAnswerer
+from oodscen.llm._accounting import account
 from oodscen.llm._ask import ask
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
@@ -56,16 +57,34 @@ def test_repairs_are_calls_of_their_own():
     assert [(call.attempt, call.status) for call in calls] == [(1, "ok"), (2, "ok"), (3, "ok")]
 
 
-@pytest.mark.parametrize("error", [LLMError("gone", model="m"), KeyboardInterrupt()])
-def test_a_failure_is_logged_and_passes_through(error):
+class _Signal(KeyboardInterrupt):
+    """The interruption of a command."""
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "words"),
+    [
+        (LLMError("gone", model="m"), "failed", "LLMError: gone"),
+        (
+            EndpointDown("m", "dead"),
+            "failed",
+            "EndpointDown: m is given up: dead; fix this and run",
+        ),
+        (KeyboardInterrupt(), "interrupted", "interrupted"),
+        (_Signal(), "interrupted", "interrupted"),
+        (RunStopped("the run was interrupted"), "interrupted", "interrupted"),
+    ],
+)
+def test_a_failure_is_logged_and_passes_through(error, status, words):
     calls = []
     llm = LoggedLLM(ScriptedLLM([error]), calls.append)
     with pytest.raises(type(error)) as caught:
         ask(llm, QUESTION)
     assert caught.value is error
     (call,) = calls
-    assert call.status == "failed"
-    assert call.error.startswith(type(error).__name__)
+    assert call.status == status
+    assert call.error.startswith(words)
+    assert account(("m",), [call.model_dump()]).failed == (status == "failed")
 
 
 def test_an_error_that_is_no_typed_one_is_logged_and_costs_the_question():

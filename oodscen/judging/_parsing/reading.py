@@ -16,6 +16,7 @@ from oodscen._prose import after_reasoning, fold, is_refusal, tidy
 from oodscen._text import clean_surrogates
 from oodscen.judging._parsing.unusable import LONGEST, TWO_ANSWERS, UnusableError
 from oodscen.llm._json_objects import scan
+from oodscen.llm._reading import EMPTY, UNSPOKEN
 
 Value = TypeVar("Value")
 
@@ -73,6 +74,8 @@ def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
     note = "no answer is named plainly"
     try:
         said = spoken_json(text)
+        if not said.strip():
+            note = (UNSPOKEN if text.strip() else EMPTY).message
         found = _only_object(said)
         if found is not None:
             value = question.answer_in(found)

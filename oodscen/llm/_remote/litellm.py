@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 from urllib.parse import urlsplit
 
 from oodscen._arguments import instance_of
@@ -49,8 +49,8 @@ class LiteLLM(Brief):
     state the format in any case. If the provider takes seeds, each call has its own `provider_seed`: `(seed *
     1_000_003 + sample) % 2**31` for the question itself.
 
-    Rate limits, timeouts, lost connections, server errors and unusable responses (empty, a web page, too
-    large) are retried here and nowhere else, after the time in the server's `Retry-After`, or 1, 2, 4 ...
+    Rate limits, timeouts, lost connections, server errors and unusable responses (an empty body, a web page,
+    too large) are retried here and nowhere else, after the time in the server's `Retry-After`, or 1, 2, 4 ...
     seconds with jitter; a timeout is retried only once.
 
     Args:
@@ -146,6 +146,16 @@ class LiteLLM(Brief):
             LLMError: When there is no answer; `retryable` if a later attempt may succeed.
             RunStopped: When a cap is reached or the endpoint is given up.
         """
+        sent: list[CallBounds] = []
+        try:
+            return self._answer(request, sent)
+        except BaseException as error:
+            # Whatever ends the call, an interruption as well, its requests were made.
+            vars(error)["requests"] = len(sent)
+            raise
+
+    def _answer(self, request: Request, sent: list[CallBounds]) -> Completion:
+        """Ask until there is an answer or no hope of one; the bounds of every request are added to `sent`."""
         arguments = {
             **self._arguments,
             "messages": [wire_message(message, self.name) for message in request.messages],
@@ -155,17 +165,16 @@ class LiteLLM(Brief):
         purpose = request.prompt.purpose
         form = None if purpose in self._refused else self._response_format(request)
         refused = False
-        tries = requests = 0
+        tries = 0
         if pause := self._endpoint.pause():
             self._sleep(min(pause, self.max_wait_s))
         while True:
-            sent = {**arguments, "response_format": form} if form else arguments
-            outcome = self._try(sent, request, most)
-            requests += 1
+            formed = {**arguments, "response_format": form} if form else arguments
+            outcome = self._try(formed, request, most, sent)
             if isinstance(outcome, Completion):
                 if refused:
                     self._refused.add(purpose)
-                return outcome.model_copy(update={"requests": requests})
+                return outcome.model_copy(update={"requests": len(sent)})
             if form and outcome.may_refuse_form:
                 form, refused = None, True
                 continue
@@ -174,12 +183,12 @@ class LiteLLM(Brief):
                 outcome = self._explained(outcome)
                 self._endpoint.given_up(outcome, self.name)
                 self._endpoint.check(self.name)
-                raise self._error(outcome, requests)
+                raise self._error(outcome)
             tries += 1
             self._sleep(wait)
 
     def _try(
-        self, arguments: dict[str, Any], request: Request, most: Spent
+        self, arguments: dict[str, Any], request: Request, most: Spent, sent: list[CallBounds]
     ) -> Completion | FailedAttempt:
         self.limits.check()
         with self._endpoint.slot(self.name) as begun:
@@ -193,6 +202,7 @@ class LiteLLM(Brief):
                 is_alive=lambda url, seconds: self._endpoint.is_alive(url, _responds, seconds),
                 is_closed=self.limits.is_over,
             )
+            sent.append(bounds)
             try:
                 with apply_bounds(bounds):
                     response = self._sdk.completion(**arguments)
@@ -229,22 +239,16 @@ class LiteLLM(Brief):
         said = f"; the server asked to wait {asked:.0f} s, more than max_wait_s {self.max_wait_s:g}"
         return replace(failure, message=f"{failure.message}{said}")
 
-    def _error(self, failure: FailedAttempt, requests: int) -> LLMError:
+    def _error(self, failure: FailedAttempt) -> LLMError:
         if failure.kind == "filtered":
-            return ContentFiltered(failure.message, model=self.name, requests=requests)
+            return ContentFiltered(failure.message, model=self.name)
         if failure.kind == "late":
-            return LLMTimeout(failure.message, model=self.name, retryable=True, requests=requests)
+            return LLMTimeout(failure.message, model=self.name, retryable=True)
         if failure.is_unusable:
             return ResponseError(
-                failure.message,
-                model=self.name,
-                status=failure.status,
-                raw=failure.raw,
-                requests=requests,
+                failure.message, model=self.name, status=failure.status, raw=failure.raw
             )
-        return LLMError(
-            failure.message, model=self.name, retryable=failure.retryable, requests=requests
-        )
+        return LLMError(failure.message, model=self.name, retryable=failure.retryable)
 
     def _most(self, request: Request) -> Spent:
         """Return the maximum cost of one attempt."""
@@ -285,6 +289,7 @@ class LiteLLM(Brief):
             text=redact_keys(text.encode("utf-8", "replace").decode()),
             usage=plausible_usage(usage.model_copy(update={"cost_usd": cost}), request),
             is_cut_off=ending == "length" or str(native).casefold() in _CUT_OFF,
+            instead=None if text.strip() else _in_place_of_text(choice.message),
         )
 
     def _cost(self, response: Any, asked: int, answered: int) -> float | None:
@@ -342,6 +347,12 @@ _CUT_OFF = frozenset(
     "length max_tokens max_output_tokens model_length error abort aborted cancelled canceled timeout".split()
 )
 """Servers' own words for an answer that did not come to its end."""
+
+
+def _in_place_of_text(message: Any) -> Literal["a tool call", "reasoning"] | None:
+    if getattr(message, "tool_calls", None) or getattr(message, "function_call", None):
+        return "a tool call"
+    return "reasoning" if getattr(message, "reasoning_content", None) else None
 
 
 def _own_fields(part: Any) -> Mapping[str, Any]:

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import pytest
 
-from oodscen import _redaction
+from oodscen import _redaction, make_llm
 from oodscen.data._messages import Image, Message
 from oodscen.errors import (
     AnswerError,
@@ -277,6 +277,26 @@ def test_a_bad_answer_is_repaired_or_ends_as_one_typed_error(fault):
     with serving(*[fault] * 9) as server, pytest.raises(AnswerError) as caught:
         ask(server.client("m"), QUESTION)
     assert caught.value.attempts == len(server.received) == 3
+
+
+@pytest.mark.parametrize("is_cut_off", [False, True])
+@pytest.mark.parametrize(
+    ("instead", "said"), [(None, ""), ("a tool call", "only a tool call"), ("reasoning", "only r")]
+)
+def test_an_answer_without_a_text_is_told_as_that(instead, said, is_cut_off, tmp_path):
+    empty = Completion(text=" ", instead=instead, is_cut_off=is_cut_off)
+    file = tmp_path / "answers.jsonl"
+    with AnsweringServer(ScriptedLLM(lambda asked: empty)) as server:
+        llm = make_llm(server.client("m"), record=file)
+        with pytest.raises(AnswerError, match=f"the answer is empty.*{said}") as caught:
+            ask(llm, QUESTION)
+    again = server.received[-1].messages[-1]["content"]
+    assert len(server.received) == 3
+    assert all(str(issue) in again for issue in caught.value.issues)
+    assert ("cut off" in again) == is_cut_off
+    with pytest.raises(AnswerError) as replayed:
+        ask(make_llm(f"replay:{file}"), QUESTION)
+    assert replayed.value.issues == caught.value.issues
 
 
 def test_the_server_says_that_an_answer_was_cut_off():

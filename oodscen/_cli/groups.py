@@ -1,0 +1,48 @@
+"""A group of commands that refuse a second value for an option that takes one."""
+
+from collections import Counter
+from collections.abc import Sequence
+from contextlib import suppress
+
+import click
+
+from oodscen.errors import UsageError
+
+
+class CommandGroup(click.Group):
+    """A group whose commands refuse an option of one value that is given more than once.
+
+    click takes the last value and drops the others without a word. Switches may be repeated.
+    """
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command, and check what it was given.
+
+        Raises:
+            UsageError: If an option is given more than once.
+        """
+        name, command, rest = super().resolve_command(ctx, args)
+        if command is not None and not ctx.resilient_parsing:
+            of_command = click.Context(
+                command, parent=ctx, info_name=name, **command.context_settings
+            )
+            _refuse_repeated(of_command, rest)
+        return name, command, rest
+
+
+def _refuse_repeated(context: click.Context, args: Sequence[str]) -> None:
+    given: list[click.Parameter] = []
+    # The command itself tells what it cannot parse.
+    with suppress(click.UsageError):
+        given = context.command.make_parser(context).parse_args(list(args))[2]
+    counts = Counter(
+        one.opts[-1]
+        for one in given
+        if isinstance(one, click.Option) and not (one.multiple or one.is_flag or one.count)
+    )
+    repeated = [name for name, count in counts.items() if count > 1]
+    if repeated:
+        are = "is" if len(repeated) == 1 else "are"
+        raise UsageError(f"{' and '.join(repeated)} {are} given more than once; give one value")
