@@ -97,7 +97,7 @@ class Connection:
     @property
     def blueprints(self) -> frozenset[str]:
         """Ids of the server's blueprints."""
-        return frozenset(one.id for one in self._blueprints)
+        return frozenset(blueprint.id for blueprint in self._blueprints)
 
     def map_text(self) -> str:
         """Return the server's OpenDRIVE map."""
@@ -216,7 +216,7 @@ class Connection:
             if not self._is_seen:
                 self._cameras.sleep()
             answers = self._client.apply_batch_sync(commands, False)
-            failed = [one.error for one in answers if one.has_error()]
+            failed = [answer.error for answer in answers if answer.has_error()]
         if failed:
             raise SimulatorError(f"CARLA at {self._address} lost an actor: {failed[0][:200]}")
         self._tick()

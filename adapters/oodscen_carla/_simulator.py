@@ -89,7 +89,7 @@ class CarlaSimulator(MirrorSimulator):
             simulator=self.name,
             version=known.version,
             ego=known.ego,
-            assets=tuple(one for one in known.assets if "@" not in one.id),
+            assets=tuple(asset for asset in known.assets if "@" not in asset.id),
             behaviours=self.BEHAVIOURS,
             maps=self.MAPS,
             weather=known.weather,

@@ -119,7 +119,7 @@ class SumoSimulator(DynamicSimulator):
         else:
             self._sumo.start(["sumo", *options])
         SumoSimulator._owner = self
-        guided = tuple(one for one in staged.scene.actors if one.behaviour.name not in DRIVEN)
+        guided = tuple(actor for actor in staged.scene.actors if actor.behaviour.name not in DRIVEN)
         scene = staged.scene.model_copy(update={"actors": guided})
         self._guided = KinematicWorld(staged.corridor, scene, staged.catalogue, seed, dt=self.dt)
         self._rows = {name: row for row, name in enumerate(staged.ids)}

@@ -130,8 +130,8 @@ def _print(rows: "Sequence[Faithfulness | Unjudged]", *, as_json: bool) -> int:
         say(canonical_json({"scenes": lines, "claims": claims, "unfaithful": unfaithful}))
         return unfaithful
     for row in judged:
-        for one in row.mismatches:
-            say(f"{row.id}: the text says {one.claim}, but {one.found}")
+        for mismatch in row.mismatches:
+            say(f"{row.id}: the text says {mismatch.claim}, but {mismatch.found}")
     for failed in unjudged:
         for fault in failed.faults:
             say(f"{failed.id}: {fault}")

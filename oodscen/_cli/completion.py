@@ -41,4 +41,4 @@ class ComponentName(click.types.StringParamType):
         """Return the installed names that start like this."""
         from oodscen._registry import names
 
-        return [CompletionItem(one) for one in names(self.kind) if one.startswith(incomplete)]
+        return [CompletionItem(name) for name in names(self.kind) if name.startswith(incomplete)]

@@ -129,8 +129,8 @@ def read_configuration(file: Path, context: click.Context) -> dict[str, Any]:
 
 def options_of(command: click.Command) -> dict[str, click.Option]:
     """Return the options of a command that a file can hold, by their names without dashes."""
-    options = [one for one in command.params if isinstance(one, click.Option)]
-    return {key: one for one in options if (key := option_key(one)) not in _HIDDEN}
+    options = [param for param in command.params if isinstance(param, click.Option)]
+    return {key: option for option in options if (key := option_key(option)) not in _HIDDEN}
 
 
 def _unknown(key: str, known: Mapping[str, click.Option]) -> str:

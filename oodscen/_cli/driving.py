@@ -81,7 +81,7 @@ def drive(
     has_driven = False
     try:
         for results in tracked(drives, "drive", len(names) * len(scenes)):
-            found.update((one.id, one) for one in results)
+            found.update((result.id, result) for result in results)
             has_driven = True
     except BaseException:
         if has_driven:

@@ -92,7 +92,7 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     from oodscen.study._stale import refuse_stale
     from oodscen.study._study import Study
 
-    asked = _Evaluation(**{one.name: choices.pop(one.name) for one in fields(_Evaluation)})
+    asked = _Evaluation(**{field.name: choices.pop(field.name) for field in fields(_Evaluation)})
     if asked.required is not None:
         parse_requirement(asked.required)
     before = Study.open(out)
@@ -149,7 +149,9 @@ def _asked_at(study: "Study") -> dict[str, str]:
     """Return when each judged model was last asked, by its name in verdicts; empty if not recorded."""
     calls = study.store.lines("calls.jsonl")
     return {
-        one.get("model", ""): one.get("time", "") for one in calls if one.get("stage") == "evaluate"
+        call.get("model", ""): call.get("time", "")
+        for call in calls
+        if call.get("stage") == "evaluate"
     }
 
 
@@ -245,7 +247,7 @@ def _show_board(
     if as_json:
         shown = board.model_dump(mode="json")
         if grades is not None:
-            shown["requirements"] = [one.model_dump(mode="json") for one in grades]
+            shown["requirements"] = [grade.model_dump(mode="json") for grade in grades]
         say(json.dumps(shown, indent=2, ensure_ascii=False))
     else:
         say("\n".join(filter(None, (standings(board), agreement_in_words(study.info)))))

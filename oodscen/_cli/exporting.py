@@ -38,7 +38,7 @@ def refuse_clashes(scenes: Sequence[Scene], known: KnownFacts, options: Mapping[
             drives.append((twin_id(scene.id), f"the twin of the scene {scene.id!r}"))
         files = [(f"{name}.{first}", owner) for name, owner in drives]
         if options["logical"]:
-            ranges = [one for one in drives if not is_ordinary(one[0])]
+            ranges = [drive for drive in drives if not is_ordinary(drive[0])]
             files += [
                 (f"{name}.{end}", f"the ranges of {of}") for name, of in ranges for end in logical
             ]

@@ -404,8 +404,8 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
     short = 0
     for scene in tracked(scenes, "vary", len(scenes)):
         variants = scene.vary(catalogue, count, claims=known.claims(scene), seed=seed)
-        for one in variants:
-            say(one.to_json())
+        for variant in variants:
+            say(variant.to_json())
         if len(variants) < count:
             if faults := scene.check(catalogue):
                 say(f"{scene.id}: cannot be staged itself: {faults[0]}", err=True)

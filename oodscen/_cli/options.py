@@ -76,7 +76,7 @@ rollout_options = _options(
         type=FiniteRange(0, LONGEST_REACTION_S),
         metavar="S",
         help="Reaction time of a driver who tries every action, in seconds; repeatable.  "
-        f"[default: {', '.join(f'{one:g}' for one in REACTIONS_S)}]",
+        f"[default: {', '.join(f'{reaction:g}' for reaction in REACTIONS_S)}]",
     ),
     click.option(
         "--horizon",
@@ -100,11 +100,11 @@ def refuse_idle(reason: str, *names: str) -> None:
     """
     context = click.get_current_context()
     idle = []
-    for one in context.command.params:
-        if one.name not in names or one.name is None:
+    for param in context.command.params:
+        if param.name not in names or param.name is None:
             continue
-        source, value = context.get_parameter_source(one.name), context.params[one.name]
-        words = one.secondary_opts if value is False else one.opts
+        source, value = context.get_parameter_source(param.name), context.params[param.name]
+        words = param.secondary_opts if value is False else param.opts
         if source not in (None, ParameterSource.DEFAULT) and words:
             idle.append(words[-1])
     if idle:

@@ -35,16 +35,16 @@ class KnownFacts(NamedTuple):
         """Read what a study knows."""
         rows = study.store.lines("claims.jsonl") if "claims.jsonl" in study.own() else ()
         return cls(
-            {one.id: one for one in study.scenarios},
-            {one.scene_id: one for one in study.episodes},
+            {scenario.id: scenario for scenario in study.scenarios},
+            {episode.scene_id: episode for episode in study.episodes},
             {row["id"]: row["claims"] for row in rows},
             _by_scene(study.demands),
         )
 
     def of(self, scenes: Sequence[Scene]) -> "KnownFacts":
         """Return what is known of some scenes and their twins."""
-        ids = {one.id for one in scenes}
-        texts = {one.scenario_id for one in scenes}
+        ids = {scene.id for scene in scenes}
+        texts = {scene.scenario_id for scene in scenes}
         return KnownFacts(
             {name: one for name, one in self.scenarios.items() if name in texts},
             {name: one for name, one in self.episodes.items() if {name, scene_of(name)} & ids},
@@ -87,10 +87,10 @@ def scenes_of(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, Know
         catalogue = make_simulator(study.config.simulator).catalogue()
         return study.scenes, catalogue, KnownFacts.from_study(study)
     rows = read_lines(Scene, place)
-    ids = {one.id for one in rows}
-    demands = _by_scene(one for one in rows if one.demand and scene_of(one.id) in ids)
-    apart = {one.id for one in demands.values()}
-    scenes = [one for one in rows if one.id not in apart]
+    ids = {row.id for row in rows}
+    demands = _by_scene(row for row in rows if row.demand and scene_of(row.id) in ids)
+    apart = {demand.id for demand in demands.values()}
+    scenes = [row for row in rows if row.id not in apart]
     return scenes, make_simulator(simulator).catalogue(), KnownFacts(demands=demands)
 
 
@@ -105,4 +105,4 @@ def _refuse_other_simulator(own: str) -> None:
 
 
 def _by_scene(demands: Iterable[Scene]) -> dict[str, Scene]:
-    return {scene_of(one.id): one for one in demands}
+    return {scene_of(demand.id): demand for demand in demands}

@@ -53,7 +53,7 @@ def publish(
 
     if "none" in forms and len(set(forms)) > 1:
         raise UsageError("--to none is for the Parquet files alone: name no other form beside it")
-    wanted = [one for one in FORMS if not forms or one in forms]
+    wanted = [form for form in FORMS if not forms or form in forms]
     say(
         str(published(Study.open(study), out, forms=wanted, validation=validation, licence=licence))
     )

@@ -52,7 +52,7 @@ def show(out: Path, scene: str | None, moment: str | None, graphics: str, as_jso
     if scene is None or as_json:
         refuse_idle("without a scene" if scene is None else "with --json", "moment", "graphics")
     study = Study.open(out)
-    texts = {one.id: one for one in study.scenarios}
+    texts = {scenario.id: scenario for scenario in study.scenarios}
     scenes = study.scenes
     if scene is None:
         rows = [(one.id, one_line(texts[one.id].text) if one.id in texts else "") for one in scenes]
@@ -88,10 +88,10 @@ def _chosen(name: str, scenes: "list[Scene]") -> "Scene":
         UnknownComponent: If none does, with close matches.
     """
     wanted = scene_of(name)
-    found = [one for one in scenes if one.id == wanted]
-    found = found or [one for one in scenes if wanted and one.id.startswith(wanted)]
+    found = [scene for scene in scenes if scene.id == wanted]
+    found = found or [scene for scene in scenes if wanted and scene.id.startswith(wanted)]
     if not found:
-        raise UnknownComponent("scene", wanted[:200], [one.id for one in scenes])
+        raise UnknownComponent("scene", wanted[:200], [scene.id for scene in scenes])
     if len(found) > 1:
         raise UsageError(
             f"{len(found)} scenes start with {wanted!r}: {', '.join(one.id for one in found[:5])} ..."

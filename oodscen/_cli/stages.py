@@ -358,7 +358,7 @@ def simulate(
     failed = {one.id: one.error for one in (*behind, *episodes) if one.status == "failed"}
     for name, error in failed.items():
         say(f"{name}: {error}", err=True)
-    unsure = sum(one.status == "ok" and not one.is_deterministic for one in episodes)
+    unsure = sum(episode.status == "ok" and not episode.is_deterministic for episode in episodes)
     if unsure:
         say(f"{unsure} of the scenes do not repeat: none of their actions counts as safe", err=True)
     say(f"{len(items) - len(failed)} of {len(items)} scenes ran: {out / EPISODES}", err=True)

@@ -77,19 +77,25 @@ def standings(board: "Leaderboard") -> str:
     """Tabulate the results, one line per model and protocol, with the floor and ceiling references below."""
     head = ("", "notices, both", "acts, both", "safe", "false alarms", "names it", "incomplete")
     rows = [head]
-    for one in board.standings:
-        if one.kind == "reference" and (one.protocol == "paper" or one.model not in _BESIDE):
+    for standing in board.standings:
+        if standing.kind == "reference" and (
+            standing.protocol == "paper" or standing.model not in _BESIDE
+        ):
             continue
-        safe = one.control.safe if one.protocol == "ours" else one.control.collision_free
+        safe = (
+            standing.control.safe
+            if standing.protocol == "ours"
+            else standing.control.collision_free
+        )
         rows.append(
             (
-                one.model + (" (paper)" if one.protocol == "paper" else ""),
-                _share(one.paired.notice),
-                _share(one.paired.act),
+                standing.model + (" (paper)" if standing.protocol == "paper" else ""),
+                _share(standing.paired.notice),
+                _share(standing.paired.act),
                 _share(safe),
-                _share(one.detection.alarms),
-                _share(one.identification.open),
-                f"{one.asked - one.outcomes.get('answered', 0) - one.outcomes.get('unavailable', 0)} of {one.asked}",
+                _share(standing.detection.alarms),
+                _share(standing.identification.open),
+                f"{standing.asked - standing.outcomes.get('answered', 0) - standing.outcomes.get('unavailable', 0)} of {standing.asked}",
             )
         )
     widths = [max(len(row[place]) for row in rows) for place in range(len(head))]
@@ -107,7 +113,7 @@ def graded(found: "Sequence[RequirementResult]") -> str:
 
 def exit_code(grades: Sequence["RequirementResult"]) -> int:
     """Return 0 if all models meet, 4 if one fails, and 5 if that is unknown or there is no model."""
-    found = {one.grade for one in grades}
+    found = {grade.grade for grade in grades}
     return 4 if "fails" in found else 0 if found == {"meets"} else 5
 
 
@@ -116,7 +122,7 @@ def _notes(board: "Leaderboard") -> list[str]:
     notes = ["both: right about the scene and about every ordinary drive that goes with it"]
     for row in board.standings:
         gains = [one for one in row.paired.over_withheld if one.difference.value is not None]
-        told = [f"{_points(one.difference)} {_FIGURES[one.figure]}" for one in gains]
+        told = [f"{_points(gain.difference)} {_FIGURES[gain.figure]}" for gain in gains]
         notes += [f"{row.model} over itself without pictures: {', '.join(told)}"] if told else []
     if board.judge:
         unjudged = sum(row.identification.unjudged for row in board.standings)

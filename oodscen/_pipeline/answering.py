@@ -41,7 +41,8 @@ def _read(study: Study, file: Path) -> QuizAnswers:
     given = QuizAnswers.load(file)
     person = PersonAnswers.matched(given, study.episodes, str(file))
     listed = {
-        one.episode.scene_id: {kind.id for kind in one.options} for one in asked_drives(study)
+        drive.episode.scene_id: {kind.id for kind in drive.options}
+        for drive in asked_drives(study)
     }
     if issues := [
         Issue("choice", f"{said.choice!r:.80} is none of the kinds listed for {said.item}")
@@ -59,7 +60,7 @@ def rear_views(study: Study, episodes: Sequence[Episode], options: RunOptions) -
         InUse: When another process writes the study.
     """
     with study.store.writing():
-        wanted = {one.scene_id for one in episodes}
+        wanted = {episode.scene_id for episode in episodes}
         wanted |= {line["id"] for line in study.store.lines(REAR)}
-        drives = [one for one in study.episodes if one.scene_id in wanted]
+        drives = [episode for episode in study.episodes if episode.scene_id in wanted]
         return simulate_behind(Context(study.folder, study.config, options), drives)

@@ -53,7 +53,7 @@ def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
     names = [as_name(name) if is_person(name) else name for name in names]
     names_by_entry |= {person(name): person(name) for name in config.people}
     called = {name: other or name for name, other in names_by_entry.items()}
-    known = {*called, *called.values(), *({one.model for one in verdicts} - {*ALWAYS})}
+    known = {*called, *called.values(), *({verdict.model for verdict in verdicts} - {*ALWAYS})}
     for name in names:
         if name not in known:
             raise UnknownComponent("judged model", name, known)
@@ -64,12 +64,15 @@ def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
         # A model that can no longer be made may have judged under another name, so drop every
         # verdict that no remaining model accounts for.
         judging = {called[name] for name in called if name not in dropped}
-        models |= {one.model for one in verdicts} - judging
+        models |= {verdict.model for verdict in verdicts} - judging
     models -= {*ALWAYS}
-    kept = [one for one in verdicts if one.model not in models]
+    kept = [verdict for verdict in verdicts if verdict.model not in models]
     refuse_stale_verdicts(study, kept)
     counts = {
-        name: sum(one.model in models and one.model == called.get(name, name) for one in verdicts)
+        name: sum(
+            verdict.model in models and verdict.model == called.get(name, name)
+            for verdict in verdicts
+        )
         for name in names
     }
     people = tuple(name for name in config.people if person(name) not in models)

@@ -429,9 +429,9 @@ def _results_of(results: Any, chunk: Chunk) -> list[SweepResult]:
         UsageError: If these are not its results.
     """
     instance_of("the result", results, list)
-    for one in results:
-        instance_of("each result", one, SweepResult)
-    found = {scene_of(one.episode.id) for one in results}
+    for result in results:
+        instance_of("each result", result, SweepResult)
+    found = {scene_of(result.episode.id) for result in results}
     if found != {scene_of(scene.id) for scene in chunk}:
         raise UsageError(f"it returned the results of other scenes: {', '.join(sorted(found))}")
     return list(results)

@@ -83,7 +83,8 @@ def vary(
         if len(found) == count or not parameters:
             break
         values = {
-            one.path: round(float(draws.uniform(one.low, one.high)), _DIGITS) for one in parameters
+            parameter.path: round(float(draws.uniform(parameter.low, parameter.high)), _DIGITS)
+            for parameter in parameters
         }
         variant = changed(scene, values, f"{own}.v{len(found) + 1:03d}{mark}{kind}")
         if is_sound(variant, catalogue, claims):

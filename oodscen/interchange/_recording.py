@@ -155,8 +155,8 @@ def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
     nominal = _driven(scene, simulator, Cruise, seed)
     fired = {name: simulator.world.motion(name).triggered for name in nominal.ids[1:]}
     triggered = {name: round(time / nominal.dt) for name, time in fired.items() if time >= 0.0}
-    reacting = {one.id for one in scene.actors if one.behaviour.trigger.kind != "time"}
-    drivers = {one.id for one in scene.actors if one.behaviour.name in MOVES_BEFORE_TRIGGER}
+    reacting = {actor.id for actor in scene.actors if actor.behaviour.trigger.kind != "time"}
+    drivers = {actor.id for actor in scene.actors if actor.behaviour.name in MOVES_BEFORE_TRIGGER}
     calm, steps, quiet = _calm(scene), len(nominal.time) - 1, nominal
     if reacting and (drivers or _moved_by_others(scene)):
         quiet = _driven(calm, simulator, Cruise, seed, steps)
@@ -181,7 +181,8 @@ def _moved_by_others(scene: Scene) -> bool:
     """Return whether an actor follows another, or a motion that begins before its trigger."""
     coming = {motion.id for motion in scene.motions if motion.begins == "moving"}
     return any(
-        one.behaviour.other is not None or one.behaviour.name in coming for one in scene.actors
+        actor.behaviour.other is not None or actor.behaviour.name in coming
+        for actor in scene.actors
     )
 
 

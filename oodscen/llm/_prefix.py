@@ -25,5 +25,6 @@ def cacheable_share(request: Request) -> float:
 
 def _tokens(messages: Sequence[Message]) -> float:
     return sum(
-        len(one.text) / CHARACTERS_PER_TOKEN + IMAGE_TOKENS * len(one.images) for one in messages
+        len(message.text) / CHARACTERS_PER_TOKEN + IMAGE_TOKENS * len(message.images)
+        for message in messages
     )

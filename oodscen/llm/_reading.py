@@ -56,12 +56,12 @@ def read_answer(
     if not said.strip():
         return None, [UNSPOKEN if raw.strip() else EMPTY]
     readings = [_read(candidates, kind, said) for candidates in find_objects(said)]
-    answers = [one for one in readings if one.answer is not None]
-    others = [one for one in readings if one.answer is None]
+    answers = [reading for reading in readings if reading.answer is not None]
+    others = [reading for reading in readings if reading.answer is None]
     if not answers:
         return None, _nearest_faults(others, said)
     first = answers[0]
-    issues = [issue for one in answers for issue in one.issues]
+    issues = [issue for answer in answers for issue in answer.issues]
     if not issues:
         issues = [*_rivals(answers), *_corrections(first, others, kind)]
     if not issues and first.answer is not None:
@@ -95,8 +95,8 @@ def _nearest_faults(others: Sequence[_Reading[Answer]], said: str) -> list[Issue
 def _rivals(answers: Sequence[_Reading[Answer]]) -> list[Issue]:
     """Return the fault that answers differ."""
     different: list[Answer | None] = []
-    for one in answers:
-        different += [one.answer] if one.answer not in different else []
+    for answer in answers:
+        different += [answer.answer] if answer.answer not in different else []
     if len(different) == 1:
         return []
     return [Issue("", f"it holds {len(different)} different answers; give one")]

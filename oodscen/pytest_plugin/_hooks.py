@@ -53,7 +53,7 @@ def pytest_configure(config: pytest.Config) -> None:
     Raises:
         pytest.UsageError: If the folder holds no study, or an option needs one.
     """
-    for name in ("oodscen", *(f"oodscen_{one}" for one in _OPTIONS)):
+    for name in ("oodscen", *(f"oodscen_{option}" for option in _OPTIONS)):
         if (given := config.getoption(name)) is not None and not given.strip():
             raise pytest.UsageError(f"--{name.replace('_', '-')} is empty")
     folder = path_setting(config, "oodscen")

@@ -39,12 +39,12 @@ class Scenes:
     @cached_property
     def texts(self) -> dict[str, Scenario]:
         """The text of every scene, by the scene's id."""
-        return {one.id: one for one in self._study.scenarios}
+        return {scenario.id: scenario for scenario in self._study.scenarios}
 
     @cached_property
     def safe_actions(self) -> dict[str, tuple[str, ...]]:
         """The actions that the study found safe, by id of the scene or twin."""
-        found = (one for one in self._study.episodes if one.status == "ok")
+        found = (episode for episode in self._study.episodes if episode.status == "ok")
         return {one.scene_id: tuple(one.safe_set) for one in found}
 
     def first_per_path(self, count: int | None) -> list[Scene]:

@@ -227,7 +227,7 @@ class DrivingSession:
             "test": test,
             "known": known.model_dump(),
             "change": change,
-            "drives": [one.model_dump(mode="json") for one in drive.results] if drive else [],
+            "drives": [result.model_dump(mode="json") for result in drive.results] if drive else [],
         }
         return report
 
@@ -351,7 +351,7 @@ class DrivingSession:
 
     @property
     def _is_met(self) -> bool:
-        return bool(self._grades) and all(one.grade == "meets" for one in self._grades)
+        return bool(self._grades) and all(grade.grade == "meets" for grade in self._grades)
 
     def _verdict(self) -> list[str]:
         """Return whether the requirement is met, if stacks are graded."""
@@ -384,14 +384,14 @@ class DrivingSession:
     def _figures(self) -> list[str]:
         """Return one line per stack, and one more per stack that drove twins."""
         found: dict[tuple[str, bool], list[DriveResult]] = {}
-        for one in self._drives.values():
-            found.setdefault((one.driver, one.is_twin), []).append(one)
+        for drive in self._drives.values():
+            found.setdefault((drive.driver, drive.is_twin), []).append(drive)
         lines = []
         for (driver, is_twin), rows in sorted(found.items()):
-            collided = sum(bool(one.collisions) for one in rows)
-            off_road = sum(one.off_road for one in rows)
-            failed = sum(one.status == "failed" for one in rows)
-            needless = sum(bool(one.brakes_needlessly) for one in rows)
+            collided = sum(bool(row.collisions) for row in rows)
+            off_road = sum(row.off_road for row in rows)
+            failed = sum(row.status == "failed" for row in rows)
+            needless = sum(bool(row.brakes_needlessly) for row in rows)
             lines.append(
                 f"{driver}, {'twins' if is_twin else 'scenes'}: {sum(r.passed for r in rows)} of {len(rows)} safe, "
                 f"{collided} collisions, {off_road} off the road, {failed} failed"

@@ -127,5 +127,5 @@ class ServerActor:
             self.id,
         ]
         tags = bytes([self.blueprint.tag]) if self.blueprint.tag else b""
-        given = [list(one) for one in attributes]
+        given = [list(attribute) for attribute in attributes]
         return [self.id, self.parent, [uid, type_id, given], box, tags, token]

@@ -170,7 +170,7 @@ def _sensor_attributes(name: str) -> tuple[Attribute, ...]:
     role: Attribute = ("role_name", STRING, "default", True)
     if name == FRICTION_TRIGGER:
         sizes = ("friction", "extent_x", "extent_y", "extent_z")
-        return role, *((one, FLOAT, "1.0", True) for one in sizes)
+        return role, *((size, FLOAT, "1.0", True) for size in sizes)
     if not name.startswith("sensor."):
         return (role,)
     every: Attribute = ("sensor_tick", FLOAT, "0.0", True)

@@ -104,7 +104,10 @@ class Calls:
 
     def rpc_get_map_info(self) -> list[Any]:
         served = self._world.map
-        points = [[list(one.location), list(one.rotation)] for one in served.spawn_points]
+        points = [
+            [list(spawn_point.location), list(spawn_point.rotation)]
+            for spawn_point in served.spawn_points
+        ]
         return [f"Carla/Maps/{served.name}", points]
 
     def rpc_get_map_data(self) -> str:
@@ -149,7 +152,7 @@ class Calls:
 
     def rpc_get_actors_by_id(self, numbers: Any) -> list[Any]:
         actors = self._world.actors
-        wanted = [read.whole(one) for one in read.items(numbers, "the ids", longest=10_000)]
+        wanted = [read.whole(item) for item in read.items(numbers, "the ids", longest=10_000)]
         return [self._row(actors[number]) for number in wanted if number in actors]
 
     def rpc_get_actor_bounding_box(self, number: Any) -> list[Any]:

@@ -43,7 +43,7 @@ class OrientedBox(NamedTuple):
         yaws = self.place.rotation[1], other.place.rotation[1]
         for yaw in (yaws[0], yaws[0] + 90, yaws[1], yaws[1] + 90):
             c, s = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
-            (low_a, high_a), (low_b, high_b) = (_span(one, c, s) for one in corners)
+            (low_a, high_a), (low_b, high_b) = (_span(corner, c, s) for corner in corners)
             if high_a < low_b or high_b < low_a:
                 return False
         return True

@@ -86,8 +86,8 @@ class Listener:
         for one in self._sockets:
             end(one)
         with self._lock:
-            for one in self._clients:
-                end(one)
+            for client in self._clients:
+                end(client)
             self._streams.close()
             self._heard.notify_all()
 

@@ -70,7 +70,9 @@ class CarlaTestServer:
         """
         self._folder = tempfile.TemporaryDirectory(prefix="oodscen-carla-")
         scenes = Path(self._folder.name) / "scenes.jsonl"
-        scenes.write_text("".join(f"{one.to_json()}\n" for one in self._scenes), encoding="utf-8")
+        scenes.write_text(
+            "".join(f"{scene.to_json()}\n" for scene in self._scenes), encoding="utf-8"
+        )
         order = [sys.executable, "-m", "oodscen_carla.server", "--scenes", str(scenes)]
         # A process that is killed leaves its files; here they go with the folder.
         self._process = subprocess.Popen(

@@ -122,8 +122,8 @@ def description(value: Any) -> Description:
     """Return the description of an actor to spawn."""
     uid, type_id, given = items(value, "an actor's description", 3)
     attributes = []
-    for one in items(given, "the attributes", longest=MAX_ATTRIBUTES):
-        name, kind, content = items(one, "an attribute", 3)
+    for item in items(given, "the attributes", longest=MAX_ATTRIBUTES):
+        name, kind, content = items(item, "an attribute", 3)
         attributes.append((text(name, "an attribute"), whole(kind), text(content, "an attribute")))
     return Description(whole(uid), text(type_id, "a blueprint"), tuple(attributes))
 

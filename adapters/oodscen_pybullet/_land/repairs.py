@@ -51,7 +51,9 @@ def _add_at(
     A repair keeps the lateral position that fits where it begins, even if the lane narrows along it.
     """
     draw = float(rng.uniform())
-    if any(one.start - _BEFORE_M < s < one.end + _AFTER_M for one in road.structures):
+    if any(
+        structure.start - _BEFORE_M < s < structure.end + _AFTER_M for structure in road.structures
+    ):
         return
     right = float(np.interp(s, road.s, strip.right))
     left = float(np.interp(s, road.s, strip.left))

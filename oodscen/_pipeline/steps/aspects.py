@@ -42,7 +42,10 @@ def judge_aspects(
         judge = CircuitBreakerLLM(run.models.get(run.config.judge))
         label = judge_label(judge)
         asked = [(one.aspect, *truth(one)) for one in verdicts if is_open(one)]
-        asked += [(one.answer, one.path, ()) for one in labelled_answers()]
+        asked += [
+            (example.answer, example.path, ())
+            for example in labelled_answers()
+        ]
         items = {opinion_id(label, *one): one for one in asked}
 
         def work(
@@ -70,11 +73,11 @@ def _of_others(
     run: Context, label: str, asked: Iterable[tuple[str, tuple[str, ...], tuple[Visible, ...]]]
 ) -> list[dict[str, Any]]:
     """Return the lines of other judges about what is asked, which they need not be asked again."""
-    lines = [one for one in run.store.lines(OPINIONS) if one.get("judge") != label]
-    labels = {str(one.get("judge")) for one in lines}
+    lines = [line for line in run.store.lines(OPINIONS) if line.get("judge") != label]
+    labels = {str(line.get("judge")) for line in lines}
     known = {opinion_id(other, *one) for one in asked for other in labels}
     return sorted(
-        (one for one in lines if one["id"] in known), key=lambda one: (one["judge"], one["id"])
+        (line for line in lines if line["id"] in known), key=lambda one: (one["judge"], one["id"])
     )
 
 

@@ -81,7 +81,11 @@ def evaluate(
     items = _items(run, answerers, shown)
     is_rear = run.config.rear_view and bool(run.config.vlms)
     rears = simulate_behind(run, judged_ones) if is_rear else {}
-    people = [one.model for one in answerers.values() if isinstance(one.model, PersonAnswers)]
+    people = [
+        answerer.model
+        for answerer in answerers.values()
+        if isinstance(answerer.model, PersonAnswers)
+    ]
     rule = VerdictRule(shown, scenarios, scenes, run.config, people)
     questioner = Questioner(run, rule.keys, episodes, rears)
 
@@ -185,7 +189,10 @@ def _answerers(
     scenes: Sequence[Scene],
 ) -> dict[str, Answerer]:
     """Return everything that is judged, by the name by which the study asks it."""
-    leaves = {one.id: (one.leaf, one.path[-1] if one.path else "") for one in scenarios}
+    leaves = {
+        scenario.id: (scenario.leaf, scenario.path[-1] if scenario.path else "")
+        for scenario in scenarios
+    }
     pictures = {}
     for episode in episodes:
         if episode.status == "ok" and "last" in episode.frames:

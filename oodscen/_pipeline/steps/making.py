@@ -68,7 +68,7 @@ def with_made(
         return list(judgements)
     judge = pruner(run, catalogue.with_made(props.values(), motions.values()))
     again = {one.id: one for one in judged_again(judge, tree, judgements, {*props, *motions})}
-    return [again.get(one.id, one) for one in judgements]
+    return [again.get(judgement.id, judgement) for judgement in judgements]
 
 
 def _drawn(run: Context, maker: PropMaker, things: list[MadeProp]) -> list[MadeProp]:
@@ -92,11 +92,11 @@ def _refuse_lost(run: Context, judgements: Sequence[PruneDecision]) -> None:
         DataError: If there is one.
     """
     known = {line["id"] for file in (ASSETS, MOTIONS) for line in run.store.lines(file)}
-    for one in judgements:
-        lost = [name for name in one.made if name not in known]
-        if one.keep and lost:
+    for judgement in judgements:
+        lost = [name for name in judgement.made if name not in known]
+        if judgement.keep and lost:
             fault = (
-                f"{one.id} is shown with {', '.join(lost)}, of which there is no design; remove its line, and it is "
+                f"{judgement.id} is shown with {', '.join(lost)}, of which there is no design; remove its line, and it is "
                 "judged again"
             )
             raise DataError(
@@ -109,7 +109,10 @@ def _made_motions(
 ) -> dict[str, Motion]:
     """Make the movements that dropped leaves lack."""
     catalogue = run.simulator.catalogue()
-    wanted = {one.name: one for one in wanted_motions(tree, judgements, catalogue)}
+    wanted = {
+        wanted_motion.name: wanted_motion
+        for wanted_motion in wanted_motions(tree, judgements, catalogue)
+    }
     if not wanted and not run.store.holds(MOTIONS):
         return {}
     maker = MotionMaker(run.llm, run.simulator)
@@ -129,7 +132,7 @@ def _made(
     make: Callable[[Wish], Data],
 ) -> list[dict[str, Any]]:
     """Return the lines of what was made: what is wanted, and what decisions already use."""
-    used = {name for one in judgements for name in one.made}
+    used = {name for judgement in judgements for name in judgement.made}
     before = {line["id"]: line for line in run.store.lines(file) if line["id"] in used}
     # What decisions use keeps its line, also if no wish to make it is left.
     return run.each(

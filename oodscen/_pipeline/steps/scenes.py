@@ -97,7 +97,7 @@ def _claims(
             claims = augmenter.read(scenario)
         except LLMError as error:
             return failed(scenario.id, error)
-        return {"id": scenario.id, "claims": [one.model_dump(mode="json") for one in claims]}
+        return {"id": scenario.id, "claims": [claim.model_dump(mode="json") for claim in claims]}
 
     rows = _ask_each(run, "claims", CLAIMS, scenarios, work, lambda name: digest(texts[name]))
     errors = {
@@ -260,7 +260,7 @@ def simulate_behind(run: Context, episodes: Sequence[Episode]) -> dict[str, str]
     config = run.config
     job = Job(config.simulator, config.seed, camera=config.camera, is_rear=True)
     rows = _sweep(run, job, items, REAR)
-    return {one.scene_id: one.frames["last"] for one in rows if one.frames}
+    return {row.scene_id: row.frames["last"] for row in rows if row.frames}
 
 
 def has_files(store: Store, line: Mapping[str, Any]) -> bool:

@@ -417,7 +417,7 @@ def _timing(node: Element) -> Element | None:
 
 def _timed(node: Element, vertices: list[Element]) -> tuple[float, float]:
     """Return the time at which a course begins and how long it takes, s; 0 if its times cannot be used."""
-    times = [one.number("time", 0.0) for one in vertices]
+    times = [vertex.number("time", 0.0) for vertex in vertices]
     timing = _timing(node)
     scale, offset = 1.0, 0.0
     if timing is not None:

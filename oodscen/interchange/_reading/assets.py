@@ -38,14 +38,18 @@ _ALIKE_M = 2.0
 def nearest_asset(entity: Element, catalogue: Catalogue) -> Asset | None:
     """Return the asset nearest to a scenario object, or `None` after recording that it has none."""
     body = next(
-        (one for one in entity.children() if one.name in ("Vehicle", "Pedestrian", "MiscObject")),
+        (
+            child
+            for child in entity.children()
+            if child.name in ("Vehicle", "Pedestrian", "MiscObject")
+        ),
         None,
     )
     if body is None:
         entity.leave_out("is not a vehicle, pedestrian or object")
         return None
     body.touched()
-    named = next((one for one in catalogue.assets if one.id == body.get("name")), None)
+    named = next((asset for asset in catalogue.assets if asset.id == body.get("name")), None)
     if named is not None:
         return named
     said = f"{body.name[0].lower()}{body.name[1:]}Category"
@@ -53,8 +57,8 @@ def nearest_asset(entity: Element, catalogue: Catalogue) -> Asset | None:
         category = body.word(said, "pedestrian", "animal", "wheelchair")
     else:
         category = body.get(said)
-    alike = [one for one in catalogue.assets if classified(one) == (body.name, category)]
-    kin = alike or [one for one in catalogue.assets if classified(one)[0] == body.name]
+    alike = [asset for asset in catalogue.assets if classified(asset) == (body.name, category)]
+    kin = alike or [asset for asset in catalogue.assets if classified(asset)[0] == body.name]
     if not kin:
         body.leave_out(f"the catalogue has nothing like a {category or body.name}")
         return None
@@ -141,7 +145,9 @@ def _precipitation(sky: Element) -> tuple[Precipitation, float]:
         return "none", 0.0
     name = falling.get("precipitationType")
     amount = _intensity(falling)
-    kind: Precipitation = next((one for one in PRECIPITATIONS if one == name), "none")
+    kind: Precipitation = next(
+        (precipitation for precipitation in PRECIPITATIONS if precipitation == name), "none"
+    )
     if kind == "none" and name not in ("dry", "none"):
         falling.note(f"precipitation of kind {name[:40]!r} is left out")
     elif kind == "none" and amount > 0.0:

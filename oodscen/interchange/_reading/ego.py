@@ -24,7 +24,7 @@ _ASIDE_M, _TURNED_DEG = 0.05, 1.0
 
 def no_entity(name: str, entities: Iterable[str]) -> Issue:
     """Return the fault that no entity has the name of the ego."""
-    known = ", ".join([repr(one[:_LONGEST_NAME]) for one in entities][:_NAMED])
+    known = ", ".join([repr(entity[:_LONGEST_NAME]) for entity in entities][:_NAMED])
     return Issue("ego", f"there is no entity {name[:_LONGEST_NAME]!r}; the file has: {known}")
 
 

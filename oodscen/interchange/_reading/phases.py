@@ -33,7 +33,7 @@ def steps(root: Element) -> Iterator[tuple[tuple[str, str], PhaseEvent]]:
                     for event in maneuver.all("Event"):
                         parts = (story, act, group, maneuver, event, *event.all("Action"))
                         step = PhaseEvent(act, event, names)
-                        yield from ((_key(one), step) for one in parts)
+                        yield from ((_key(part), step) for part in parts)
 
 
 def _key(part: Element) -> tuple[str, str]:

@@ -158,7 +158,8 @@ class MappedRoads:
     def nearest(self, pose: EntityPlace) -> tuple[Road, float, bool]:
         """Return the road of a pose, s on it, and true if the pose heads along it."""
         _, road, near = min(
-            (self._sampled(one, pose) for one in self._candidates(pose)), key=lambda found: found[0]
+            (self._sampled(candidate, pose) for candidate in self._candidates(pose)),
+            key=lambda found: found[0],
         )
         s = _projected(road, pose, near)
         along = math.cos(road_point(road, s).heading - pose.heading) >= 0.0
@@ -172,7 +173,7 @@ class MappedRoads:
         point = road_point(road, s)
         ahead, left = pose.offset_from(EntityPlace(point.x, point.y, point.heading))
         centres = {lane: t for lane, t in _centres(road, s).items() if lane}
-        lane = min(centres, key=lambda one: abs(centres[one] - left), default=0)
+        lane = min(centres, key=lambda centre: abs(centres[centre] - left), default=0)
         if not lane or math.hypot(ahead, centres[lane] - left) > LANE_M:
             return pose
         return pose._replace(road=road.id, lane=lane, s=s, direction=_direction(road, s, lane))
@@ -203,7 +204,7 @@ class MappedRoads:
         """Return the road that a pose names, or all outside junctions."""
         if pose.road in self.network.roads:
             return [self.network.roads[pose.road]]
-        return [one for one in self.network.roads.values() if not one.junction]
+        return [road for road in self.network.roads.values() if not road.junction]
 
 
 def _projected(road: Road, pose: EntityPlace, near: float) -> float:
@@ -219,11 +220,11 @@ def _projected(road: Road, pose: EntityPlace, near: float) -> float:
 
 def _lanes(road: Road, s: float) -> dict[int, Lane]:
     """Return the lanes of a road at `s`, by id."""
-    return {one.id: one for one in _section(road, s).lanes}
+    return {lane.id: lane for lane in _section(road, s).lanes}
 
 
 def _section(road: Road, s: float) -> LaneSection:
-    return [one for one in road.sections if one.s <= s + _ROUNDING_M][-1]
+    return [section for section in road.sections if section.s <= s + _ROUNDING_M][-1]
 
 
 def _direction(road: Road, s: float, lane: int) -> int:
@@ -268,7 +269,7 @@ class Positions:
 
     def reference(self, holder: Element) -> str:
         """Return the entity to which a `Position` is relative, if it is."""
-        return next((one.get("entityRef") for one in holder.children()), "")
+        return next((child.get("entityRef") for child in holder.children()), "")
 
     def read(self, holder: Element) -> EntityPlace | None:
         """Return the pose of a `Position`, or `None` after recording that it cannot be used."""

@@ -282,7 +282,7 @@ class _Assembly:
     def _unusual(self, actors: Sequence[Actor]) -> list[str]:
         """Return the actors that are the hazard: the given ones, those that a model names, or the first that acts."""
         unusual = [self.ids.get(name) or _identifier(name) for name in self.hazards]
-        if unknown := set(unusual).difference(one.id for one in actors):
+        if unknown := set(unusual).difference(actor.id for actor in actors):
             first = next(name for name in unusual if name in unknown)
             raise self._no_hazard(f"there is no entity {first!r} in the scene")
         if not actors:
@@ -291,7 +291,7 @@ class _Assembly:
             return unusual
         if self.llm is not None and len(actors) > 1:
             return self._asked(self.llm, actors)
-        acting = [one for one in actors if one.behaviour.name not in USUAL]
+        acting = [actor for actor in actors if actor.behaviour.name not in USUAL]
         first = (acting or actors)[0].id
         self.root.note(f"no hazard was named; {first} is taken to be it")
         return [first]
@@ -315,13 +315,13 @@ class _Assembly:
         title = f"{self.tree.path.stem}. {_header(self.tree).get('description')}"
         lines = tuple(
             ActorLine(
-                id=one.id,
-                what=self.catalogue.asset(one.asset).description,
-                does=f"{one.behaviour.name}: {self.catalogue.behaviour(one.behaviour.name).description}",
-                ahead_m=one.placement.ahead_m,
-                left_m=one.placement.offset_m + LANE_M * one.placement.lane,
+                id=actor.id,
+                what=self.catalogue.asset(actor.asset).description,
+                does=f"{actor.behaviour.name}: {self.catalogue.behaviour(actor.behaviour.name).description}",
+                ahead_m=actor.placement.ahead_m,
+                left_m=actor.placement.offset_m + LANE_M * actor.placement.lane,
             )
-            for one in actors
+            for actor in actors
         )
         answer = ask(llm, MarkHazard(title=title[:_LONGEST_TITLE], actors=lines))
         self.root.note(
@@ -370,8 +370,8 @@ class _Assembly:
             for holder in private.all("PrivateAction", "TeleportAction", "Position"):
                 places = found.setdefault(name, [])
                 if self.positions.reference(holder) != name:
-                    for one in places:
-                        one.leave_out(f"{name[:40]!r} is placed again later, which counts")
+                    for place in places:
+                        place.leave_out(f"{name[:40]!r} is placed again later, which counts")
                     places.clear()
                 places.append(holder)
         return found

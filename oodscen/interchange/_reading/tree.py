@@ -279,19 +279,19 @@ class Element:
         for name in names:
             if found is None:
                 return None
-            found = next((one for one in found.children() if one.name == name), None)
+            found = next((child for child in found.children() if child.name == name), None)
         return found and found.touched()
 
     def all(self, *names: str) -> list["Element"]:
         """Return the elements at the end of a chain of names, in order."""
         found = [self]
         for name in names:
-            found = [one for parent in found for one in parent.children() if one.name == name]
+            found = [child for parent in found for child in parent.children() if child.name == name]
         return [one.touched() for one in found]
 
     def within(self, name: str) -> Iterator["Element"]:
         """Yield all descendants of a name, references resolved."""
-        for one in self.children():
-            if one.name == name:
-                yield one.touched()
-            yield from one.within(name)
+        for child in self.children():
+            if child.name == name:
+                yield child.touched()
+            yield from child.within(name)

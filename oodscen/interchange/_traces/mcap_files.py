@@ -88,7 +88,7 @@ def _largest_chunk(data: bytes) -> int:
     from mcap.stream_reader import StreamReader
 
     reader = StreamReader(io.BytesIO(data), emit_chunks=True, record_size_limit=_MAX_RECORD_BYTES)
-    sizes = (one.uncompressed_size for one in reader.records if isinstance(one, Chunk))
+    sizes = (record.uncompressed_size for record in reader.records if isinstance(record, Chunk))
     return max(sizes, default=0)
 
 

@@ -105,7 +105,7 @@ def verdict(
     first, fired = _decision(scene, states, corridor)
     decision = states[first]
     end = decision.time + scene.horizon_s
-    after = _until_harm([one for one in states[first + 1 :] if one.time <= end + _ROUNDING_S])
+    after = _until_harm([state for state in states[first + 1 :] if state.time <= end + _ROUNDING_S])
     whole = states[: first + 1 + len(after)]
     last, dt = whole[-1], float(np.median(np.diff(played.time)))
     time, course = played.time[: len(whole)], poses[: len(whole)]

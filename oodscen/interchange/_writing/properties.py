@@ -46,7 +46,7 @@ def facts(
         found["text"] = one_line(printable(text))
         found["path"] = " > ".join(map(one_line, map(printable, scenario.path)))
     if claims and not scene.is_twin:
-        found["claims"] = canonical_json([one.model_dump(mode="json") for one in claims])
+        found["claims"] = canonical_json([claim.model_dump(mode="json") for claim in claims])
     if episode is not None:
         found["safe_actions"] = ", ".join(episode.safe_set)
     return {name: value for name, value in found.items() if value}
