@@ -89,13 +89,13 @@ def checked(function: Callable[P, Returned]) -> Callable[P, Returned]:
     def kinds() -> dict[str, tuple[Any, str]]:
         known = signature(function).parameters.values()
         found = {
-            one.name: Any
-            if one.annotation is one.empty
+            parameter.name: Any
+            if parameter.annotation is parameter.empty
             else Real
-            if _is_number(one.annotation)
-            else one.annotation
-            for one in known
-            if one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)
+            if _is_number(parameter.annotation)
+            else parameter.annotation
+            for parameter in known
+            if parameter.kind not in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
         }
         return {name: (kind, _component(kind)) for name, kind in found.items()}
 

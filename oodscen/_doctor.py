@@ -64,22 +64,24 @@ def examine_simulator(
     close(make_simulator(name))
     results = examine_parts(name, quick=is_quick, states_only=states_only, progress=progress)
     what = f"simulator {name}"
-    found = [CheckResult(what, False, line) for result in results for line in result.lines()]
+    check_results = [
+        CheckResult(what, False, line) for result in results for line in result.lines()
+    ]
     idle = {result.part: result.inapplicable for result in results if result.inapplicable}
-    if not found:
+    if not check_results:
         held = ", ".join(result.part for result in results if result.part not in idle)
-        found.append(CheckResult(what, True, f"keeps the protocol ({held})"))
-    found += [
+        check_results.append(CheckResult(what, True, f"keeps the protocol ({held})"))
+    check_results += [
         CheckResult(what, True, f"{result.part}: {result.note}")
         for result in results
         if result.note
     ]
-    found += [
+    check_results += [
         CheckResult(what, True, f"{part} does not apply: {reason}") for part, reason in idle.items()
     ]
-    if all(result.is_ok for result in found):
-        found.append(CheckResult(what, True, outlook(name)[0]))
-    return found
+    if all(result.is_ok for result in check_results):
+        check_results.append(CheckResult(what, True, outlook(name)[0]))
+    return check_results
 
 
 def outlook(name: str) -> tuple[str, bool]:
@@ -129,26 +131,27 @@ def examine_knowledge(path: str | Path | None = None) -> list[CheckResult]:
             catalogues[name] = make_catalogue(name)
         except UsageError:
             continue
-    found = inspect_knowledge(path, catalogues)
-    staged = max(found.shown.values(), default=0)
-    counts = {"hazards": found.hazards, "families": found.families, "staged": staged}
+    inspection = inspect_knowledge(path, catalogues)
+    staged = max(inspection.shown.values(), default=0)
+    counts = {"hazards": inspection.hazards, "families": inspection.families, "staged": staged}
     is_enough = path is not None or all(counts[key] >= least for key, least in WANTED.items())
     wanted = "" if path is not None else " (at least 220 in 30, 90 of them shown)"
-    shown = ", ".join(f"{name} shows {number}" for name, number in found.shown.items())
+    shown = ", ".join(f"{name} shows {number}" for name, number in inspection.shown.items())
     total = (
-        f"{found.hazards} hazards in {found.families} families{wanted}; "
-        f"{found.recipes} have a recipe; {shown or 'no catalogue to try them on'}"
+        f"{inspection.hazards} hazards in {inspection.families} families{wanted}; "
+        f"{inspection.recipes} have a recipe; {shown or 'no catalogue to try them on'}"
     )
     findings = []
-    if found.hazards or path is None:
+    if inspection.hazards or path is None:
         findings.append(CheckResult("knowledge base", is_enough, total))
-    elif not found.faults:
+    elif not inspection.faults:
         findings.append(CheckResult("knowledge base", True, "it adds no hazard"))
     findings += [
-        CheckResult(fault.path or str(path), False, fault.message) for fault in found.faults
+        CheckResult(fault.path or str(path), False, fault.message) for fault in inspection.faults
     ]
     findings += [
-        CheckResult(f"note: {note.path}", True, note.message) for note in found.notes[:_SHOWN_NOTES]
+        CheckResult(f"note: {note.path}", True, note.message)
+        for note in inspection.notes[:_SHOWN_NOTES]
     ]
     return findings
 

@@ -387,7 +387,7 @@ def _refuse_settings(name: str, factory: Callable[..., Any], settings: Mapping[s
     if not settings:
         return
     known = inspect.signature(factory).parameters
-    takes_any = any(one.kind is one.VAR_KEYWORD for one in known.values())
+    takes_any = any(parameter.kind is parameter.VAR_KEYWORD for parameter in known.values())
     unknown = [] if takes_any else [setting for setting in settings if setting not in known]
     if unknown:
         raise UnknownComponent(f"setting of {name}", unknown[0], known)

@@ -28,7 +28,7 @@ def whole(text: str) -> str:
 
 def clean_surrogates(text: str) -> str:
     """Replace lone surrogates, escaped or not."""
-    return _ESCAPE.sub(lambda found: "\\ufffd" if found[1] else found[0], whole(text))
+    return _ESCAPE.sub(lambda match: "\\ufffd" if match[1] else match[0], whole(text))
 
 
 _ESCAPE = re.compile(
@@ -63,7 +63,7 @@ def folded_words(text: str) -> str:
 
 def printable(text: str) -> str:
     r"""Escape characters that could control a terminal, e.g. as `\u001b`; tabs and line breaks stay."""
-    return _UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", whole(text))
+    return _UNSEEN.sub(lambda match: f"\\u{ord(match[0]):04x}", whole(text))
 
 
 def one_line(text: str) -> str:

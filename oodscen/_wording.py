@@ -151,8 +151,8 @@ def appearance_fault(text: str) -> str:
     if fault := wording_fault(text) or description_fault(text):
         return fault
     shown = seen(text)
-    if found := _MARK.search(shown):
-        return f"contains {found[0]!r}: plain words without markup are wanted"
+    if match := _MARK.search(shown):
+        return f"contains {match[0]!r}: plain words without markup are wanted"
     if _ADDRESS.search(shown):
         return "contains an address: plain words are wanted"
     return ""

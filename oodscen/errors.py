@@ -100,7 +100,13 @@ def _needs_more(kind: type) -> bool:
     """Return whether a class of errors needs more than one argument."""
     known = inspect.signature(kind).parameters.values()
     variadic = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
-    return sum(one.default is one.empty and one.kind not in variadic for one in known) > 1
+    return (
+        sum(
+            parameter.default is parameter.empty and parameter.kind not in variadic
+            for parameter in known
+        )
+        > 1
+    )
 
 
 class OodscenError(Exception, metaclass=_OfAMessage):

@@ -84,15 +84,15 @@ class CarlaSimulator(MirrorSimulator):
     def _catalogue(self) -> Catalogue:
         if self._source is not None:
             return make_catalogue(self._source)
-        known = load_catalogue()
+        catalogue = load_catalogue()
         return Catalogue(
             simulator=self.name,
-            version=known.version,
-            ego=known.ego,
-            assets=tuple(asset for asset in known.assets if "@" not in asset.id),
+            version=catalogue.version,
+            ego=catalogue.ego,
+            assets=tuple(asset for asset in catalogue.assets if "@" not in asset.id),
             behaviours=self.BEHAVIOURS,
             maps=self.MAPS,
-            weather=known.weather,
+            weather=catalogue.weather,
         )
 
     def catalogue(self) -> Catalogue:
@@ -140,8 +140,8 @@ class CarlaSimulator(MirrorSimulator):
         if not all(map(math.isfinite, pose)):
             raise SpawnError(actor_id, asset.id, pose, "the pose is not finite")
         connection = self._open()
-        known = load_catalogue()
-        name = blueprint_of(asset, connection.blueprints, (known.ego, *known.assets))
+        catalogue = load_catalogue()
+        name = blueprint_of(asset, connection.blueprints, (catalogue.ego, *catalogue.assets))
         if name is None:
             raise SpawnError(actor_id, asset.id, pose, "the server has no blueprint of this kind")
         x, y, z, yaw = pose

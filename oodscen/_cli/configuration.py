@@ -275,4 +275,4 @@ def _shown(option: click.Option) -> Any:
 def _literal(value: Any) -> str:
     """Return a value as TOML, whose texts, numbers and lists are written as in JSON."""
     text = json.dumps(value, ensure_ascii=False)
-    return re.sub("[\x7f]", lambda found: f"\\u{ord(found[0]):04x}", text)
+    return re.sub("[\x7f]", lambda match: f"\\u{ord(match[0]):04x}", text)

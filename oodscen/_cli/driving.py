@@ -103,7 +103,7 @@ def drive(
         say(f"{row.id}: {row.error or row.error_type}", err=True)
     if len(failed) > _SHOWN:
         say(f"... and {len(failed) - _SHOWN} more in drives.jsonl", err=True)
-    if lost := len({one.id for one in before} - {row.id for row in rows}):
+    if lost := len({drive_result.id for drive_result in before} - {row.id for row in rows}):
         say(f"{lost} earlier results are dropped, because their scenes have changed", err=True)
     sys.exit(bool(failed))
 

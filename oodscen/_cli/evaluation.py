@@ -92,47 +92,51 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     from oodscen.study._stale import refuse_stale
     from oodscen.study._study import Study
 
-    asked = _Evaluation(**{field.name: choices.pop(field.name) for field in fields(_Evaluation)})
-    if asked.required is not None:
-        parse_requirement(asked.required)
+    evaluation = _Evaluation(
+        **{field.name: choices.pop(field.name) for field in fields(_Evaluation)}
+    )
+    if evaluation.required is not None:
+        parse_requirement(evaluation.required)
     before = Study.open(out)
-    asked.check()
-    if asked.required is not None and not asked.has_questions:
+    evaluation.check()
+    if evaluation.required is not None and not evaluation.has_questions:
         # A model's questions would have the changed scenes run again.
         refuse_stale(before, before.episodes, before.scenes)
     limits, ledger = limits_from(choices), Ledger()
-    refuse_idle_prices(limits, *asked.models(before.config))
-    if not asked.dry_run:
+    refuse_idle_prices(limits, *evaluation.models(before.config))
+    if not evaluation.dry_run:
         click.get_current_context().with_resource(before.store.writing())
-    for name, count in drop_models(before, asked.dropped).items() if asked.dropped else ():
+    for name, count in (
+        drop_models(before, evaluation.dropped).items() if evaluation.dropped else ()
+    ):
         say(f"{name} is taken out with {count} verdicts; {_kept(name)}", err=True)
     known = {verdict.model for verdict in before.stored_verdicts}
-    wanted, study = asked.configuration(before), before
-    if asked.dry_run:
-        rows = estimate(out, wanted, RunOptions(limits=limits))
+    config, study = evaluation.configuration(before), before
+    if evaluation.dry_run:
+        rows = estimate(out, config, RunOptions(limits=limits))
         say(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
-    asked_at = _asked_at(before) if asked.vlms else {}
-    if asked.has_questions:
+    asked_at = _asked_at(before) if evaluation.vlms else {}
+    if evaluation.has_questions:
         with bars(ledger) as progress:
             study = run_study(
                 out,
-                wanted,
+                config,
                 progress=progress,
                 ledger=ledger,
                 limits=limits,
                 workers=os.cpu_count() or 1,
-                retry=asked.retry_failed,
+                retry=evaluation.retry_failed,
             )
-    grades = None if asked.required is None else study.requirements(asked.required)
+    grades = None if evaluation.required is None else study.requirements(evaluation.required)
     _show_board(study, grades, as_json=as_json)
-    for line in kept_verdicts(asked.vlms, ledger, asked_at):
+    for line in kept_verdicts(evaluation.vlms, ledger, asked_at):
         say(line, err=True)
     if grades is not None:
         sys.exit(exit_code(grades))
-    chosen = {ledger.kept[vlm][0] if vlm in ledger.kept else vlm for vlm in asked.vlms}
+    chosen = {ledger.kept[vlm][0] if vlm in ledger.kept else vlm for vlm in evaluation.vlms}
     chosen |= {*map(named_without_pictures, chosen)}
-    again = known if asked.retry_failed and not asked.vlms else chosen
+    again = known if evaluation.retry_failed and not evaluation.vlms else chosen
     verdicts = study.verdicts
     here = {verdict.model for verdict in verdicts} - (known - again)
     sys.exit(any(one.status == "failed" and one.model in here for one in verdicts))

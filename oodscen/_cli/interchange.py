@@ -115,19 +115,19 @@ def export(
     if form == "openlabel" or options["mode"] == "reactive":
         refuse_idle("without a replay", "action")
     require_extra(form)
-    scenes, catalogue, known = scenes_of(place, simulator)
+    scenes, catalogue, facts = scenes_of(place, simulator)
     scenes = scenes[:limit]
     options["simulator"] = simulator_of(place, simulator)
     if not options["twins"]:
-        known = known._replace(demands={})
+        facts = facts._replace(demands={})
     refuse_inside(out)
-    refuse_clashes(scenes, known, options)
+    refuse_clashes(scenes, facts, options)
     with writing(out):
         out.mkdir(parents=True, exist_ok=True)
     written, faults = 0, list[str]()
     claim_folder(out, scenes, catalogue, options["form"])
     parts = [scenes[first : first + _PART] for first in range(0, len(scenes), _PART)]
-    jobs = [(part, catalogue, known.of(part), out, options) for part in parts]
+    jobs = [(part, catalogue, facts.of(part), out, options) for part in parts]
     for some, errors in tracked(_results(jobs, workers), "export", len(jobs)):
         written += some
         faults += errors
@@ -267,15 +267,15 @@ def import_(
     failed = 0
     for path in files:
         try:
-            found = read_openscenario(
+            scene = read_openscenario(
                 path, catalogue, road=road, hazards=hazards, ego=ego, llm=model
             )
         except OodscenError as error:
             say(str(error), err=True)
             failed += 1
             continue
-        say(found.scene.to_json())
-        for issue in found.omissions:
+        say(scene.scene.to_json())
+        for issue in scene.omissions:
             say(f"{path}: {issue}", err=True)
     sys.exit(bool(failed))
 
@@ -356,25 +356,29 @@ def verdict(
     names = Counter(path.stem for path in files)
     if driver and (twice := [name for name, count in names.items() if count > 1]):
         raise UsageError(f"{twice[0]} has several files; a driver has one result per scene")
-    scenes, catalogue, known = scenes_of(place, simulator)
-    by_id = {scene.id: scene for scene in (*scenes, *known.demands.values())}
-    found: list[PlayedVerdict] = []
+    scenes, catalogue, facts = scenes_of(place, simulator)
+    by_id = {scene.id: scene for scene in (*scenes, *facts.demands.values())}
+    verdicts: list[PlayedVerdict] = []
     failed = 0
     for path in files:
         try:
             scene = _scene_named(path.stem, by_id, catalogue, seed)
-            found.append(judge(scene, path, catalogue, driver=driver or "played", seed=seed))
+            verdicts.append(judge(scene, path, catalogue, driver=driver or "played", seed=seed))
         except OodscenError as error:
             say(f"{path}: {error}", err=True)
             failed += 1
     if as_json:
-        say(json.dumps([one.model_dump(mode="json") for one in found], indent=2))
+        say(
+            json.dumps(
+                [played_verdict.model_dump(mode="json") for played_verdict in verdicts], indent=2
+            )
+        )
     else:
-        for one in found:
+        for one in verdicts:
             say(_line(one))
-    if driver and found and place.is_dir():
-        _enter(place, found, replace)
-    sys.exit(bool(failed) or any(one.inconclusive for one in found))
+    if driver and verdicts and place.is_dir():
+        _enter(place, verdicts, replace)
+    sys.exit(bool(failed) or any(played_verdict.inconclusive for played_verdict in verdicts))
 
 
 @click.command()
@@ -396,14 +400,14 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
     Each variant is checked like any other scene, and against the claims of its text where a study has them. The exit
     code is 1 if some scene has fewer variants than asked for.
     """
-    scenes, catalogue, known = scenes_of(place, simulator)
+    scenes, catalogue, facts = scenes_of(place, simulator)
     if wanted is not None:
-        scenes = [one for one in (*scenes, *known.demands.values()) if one.id == wanted]
+        scenes = [one for one in (*scenes, *facts.demands.values()) if one.id == wanted]
         if not scenes:
             raise UsageError(f"there is no scene {wanted!r}")
     short = 0
     for scene in tracked(scenes, "vary", len(scenes)):
-        variants = scene.vary(catalogue, count, claims=known.claims(scene), seed=seed)
+        variants = scene.vary(catalogue, count, claims=facts.claims(scene), seed=seed)
         for variant in variants:
             say(variant.to_json())
         if len(variants) < count:
@@ -439,15 +443,18 @@ def _enter(place: Path, found: "list[PlayedVerdict]", is_replacing: bool) -> Non
     click.get_current_context().with_resource(study.store.writing())
     digests = {scene.id: scene.digest() for scene in study.scenes}
     rows = {row.id: row for row in current_results(study.drives, study.scenes)}
-    made = [
-        one.drive.model_copy(update={"made_from": digests[scene_of(one.scene_id)]}) for one in found
+    results = [
+        played_verdict.drive.model_copy(
+            update={"made_from": digests[scene_of(played_verdict.scene_id)]}
+        )
+        for played_verdict in found
     ]
-    other = [one.scene_id for one in made if one != rows.get(one.id, one)]
+    other = [result.scene_id for result in results if result != rows.get(result.id, result)]
     if other and not is_replacing:
         raise UsageError(
-            f"{made[0].driver} has another result for {', '.join(other[:5])} already, which --replace replaces"
+            f"{results[0].driver} has another result for {', '.join(other[:5])} already, which --replace replaces"
         )
-    rows |= {one.id: one for one in made}
+    rows |= {result.id: result for result in results}
     study.store.write_lines("drives.jsonl", list(rows.values()))
     write_report(study)
 

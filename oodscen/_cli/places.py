@@ -46,8 +46,12 @@ class KnownFacts(NamedTuple):
         ids = {scene.id for scene in scenes}
         texts = {scene.scenario_id for scene in scenes}
         return KnownFacts(
-            {name: one for name, one in self.scenarios.items() if name in texts},
-            {name: one for name, one in self.episodes.items() if {name, scene_of(name)} & ids},
+            {name: scenario for name, scenario in self.scenarios.items() if name in texts},
+            {
+                name: episode
+                for name, episode in self.episodes.items()
+                if {name, scene_of(name)} & ids
+            },
             {name: one for name, one in self.stated.items() if name in ids},
             {name: one for name, one in self.demands.items() if name in ids},
         )

@@ -74,7 +74,7 @@ def props(
         write_bytes(out, picture)
     if unmade:
         say(f"not shown, since no design was made: {', '.join(unmade)}", err=True)
-    looks = [one.look for one in seen]
+    looks = [shown_prop.look for shown_prop in seen]
     if as_json:
         say(json.dumps([look.model_dump(mode="json") for look in looks], indent=2))
     else:

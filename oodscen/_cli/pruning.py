@@ -95,8 +95,8 @@ def prune(
                 "--decisions and --restore need a single catalogue; for several, use --json"
             )
         judged = {name: _judged(model, one, grown, exact, ledger) for name, one in offered.items()}
-        found = compare(grown, offered, judged)
-        words = found.model_dump_json(indent=2) if as_json else str(found)
+        comparison = compare(grown, offered, judged)
+        words = comparison.model_dump_json(indent=2) if as_json else str(comparison)
         say(words) if out is None else write(out, words)
         return
     ((name, catalogue),) = offered.items()

@@ -95,15 +95,15 @@ def diff(
 
     if as_json:
         refuse_idle("with --json", "mermaid")
-    found = compare(*_read(which, one, other), **_meaning(encoder, threshold))
+    tree_diff = compare(*_read(which, one, other), **_meaning(encoder, threshold))
     say(
-        found.model_dump_json(indent=2)
+        tree_diff.model_dump_json(indent=2)
         if as_json
-        else found.to_mermaid()
+        else tree_diff.to_mermaid()
         if mermaid
-        else str(found)
+        else str(tree_diff)
     )
-    if exit_code and not found.is_empty:
+    if exit_code and not tree_diff.is_empty:
         click.get_current_context().exit(1)
 
 

@@ -41,8 +41,7 @@ def _read(study: Study, file: Path) -> QuizAnswers:
     given = QuizAnswers.load(file)
     person = PersonAnswers.matched(given, study.episodes, str(file))
     listed = {
-        drive.episode.scene_id: {kind.id for kind in drive.options}
-        for drive in asked_drives(study)
+        drive.episode.scene_id: {kind.id for kind in drive.options} for drive in asked_drives(study)
     }
     if issues := [
         Issue("choice", f"{said.choice!r:.80} is none of the kinds listed for {said.item}")

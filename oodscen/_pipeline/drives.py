@@ -99,8 +99,8 @@ def _drive_here(
     with using(make_simulator(simulator)) as made:
         for name, scene in product(drivers, scenes):
             with redirect_stdout(sys.stderr):
-                found = drive([scene], makers[name], made, name=name, seed=seed)
-            yield found
+                results = drive([scene], makers[name], made, name=name, seed=seed)
+            yield results
 
 
 def _prepare_in(pool: Processes, job: DriveJob, time_limit_s: float | None) -> None:
@@ -136,4 +136,4 @@ def _drive_one(job: DriveJob, scene: Scene) -> Results:
 def _failed(name: str, scene: Scene, error: Exception) -> Results:
     """Return the failed results of a scene and its twin."""
     dead = [failed_drive(one, name, error) for one in (scene.id, twin_id(scene.id))]
-    return [one.model_copy(update={"made_from": scene.digest()}) for one in dead]
+    return [result.model_copy(update={"made_from": scene.digest()}) for result in dead]

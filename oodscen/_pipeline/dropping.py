@@ -115,7 +115,7 @@ def _recounted(study: Study, config: StudyConfig, kept: Sequence[Verdict]) -> di
             **judged(kept, study.store.lines(OPINIONS)),
         }
     if "failures" in info:
-        failed = sum(one.status == "failed" for one in kept)
+        failed = sum(verdict.status == "failed" for verdict in kept)
         info["failures"] = {**info["failures"], "verdicts": failed}
         if info.get("status") == "incomplete" and not any(info["failures"].values()):
             info["status"] = "success"

@@ -177,9 +177,11 @@ def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
         simulator = make_simulator(job.simulator)
         try:
             while waiting:
-                found = _run_pair(job, simulator, waiting.pop())
-                results += found
-                if any(one.episode.error_type == SimulatorCrash.__name__ for one in found):
+                sweep_results = _run_pair(job, simulator, waiting.pop())
+                results += sweep_results
+                if any(
+                    result.episode.error_type == SimulatorCrash.__name__ for result in sweep_results
+                ):
                     break
         finally:
             close(simulator)
@@ -269,12 +271,12 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> tuple[SweepResult, Sim
             horizon=job.horizon,
             moments=("last",) if job.is_rear else job.moments,
         )
-        found = Restaging(scene, simulated)
+        restaging = Restaging(scene, simulated)
         if job.restages and not scene.is_ordinary:
-            found = _improve(job, simulator, scene, simulated)
-        result = _result(job, simulator, found.scene, found.simulated)
-        changed = found.scene if found.scene is not scene else None
-        return replace(result, restaged=changed, tried=found.tried), found.simulated
+            restaging = _improve(job, simulator, scene, simulated)
+        result = _result(job, simulator, restaging.scene, restaging.simulated)
+        changed = restaging.scene if restaging.scene is not scene else None
+        return replace(result, restaged=changed, tried=restaging.tried), restaging.simulated
 
     found = _guard(job, scene.id, run)
     return (SweepResult(found), None) if isinstance(found, Episode) else found
@@ -303,13 +305,17 @@ def _result(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) 
 
 def _improve(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> Restaging:
     """Return the scene, re-staged if its hazard cannot be named or its choice does not matter, and its run."""
-    found = Restaging(scene, simulated)
+    restaging = Restaging(scene, simulated)
     rerunner, claims = _rerunner(job, simulator), job.claims.get(scene.scenario_id, ())
-    if found.simulated.episode.is_below_floor:
-        found = _after(found, retime(found.scene, found.simulated, rerunner, claims))
-    if not found.simulated.episode.is_decidable:
-        found = _after(found, restage(found.scene, found.simulated, rerunner, claims))
-    return found
+    if restaging.simulated.episode.is_below_floor:
+        restaging = _after(
+            restaging, retime(restaging.scene, restaging.simulated, rerunner, claims)
+        )
+    if not restaging.simulated.episode.is_decidable:
+        restaging = _after(
+            restaging, restage(restaging.scene, restaging.simulated, rerunner, claims)
+        )
+    return restaging
 
 
 def _after(first: Restaging, second: Restaging) -> Restaging:

@@ -125,7 +125,7 @@ class Option:
     @property
     def hazards(self) -> list[HazardKind]:
         """Hazards that the alternative shows."""
-        return [one.hazard for one in self.found if one.hazard is not None]
+        return [realisation.hazard for realisation in self.found if realisation.hazard is not None]
 
 
 class BranchJudge:
@@ -151,7 +151,11 @@ class BranchJudge:
         if not shown:
             return self._dropped(label, reading, options, prompt.catalogue)
         if reading.is_any:
-            exact = [n for n in shown if not any(one.substitutes for one in options[n].found)]
+            exact = [
+                n
+                for n in shown
+                if not any(realisation.substitutes for realisation in options[n].found)
+            ]
             shown = exact or shown
             hidden = [] if 0 in shown else hidden
         narrower = ""
@@ -178,29 +182,29 @@ class BranchJudge:
     def _option(self, alternative: Alternative, catalogue: CatalogueDigest) -> Option:
         found = []
         for part in alternative.parts:
-            one = Realisation(None, catalogue, self.knowledge)
+            realisation = Realisation(None, catalogue, self.knowledge)
             if part.hazard is not None:
-                one = realise(part.hazard, catalogue, self.knowledge)
+                realisation = realise(part.hazard, catalogue, self.knowledge)
             for name in part.things:
-                one.use((name,))
+                realisation.use((name,))
             for name in part.weather:
                 if catalogue.limits.offers(name):
-                    one.weather = list(dict.fromkeys((*one.weather, name)))
+                    realisation.weather = list(dict.fromkeys((*realisation.weather, name)))
                 else:
-                    one.lack(Addition(kind="weather", name=name))
+                    realisation.lack(Addition(kind="weather", name=name))
             offered = {asset.category for asset in catalogue.assets}
             if not part.things and part.category is not None and part.category not in offered:
-                one.lack(Addition(kind="asset", name=part.category, category=part.category))
+                realisation.lack(Addition(kind="asset", name=part.category, category=part.category))
             if part.hazard is None:
-                one.lack(NO_RECIPE)
-                one.why = part.why
-            one.substitutes += [
-                Substitute(asset=one.assets[0], stands_for=words)
+                realisation.lack(NO_RECIPE)
+                realisation.why = part.why
+            realisation.substitutes += [
+                Substitute(asset=realisation.assets[0], stands_for=words)
                 for words in part.approximate
-                if one.assets
+                if realisation.assets
             ]
-            one.assets = list(dict.fromkeys(one.assets))
-            found.append(one)
+            realisation.assets = list(dict.fromkeys(realisation.assets))
+            found.append(realisation)
         return Option(alternative.words, found)
 
     def _dropped(
@@ -248,10 +252,12 @@ class BranchJudge:
         narrower: str,
         catalogue: CatalogueDigest,
     ) -> BranchJudgement:
-        found = [one for option in shown for one in option.found]
-        standing = {s.stands_for: s for one in found for s in one.substitutes}
+        realisations = [realisation for option in shown for realisation in option.found]
+        standing = {
+            s.stands_for: s for realisation in realisations for s in realisation.substitutes
+        }
         if len(shown) == 1:
-            reason = f"The simulator has what shows {_listed(found)}."
+            reason = f"The simulator has what shows {_listed(realisations)}."
         else:
             reason = f"The simulator shows {'; '.join(dict.fromkeys(map(_with_what, shown)))}."
         for option in hidden:
@@ -265,14 +271,14 @@ class BranchJudge:
         return BranchJudgement(
             reasoning=reason,
             simulatable=True,
-            assets=_united(one.assets for one in found),
-            states=_united(one.states for one in found),
-            behaviours=_united(one.behaviours for one in found),
-            weather=_united(one.weather for one in found),
-            traits=_united(one.traits for one in found),
+            assets=_united(realisation.assets for realisation in realisations),
+            states=_united(realisation.states for realisation in realisations),
+            behaviours=_united(realisation.behaviours for realisation in realisations),
+            weather=_united(realisation.weather for realisation in realisations),
+            traits=_united(realisation.traits for realisation in realisations),
             substitutes=list(standing.values()),
             label=narrower,
-            missing=_together([one for option in hidden for one in option.found])
+            missing=_together([realisation for option in hidden for realisation in option.found])
             if hidden
             else _originals(standing.values(), self.knowledge),
         )
@@ -280,35 +286,35 @@ class BranchJudge:
 
 def realise(hazard: HazardKind, catalogue: CatalogueDigest, knowledge: Knowledge) -> Realisation:
     """Look up everything that a hazard needs in a catalogue."""
-    found = Realisation(hazard, catalogue, knowledge)
+    realisation = Realisation(hazard, catalogue, knowledge)
     recipe = hazard.stage
     actors = recipe.actors if recipe else ()
     for actor in actors:
-        found.cast(actor)
+        realisation.cast(actor)
     options = {name for actor in actors for name in actor.asset}
     for name in hazard.needs.assets:
         if name not in options:
-            found.use((name,))
+            realisation.use((name,))
     behaviours = {behaviour.id for behaviour in catalogue.behaviours}
     used = recipe.behaviours if recipe else ()
     for name in dict.fromkeys((*hazard.needs.behaviours, *used)):
         if name in behaviours:
-            found.behaviours.append(name)
+            realisation.behaviours.append(name)
         else:
-            found.lack(Addition(kind="behaviour", name=name))
+            realisation.lack(Addition(kind="behaviour", name=name))
     limits = catalogue.limits
     for name in hazard.needs.weather:
         if not limits.offers(name):
-            found.lack(Addition(kind="weather", name=name))
+            realisation.lack(Addition(kind="weather", name=name))
         elif is_weather_kind(name):
-            found.weather.append(name)
-    found.find_map(hazard)
+            realisation.weather.append(name)
+    realisation.find_map(hazard)
     if recipe is None:
-        found.lack(NO_RECIPE)
+        realisation.lack(NO_RECIPE)
     else:
-        found.behaviours = [name for name in found.behaviours if name in used]
-    found.assets = list(dict.fromkeys(found.assets))
-    return found
+        realisation.behaviours = [name for name in realisation.behaviours if name in used]
+    realisation.assets = list(dict.fromkeys(realisation.assets))
+    return realisation
 
 
 def _originals(standing: Iterable[Substitute], knowledge: Knowledge) -> list[Addition]:
@@ -322,10 +328,10 @@ def _originals(standing: Iterable[Substitute], knowledge: Knowledge) -> list[Add
 
 
 def _together(hidden: Iterable[Realisation]) -> list[Addition]:
-    found: list[Addition] = []
-    for one in hidden:
-        found += [addition for addition in one.missing if addition not in found]
-    return found
+    additions: list[Addition] = []
+    for realisation in hidden:
+        additions += [addition for addition in realisation.missing if addition not in additions]
+    return additions
 
 
 def _lacks(
@@ -344,7 +350,7 @@ def _lacks(
     text = f"the simulator lacks {' and '.join(lacking)}" if lacking else ""
     if empty:
         text += f"; it has no {' and no '.join(empty)} at all"
-    whys = list(dict.fromkeys(one.why for one in hidden if one.why))
+    whys = list(dict.fromkeys(realisation.why for realisation in hidden if realisation.why))
     if whys:
         text += f"{', and ' if lacking else ''}{', and '.join(whys)}"
     elif NO_RECIPE in additions:
@@ -375,13 +381,15 @@ _PLURAL = {"vegetation": "plants or fallen trees", "work_zone": "things of road 
 
 
 def _listed(found: Sequence[Realisation]) -> str:
-    labels = dict.fromkeys(_small(one.hazard.label) for one in found if one.hazard is not None)
+    labels = dict.fromkeys(
+        _small(realisation.hazard.label) for realisation in found if realisation.hazard is not None
+    )
     return " and ".join(labels)
 
 
 def _with_what(option: Option) -> str:
     """Name the means to show an alternative: `fallen tree across the road by fallen_tree`."""
-    means = _united((*one.assets, *one.weather) for one in option.found)
+    means = _united((*realisation.assets, *realisation.weather) for realisation in option.found)
     by = f" by {', '.join(means)}" if means else ""
     return f"{_listed(option.found)}{by}"
 

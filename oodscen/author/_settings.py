@@ -80,10 +80,10 @@ class Showable:
     def _traffic(self) -> tuple[BackgroundTraffic, ...]:
         behaviours = {kind.id for kind in self.digest.behaviours}
         return tuple(
-            one
-            for one in self.knowledge.traffic
-            if all(map(self._has_things, one.phrases))
-            and (one.actor is None or one.actor.behaviour in behaviours)
+            traffic
+            for traffic in self.knowledge.traffic
+            if all(map(self._has_things, traffic.phrases))
+            and (traffic.actor is None or traffic.actor.behaviour in behaviours)
         )
 
     def _has(self, condition: Conditions) -> bool:

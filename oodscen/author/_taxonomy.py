@@ -44,8 +44,8 @@ class TreeAuthor:
         self.mentioned = self._named(knowledge.paper.mentioned)
 
     def _named(self, descriptions: Sequence[str]) -> tuple[HazardKind, ...]:
-        found = [self.recogniser.recognise(text).hazard for text in descriptions]
-        return tuple({hazard.id: hazard for hazard in found if hazard is not None}.values())
+        kinds = [self.recogniser.recognise(text).hazard for text in descriptions]
+        return tuple({hazard.id: hazard for hazard in kinds if hazard is not None}.values())
 
     def _numbers(self, descriptions: Sequence[str]) -> dict[str, int]:
         """Return the number of the first example that describes each hazard, by hazard id."""
@@ -142,10 +142,10 @@ class TreeAuthor:
 
     def place(self, prompt: PlaceScenario) -> PlacedScenario:
         """Return the branch for a text, or the change that makes the tree cover it."""
-        found = self.recogniser.recognise(prompt.text)
-        hazard = found.hazard
+        recognition = self.recogniser.recognise(prompt.text)
+        hazard = recognition.hazard
         if hazard is None:
-            if found.is_driving:
+            if recognition.is_driving:
                 reason = "The text describes driving, but nothing in it is out of the ordinary."
                 return PlacedScenario(reasoning=reason, decision="not-ood")
             return PlacedScenario(reasoning="The text is not about driving.", decision="off-topic")
@@ -161,7 +161,7 @@ class TreeAuthor:
 
     def _covered(self, hazard: HazardKind, outline: "_TreeOutline") -> PlacedScenario | None:
         for leaf in outline.leaves:
-            if any(known.id == hazard.id for known in self.recogniser.covered_by(leaf.label)):
+            if any(kind.id == hazard.id for kind in self.recogniser.covered_by(leaf.label)):
                 return PlacedScenario(
                     reasoning=f"This is what {leaf.label!r} describes already.",
                     decision="covered",
@@ -181,35 +181,35 @@ class TreeAuthor:
         order = {name: place for place, name in enumerate(whys)}
         found: dict[str, tuple[int, str]] = {}
         for leaf in _TreeOutline(prompt).leaves:
-            known, _ = self.recogniser.label(leaf.label)
-            if known is not None and known.id in whys and leaf.id != chosen:
-                found.setdefault(leaf.id, (order[known.id], whys[known.id]))
+            kind, _ = self.recogniser.label(leaf.label)
+            if kind is not None and kind.id in whys and leaf.id != chosen:
+                found.setdefault(leaf.id, (order[kind.id], whys[kind.id]))
         best = sorted(found, key=lambda node: found[node])[:MOST_ALSO]
         return [AlsoFits(node=node, why=found[node][1]) for node in best]
 
     def _broadened(self, hazard: HazardKind, outline: "_TreeOutline") -> PlacedScenario | None:
         """Widen a closely related leaf that has not been widened yet, or split it if it is full."""
         for leaf in outline.leaves:
-            known, widened = self.recogniser.label(leaf.label)
-            if known is None or widened or hazard.id not in known.kin:
+            kind, widened = self.recogniser.label(leaf.label)
+            if kind is None or widened or hazard.id not in kind.kin:
                 continue
-            if not known.wider or known.wider.casefold() in outline.labels:
+            if not kind.wider or kind.wider.casefold() in outline.labels:
                 continue
             if leaf.id in outline.full:
-                if hazard.label.casefold() in (*outline.labels, known.wider.casefold()):
+                if hazard.label.casefold() in (*outline.labels, kind.wider.casefold()):
                     continue
                 return PlacedScenario(
                     reasoning=f"Close to {leaf.label!r}, which stands for enough already.",
                     decision="split",
                     node=leaf.id,
                     label=hazard.label,
-                    category=known.wider,
+                    category=kind.wider,
                 )
             return PlacedScenario(
                 reasoning=f"Close to {leaf.label!r}: a slightly wider label covers both.",
                 decision="broaden",
                 node=leaf.id,
-                label=known.wider,
+                label=kind.wider,
             )
         return None
 
@@ -242,8 +242,8 @@ class TreeAuthor:
                 return node
         votes: dict[str, int] = {}
         for leaf in outline.leaves:
-            known, _ = self.recogniser.label(leaf.label)
-            if known is not None and known.family == hazard.family and leaf.parent:
+            kind, _ = self.recogniser.label(leaf.label)
+            if kind is not None and kind.family == hazard.family and leaf.parent:
                 votes[leaf.parent] = votes.get(leaf.parent, 0) + 1
         inner = {node.id: node for node in outline.families}
         named = [name for name in votes if name in inner]

@@ -137,12 +137,14 @@ def _role(
     told = scene.stands_for.get(subject)
     fault = fault_of_map(subject, scene.map_state)
     if not told:
-        fitting = tuple(one for one in seen if may_be(subject, one.asset))
+        fitting = tuple(actor for actor in seen if may_be(subject, actor.asset))
         return _Role(fitting, is_of_map=bool(fault) and not fitting, map_fault=fault)
     quotes = tuple(dict.fromkeys(claim.quote for claim in claims))
-    named_ones = [one for one in seen if one.id in told]
-    doubts = {one.id: doubt(subject, quotes, one.asset, catalogue, likeness) for one in named_ones}
-    fitting = tuple(one for one in named_ones if not doubts[one.id])
+    named_ones = [actor for actor in seen if actor.id in told]
+    doubts = {
+        actor.id: doubt(subject, quotes, actor.asset, catalogue, likeness) for actor in named_ones
+    }
+    fitting = tuple(actor for actor in named_ones if not doubts[actor.id])
     why_not = next(filter(None, doubts.values()), "") if not fitting else ""
     return _Role(
         fitting, is_told=True, why_not=why_not, is_of_map=OF_THE_MAP in told, map_fault=fault
@@ -154,8 +156,8 @@ def _settle(
 ) -> dict[str, tuple[dict[Claim, ClaimFinding], set[str]]]:
     """Assign subjects of one name to actors so that the fewest claims fail."""
     thing = thing_named(next(iter(subjects)))
-    fitting = list(dict.fromkeys(one for name in subjects for one in roles[name].fitting))
-    fitting.sort(key=lambda one: one.actor)
+    fitting = list(dict.fromkeys(actor for name in subjects for actor in roles[name].fitting))
+    fitting.sort(key=lambda actor: actor.actor)
     scenery = {name: _is_scenery(name, roles[name], thing, road) for name in subjects}
     # A signal that is placed replaces the map's own.
     is_signal = thing is not None and thing.group == "signal"
@@ -166,14 +168,16 @@ def _settle(
         if name not in single
     }
     scores = {
-        (name, one.id): _judge_one(subjects[name], one)
+        (name, actor.id): _judge_one(subjects[name], actor)
         for name in single
-        for one in roles[name].fitting
+        for actor in roles[name].fitting
     }
 
     def faults(cast: Sequence[ObservedActor | None]) -> int:
         """Return the number of claims that fail; a thing without a fitting actor counts as many."""
-        pairs = [(name, one.id if one else "") for name, one in zip(single, cast, strict=True)]
+        pairs = [
+            (name, actor.id if actor else "") for name, actor in zip(single, cast, strict=True)
+        ]
         return sum(_faults(scores[pair]) if pair in scores else _UNFITTING for pair in pairs)
 
     best = min(_casts(fitting, len(single)), key=faults)
@@ -235,16 +239,18 @@ def _judge_group(
     if not fitting:
         return _unstaged(claims, scenery and _is_scenic(claims, role), 0, role), set()
     findings: dict[Claim, ClaimFinding] = {}
-    every = [_judge_one(claims, one) for one in fitting]
+    every = [_judge_one(claims, actor) for actor in fitting]
     for claim in claims:
         if claim.kind == "count":
             enough = len(fitting) >= int(claim.value) or (thing is not None and thing.many)
-            ids = ", ".join(one.id for one in fitting)
+            ids = ", ".join(actor.id for actor in fitting)
             findings[claim] = _finding(claim, enough, f"there are {len(fitting)}: {ids}", "actors")
             continue
         by_actor = [judged[claim] for judged in every]
-        findings[claim] = next((one for one in by_actor if one.status != "fails"), by_actor[0])
-    return findings, {one.id for one in fitting}
+        findings[claim] = next(
+            (finding for finding in by_actor if finding.status != "fails"), by_actor[0]
+        )
+    return findings, {actor.id for actor in fitting}
 
 
 def _unstaged(
@@ -290,7 +296,7 @@ def _of_scenery(claim: Claim, fault: str) -> ClaimFinding:
 
 
 def _traffic(claim: Claim, seen: Sequence[ObservedActor], taken: set[str]) -> ClaimFinding:
-    users = [one for one in seen if one.asset.category in ("vehicle", "cyclist")]
+    users = [actor for actor in seen if actor.asset.category in ("vehicle", "cyclist")]
     if claim.value == "none":
         extra = [user.id for user in users if user.id not in taken and user.is_traffic]
         return _finding(claim, not extra, f"there are also {', '.join(extra)}", "actors")

@@ -147,8 +147,8 @@ def _shares(subject: str, quotes: Sequence[str], asset: Asset) -> bool:
 
 def _rides(subject: str, asset: Asset) -> bool:
     """Return whether a person of the text sits on what the asset is: a person on a cargo bike."""
-    found = re.search(r"\b(?:on|riding|astride)\s+(.+)", subject.casefold())
-    return found is not None and asset.category in ("cyclist", "animal") and may_be(found[1], asset)
+    match = re.search(r"\b(?:on|riding|astride)\s+(.+)", subject.casefold())
+    return match is not None and asset.category in ("cyclist", "animal") and may_be(match[1], asset)
 
 
 def _stems(text: str) -> set[str]:

@@ -97,13 +97,13 @@ def things() -> tuple[Thing, ...]:
 def mentions(text: str) -> Iterator[Mention]:
     """Yield the things that a text names, in order; the longest of overlapping names wins."""
     pattern, by_form = _index()
-    for found in pattern.finditer(text):
-        form = " ".join(re.split(r"[\s-]+", found.group(0).casefold()))
+    for match in pattern.finditer(text):
+        form = " ".join(re.split(r"[\s-]+", match.group(0).casefold()))
         if form not in by_form:  # letters that are equal only to patterns, such as a dotless i
             continue
         thing, is_plural, word = by_form[form]
         if thing.terms:
-            yield Mention(found.start(), found.end(), thing, is_plural, word)
+            yield Mention(match.start(), match.end(), thing, is_plural, word)
 
 
 @cache

@@ -51,7 +51,7 @@ class Solid:
             return False
         near = [block for block in self.blocks if block.touches(other.box, REACH_M)]
         far = [block for block in other.blocks if block.touches(self.box, REACH_M)]
-        return any(one.touches(two, REACH_M) for one in near for two in far)
+        return any(extent.touches(two, REACH_M) for extent in near for two in far)
 
 
 def held(solids: Sequence[Solid], *, is_standing: bool) -> list[bool]:

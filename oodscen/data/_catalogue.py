@@ -188,7 +188,7 @@ class Catalogue(LeanData):
         ids = {
             "assets": [asset.id for asset in self.assets],
             "behaviours": [behaviour.id for behaviour in self.behaviours],
-            "maps": [one.id for one in self.maps],
+            "maps": [road_map.id for road_map in self.maps],
         }
         issues = [
             Issue(kind, f"the id {name!r} occurs {count} times")
@@ -342,8 +342,8 @@ class Catalogue(LeanData):
             issues.append(Issue("behaviour.other", message))
         if asset and actor.details is not None:
             built_in = kind.built_in if kind else "stand"
-            drawn, props = self.details or DetailKinds(), {prop.id: prop for prop in made}
-            found = check_details(actor.details, asset, built_in, assets, drawn, props)
+            detail_kinds, props = self.details or DetailKinds(), {prop.id: prop for prop in made}
+            found = check_details(actor.details, asset, built_in, assets, detail_kinds, props)
             issues += below("details", found)
         return issues
 

@@ -54,16 +54,16 @@ class Walk(Data):
     def poses(self) -> Poses:
         """Return the key poses."""
         legs = self.pauses + 1
-        step, found, time = self.distance / legs, [KeyPose()], 0.0
+        step, key_poses, time = self.distance / legs, [KeyPose()], 0.0
         for leg in range(1, legs + 1):
             time += step / self.speed
-            found.append(KeyPose(at=time, ahead=step * leg))
+            key_poses.append(KeyPose(at=time, ahead=step * leg))
             if leg < legs or self.back:
                 time += self.pause_s
-                found.append(KeyPose(at=time, ahead=step * leg))
+                key_poses.append(KeyPose(at=time, ahead=step * leg))
         if self.back:
-            found.append(KeyPose(at=time + self.distance / self.speed))
-        return tuple(found)
+            key_poses.append(KeyPose(at=time + self.distance / self.speed))
+        return tuple(key_poses)
 
 
 class Roll(Data):
@@ -124,13 +124,13 @@ class Drift(Data):
     def poses(self) -> Poses:
         """Return the key poses."""
         count = max(2, min(22, round(2.0 * self.seconds / self.gust_s)))
-        found = [KeyPose(up=self.height)]
+        key_poses = [KeyPose(up=self.height)]
         ahead = 0.0
         for k in range(1, count + 1):
             side = 1.0 if k % 2 else -1.0
             is_end = k in (1, count)
             ahead += self.speed * self.seconds / count * (0.5 if is_end else 1.0 + 0.35 * side)
-            found.append(
+            key_poses.append(
                 KeyPose(
                     at=self.seconds * k / count,
                     ahead=ahead,
@@ -139,7 +139,7 @@ class Drift(Data):
                     yaw=side * self.turn_deg,
                 )
             )
-        return tuple(found)
+        return tuple(key_poses)
 
 
 class Swing(Data):
@@ -159,14 +159,14 @@ class Swing(Data):
 
     def poses(self) -> Poses:
         """Return the key poses."""
-        found, quarter = [KeyPose(up=self.up)], 0.25 * self.period_s
+        key_poses, quarter = [KeyPose(up=self.up)], 0.25 * self.period_s
         for k in range(2 * self.swings):
             share = 1.0 - k / (2.0 * self.swings) if self.fades else 1.0
             angle = self.angle_deg * share * (1.0 if k % 2 == 0 else -1.0)
             tilt = {"roll": angle} if self.sideways else {"pitch": angle}
-            found.append(KeyPose(at=quarter * (2 * k + 1), up=self.up, **tilt))
-        found.append(KeyPose(at=quarter * 4 * self.swings, up=self.up))
-        return tuple(found)
+            key_poses.append(KeyPose(at=quarter * (2 * k + 1), up=self.up, **tilt))
+        key_poses.append(KeyPose(at=quarter * 4 * self.swings, up=self.up))
+        return tuple(key_poses)
 
 
 class Circle(Data):

@@ -351,7 +351,7 @@ def _pose_issues(
     if pose.is_still and behaviour not in ("stand", "fall"):
         yield Issue("pose", f"who is in the pose {name!r} stays in place: the behaviour is 'stand'")
     if details.holds and pose.grip is None:
-        able = ", ".join(one.id for one in kinds.poses if one.grip and one.id in offers.poses)
+        able = ", ".join(kind.id for kind in kinds.poses if kind.grip and kind.id in offers.poses)
         yield Issue("holds", f"the hands are not free in the pose {name!r}, but in: {able}")
 
 

@@ -312,18 +312,18 @@ class Episode(LeanData):
         rows = [
             (
                 action,
-                one.label,
-                _figure(one.margin_m, "m"),
-                _figure(one.min_ttc_s, "s"),
+                outcome.label,
+                _figure(outcome.margin_m, "m"),
+                _figure(outcome.min_ttc_s, "s"),
                 ", ".join(
                     [
-                        *one.contacts,
-                        *(["off the road"] if one.off_road else []),
-                        *(["past the red light"] if one.ran_red else []),
+                        *outcome.contacts,
+                        *(["off the road"] if outcome.off_road else []),
+                        *(["past the red light"] if outcome.ran_red else []),
                     ]
                 ),
             )
-            for action, one in self.actions.items()
+            for action, outcome in self.actions.items()
         ]
         head = ("action", "outcome", "margin", "minimum TTC", "touched")
         when = "" if self.decision_s is None else f", decision at {self.decision_s:.2f} s"

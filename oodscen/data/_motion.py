@@ -230,8 +230,8 @@ def _form_faults(motion: Motion) -> Iterator[Issue]:
     for name in ("ahead", "left"):
         if getattr(first, name) != 0:
             yield Issue(_at(motion, 0, name), "the first key is where the actor is placed: 0")
-    for index, (one, two) in enumerate(pairwise(poses), start=1):
-        if two.at < one.at + 0.05:
+    for index, (key_pose, two) in enumerate(pairwise(poses), start=1):
+        if two.at < key_pose.at + 0.05:
             yield Issue(
                 _at(motion, index, "at"), f"must be at least 0.05 {unit} after the last key"
             )
@@ -262,7 +262,7 @@ def _is_ordered(motion: Motion) -> bool:
         poses = motion.poses()
     except DataError:
         return False
-    return all(two.at > one.at for one, two in pairwise(poses))
+    return all(two.at > pose.at for pose, two in pairwise(poses))
 
 
 def _seam_faults(motion: Motion, first: KeyPose, last: KeyPose) -> Iterator[Issue]:
@@ -281,26 +281,24 @@ def _stretch_fault(
     motion: Motion, track: PoseTrack, index: int, rate: float, able: Ability
 ) -> str | None:
     """Return why a body cannot move so between two keys, if it cannot."""
-    found = track.measure(index)
+    measures = track.measure(index)
     span, moved = track.spans[index], track.moved(index)
     over = f"{span:g} s" if motion.by == "time" else f"{span:g} m of the ego"
     here = f"{moved:.3g} m within {over}"
-    if found.speed * rate > motion.fastest + ROUNDING:
+    if measures.speed * rate > motion.fastest + ROUNDING:
         how = "backwards " if motion.facing == "against" else ""
         can = f"{able.words} can {how}{motion.fastest:g}"
-        return f"{here} takes {found.speed * rate:.3g} m/s; {can}"
-    if found.climb * rate > able.climb + ROUNDING:
-        return f"up or down at {found.climb * rate:.3g} m/s; {able.words} can {able.climb:g}"
-    if found.spin * rate > able.spin + ROUNDING:
-        return (
-            f"turns at {found.spin * rate:.3g} degrees per second; {able.words} can {able.spin:g}"
-        )
-    needed = found.acceleration * rate * rate
+        return f"{here} takes {measures.speed * rate:.3g} m/s; {can}"
+    if measures.climb * rate > able.climb + ROUNDING:
+        return f"up or down at {measures.climb * rate:.3g} m/s; {able.words} can {able.climb:g}"
+    if measures.spin * rate > able.spin + ROUNDING:
+        return f"turns at {measures.spin * rate:.3g} degrees per second; {able.words} can {able.spin:g}"
+    needed = measures.acceleration * rate * rate
     if needed > able.acceleration + ROUNDING:
         message = f"needs {needed:.3g} m/s^2; {able.words} can {able.acceleration:g}"
         return f"{here} {message}: allow more time, or ease in and out with further keys"
-    if motion.facing != "fixed" and found.radius < able.radius - ROUNDING:
-        return f"turns within {found.radius:.2g} m; {able.words} needs {able.radius:g} m"
+    if motion.facing != "fixed" and measures.radius < able.radius - ROUNDING:
+        return f"turns within {measures.radius:.2g} m; {able.words} needs {able.radius:g} m"
     return None
 
 

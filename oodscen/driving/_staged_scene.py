@@ -183,7 +183,7 @@ class StagedScene(Brief):
         parameters = None
         if actor is not None:
             known = self.catalogue.behaviour(actor.behaviour.name).parameters
-            defaults = {key: one.default for key, one in known.items()}
+            defaults = {key: parameter.default for key, parameter in known.items()}
             parameters = {**defaults, **actor.behaviour.parameters}
         return StagedBody(
             id=name,

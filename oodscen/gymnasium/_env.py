@@ -104,12 +104,12 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         found, self.simulator, known = chosen_scenes(study, scenes, simulator)
         self._watched = watched(self.simulator)
         self._seed = known if seed is None else seed_number(seed)
-        self._scenes = {one.id: one for one in found}
+        self._scenes = {scene.id: scene for scene in found}
         self.scene_ids: tuple[str, ...] = tuple(
             name
-            for one in found
-            for name in (one.id, twin_id(one.id))
-            if name == one.id or (twins and not one.is_twin)
+            for scene in found
+            for name in (scene.id, twin_id(scene.id))
+            if name == scene.id or (twins and not scene.is_twin)
         )
         """The ids that an episode can have."""
         if twice := [name for name, count in Counter(self.scene_ids).items() if count > 1]:

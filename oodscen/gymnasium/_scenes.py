@@ -37,7 +37,7 @@ def chosen_scenes(
         found, name, seed = opened.scenes, opened.config.simulator, opened.config.seed
     if not found:
         raise UsageError("an environment needs at least one scene")
-    if len({one.id for one in found}) < len(found):
+    if len({scene.id for scene in found}) < len(found):
         raise UsageError("two scenes of an environment have the same id")
     return found, make_simulator(name if simulator is None else simulator), seed
 

@@ -121,10 +121,10 @@ def asked() -> Solver:
                 break
             if answer is not None or attempt == ATTEMPTS:
                 break
-            said, mend = repair(raw, issues)
+            message, mend = repair(raw, issues)
             state.messages = [
                 *question,
-                ChatMessageAssistant(content=said.text),
+                ChatMessageAssistant(content=message.text),
                 ChatMessageUser(content=mend.text),
             ]
         return state
@@ -154,7 +154,7 @@ def _acted() -> Scorer:
 
 def _scoring(*kept: str, judge: str | None = None) -> Scorer:
     """Return the scorer that keeps these values of an answer."""
-    made = make_llm(judge) if judge else None
+    llm = make_llm(judge) if judge else None
 
     async def score(state: TaskState, target: Target) -> Score:
         key, purpose = _key(state), state.metadata["purpose"]
@@ -163,7 +163,7 @@ def _scoring(*kept: str, judge: str | None = None) -> Scorer:
                 purpose,
                 state.output.completion,
                 model=str(state.model),
-                judge=made,
+                judge=llm,
                 failure=_failure(state),
             )
         )

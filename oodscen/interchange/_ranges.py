@@ -54,14 +54,14 @@ def ranges(
 
     if not is_sound(scene, catalogue, claims):
         return ()
-    found: list[ParameterRange] = []
+    parameter_ranges: list[ParameterRange] = []
     for name, path, value, low, high in _parameters(scene, catalogue):
         ends = [_end(value, end, partial(holds, path)) for end in (low, high)]
         if ends[0] < ends[1]:
-            found.append(
+            parameter_ranges.append(
                 ParameterRange(name=name, path=path, value=value, low=ends[0], high=ends[1])
             )
-    return tuple(found)
+    return tuple(parameter_ranges)
 
 
 @checked
@@ -78,19 +78,19 @@ def vary(
     parameters = ranges(scene, catalogue, claims)
     own, mark, kind = scene.id.partition("~")  # The mark of an ordinary drive stays at the end.
     draws = stream(seed_number(seed), "vary", scene.id)
-    found: list[Scene] = []
+    scenes: list[Scene] = []
     for _ in range(count * _TRIES):
-        if len(found) == count or not parameters:
+        if len(scenes) == count or not parameters:
             break
         values = {
             parameter.path: round(float(draws.uniform(parameter.low, parameter.high)), _DIGITS)
             for parameter in parameters
         }
-        variant = changed(scene, values, f"{own}.v{len(found) + 1:03d}{mark}{kind}")
+        variant = changed(scene, values, f"{own}.v{len(scenes) + 1:03d}{mark}{kind}")
         if is_sound(variant, catalogue, claims):
             assert variant is not None
-            found.append(variant)
-    return found
+            scenes.append(variant)
+    return scenes
 
 
 def is_sound(scene: Scene | None, catalogue: Catalogue, claims: Sequence[Claim]) -> bool:

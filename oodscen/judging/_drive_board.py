@@ -35,8 +35,13 @@ def current_results(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> l
     """Return the results of the scenes as they are now, sorted by driver and then in the order of the scenes."""
     digests = {scene.id: scene.digest() for scene in scenes}
     order = {name: place for place, name in enumerate(digests)}
-    kept = [drive for drive in drives if digests.get(scene_of(drive.scene_id)) == drive.made_from]
-    return sorted(kept, key=lambda one: (one.driver, order[scene_of(one.scene_id)], one.is_twin))
+    results = [
+        drive for drive in drives if digests.get(scene_of(drive.scene_id)) == drive.made_from
+    ]
+    return sorted(
+        results,
+        key=lambda result: (result.driver, order[scene_of(result.scene_id)], result.is_twin),
+    )
 
 
 class DriveRate(Data):
@@ -174,8 +179,8 @@ def drive_board(
     """
     paths = paths_of(scenarios)
     grouped: dict[str, list[DriveResult]] = {}
-    for one in last_by(results, lambda result: (result.driver, result.scene_id)):
-        grouped.setdefault(one.driver, []).append(one)
+    for drive_result in last_by(results, lambda result: (result.driver, result.scene_id)):
+        grouped.setdefault(drive_result.driver, []).append(drive_result)
     sums = _Sums(paths, seed_number(seed))
     yardstick = drives_and_passes(grouped.get(RULE_BASED, ()))
     found = []
@@ -235,14 +240,14 @@ class _Sums:
     ) -> DriveRow:
         ran = [drive for drive in drives if drive.status == "ok"]
         shares = {
-            "passed": self.share(ran, lambda one: one.passed),
-            "collisions": self.share(ran, lambda one: bool(one.collisions)),
-            "off_road": self.share(ran, lambda one: one.off_road),
+            "passed": self.share(ran, lambda result: result.passed),
+            "collisions": self.share(ran, lambda result: bool(result.collisions)),
+            "off_road": self.share(ran, lambda result: result.off_road),
             "critical": self.share(ran, is_critical),
         }
         if kind == "twins":
-            judged = [one for one in ran if one.brakes_needlessly is not None]
-            shares["needless"] = self.share(judged, lambda one: bool(one.brakes_needlessly))
+            judged = [result for result in ran if result.brakes_needlessly is not None]
+            shares["needless"] = self.share(judged, lambda result: bool(result.brakes_needlessly))
         return DriveRow(
             driver=driver,
             kind=kind,
@@ -265,15 +270,15 @@ class _Sums:
         sound = drives_and_passes([*scenes, *twins])
         passed = {scene_of(twin.scene_id): twin.passed for twin in twins if twin.status == "ok"}
         both = [scene for scene in scenes if scene.scene_id in sound]
-        counts = [(one.passed, passed[one.scene_id]) for one in both]
+        counts = [(result.passed, passed[result.scene_id]) for result in both]
         return Pairing(
             n=len(both),
             both=counts.count((True, True)),
             scene_only=counts.count((True, False)),
             twin_only=counts.count((False, True)),
             neither=counts.count((False, False)),
-            drives_and_passes=self.share(both, lambda one: sound[one.scene_id]),
-            progress_lost=self.mean(both, lambda one: one.progress_lost),
+            drives_and_passes=self.share(both, lambda result: sound[result.scene_id]),
+            progress_lost=self.mean(both, lambda result: result.progress_lost),
             against_rule_based=self.compared(both, sound, yardstick),
         )
 
@@ -284,9 +289,9 @@ class _Sums:
         if not common:
             return None
         return paired(
-            np.array([sound[one.scene_id] for one in common], np.float64),
-            np.array([yardstick[one.scene_id] for one in common], np.float64),
-            [path_of(one, self._paths) for one in common],
+            np.array([sound[result.scene_id] for result in common], np.float64),
+            np.array([yardstick[result.scene_id] for result in common], np.float64),
+            [path_of(result, self._paths) for result in common],
             seed=self._seed,
         )
 
@@ -312,7 +317,7 @@ class _Sums:
         if not known:
             return Estimate()
         values = np.array([value for _, value in known], np.float64)
-        replicates, units = self._resampled([one for one, _ in known], values)
+        replicates, units = self._resampled([result for result, _ in known], values)
         interval = None if replicates is None else percentiles(replicates, units)
         return Estimate(value=round(float(values.mean()), 6), n=len(values), interval=interval)
 

@@ -44,10 +44,13 @@ def drive_requirements(
         grouped.setdefault(drive.driver, []).append(drive)
     level = ALPHA / max(len(grouped), 1)
     results = []
-    for name, found in sorted(grouped.items()):
-        clusters = [path_of(one, paths) for one in found]
-        tests = [RequirementTest(clusters, *_columns(bar.figure, found), bar, seed) for bar in bars]
-        scenes = sum(not one.is_twin for one in found)
+    for name, drive_results in sorted(grouped.items()):
+        clusters = [path_of(result, paths) for result in drive_results]
+        tests = [
+            RequirementTest(clusters, *_columns(bar.figure, drive_results), bar, seed)
+            for bar in bars
+        ]
+        scenes = sum(not result.is_twin for result in drive_results)
         results.append(grade_of(name, tests, level, scenes / len(set(clusters))))
     return results
 
@@ -59,20 +62,20 @@ def _columns(figure: str, drives: Sequence[DriveResult]) -> tuple[Floats, Mask]:
     both = drives_and_passes(drives)
     driven = {scene_of(drive.scene_id) for drive in drives if drive.is_twin}
     simple: dict[str, tuple[bool, Callable[[DriveResult], bool | None]]] = {
-        "safe": (False, lambda one: one.passed),
-        "safe-twin": (True, lambda one: one.passed),
-        "needless": (True, lambda one: one.brakes_needlessly),
+        "safe": (False, lambda result: result.passed),
+        "safe-twin": (True, lambda result: result.passed),
+        "needless": (True, lambda result: result.brakes_needlessly),
         "critical": (False, is_critical),
     }
-    for row, one in enumerate(drives):
+    for row, drive_result in enumerate(drives):
         if figure == "safe-both":
-            if not one.is_twin and one.scene_id in driven:
-                missing[row] = one.scene_id not in both
-                values[row] = both.get(one.scene_id, np.nan)
+            if not drive_result.is_twin and drive_result.scene_id in driven:
+                missing[row] = drive_result.scene_id not in both
+                values[row] = both.get(drive_result.scene_id, np.nan)
             continue
         is_twin, value = simple[figure]
-        if one.is_twin == is_twin:
-            missing[row] = one.status != "ok"
-            found = None if missing[row] else value(one)
+        if drive_result.is_twin == is_twin:
+            missing[row] = drive_result.status != "ok"
+            found = None if missing[row] else value(drive_result)
             values[row] = np.nan if found is None else found
     return values, missing

@@ -80,8 +80,13 @@ class Items:
             for kind, episode in zip(kinds, ran, strict=True)
         ]
         outcomes = [tuple(episode.actions.values()) for episode in ran]
-        safe = np.array([sum(o.safe for o in found) for found in outcomes], np.float64)
-        scoring = np.array([sum(not o.marginal for o in found) for found in outcomes], np.float64)
+        safe = np.array(
+            [sum(o.safe for o in action_outcomes) for action_outcomes in outcomes], np.float64
+        )
+        scoring = np.array(
+            [sum(not o.marginal for o in action_outcomes) for action_outcomes in outcomes],
+            np.float64,
+        )
         return cls(
             episodes=ran,
             index=index,
@@ -96,8 +101,11 @@ class Items:
             kinds=kinds,
             owners=np.array(owners, np.int64),
             safe=safe,
-            unsafe=np.array([sum(o.is_unsafe for o in found) for found in outcomes], np.float64),
-            has_actions=np.array([bool(found) for found in outcomes], np.bool_),
+            unsafe=np.array(
+                [sum(o.is_unsafe for o in action_outcomes) for action_outcomes in outcomes],
+                np.float64,
+            ),
+            has_actions=np.array([bool(action_outcomes) for action_outcomes in outcomes], np.bool_),
             chance=np.divide(safe, scoring, out=np.zeros_like(safe), where=scoring > 0),
             keeping_is_safe=np.array([keeping_is_safe(episode) for episode in ran], np.bool_),
         )

@@ -73,8 +73,8 @@ class Kinds:
             }
             spare = [*own, *(kind for kind in anywhere if kind not in own)]
             order = stream(seed, "kinds", place).permutation(len(spare))
-            drawn = [spare[int(index)] for index in order]
-            lists[place] = tuple(_filled(part, drawn, families) for part in parts)
+            options = [spare[int(index)] for index in order]
+            lists[place] = tuple(_filled(part, options, families) for part in parts)
         return cls(tuple(kinds), lists, homes)
 
     def offered(self, leaf: str, place: str) -> tuple[AspectOption, ...]:
@@ -99,9 +99,9 @@ def merge_kinds(labels: Mapping[str, str]) -> list[AspectOption]:
 
 def _look(label: str) -> object:
     """Return what frames show of a label: its concepts, or its words if it has none."""
-    found = visible_naming(label)
-    names = frozenset(concept.name for concept in found.concepts)
-    return names, frozenset(() if names else found.rest)
+    naming = visible_naming(label)
+    names = frozenset(concept.name for concept in naming.concepts)
+    return names, frozenset(() if names else naming.rest)
 
 
 def _parts(ordered: Sequence[AspectOption]) -> list[Sequence[AspectOption]]:

@@ -135,20 +135,20 @@ class PersonAnswers(CaseAnswerer):
                 f"(oodscen evaluate {store.folder} --drop {shlex.quote(person(name))})"
             )
             raise DataError(QuizAnswers.noun, [Issue("", f"{PEOPLE} lacks {name!r}: {remedy}")])
-        given = QuizAnswers.parse(lines[as_name(name)], source=f"{PEOPLE}, {name}")
+        answers = QuizAnswers.parse(lines[as_name(name)], source=f"{PEOPLE}, {name}")
         items = _by_token(episodes)
         return cls(
-            name, {items[answer.item]: answer for answer in given.answers if answer.item in items}
+            name, {items[answer.item]: answer for answer in answers.answers if answer.item in items}
         )
 
     def judge(self, case: Case) -> Answers:
         """Answer as the person did."""
-        said = self.items[case.episode.scene_id]
+        answer = self.items[case.episode.scene_id]
         listed = {option.id for option in case.options}
         return Answers(
-            said.is_ood,
-            said.aspect if said.is_ood else "",
-            said.confidence,
-            said.choice if said.choice in listed else None,
-            said.action,
+            answer.is_ood,
+            answer.aspect if answer.is_ood else "",
+            answer.confidence,
+            answer.choice if answer.choice in listed else None,
+            answer.action,
         )

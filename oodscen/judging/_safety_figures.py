@@ -59,11 +59,11 @@ def safety_figures(episodes: Sequence[Episode]) -> SafetyFigures:
 
 
 def _of_action(name: str, ran: Sequence[Episode]) -> ActionSafety:
-    found = [episode.actions[name] for episode in ran if name in episode.actions]
-    n = max(1, len(found))
+    outcomes = [episode.actions[name] for episode in ran if name in episode.actions]
+    n = max(1, len(outcomes))
     return ActionSafety(
-        safe=sum(outcome.safe for outcome in found) / n,
-        unsafe=sum(outcome.is_unsafe for outcome in found) / n,
-        marginal=sum(outcome.marginal for outcome in found) / n,
-        unavailable=sum(outcome.unavailable for outcome in found) / n,
+        safe=sum(outcome.safe for outcome in outcomes) / n,
+        unsafe=sum(outcome.is_unsafe for outcome in outcomes) / n,
+        marginal=sum(outcome.marginal for outcome in outcomes) / n,
+        unavailable=sum(outcome.unavailable for outcome in outcomes) / n,
     )

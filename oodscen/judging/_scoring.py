@@ -96,10 +96,10 @@ class AnswerKey(Data):
         do not count, whatever they say.
         """
         if failure is None:
-            given = self._given(purpose, heard(raw), model)
+            answers = self._given(purpose, heard(raw), model)
         else:
-            given = GivenAnswers(model, {}, [failure])
-        return score_answers(self, given, judge)
+            answers = GivenAnswers(model, {}, [failure])
+        return score_answers(self, answers, judge)
 
     def _given(self, purpose: str, raw: str, model: str) -> "GivenAnswers":
         reader = self.reader(purpose)
@@ -204,8 +204,8 @@ def is_scored(verdict: Verdict, key: AnswerKey, opinions: Mapping[str, Opinion])
     said = {name: value for name, value in said.items() if value is not None}
     is_judged = is_open(verdict) and bool(verdict.judge)
     scoring = {**said, "is_ood": None} if is_judged else said
-    given = GivenAnswers(verdict.model, scoring, protocol=verdict.protocol)
-    scores = {"thing_is_right": None, "aspect_is_right": None} | _scores(key, given)
+    answers = GivenAnswers(verdict.model, scoring, protocol=verdict.protocol)
+    scores = {"thing_is_right": None, "aspect_is_right": None} | _scores(key, answers)
     if is_judged:
         name = opinion_id(verdict.judge, verdict.aspect, key.path, key.visible)
         found = opinions.get(name)

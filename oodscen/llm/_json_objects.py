@@ -197,7 +197,7 @@ def _strict_at(text: str, position: int) -> tuple[Any, int]:
 
 def _essence(text: str) -> str:
     """Return the characters of an object that carry its values; commas between digits may be part of a number."""
-    text = _CODE.sub(lambda found: chr(int(found[1], 16)), _BREAK.sub(" ", text))
+    text = _CODE.sub(lambda match: chr(int(match[1], 16)), _BREAK.sub(" ", text))
     return _FORM.sub("", _COMMA.sub(",", whole(text).casefold().replace("none", "null")))
 
 

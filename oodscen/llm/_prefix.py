@@ -17,7 +17,7 @@ def cacheable_share(request: Request) -> float:
     That is the system's turn, and in a conversation or a repair everything up to the question before the last;
     0 if it is shorter than what providers cache. The first request of a kind in a run has to fill the cache.
     """
-    asked = [index for index, one in enumerate(request.messages) if one.role == "user"]
+    asked = [index for index, message in enumerate(request.messages) if message.role == "user"]
     end = asked[-2] + 1 if len(asked) > 1 else asked[0] if asked else 0
     prefix, whole = _tokens(request.messages[:end]), _tokens(request.messages)
     return prefix / whole if prefix >= LEAST_TOKENS else 0.0

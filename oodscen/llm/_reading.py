@@ -88,7 +88,7 @@ def _nearest_faults(others: Sequence[_Reading[Answer]], said: str) -> list[Issue
     if is_cut_off(said):
         return [CUT_OFF]
     if others:
-        return max(others, key=lambda one: one.found.width).issues
+        return max(others, key=lambda reading: reading.found.width).issues
     return [Issue("", "no JSON object was found in the answer")]
 
 

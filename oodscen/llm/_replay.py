@@ -48,8 +48,8 @@ class RecordingLLM(WrappingLLM):
         return completion
 
     def _found(self, request: Request) -> Completion | None:
-        found = self._recorder.find(request, self.name) if self._is_reading else None
-        return None if found is None else found.again()
+        exchange = self._recorder.find(request, self.name) if self._is_reading else None
+        return None if exchange is None else exchange.again()
 
 
 class ReplayLLM(Brief):
@@ -93,11 +93,11 @@ class ReplayLLM(Brief):
         Raises:
             ReplayMiss: When there is none, with the differences from the most similar question.
         """
-        found = self._recording.find(request, self._model)
-        if found is None:
+        exchange = self._recording.find(request, self._model)
+        if exchange is None:
             raise ReplayMiss(
                 self.name,
                 request.prompt.purpose,
                 self._recording.differences(request, self._model),
             )
-        return found.again()
+        return exchange.again()

@@ -65,14 +65,14 @@ class Comparison(Data):
             f"{self.n_a} and {self.n_b} texts, {self.repeats} draws of {self.size} from each, "
             f"against {self.N} baseline texts ({self.baseline}), embedded by {self.encoder}"
         ]
-        for label, found in (
+        for label, contrast in (
             ("OOD-ness", self.oodness),
             ("diversity, nearest", self.nearest),
             ("diversity, pairwise", self.pairwise),
         ):
-            test = "" if found.p_value is None else f"  p = {found.p_value:.4f}"
+            test = "" if contrast.p_value is None else f"  p = {contrast.p_value:.4f}"
             lines.append(
-                f"{label:20} {found.a:+.3f}  {found.b:+.3f}  difference {found.difference:+.3f}{test}"
+                f"{label:20} {contrast.a:+.3f}  {contrast.b:+.3f}  difference {contrast.difference:+.3f}{test}"
             )
         return "\n".join(lines)
 

@@ -63,16 +63,16 @@ def diversity(
     if n < 2:
         reason = "one text has no other to differ from"
         return Diversity(n=n, encoder=encoder, seed=seed, reason=reason)
-    found = nearest_other(vectors)
+    nearest = nearest_other(vectors)
     spread = bootstrap_pairwise(vectors, clusters, seed=seed)
     if spread is not None:
         spread = spread.model_copy(update={"low": -spread.high, "high": -spread.low})
     return Diversity(
-        nearest=0.0 - float(found.cosine.mean()),
+        nearest=0.0 - float(nearest.cosine.mean()),
         pairwise=0.0 - mean_pairwise(vectors),
-        nearest_interval=bootstrap_mean(0.0 - found.cosine, clusters, seed=seed),
+        nearest_interval=bootstrap_mean(0.0 - nearest.cosine, clusters, seed=seed),
         pairwise_interval=spread,
-        nearest_index=tuple(found.index.tolist()),
+        nearest_index=tuple(nearest.index.tolist()),
         n=n,
         encoder=encoder,
         seed=seed,

@@ -31,11 +31,11 @@ def score_file(
         kept = _inside(metrics, records, band, definition)
         records = [records[index] for index in kept.indices]
     texts = [record.text for record in records]
-    found = metrics.report(texts, _groups(records), definition=definition)
+    report = metrics.report(texts, _groups(records), definition=definition)
     update: dict[str, object] = {"band": kept}
     if llm is not None or anchors is not None:
         update["rarity"] = metrics.rarity(texts, llm, anchors=anchors)
-    return found.model_copy(update=update)
+    return report.model_copy(update=update)
 
 
 def _inside(
@@ -46,14 +46,14 @@ def _inside(
 ) -> Band:
     """Return the texts inside a band, at least one."""
     texts = [record.text for record in records]
-    kept = metrics.band(texts, *bounds, definition=definition)
-    if not kept.texts:
-        known = [value for value in kept.scores if value is not None]
+    band = metrics.band(texts, *bounds, definition=definition)
+    if not band.texts:
+        known = [value for value in band.scores if value is not None]
         raise UsageError(
             f"none of the {len(texts)} texts has an OOD-ness in [{bounds[0]}, {bounds[1]}]; "
             f"theirs lie in [{min(known):.3f}, {max(known):.3f}]"
         )
-    return kept
+    return band
 
 
 def _groups(records: Sequence[Record]) -> tuple[str, ...] | None:

@@ -86,7 +86,7 @@ def band(
     if not low <= high:
         raise UsageError(f"the band's lower bound {low} is not below its upper bound {high}")
     values: list[float | None] = (
-        [one.best for one in estimate_rarity(space, texts).per_text]
+        [rarity.best for rarity in estimate_rarity(space, texts).per_text]
         if definition == "rarity"
         else space.scores(texts, definition).tolist()
     )
@@ -132,7 +132,7 @@ def select(space: "BaselineSpace", inside: Band, n: int, method: Method) -> Sele
 def _by_exposure(
     space: "BaselineSpace", texts: Sequence[str], n: int, *, is_rarest: bool
 ) -> NDArray[np.int64]:
-    found = [one.best for one in estimate_rarity(space, texts).per_text]
+    found = [rarity.best for rarity in estimate_rarity(space, texts).per_text]
     known = [
         (-value if is_rarest else value, i) for i, value in enumerate(found) if value is not None
     ]

@@ -42,7 +42,9 @@ def landmarks(corridor: "Corridor", traits: tuple[str, ...] = ()) -> tuple[Landm
     """
     found = [*_junctions(corridor, traits), *_structures(corridor), *_lights(corridor)]
     found += _crest(corridor)
-    return tuple(sorted(found, key=lambda one: (one.ahead_m, one.kind, one.left_m)))
+    return tuple(
+        sorted(found, key=lambda landmark: (landmark.ahead_m, landmark.kind, landmark.left_m))
+    )
 
 
 def _junctions(road: "Corridor", traits: tuple[str, ...]) -> Iterator[Landmark]:

@@ -35,8 +35,8 @@ class WeatherLimits:
         others = also.removesuffix(", which no scene can ask for")
 
         def number(pattern: str, default: float) -> float:
-            found = re.search(pattern, told)
-            return float(found.group(1)) if found else default
+            match = re.search(pattern, told)
+            return float(match.group(1)) if match else default
 
         return cls(
             night=told.startswith("night"),

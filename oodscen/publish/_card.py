@@ -70,7 +70,11 @@ def _cell(value: object) -> str:
 
 def _split(name: str, drives: Sequence[PublishedDrive]) -> dict[str, Any]:
     own = [drive for drive in drives if drive.split == name]
-    labels = {one.asked.truth.leaf: one.asked.truth.path[-1] for one in own if one.asked.truth.path}
+    labels = {
+        published_drive.asked.truth.leaf: published_drive.asked.truth.path[-1]
+        for published_drive in own
+        if published_drive.asked.truth.path
+    }
     count = Counter(drive.kind for drive in own)
     return {
         "name": name,

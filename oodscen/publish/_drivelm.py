@@ -22,9 +22,11 @@ def write_drivelm(folder: Path, drives: Sequence[PublishedDrive]) -> None:
     (folder / "images").mkdir(parents=True, exist_ok=True)
     for split in dict.fromkeys(drive.split for drive in drives):
         found = {}
-        for drive in (one for one in drives if one.split == split):
-            asked = [row for row in question_rows(drive) if row.best is not None]
-            found[drive.name] = _scene(drive, asked, folder)
+        for drive in (
+            published_drive for published_drive in drives if published_drive.split == split
+        ):
+            rows = [row for row in question_rows(drive) if row.best is not None]
+            found[drive.name] = _scene(drive, rows, folder)
         (folder / f"{split}.json").write_text(canonical_json(found) + "\n", encoding="utf-8")
 
 

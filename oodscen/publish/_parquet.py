@@ -66,7 +66,7 @@ def write_drives(path: Path, drives: Sequence[PublishedDrive], demands: dict[str
     Raises:
         MissingExtra: If pyarrow is not installed.
     """
-    parts = ([_drive(one, demands) for one in part] for part in _parts(drives))
+    parts = ([_drive(drive, demands) for drive in part] for part in _parts(drives))
     return _write(path, DRIVES, parts)
 
 
@@ -106,8 +106,8 @@ def _questions(drives: Sequence[PublishedDrive]) -> list[dict[str, Any]]:
 
 
 def _drive(drive: PublishedDrive, demands: dict[str, Scene]) -> dict[str, Any]:
-    asked, episode = drive.asked, drive.asked.episode
-    scene = demands.get(episode.scene_id, asked.scene)
+    asked_drive, episode = drive.asked, drive.asked.episode
+    scene = demands.get(episode.scene_id, asked_drive.scene)
     labels = {name: episode.label(name) for name in as_offered(episode.actions)}
     return {
         "drive": drive.name,
@@ -116,9 +116,9 @@ def _drive(drive: PublishedDrive, demands: dict[str, Scene]) -> dict[str, Any]:
         "item": episode.scene_id,
         "map": scene.map if scene else "",
         "text": _text(drive, scene),
-        "path": list(asked.truth.path),
+        "path": list(asked_drive.truth.path),
         "ego_speed_mps": episode.ego_speed_mps,
-        "frame_times_s": list(asked.shown.facts.times_s),
+        "frame_times_s": list(asked_drive.shown.facts.times_s),
         "frame_sha256": [image.sha256 for image in drive.images],
         **{
             label: [name for name, found in labels.items() if found == label]

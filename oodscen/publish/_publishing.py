@@ -73,7 +73,11 @@ def publish(
     refuse_inside(folder)
     asked = asked_drives(study)
     board = study.leaderboard() if study.store.has("verdicts.jsonl") else None
-    labels = {one.truth.leaf: one.truth.path[-1] for one in asked if one.truth.path}
+    labels = {
+        asked_drive.truth.leaf: asked_drive.truth.path[-1]
+        for asked_drive in asked
+        if asked_drive.truth.path
+    }
     drives = published_drives(asked, splits(labels, share=validation, seed=study.config.seed))
     if not drives:
         raise DataError("study", [Issue("", "no scene has frames")], source=str(study.folder))

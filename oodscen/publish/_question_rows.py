@@ -112,16 +112,18 @@ def question_rows(drive: PublishedDrive) -> Iterator[QuestionRow]:
 
 
 def _noticed(drive: PublishedDrive) -> QuestionRow:
-    said = drive.oracle
-    answer = {"is_ood": said.is_ood, "confidence": said.confidence, "aspect": said.aspect}
-    right = 0 if said.is_ood else 1
+    answers = drive.oracle
+    answer = {"is_ood": answers.is_ood, "confidence": answers.confidence, "aspect": answers.aspect}
+    right = 0 if answers.is_ood else 1
     prompt = naming_prompt(drive.asked.shown)
     return QuestionRow(drive, prompt, YES_NO, canonical_json(answer), (right,), best=right)
 
 
 def _chosen(drive: PublishedDrive) -> QuestionRow:
     options, choice = drive.asked.options, drive.oracle.choice
-    right = tuple(place for place, one in enumerate(options) if one.id == choice)
+    right = tuple(
+        place for place, aspect_option in enumerate(options) if aspect_option.id == choice
+    )
     answer = canonical_json({"choice": right[0] + 1}) if right else ""
     return QuestionRow(
         drive,
@@ -136,9 +138,9 @@ def _chosen(drive: PublishedDrive) -> QuestionRow:
 def _acted(drive: PublishedDrive) -> QuestionRow:
     names = [option.id for option in OPTIONS]
     known = [
-        (n, found)
+        (n, action_outcome)
         for n, name in enumerate(names)
-        if (found := drive.asked.episode.actions.get(name))
+        if (action_outcome := drive.asked.episode.actions.get(name))
     ]
     safe = tuple(n for n, outcome in known if outcome.safe)
     neutral = tuple(n for n, outcome in known if outcome.marginal)
@@ -157,12 +159,14 @@ def _acted(drive: PublishedDrive) -> QuestionRow:
 def published_drives(asked: list[AskedDrive], splits: Mapping[str, Split]) -> list[PublishedDrive]:
     """Return the drives of a data set; ordinary drives without their scene are left out."""
     owners = {
-        one.episode.scene_id: token(one.episode) for one in asked if not one.episode.is_ordinary
+        drive.episode.scene_id: token(drive.episode)
+        for drive in asked
+        if not drive.episode.is_ordinary
     }
     return [
         PublishedDrive(
-            one, splits.get(one.truth.leaf, "test"), owners[scene_of(one.episode.scene_id)]
+            drive, splits.get(drive.truth.leaf, "test"), owners[scene_of(drive.episode.scene_id)]
         )
-        for one in asked
-        if scene_of(one.episode.scene_id) in owners
+        for drive in asked
+        if scene_of(drive.episode.scene_id) in owners
     ]

@@ -43,7 +43,7 @@ def replacing(folder: Path) -> Iterator[Path]:
         OSError: If a file cannot be written.
         UsageError: If a file of the data set was changed since it was written.
     """
-    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    paths = [path for path in (folder, *folder.parents) if not path.exists()]
     part = folder / _PART
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -61,7 +61,7 @@ def replacing(folder: Path) -> Iterator[Path]:
             _move(part, folder, earlier)
             shutil.rmtree(part, ignore_errors=True)
     finally:
-        for path in made:
+        for path in paths:
             with suppress(OSError):
                 path.rmdir()
 
@@ -101,9 +101,9 @@ def _told(sums: Path) -> dict[str, str]:
     if not sums.exists():
         return {}
     lines = read_regular(sums, "data set").decode("utf-8", "replace").splitlines()
-    found = [_LINE.fullmatch(line) for line in lines]
-    told = {one["name"]: one["digest"] for one in found if one}
-    return told if all(found) and CARD in told else {}
+    matches = [_LINE.fullmatch(line) for line in lines]
+    told = {match["name"]: match["digest"] for match in matches if match}
+    return told if all(matches) and CARD in told else {}
 
 
 def _move(part: Path, folder: Path, earlier: set[str]) -> None:

@@ -45,10 +45,10 @@ class KnownOutcomes(Data):
 
     def change(self, test: str, outcome: Outcome, scene: str) -> Change:
         """Compare an outcome with the known one."""
-        known = self.tests.get(test)
-        if known is None or known.scene != scene:
+        known_test = self.tests.get(test)
+        if known_test is None or known_test.scene != scene:
             return "new"
-        if known.outcome == outcome:
+        if known_test.outcome == outcome:
             return "known" if outcome == "failed" else "same"
         return "regression" if outcome == "failed" else "improved"
 
@@ -62,7 +62,9 @@ class KnownOutcomes(Data):
         Raises:
             StudyError: If it cannot be written.
         """
-        rows = [f"{json.dumps(name)}: {one.to_json()}" for name, one in sorted(self.tests.items())]
+        rows = [
+            f"{json.dumps(name)}: {test.to_json()}" for name, test in sorted(self.tests.items())
+        ]
         listed = ",\n".join(rows)
         with writing(path, StudyError):
             write_named(path, f'{{"schema_version": 1, "tests": {{\n{listed}\n}}}}\n'.encode())

@@ -14,10 +14,12 @@ def is_counted(drives: Iterable[DriveResult], bars: Sequence[Bar]) -> bool:
         drives: The drives of one test.
         bars: The requirement, of `DRIVE_FIGURES`.
     """
-    found = list(drives)
-    if any(one.status == "failed" for one in found):
+    results = list(drives)
+    if any(result.status == "failed" for result in results):
         return False
-    return any(_is_miss(one, bar.figure) for one in found for bar in bars if one.status == "ok")
+    return any(
+        _is_miss(result, bar.figure) for result in results for bar in bars if result.status == "ok"
+    )
 
 
 def _is_miss(one: DriveResult, figure: str) -> bool:

@@ -54,15 +54,15 @@ class Driven:
     @property
     def outcome(self) -> str:
         """The outcome of the drive in a few words."""
-        one = self.result
-        end = f"after {one.seconds:.2f} s at {float(self.states[-1].speeds[0]):.1f} m/s"
-        if one.collisions:
+        result = self.result
+        end = f"after {result.seconds:.2f} s at {float(self.states[-1].speeds[0]):.1f} m/s"
+        if result.collisions:
             kinds = {actor.id: actor.asset for actor in self.scene.actors}
-            touched = " and ".join(f"{name} ({kinds.get(name, '?')})" for name in one.collisions)
+            touched = " and ".join(f"{name} ({kinds.get(name, '?')})" for name in result.collisions)
             return f"touches {touched} {end}"
-        if one.off_road:
+        if result.off_road:
             return f"leaves the road {end}"
-        ttc = "none" if one.min_ttc_s is None else f"{one.min_ttc_s:.1f} s"
+        ttc = "none" if result.min_ttc_s is None else f"{result.min_ttc_s:.1f} s"
         hard = ""
         if self.is_needless:
             hard = (
@@ -79,9 +79,9 @@ class Driven:
         Args:
             safe_actions: The actions that were safe from the scene's decision on.
         """
-        one = self.result
-        gap = "none" if one.min_gap_m is None else f"{one.min_gap_m:.1f} m"
-        ttc = "none" if one.min_ttc_s is None else f"{one.min_ttc_s:.2f} s"
+        result = self.result
+        gap = "none" if result.min_gap_m is None else f"{result.min_gap_m:.1f} m"
+        ttc = "none" if result.min_ttc_s is None else f"{result.min_ttc_s:.2f} s"
         rows = [
             ("scene", self.scene.id),
             ("path", " > ".join(self.path)),
@@ -90,7 +90,7 @@ class Driven:
             (
                 "figures",
                 f"least gap {gap}, least time to collision {ttc}, hardest braking "
-                f"{one.peak_deceleration:.1f} m/s2, {one.progress:.0%} of the way at constant speed",
+                f"{result.peak_deceleration:.1f} m/s2, {result.progress:.0%} of the way at constant speed",
             ),
             ("safe here", ", ".join(safe_actions)),
             *(("before" if not row else "", line) for row, line in enumerate(self._last())),

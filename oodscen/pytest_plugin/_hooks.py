@@ -64,7 +64,7 @@ def pytest_configure(config: pytest.Config) -> None:
             raise pytest.UsageError(f"--oodscen-{named[0]} needs a study: --oodscen OUT")
         return
     pictures = path_setting(config, "oodscen_pictures")
-    if pictures is not None and any(one.is_file() for one in (pictures, *pictures.parents)):
+    if pictures is not None and any(path.is_file() for path in (pictures, *pictures.parents)):
         raise pytest.UsageError(f"--oodscen-pictures must be a folder, not the file {pictures}")
     if not (folder / "study.json").is_file():
         raise pytest.UsageError(f"{folder} holds no study; make one with: oodscen run {folder}")

@@ -44,8 +44,8 @@ class Scenes:
     @cached_property
     def safe_actions(self) -> dict[str, tuple[str, ...]]:
         """The actions that the study found safe, by id of the scene or twin."""
-        found = (episode for episode in self._study.episodes if episode.status == "ok")
-        return {one.scene_id: tuple(one.safe_set) for one in found}
+        episodes = (episode for episode in self._study.episodes if episode.status == "ok")
+        return {one.scene_id: tuple(one.safe_set) for one in episodes}
 
     def first_per_path(self, count: int | None) -> list[Scene]:
         """Return the first scenes of every path of the scenario tree, or all of them."""
@@ -81,14 +81,14 @@ class Scenes:
 
     def text(self, scene: Scene) -> str:
         """Return the text of a scene or twin on one line, empty if the study has none."""
-        known = self._text_of(scene)
-        text = (known.ordinary if scene.is_twin else known.text) if known else None
+        scenario = self._text_of(scene)
+        text = (scenario.ordinary if scene.is_twin else scenario.text) if scenario else None
         return one_line(text or "")
 
     def path(self, scene: Scene) -> tuple[str, ...]:
         """Return the path of the scenario tree that a scene or twin realises, empty if the study has no text of it."""
-        known = self._text_of(scene)
-        return known.path if known else ()
+        scenario = self._text_of(scene)
+        return scenario.path if scenario else ()
 
     def _text_of(self, scene: Scene) -> Scenario | None:
         return self.texts.get(scene_of(scene.id))

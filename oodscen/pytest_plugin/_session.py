@@ -206,9 +206,9 @@ class DrivingSession:
             return report
         drive, subtests = item.stash.get(DRIVE, None), item.stash.get(SUBTESTS, Subtests())
         outcome: Outcome = "failed" if report.failed or subtests.forgiven else "passed"
-        known = KnownTest(outcome=outcome, scene=scene.digest())
+        known_test = KnownTest(outcome=outcome, scene=scene.digest())
         test = self._test(item)
-        change = self._baseline.change(test, outcome, known.scene)
+        change = self._baseline.change(test, outcome, known_test.scene)
         if report.failed and drive is not None and drive.drives:
             drive.pictured()
             for one in drive.drives:
@@ -225,7 +225,7 @@ class DrivingSession:
             vars(report)["wasxfail"] = f"reason: {reason}"
         vars(report)["oodscen"] = {
             "test": test,
-            "known": known.model_dump(),
+            "known": known_test.model_dump(),
             "change": change,
             "drives": [result.model_dump(mode="json") for result in drive.results] if drive else [],
         }
@@ -266,14 +266,14 @@ class DrivingSession:
         if self._file is not None:
             rows.append(("oodscen.change", change))
         pictures = {id(one.result): one.pictures for one in drive.drives} if drive else {}
-        for one in drive.results if drive else ():
-            which = "oodscen.twin" if one.is_twin else "oodscen.drive"
+        for result in drive.results if drive else ():
+            which = "oodscen.twin" if result.is_twin else "oodscen.drive"
             rows += [
-                (f"{which}.driver", one.driver),
-                (f"{which}.safe", str(one.passed).lower()),
-                (f"{which}.min_ttc_s", one.min_ttc_s),
-                (f"{which}.progress", one.progress),
-                *(("oodscen.picture", str(path)) for path in pictures.get(id(one), ())),
+                (f"{which}.driver", result.driver),
+                (f"{which}.safe", str(result.passed).lower()),
+                (f"{which}.min_ttc_s", result.min_ttc_s),
+                (f"{which}.progress", result.progress),
+                *(("oodscen.picture", str(path)) for path in pictures.get(id(result), ())),
             ]
         names = {name for name, _ in rows}  # Those of the subtests before, which are fewer.
         others = [pair for pair in item.user_properties if pair[0] not in names]
@@ -317,10 +317,10 @@ class DrivingSession:
         self._known[found["test"]] = KnownTest.parse(found["known"])
         self._changes[found["test"]] = found["change"]
         for row in found["drives"]:
-            one = DriveResult.parse(row)
-            before = self._drives.get(one.id)
+            result = DriveResult.parse(row)
+            before = self._drives.get(result.id)
             if before is None or before.passed:  # Of several drives by one stack the worst counts.
-                self._drives[one.id] = one
+                self._drives[result.id] = result
 
     # -------------------------------------------------------------- the end
 
@@ -406,7 +406,7 @@ class DrivingSession:
         if not self._is_whole:
             return [f"{self._file}: not all tests ran, so that nothing is written or compared"]
         if self._mode != "compare":
-            failed = sum(one.outcome == "failed" for one in self._known.values())
+            failed = sum(known_test.outcome == "failed" for known_test in self._known.values())
             return [f"{self._file}: {len(self._known)} outcomes written, {failed} of them failures"]
         named: dict[Change, list[str]] = {}
         for test, change in self._changes.items():

@@ -29,11 +29,11 @@ class Subtests:
     def own_drives(self, drive: "Drive", call: pytest.CallInfo[None]) -> "list[DriveResult]":
         """Return the drives that a subtest or test made, and those that no subtest made."""
         own = {place for place, began in enumerate(drive.began) if began >= call.start}
-        found = [
-            one
-            for place, one in enumerate(drive.results)
+        results = [
+            result
+            for place, result in enumerate(drive.results)
             if place in own or place not in self._places
         ]
         if not self.is_over:
             self._places |= own
-        return found
+        return results

@@ -89,39 +89,39 @@ class Material:
 def read(study: Study) -> Material:
     """Return the material of a study; never raises for a fault in the study."""
     store = study.store
-    found = Material()
-    found.info = _object(store, "study.json", found)
-    found.metrics = _value(store, "metrics.json", Measurements.parse, found)
+    material = Material()
+    material.info = _object(store, "study.json", material)
+    material.metrics = _value(store, "metrics.json", Measurements.parse, material)
     if store.has(AUDIT):
-        found.audit = _value(store, AUDIT, Audit.parse, found)
+        material.audit = _value(store, AUDIT, Audit.parse, material)
     for name in TREES:
-        tree = _value(store, f"tree.{name}.json", ScenarioTree.parse, found)
+        tree = _value(store, f"tree.{name}.json", ScenarioTree.parse, material)
         if tree is not None:
-            found.trees[name] = tree
-    found.rounds = _rows(store, "redteam", Round, found)
-    found.decisions = _rows(store, "pruned", PruneDecision, found)
-    found.assets = _optional(store, ASSETS, MadeProp, found)
-    found.motions = _optional(store, MOTIONS, MadeMotion, found)
-    found.scenarios = _rows(store, "scenarios", Scenario, found)
-    staged = _rows(store, "scenes", Scene, found)
-    found.scenes = [one for one in staged if not one.is_ordinary]
-    found.demands = [one for one in staged if one.is_ordinary]
-    found.episodes = _rows(store, "episodes", Episode, found)
-    found.verdicts = _rows(store, "verdicts", Verdict, found)
-    found.whole = _optional(store, "episodes.paper.jsonl", Episode, found)
-    drives = _optional(store, "drives.jsonl", DriveResult, found)
-    found.drives = current_results(drives, found.scenes)
-    if lost := len(drives) - len(found.drives):
+            material.trees[name] = tree
+    material.rounds = _rows(store, "redteam", Round, material)
+    material.decisions = _rows(store, "pruned", PruneDecision, material)
+    material.assets = _optional(store, ASSETS, MadeProp, material)
+    material.motions = _optional(store, MOTIONS, MadeMotion, material)
+    material.scenarios = _rows(store, "scenarios", Scenario, material)
+    staged = _rows(store, "scenes", Scene, material)
+    material.scenes = [scene for scene in staged if not scene.is_ordinary]
+    material.demands = [scene for scene in staged if scene.is_ordinary]
+    material.episodes = _rows(store, "episodes", Episode, material)
+    material.verdicts = _rows(store, "verdicts", Verdict, material)
+    material.whole = _optional(store, "episodes.paper.jsonl", Episode, material)
+    drives = _optional(store, "drives.jsonl", DriveResult, material)
+    material.drives = current_results(drives, material.scenes)
+    if lost := len(drives) - len(material.drives):
         note = f"{lost} results in drives.jsonl are of scenes that have changed since, and left out"
-        _note(found, "drives.jsonl", note)
-    _note_stale(study, found)
-    _leave_out_stale(store, found)
+        _note(material, "drives.jsonl", note)
+    _note_stale(study, material)
+    _leave_out_stale(store, material)
     if store.has("restaged.jsonl"):
-        found.restagings = list(_lines(store, "restaged.jsonl", found))
-    found.calls = list(_lines(store, TABLES["calls"], found))
-    found.texts = {size: _texts(store, size, found) for size in _sizes(found.config)}
-    _note_unanswered(found)
-    return found
+        material.restagings = list(_lines(store, "restaged.jsonl", material))
+    material.calls = list(_lines(store, TABLES["calls"], material))
+    material.texts = {size: _texts(store, size, material) for size in _sizes(material.config)}
+    _note_unanswered(material)
+    return material
 
 
 def _note_unanswered(found: Material) -> None:
@@ -134,12 +134,12 @@ def _note_unanswered(found: Material) -> None:
             for one in (*found.scenarios, *found.texts.get(largest, ()))
             if one.ordinary is None
         ]
-    asked = found.metrics.asked if found.metrics else None
-    if counted.get("rarity") and asked:
+    rarity = found.metrics.asked if found.metrics else None
+    if counted.get("rarity") and rarity:
         found.failures += [
-            FailedItem("rarity", one.id, "the model gave no rarity that could be read")
-            for one, told in zip(found.scenarios, asked.per_text, strict=False)
-            if "not answered" in told.flags
+            FailedItem("rarity", scenario.id, "the model gave no rarity that could be read")
+            for scenario, text_rarity in zip(found.scenarios, rarity.per_text, strict=False)
+            if "not answered" in text_rarity.flags
         ]
 
 

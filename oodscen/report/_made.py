@@ -103,18 +103,18 @@ def _things(study: Study, found: Material) -> Iterator[ThingRow]:
     """Yield what was made, then what scenes carry besides."""
     made = {asset.prop: asset for asset in found.assets if asset.prop is not None}
     for prop, uses in _used(made, found.scenes, lambda scene: scene.made):
-        one = made.get(prop)
-        look = one.look if one else None
+        made_prop = made.get(prop)
+        look = made_prop.look if made_prop else None
         walk = measured(prop.parts)
         yield ThingRow(
             prop=prop,
-            picture=_picture(study, found, prop, uses, is_made=one is not None),
+            picture=_picture(study, found, prop, uses, is_made=made_prop is not None),
             facts=tuple(_facts(prop, walk)),
             texts=tuple(dict.fromkeys(text for _, text in walk.texts)),
             measures=_measures(look) if look else {},
             recognised=look.recognised if look else UNSEEN,
             faults=look.faults if look else (),
-            model=one.model if one else "",
+            model=made_prop.model if made_prop else "",
             uses=uses,
         )
 
@@ -155,7 +155,11 @@ def _measures(look: PropLook) -> dict[str, list[str]]:
 
 
 def _motions(found: Material) -> Iterator[MotionRow]:
-    models = {one.motion: one.model for one in found.motions if one.motion is not None}
+    models = {
+        made_motion.motion: made_motion.model
+        for made_motion in found.motions
+        if made_motion.motion is not None
+    }
     for motion, uses in _used(models, found.scenes, lambda scene: scene.motions):
         yield MotionRow(
             motion=motion,

@@ -27,7 +27,11 @@ def shortcuts(study: Study, found: Material) -> Variables | None:
         (
             row.name,
             value,
-            *((one.low, one.high) if (one := row.balanced_accuracy.interval) else (value, value)),
+            *(
+                (interval.low, interval.high)
+                if (interval := row.balanced_accuracy.interval)
+                else (value, value)
+            ),
         )
         for row in found.audit.rows
         if (value := row.balanced_accuracy.value) is not None and row.needs != "outcomes"

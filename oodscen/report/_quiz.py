@@ -111,7 +111,7 @@ def drawn(study: Study, scenes: int) -> Sequence[AskedDrive]:
     """Return the drives of a quiz of so many scenes, shuffled."""
     shown = asked_drives(study)
     paths: dict[str, list[str]] = {}
-    rare = {one.episode.scene_id: one for one in shown if not one.episode.is_ordinary}
+    rare = {drive.episode.scene_id: drive for drive in shown if not drive.episode.is_ordinary}
     for name in sorted(rare):
         paths.setdefault(rare[name].truth.leaf, []).append(name)
     draw = stream(study.config.seed, "quiz")
@@ -121,5 +121,5 @@ def drawn(study: Study, scenes: int) -> Sequence[AskedDrive]:
         for rank, index in enumerate(draw.permutation(len(paths[leaf])))
     ]
     taken = {name for _, _, name in sorted(ranked)[:scenes]}
-    found = [one for one in shown if scene_of(one.episode.scene_id) in taken]
-    return [found[int(index)] for index in draw.permutation(len(found))]
+    drives = [drive for drive in shown if scene_of(drive.episode.scene_id) in taken]
+    return [drives[int(index)] for index in draw.permutation(len(drives))]

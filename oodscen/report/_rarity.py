@@ -64,7 +64,9 @@ def context(
             break
         measured = metrics.sets[name]
         estimates = () if measured.rarity is None else measured.rarity.per_text
-        values = {place: one.best for place, one in enumerate(estimates) if one.best is not None}
+        values = {
+            place: rarity.best for place, rarity in enumerate(estimates) if rarity.best is not None
+        }
         if not values:
             continue
         rows.append(

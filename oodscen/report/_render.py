@@ -40,11 +40,11 @@ def write_report(
     if FILE in study.own() and not study.store.has("study.json"):
         raise FolderTaken(str(study.folder), [FILE])
     with study.store.writing():
-        found = reading.read(study)
-        html = render(page.context(study, found, bars))
+        material = reading.read(study)
+        html = render(page.context(study, material, bars))
         study.store.write(FILE, html.encode("utf-8"))
     if warn is not None:
-        for note in found.gaps.values():
+        for note in material.gaps.values():
             warn(note)
     return study.folder / FILE
 

@@ -58,16 +58,16 @@ class ExtremeTexts:
 
 def context(found: Material) -> dict[str, Any]:
     """Return the template's variables about the measures; without measurements, `measured` is `None`."""
-    known = found.metrics
+    measurements = found.metrics
     texts = {**found.texts, "simulatable": found.scenarios}
-    labels = {name: label_of(name) for name in set_names(known)} if known else {}
+    labels = {name: label_of(name) for name in set_names(measurements)} if measurements else {}
     return {
-        **_rarity.context(known, labels, texts),
-        "measured": known,
-        "measure_rows": rows(known) if known else [],
-        "margins": margins(known) if known else [],
-        "measure_chart": chart(known) if known else None,
-        "examples": examples(known, texts) if known else [],
+        **_rarity.context(measurements, labels, texts),
+        "measured": measurements,
+        "measure_rows": rows(measurements) if measurements else [],
+        "margins": margins(measurements) if measurements else [],
+        "measure_chart": chart(measurements) if measurements else None,
+        "examples": examples(measurements, texts) if measurements else [],
     }
 
 
@@ -163,9 +163,9 @@ def pictures(study: Study, found: Material) -> dict[str, Any] | None:
 
 
 def _distributions(metrics: Measurements) -> tuple[Canvas, str]:
-    known = metrics.pictures.oodness
+    picture = metrics.pictures.oodness
     strips = _strips(metrics)
-    for label, values in (("ordinary", known.control), ("baseline", known.held_out)):
+    for label, values in (("ordinary", picture.control), ("baseline", picture.held_out)):
         strips.append(charts.HistogramRow(label, values, sum(values) / len(values)))
     return charts.histogram(strips), (
         "OOD-ness of the study’s texts, of hand-written ordinary sentences in the style of scenarios, and of "
@@ -206,19 +206,23 @@ def _curves(metrics: Measurements) -> tuple[Canvas, str]:
 
 
 def _map(metrics: Measurements) -> tuple[Canvas, str]:
-    known = metrics.pictures.map
+    picture = metrics.pictures.map
     clouds = [
-        charts.Cloud(_short(name), known.points[name]) for name in ("baseline", *set_names(metrics))
+        charts.Cloud(_short(name), picture.points[name])
+        for name in ("baseline", *set_names(metrics))
     ]
-    return charts.cloud_map(clouds, known.share), (
+    return charts.cloud_map(clouds, picture.share), (
         "Texts on the two principal axes of the ordinary driving texts, at most 400 of each set. The axes hold "
-        f"{sum(known.share):.0%} of the variance: neighbours here may be far apart in the other dimensions."
+        f"{sum(picture.share):.0%} of the variance: neighbours here may be far apart in the other dimensions."
     )
 
 
 def _strips(metrics: Measurements) -> list[charts.HistogramRow]:
     reports = [(name, metrics.sets[name].oodness) for name in set_names(metrics)]
-    return [charts.HistogramRow(_short(name), one.per_text, one.mean) for name, one in reports]
+    return [
+        charts.HistogramRow(_short(name), oodness.per_text, oodness.mean)
+        for name, oodness in reports
+    ]
 
 
 def _figure(value: float | None, interval: Interval | None) -> PrintedFigure:

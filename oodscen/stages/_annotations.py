@@ -227,12 +227,12 @@ def annotate(
     assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
     found = []
     for row, body in enumerate(cast[1:], start=1):
-        one = body.solid
-        outline = eye.silhouette(one)
+        upright_box = body.solid
+        outline = eye.silhouette(upright_box)
         shown = clipped(outline, camera.width, camera.height)
         whole, inside = area(outline), area(shown)
         count, box = _extent(frame.ids == row + 1)
-        centre = (one.x, one.y, one.z + 0.5 * one.height)
+        centre = (upright_box.x, upright_box.y, upright_box.z + 0.5 * upright_box.height)
         unhidden = None if frame.unhidden is None else int(frame.unhidden[row])
         share = None if not unhidden else round(min(1.0, count / unhidden), 4)
         found.append(
@@ -245,8 +245,8 @@ def annotate(
                 box=box,
                 box_projected=_around(shown) if inside > 0.0 else None,
                 centre_world=_rounded(centre),
-                yaw=one.yaw,
-                size=(one.length, one.width, one.height),
+                yaw=upright_box.yaw,
+                size=(upright_box.length, upright_box.width, upright_box.height),
                 centre_camera=_rounded(eye.to_camera(centre)),
                 visible_px=count,
                 unhidden_px=unhidden,

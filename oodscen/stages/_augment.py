@@ -187,8 +187,10 @@ class Augmenter(Brief):
 def _together(contradicted: Sequence[Mismatch], scene: Scene) -> list[Issue]:
     """Return one issue per cause: claims about one thing that fail for the same reason are one."""
     causes: dict[tuple[str, str, str], list[Mismatch]] = {}
-    for one in contradicted:
-        causes.setdefault((one.path, one.claim.subject, one.found), []).append(one)
+    for mismatch in contradicted:
+        causes.setdefault((mismatch.path, mismatch.claim.subject, mismatch.found), []).append(
+            mismatch
+        )
     issues: list[Issue] = []
     for (path, subject, found), group in causes.items():
         statements = "; ".join(str(one.claim).removeprefix(f"{subject}: ") for one in group)

@@ -157,21 +157,24 @@ def _body(
     cv2: Any, picture: Image, ground: _Map, body: PlacedBody, colour: Colour, edge: Colour
 ) -> None:
     """Draw a footprint with an arrow-head at its front; small bodies are enlarged."""
-    one = body.solid
+    upright_box = body.solid
     least = 1.2
-    half_length, half_width = 0.5 * max(one.length, least), 0.5 * max(one.width, least)
-    cos, sin = math.cos(one.yaw), math.sin(one.yaw)
+    half_length, half_width = (
+        0.5 * max(upright_box.length, least),
+        0.5 * max(upright_box.width, least),
+    )
+    cos, sin = math.cos(upright_box.yaw), math.sin(upright_box.yaw)
 
     def points(places: Sequence[tuple[float, float]]) -> NDArray[np.int32]:
-        x = np.array([one.x + a * cos - b * sin for a, b in places])
-        y = np.array([one.y + a * sin + b * cos for a, b in places])
+        x = np.array([upright_box.x + a * cos - b * sin for a, b in places])
+        y = np.array([upright_box.y + a * sin + b * cos for a, b in places])
         return ground.pixels(x, y)
 
     corners = [(1, 1), (1, -1), (-1, -1), (-1, 1)]
     box = points([(a * half_length, b * half_width) for a, b in corners])
     cv2.fillPoly(picture, [box], colour, cv2.LINE_AA, 4)
     cv2.polylines(picture, [box], True, edge, 1 if edge == _OUTLINE else 2, cv2.LINE_AA, 4)
-    if one.length >= least:
+    if upright_box.length >= least:
         tip = [
             (half_length, 0.0),
             (0.4 * half_length, half_width),

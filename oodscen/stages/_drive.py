@@ -102,8 +102,8 @@ def drive(
 def _distinct(scenes: Sequence[Scene], twins: bool) -> list[Scene]:
     """Return scenes whose drives have ids of their own."""
     found = list(scenes)
-    ids = [one.id for one in found]
-    ids += [twin_id(one.id) for one in found if twins and not one.is_twin]
+    ids = [scene.id for scene in found]
+    ids += [twin_id(scene.id) for scene in found if twins and not scene.is_twin]
     if twice := [name for name, count in Counter(ids).items() if count > 1]:
         raise UsageError(
             f"two of the drives would be of {twice[0]!r}; every scene needs an id of its own"
@@ -172,15 +172,15 @@ class _Drives:
             plan = DrivePlan(scene, self.simulator, self.seed)
         except OodscenError as error:
             return [failed_drive(scene.id, self.name, error)]
-        one = self._one(scene, plan.steps)
+        result = self._one(scene, plan.steps)
         if not self.twins or scene.is_twin:
-            return [one]
+            return [result]
         try:
             is_clear = plan.is_clear
             other = self._one(plan.twin, plan.steps)
         except OodscenError as error:
-            return [one, failed_drive(twin_id(scene.id), self.name, error)]
-        return _pair(one, other, is_needless(other, is_clear))
+            return [result, failed_drive(twin_id(scene.id), self.name, error)]
+        return _pair(result, other, is_needless(other, is_clear))
 
     def _one(self, scene: Scene, steps: int) -> DriveResult:
         simulator = self.simulator
@@ -255,8 +255,14 @@ def drive_result(
         off_road=last.off_road,
         passed=not (last.contacts or last.off_road),
         seconds=round(last.time, 6),
-        min_gap_m=min((one.min_gap_m for one in met if one.min_gap_m is not None), default=None),
-        min_ttc_s=min((one.min_ttc_s for one in met if one.min_ttc_s is not None), default=None),
+        min_gap_m=min(
+            (encounter.min_gap_m for encounter in met if encounter.min_gap_m is not None),
+            default=None,
+        ),
+        min_ttc_s=min(
+            (encounter.min_ttc_s for encounter in met if encounter.min_ttc_s is not None),
+            default=None,
+        ),
         ttc_below_1_5_s=round(float((ttc < 1.5).mean()), 4),
         min_headway_s=round(float(near.min()), 3) if len(near) else None,
         median_headway_s=round(float(np.median(near)), 3) if len(near) else None,

@@ -94,20 +94,20 @@ def evaluate(
     if takes_cases(vlm):
         case = Case(episode, key.path, leaf, options, episode.frames)
         return score_answers(key, answers_of_reference(vlm, case, protocol), judge)
-    asked = _Interview(vlm, protocol, is_chain=is_paper or (chain and not withheld))
+    interview = _Interview(vlm, protocol, is_chain=is_paper or (chain and not withheld))
     shown = Shown.of(episode, frames, is_present=not is_paper, rear=rear)
     if withheld:
         shown = shown.without_pictures()
     if is_paper and before is None:
         before = Shown(shown.images[:-1], DriveFacts())
-    given = GivenAnswers(
+    answers = GivenAnswers(
         without_pictures(vlm.name) if withheld else vlm.name,
-        asked.answers(shown, before if is_paper else None, options),
-        asked.failures,
+        interview.answers(shown, before if is_paper else None, options),
+        interview.failures,
         protocol,
         kind_of_answerer(vlm),
     )
-    return score_answers(key, given, judge)
+    return score_answers(key, answers, judge)
 
 
 def unjudged_verdict(

@@ -70,7 +70,7 @@ def visible_of(
     known = {asset.id: asset for asset in catalogue.assets}
     kinds = catalogue.details or DetailKinds()
     lanes = next((road.lanes for road in catalogue.maps if road.id == map_id), 1)
-    found = [
+    visibles = [
         Visible(
             what=_bare(_described(actor, known, kinds)),
             where=_where(actor, ego.lane, lanes),
@@ -80,8 +80,10 @@ def visible_of(
         if actor.id in hazard.actors and actor.asset in known
     ]
     if hazard.weather is not None:
-        found += [Visible(what=what, where="everywhere") for what in _sky(weather, hazard.weather)]
-    return tuple(dict.fromkeys(found))
+        visibles += [
+            Visible(what=what, where="everywhere") for what in _sky(weather, hazard.weather)
+        ]
+    return tuple(dict.fromkeys(visibles))
 
 
 def visible_of_map(state: MapState | None) -> tuple[Visible, ...]:

@@ -55,16 +55,16 @@ class Trials(NamedTuple):
             for friction in FRICTIONS
             for speed in SPEEDS
         ]
-        return cls(middle, tuple(one for one in grid if one != Variation(middle)))
+        return cls(middle, tuple(variation for variation in grid if variation != Variation(middle)))
 
     def other_variations(self, action: str, passed: bool) -> Iterator[Variation]:
         """Yield the other variations of an action, those first whose outcome most likely differs from the middle driver's.
 
         An ego that keeps the speed has nothing to react to.
         """
-        for one in reversed(self.others) if passed else self.others:
-            if action != "keep_speed" or one.reaction_s == self.middle:
-                yield one
+        for variation in reversed(self.others) if passed else self.others:
+            if action != "keep_speed" or variation.reaction_s == self.middle:
+                yield variation
 
 
 class Rollouts:
@@ -177,8 +177,13 @@ def judge_outcome(
     return ActionOutcome(
         safe=not last.contacts and (collisions_only or not last.off_road) and not ran_red,
         margin_m=None if margin == float("inf") else _millimetres(margin),
-        min_ttc_s=min((one.min_ttc_s for one in met if one.min_ttc_s is not None), default=None),
-        pet_s=min((one.pet_s for one in met if one.pet_s is not None), default=None),
+        min_ttc_s=min(
+            (encounter.min_ttc_s for encounter in met if encounter.min_ttc_s is not None),
+            default=None,
+        ),
+        pet_s=min(
+            (encounter.pet_s for encounter in met if encounter.pet_s is not None), default=None
+        ),
         contacts=last.contacts,
         off_road=last.off_road,
         ran_red=ran_red,

@@ -214,7 +214,7 @@ class _Run:
             }
         trace = Trace.from_states(states, course)
         behind = followers(trace)
-        others = {one.reaction_s for one in self.trials.others}
+        others = {variation.reaction_s for variation in self.trials.others}
         episode = Episode(
             id=scene.id,
             scene_id=scene.id,

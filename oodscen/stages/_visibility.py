@@ -34,8 +34,8 @@ def sighting(
     if frame.unhidden is None and not frame.ids.any():
         return drawn(scene, cast, load_corridor(scene.map, catalogue), camera)
     eye = Eye(camera, cast[0].solid)
-    found = [_measured(scene, rows, cast, eye, frame) for rows in groups(scene, cast)]
-    return best(found)
+    sightings = [_measured(scene, rows, cast, eye, frame) for rows in groups(scene, cast)]
+    return best(sightings)
 
 
 def _measured(

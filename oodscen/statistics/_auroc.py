@@ -55,19 +55,19 @@ def auroc_interval(
         ordinary, ood = ordinary[order], ood[order]
     elif not is_paired:
         ordinary, ood = np.sort(ordinary), np.sort(ood) if clusters is None else ood
-    drawn = Resampler(
+    resampler = Resampler(
         len(ood) if clusters is None else clusters, seed=seed, replicates=replicates, purpose="ood"
     )
-    others = drawn
+    others = resampler
     if not is_paired:
         others = Resampler(len(ordinary), seed=seed, replicates=replicates, purpose="ordinary")
     interval = None
-    if drawn.units > 1 and len(ordinary) > 1:
+    if resampler.units > 1 and len(ordinary) > 1:
         found = _replicates(
             _ResampledScores(ordinary, others, others.member),
-            _ResampledScores(ood, drawn, drawn.member),
+            _ResampledScores(ood, resampler, resampler.member),
         )
-        interval = percentile_interval(found, drawn.units, is_clustered=drawn.is_clustered)
+        interval = percentile_interval(found, resampler.units, is_clustered=resampler.is_clustered)
     return Auroc(
         value=auroc(ordinary, ood),
         interval=interval,
@@ -97,8 +97,8 @@ def auroc_of_items(
     )
     if not len(noise.scores) or not len(signal.scores):
         return None
-    found = percentiles(_replicates(noise, signal), resampler.count(known))
-    return auroc(noise.scores, signal.scores), found
+    interval = percentiles(_replicates(noise, signal), resampler.count(known))
+    return auroc(noise.scores, signal.scores), interval
 
 
 class _ResampledScores(NamedTuple):

@@ -113,14 +113,14 @@ def bootstrap_mean(
     replicates: int = REPLICATES,
 ) -> Interval | None:
     """Return the interval of the mean of [n] values; `None` if fewer than two units can be drawn."""
-    drawn = _resampler(len(values), clusters, seed, replicates, "mean")
-    if drawn.units < 2:
+    resampler = _resampler(len(values), clusters, seed, replicates, "mean")
+    if resampler.units < 2:
         return None
     column = np.asarray(values, np.float64)[:, None]
     if clusters is None:
         column = np.sort(column, axis=0)
-    found = drawn.ratios(column, np.ones_like(column))[:, 0]
-    return percentile_interval(found, drawn.units, is_clustered=drawn.is_clustered)
+    found = resampler.ratios(column, np.ones_like(column))[:, 0]
+    return percentile_interval(found, resampler.units, is_clustered=resampler.is_clustered)
 
 
 def bootstrap_pairwise(
@@ -139,18 +139,18 @@ def bootstrap_pairwise(
     Returns:
         `None` if fewer than two units can be drawn.
     """
-    drawn = _resampler(len(vectors), clusters, seed, replicates, "pairwise")
-    if drawn.units < 2:
+    resampler = _resampler(len(vectors), clusters, seed, replicates, "pairwise")
+    if resampler.units < 2:
         return None
     wide = vectors.astype(np.float64)
     if clusters is None:
         wide = wide[np.lexsort(wide.T[::-1])]
-    sums = drawn.summed(wide)
-    sizes = np.bincount(drawn.member, minlength=drawn.units).astype(np.float64)
+    sums = resampler.summed(wide)
+    sizes = np.bincount(resampler.member, minlength=resampler.units).astype(np.float64)
     lengths = np.square(sums).sum(axis=1)
-    inner = lengths - drawn.summed(np.square(wide)).sum(axis=1)
+    inner = lengths - resampler.summed(np.square(wide)).sum(axis=1)
     found = []
-    for weights in drawn.blocks():
+    for weights in resampler.blocks():
         squared = np.square(weights)
         total = np.square(weights @ sums).sum(axis=1) - squared @ lengths + weights @ inner
         pairs = (
@@ -159,7 +159,9 @@ def bootstrap_pairwise(
             + weights @ (sizes * (sizes - 1))
         )
         found.append(divided(total, pairs))
-    return percentile_interval(np.concatenate(found), drawn.units, is_clustered=drawn.is_clustered)
+    return percentile_interval(
+        np.concatenate(found), resampler.units, is_clustered=resampler.is_clustered
+    )
 
 
 def _resampler(

@@ -56,9 +56,9 @@ class AnswerKeys:
 
     def of(self, episode: Episode, protocol: Protocol) -> AnswerKey:
         """Return the key to the answers about an episode, with the options of the closed question."""
-        known = self._keys.get((episode.scene_id, protocol))
-        if known is not None:
-            return known
+        answer_key = self._keys.get((episode.scene_id, protocol))
+        if answer_key is not None:
+            return answer_key
         name = scene_of(episode.scene_id)
         scenario, scene = self._scenarios.get(name), self._scenes.get(name)
         leaf = scenario.leaf if scenario else ""
@@ -95,9 +95,13 @@ class VerdictRule:
         config: StudyConfig,
         people: Iterable[PersonAnswers] = (),
     ) -> None:
-        self._shown = {(name, one.scene_id): one for name, found in shown.items() for one in found}
+        self._shown = {
+            (name, episode.scene_id): episode
+            for name, episodes in shown.items()
+            for episode in episodes
+        }
         self._truths = _truths(shown, scenarios, scenes, config)
-        self._people = {one.name: one.sha256 for one in people}
+        self._people = {answers.name: answers.sha256 for answers in people}
         self._sources = scenarios, scenes, config.seed
 
     @cached_property
@@ -255,15 +259,15 @@ class Tables(NamedTuple):
         rule, opinions = self.rule(people), dict[str, Opinion]()
         if any(verdict.judge for verdict in verdicts):
             for line in self.store.lines(OPINIONS):
-                found = Opinion.parse(line, source=str(self.store.path(OPINIONS)))
-                opinions[found.id] = found
+                opinion = Opinion.parse(line, source=str(self.store.path(OPINIONS)))
+                opinions[opinion.id] = opinion
         return [verdict for verdict in verdicts if not rule.belongs(verdict, opinions)]
 
 
 def stale_in_words(stale: Sequence[Verdict]) -> str:
     """Return the sentence about verdicts that do not belong to the drives of a study."""
-    names = list(Counter(one.model for one in stale if one.kind == "model"))
-    names += [one for one in Counter(one.model for one in stale) if one not in names]
+    names = list(Counter(verdict.model for verdict in stale if verdict.kind == "model"))
+    names += [one for one in Counter(verdict.model for verdict in stale) if one not in names]
     told = ", ".join(one_line(name) for name in names[:_SHOWN]) + ", ..." * (len(names) > _SHOWN)
     do, it = ("do", "they were") if len(stale) > 1 else ("does", "it was")
     return (

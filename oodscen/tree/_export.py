@@ -68,7 +68,7 @@ def to_nested_json(tree: "ScenarioTree") -> str:
 
 def mermaid_text(text: str) -> str:
     """Escape a text so that a Mermaid chart treats it as plain text inside quotes."""
-    return _SPECIAL.sub(lambda found: "".join(f"#{ord(char)};" for char in found[0]), text)
+    return _SPECIAL.sub(lambda match: "".join(f"#{ord(char)};" for char in match[0]), text)
 
 
 # Escape what a chart could interpret: all but words and plain punctuation, and list markers.

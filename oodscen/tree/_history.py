@@ -145,13 +145,13 @@ def _inverse(log: EditLog, index: int) -> list[TreeEdit]:
 
 def _missing_parents(log: EditLog, node: Node) -> list[Node]:
     """Return the removed ancestors between a node and the tree in their last state, from the bottom up."""
-    found: list[Node] = []
+    nodes: list[Node] = []
     seen = {node.id}
     while node.parent is not None and node.parent not in log.nodes:
         parent = log.removed(node.parent)
         if parent is None or parent.id in seen:
             raise UsageError(f"{node.id!r} cannot come back: its parents lie below it")
         seen.add(parent.id)
-        found.append(parent)
+        nodes.append(parent)
         node = parent
-    return found
+    return nodes

@@ -111,17 +111,17 @@ class CameraRenderer:
         shown = [*([] if has_host else [self._stand_in(view.mount, road)]), *bodies]
         self._load(scene, seed, road, shown)
         self._renderer.place(
-            np.array([one.pose for one in shown], np.float64),
-            np.array([one.speed for one in shown], np.float64),
+            np.array([body.pose for body in shown], np.float64),
+            np.array([body.speed for body in shown], np.float64),
         )
         frame = self._renderer.draw_from(
             view.camera,
             view.mount,
-            accelerations=[one.acceleration_along for one in shown],
+            accelerations=[body.acceleration_along for body in shown],
             time=view.time,
             roll_deg=view.roll_deg,
         )
-        return frame, np.array([0, *(one.key for one in shown)], np.int32)
+        return frame, np.array([0, *(body.key for body in shown)], np.int32)
 
     def _stand_in(self, mount: Pose, road: Corridor) -> PicturedBody:
         """Return the ego of a picture that has none: far behind the camera, out of sight."""
@@ -132,11 +132,20 @@ class CameraRenderer:
 
     def _load(self, scene: Scene, seed: int, road: Corridor, shown: Sequence[PicturedBody]) -> None:
         """Load the scene and its bodies, unless the last picture showed the same."""
-        cast = (scene, seed, tuple((one.key, one.name, one.asset.id, one.state) for one in shown))
+        cast = (
+            scene,
+            seed,
+            tuple((body.key, body.name, body.asset.id, body.state) for body in shown),
+        )
         if cast == self._cast:
             return
         self._cast = None
         self._renderer.load(road, scene, seed)
-        for row, one in enumerate(shown):
-            self._renderer.spawn(one.name if row else "ego", one.asset, one.state, one.pose)
+        for row, pictured_body in enumerate(shown):
+            self._renderer.spawn(
+                pictured_body.name if row else "ego",
+                pictured_body.asset,
+                pictured_body.state,
+                pictured_body.pose,
+            )
         self._cast = cast

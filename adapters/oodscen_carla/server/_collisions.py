@@ -32,9 +32,9 @@ def collide(
         if car.staged == "ego":
             is_near |= [actor.staged in touched for actor in solid]
         rivals = [solid[index] for index in np.flatnonzero(is_near) if index != row]
-        found = [other for other in rivals if _touch(car, other, touched)]
-        contacts += [(car, other) for other in found]
-        _react(car, {other.id for other in found}, before)
+        server_actors = [other for other in rivals if _touch(car, other, touched)]
+        contacts += [(car, other) for other in server_actors]
+        _react(car, {other.id for other in server_actors}, before)
     return contacts
 
 

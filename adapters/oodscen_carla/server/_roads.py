@@ -76,13 +76,13 @@ class ServedMap:
             DataError: If the document cannot be used.
         """
         data, digest = text.encode(), _digest(text)
-        known = _shipped(catalogue).get(digest)
-        if known is None:
+        road_map = _shipped(catalogue).get(digest)
+        if road_map is None:
             read_network(data, source="generate_opendrive_world")
             path = folder / f"{digest[:16]}.xodr"
             path.write_bytes(data)
-            known = find_map(str(path), catalogue)
-        return cls._of(RECEIVED, text, known)
+            road_map = find_map(str(path), catalogue)
+        return cls._of(RECEIVED, text, road_map)
 
     @classmethod
     def of(cls, road_map: RoadMap, name: str = "") -> "ServedMap":
@@ -181,7 +181,11 @@ def _spawn_points(network: Network) -> tuple[Transform, ...]:
 
 def _across(road: Road, s: float) -> list[Transform]:
     """Return one spawn point for every driving lane at a place of a road."""
-    section = next(one for one in reversed(road.sections) if one.s <= s + _ROUNDING_M)
+    section = next(
+        lane_section
+        for lane_section in reversed(road.sections)
+        if lane_section.s <= s + _ROUNDING_M
+    )
     found = []
     for side in (-1, 1):
         t = piecewise(road.lane_offset, s)

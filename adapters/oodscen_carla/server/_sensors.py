@@ -111,7 +111,7 @@ class SensorSender:
     def _shoot(self, actor: ServerActor, bodies: list[PicturedBody], size: Camera) -> Picture:
         world = self._world
         host = world.actors.get(actor.parent)
-        index = next((n for n, one in enumerate(bodies) if host and one.key == host.id), None)
+        index = next((n for n, body in enumerate(bodies) if host and body.key == host.id), None)
         shown = bodies if index is None else [bodies[index], *bodies[:index], *bodies[index + 1 :]]
         hosting = host if index is not None else None
         pose = shown[0].pose if hosting else None

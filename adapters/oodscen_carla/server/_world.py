@@ -118,14 +118,14 @@ class World:
         if short in self.scenes:
             scene = self.scenes[short]
             staged = ServedScene(scene, self.catalogue, self.seed)
-            found = ServedMap.of(find_map(scene.map, self.catalogue), short)
+            served_map = ServedMap.of(find_map(scene.map, self.catalogue), short)
         elif short == RECEIVED and self._received is not None:
-            found = self._received
+            served_map = self._received
         elif any(road.id == short and road.file for road in self.catalogue.maps):
-            found = ServedMap.of(self.catalogue.map(short))
+            served_map = ServedMap.of(self.catalogue.map(short))
         else:
             raise CallError(f"no map {short[:80]!r}; get_available_maps() names all")
-        self.map, self.staged = found, staged
+        self.map, self.staged = served_map, staged
         self.episode += 1
         self.actors = {SPECTATOR_ID: _spectator()}
         self.weather = WeatherParameters() if staged is None else to_carla(staged.scene.weather)

@@ -116,10 +116,10 @@ class Rasteriser:
         count = view.width * view.height * self._detail
         samples = self._clean(count + raster.BLOCK)
         sun = np.array([*light.sun, light.ambient, light.diffuse], np.float64)
-        drawn = self._reserve(len(self._scenery.corners) + len(self._actors.corners))
+        triangles = self._reserve(len(self._scenery.corners) + len(self._actors.corners))
         shutter = _shutter(view, (0, 0, view.width, view.height), sun, self._detail)
-        number = raster.scatter(self._actors, shutter, samples, drawn, 0)
-        raster.scatter(self._scenery, shutter, samples, drawn, number)
+        number = raster.scatter(self._actors, shutter, samples, triangles, 0)
+        raster.scatter(self._scenery, shutter, samples, triangles, number)
         planes = Planes(
             rgb=np.empty((3, *shape), np.uint8),
             depth=np.empty(shape, np.float32),
@@ -135,7 +135,7 @@ class Rasteriser:
             samples.nearness[:count].reshape(rows), samples.shown[:count].reshape(rows)
         )
         lights = sun[3:].astype(np.float32)
-        gather(sheets, drawn, textures(self._snow), lights, self._detail, planes)
+        gather(sheets, triangles, textures(self._snow), lights, self._detail, planes)
         fields = planes._asdict() | {"rgb": np.moveaxis(planes.rgb, 0, 2)}
         return Shot(**fields, shade=shade)
 
@@ -143,7 +143,7 @@ class Rasteriser:
         """Return the number of pixels that each actor would fill without occlusion, [actors]."""
         actors = self._actors
         assert actors is not None
-        drawn = self._reserve(len(actors.corners))
+        triangles = self._reserve(len(actors.corners))
         sun = np.array([0.0, 0.0, 1.0, 1.0, 0.0])
         pixels = np.zeros(len(actors.spans), np.int32)
         for row in range(len(pixels)):
@@ -158,7 +158,7 @@ class Rasteriser:
             alone = actors._replace(
                 spans=actors.spans[one], places=actors.places[one], spheres=actors.spheres[one]
             )
-            raster.scatter(alone, _shutter(view, window, sun, 1), samples, drawn, 0)
+            raster.scatter(alone, _shutter(view, window, sun, 1), samples, triangles, 0)
             pixels[row] = np.count_nonzero(samples.shown >= 0)
         return pixels
 

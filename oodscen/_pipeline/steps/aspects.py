@@ -42,10 +42,7 @@ def judge_aspects(
         judge = CircuitBreakerLLM(run.models.get(run.config.judge))
         label = judge_label(judge)
         asked = [(one.aspect, *truth(one)) for one in verdicts if is_open(one)]
-        asked += [
-            (example.answer, example.path, ())
-            for example in labelled_answers()
-        ]
+        asked += [(example.answer, example.path, ()) for example in labelled_answers()]
         items = {opinion_id(label, *one): one for one in asked}
 
         def work(

@@ -61,22 +61,25 @@ def with_made(
     wanted = {one.name: one for one in wanted_things(tree, judgements, catalogue)}
     rows = _made(run, ASSETS, judgements, wanted, maker.make)
     things = _drawn(run, maker, [MadeProp.parse(row, source=ASSETS) for row in rows])
-    props = {one.id: one.prop for one in things if one.prop is not None}
+    props = {prop.id: prop.prop for prop in things if prop.prop is not None}
     motions = _made_motions(run, tree, judgements)
     _refuse_lost(run, judgements)
     if not props and not motions:
         return list(judgements)
     judge = pruner(run, catalogue.with_made(props.values(), motions.values()))
-    again = {one.id: one for one in judged_again(judge, tree, judgements, {*props, *motions})}
+    again = {
+        decision.id: decision
+        for decision in judged_again(judge, tree, judgements, {*props, *motions})
+    }
     return [again.get(judgement.id, judgement) for judgement in judgements]
 
 
 def _drawn(run: Context, maker: PropMaker, things: list[MadeProp]) -> list[MadeProp]:
     """Draw the things again whose pictures are gone, or whose designs were changed by hand."""
-    drawn = [thing if _is_drawn(run, thing) else maker.draw(thing) for thing in things]
-    if drawn != things:
-        run.store.write_lines(ASSETS, drawn)
-    return drawn
+    props = [thing if _is_drawn(run, thing) else maker.draw(thing) for thing in things]
+    if props != things:
+        run.store.write_lines(ASSETS, props)
+    return props
 
 
 def _is_drawn(run: Context, thing: MadeProp) -> bool:

@@ -16,7 +16,10 @@ def measure(
     """Compute the metrics and return the scenarios inside the OOD-ness band."""
     groups = {**{str(size): chosen for size, chosen in sets.items()}, "simulatable": scenarios}
     leaves = {leaf.id: leaf.label for leaf in run.study.tree("diverse").leaves}
-    texts = {name: [[one.leaf, one.text] for one in chosen] for name, chosen in groups.items()}
+    texts = {
+        name: [[scenario.leaf, scenario.text] for scenario in chosen]
+        for name, chosen in groups.items()
+    }
     made_from = digest([texts, leaves, run.config.rarity_llm])
     is_made = run.store.holds("metrics.json") and run.study.metrics.get("made_from") == made_from
     if not is_made or (run.options.retry and unanswered(run.study)):
@@ -44,5 +47,5 @@ def _metrics(
     found = measurements(metrics, groups, leaves)
     if run.rarity_llm is None or not groups["simulatable"]:
         return found
-    asked = metrics.rarity(groups["simulatable"], run.rarity_llm)
-    return found.model_copy(update={"asked": asked})
+    rarity = metrics.rarity(groups["simulatable"], run.rarity_llm)
+    return found.model_copy(update={"asked": rarity})

@@ -104,8 +104,8 @@ class Questioner:
         fields = {name: getattr(verdict, name) for name in ("is_ood", "aspect", "choice", "action")}
         said = {name: value for name, value in fields.items() if value is not None}
         name = without_pictures(model.name) if item.is_withheld else model.name
-        given = GivenAnswers(name, said, protocol=protocol, kind=kind_of_answerer(model))
-        return rescored(verdict, key, given)
+        answers = GivenAnswers(name, said, protocol=protocol, kind=kind_of_answerer(model))
+        return rescored(verdict, key, answers)
 
     def _images(self, episode: Episode, protocol: Protocol = "ours") -> dict[str, Image]:
         """Return the frames; raises `DataError` if one cannot be shown."""

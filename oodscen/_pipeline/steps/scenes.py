@@ -80,7 +80,7 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     _ask_each(run, "augment", STAGED, scenarios, work, made_from)
     staged = StagedScenes(run.store)
     staged.write_scenes(staged.ran | kept)
-    return [one.scene for one in staged.by_id.values()]
+    return [staging.scene for staging in staged.by_id.values()]
 
 
 def _claims(
@@ -181,16 +181,16 @@ def _simulate(run: Context, staged: StagedScenes) -> list[Episode]:
     made_from = {name: scene.digest() for name, scene in staged.ran.items()}
 
     def work(todo: Mapping[str, str]) -> Iterator[Episode]:
-        wanted = [staged.by_id[name].scene for name in dict.fromkeys(todo.values())]
+        scenes = [staged.by_id[name].scene for name in dict.fromkeys(todo.values())]
         for result in sweep(
-            job, wanted, workers=run.options.workers, executor=run.options.executor
+            job, scenes, workers=run.options.workers, executor=run.options.executor
         ):
             name = result.episode.id
             if name in staged.by_id:
                 tried = tuple(attempt._asdict() for attempt in result.tried)
-                one = staged.by_id[name].after(result.episode.restaged, result.restaged, tried)
-                made_from[name] = one.ran.digest()
-                staged.put(one)
+                staging = staged.by_id[name].after(result.episode.restaged, result.restaged, tried)
+                made_from[name] = staging.ran.digest()
+                staged.put(staging)
             elif result.demand is not None:
                 staged.put(staged.by_id[scene_of(name)].demanding(result.demand))
             result.save(run.store)

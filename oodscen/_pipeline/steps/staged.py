@@ -32,7 +32,7 @@ class StagedScenes:
     @property
     def ran(self) -> dict[str, Scene]:
         """The scenes that were run, or will be run, by id."""
-        return {name: one.ran for name, one in self.by_id.items()}
+        return {name: staging.ran for name, staging in self.by_id.items()}
 
     def put(self, one: Staging) -> None:
         """Replace a scene, and append its line."""

@@ -119,7 +119,7 @@ def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
         twins=has_twins(config),
         sample=sample,
         catalogue=run.simulator.catalogue() if is_shown else None,
-        made={path: made.described() for path, made in made_for(run.study).items()}
+        made={path: order.described() for path, order in made_for(run.study).items()}
         if is_shown
         else None,
     )
@@ -129,7 +129,10 @@ def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str
     """Reword texts that repeat a text of an earlier path."""
     scenarios = [Scenario.parse(row) for row in rows if "error" not in row]
     try:
-        again = {one.id: one.model_dump(mode="json") for one in describer.reworded(scenarios)}
+        again = {
+            scenario.id: scenario.model_dump(mode="json")
+            for scenario in describer.reworded(scenarios)
+        }
     except LLMError:
         return rows
     return [again.get(row["id"], row) for row in rows]

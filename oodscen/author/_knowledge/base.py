@@ -448,7 +448,7 @@ class Knowledge(Data):
     @cached_property
     def substitutes(self) -> dict[str, tuple[str, ...]]:
         """Acceptable replacements for a thing, by its name."""
-        return {one.wanted: one.by for one in self.substitute}
+        return {replacement.wanted: replacement.by for replacement in self.substitute}
 
     def of_class(self, class_name: str) -> tuple[HazardKind, ...]:
         """Return the hazards of one class."""

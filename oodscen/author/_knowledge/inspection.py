@@ -77,23 +77,23 @@ def inspect_knowledge(
     places = {hazard.id: where for where, hazard in shelf.hazards if is_own(where)}
     hazards = [hazard for hazard in knowledge.hazards if hazard.id in places]
     whole = [hazard for hazard in hazards if places[hazard.id] not in shelf.salvaged]
-    found = _Findings(shelf, places, [issue for issue in faults if is_own(issue.path)])
+    findings = _Findings(shelf, places, [issue for issue in faults if is_own(issue.path)])
     recogniser, owners = Recogniser(knowledge), _owners(knowledge)
     for hazard in hazards:
-        found.add(hazard, _wording(hazard, recogniser))
-        found.notes += found.at(hazard, _blurred(hazard, owners))
+        findings.add(hazard, _wording(hazard, recogniser))
+        findings.notes += findings.at(hazard, _blurred(hazard, owners))
     catalogues = catalogues or {}
-    offered = {name: CatalogueDigest.of(one) for name, one in catalogues.items()}
-    _check_needs(found, hazards, list(offered.values()), knowledge)
+    offered = {name: CatalogueDigest.of(catalogue) for name, catalogue in catalogues.items()}
+    _check_needs(findings, hazards, list(offered.values()), knowledge)
     recipes = [hazard for hazard in hazards if hazard.stage is not None]
     able = {
         name: [recipe for recipe in recipes if not realise(recipe, digest, knowledge).missing]
         for name, digest in offered.items()
     }
-    _check_staging(found, recipes, able, catalogues, _StagingLLM(Stager(knowledge, recogniser)))
+    _check_staging(findings, recipes, able, catalogues, _StagingLLM(Stager(knowledge, recogniser)))
     return Inspection(
-        faults=tuple(found.faults),
-        notes=tuple(found.notes),
+        faults=tuple(findings.faults),
+        notes=tuple(findings.notes),
         hazards=len(whole),
         families=len({hazard.family for hazard in whole}),
         recipes=sum(hazard.stage is not None for hazard in whole),
@@ -109,9 +109,11 @@ def showable_kinds(catalogue: Catalogue) -> tuple[int, int]:
 @lru_cache(maxsize=8)
 def _showable(digest: CatalogueDigest) -> tuple[int, int]:
     knowledge = load_knowledge()
-    known = [hazard for hazard in knowledge.hazards if hazard.stage is not None]
-    found = [realise(hazard, digest, knowledge) for hazard in known]
-    return sum(not one.missing and not one.substitutes for one in found), len(known)
+    kinds = [hazard for hazard in knowledge.hazards if hazard.stage is not None]
+    realisations = [realise(hazard, digest, knowledge) for hazard in kinds]
+    return sum(
+        not realisation.missing and not realisation.substitutes for realisation in realisations
+    ), len(kinds)
 
 
 class _Findings:
@@ -160,11 +162,11 @@ def _wording(hazard: HazardKind, recogniser: Recogniser) -> Iterator[Issue]:
             message = f"shares {share:.0%} of its words with events[{i}]: rephrase one of them"
             yield Issue(f"events[{j}]", message)
     for i, event in enumerate(hazard.events):
-        taken = recogniser.recognise(event.replace("{where}", _DISTANCE)).hazard
-        if taken is None:
+        kind = recogniser.recognise(event.replace("{where}", _DISTANCE)).hazard
+        if kind is None:
             yield Issue(f"events[{i}]", "is not recognised: use the hazard's own words")
-        elif taken.id != hazard.id:
-            yield Issue(f"events[{i}]", f"reads like {taken.id!r} ({taken.label})")
+        elif kind.id != hazard.id:
+            yield Issue(f"events[{i}]", f"reads like {kind.id!r} ({kind.label})")
     seen: set[str] = set()
     for i, word in enumerate(hazard.words):
         if word.casefold() in seen:
@@ -208,7 +210,7 @@ def _check_needs(
         lacks = [set(realise(hazard, digest, knowledge).missing) for digest in offered]
         lacked = set.intersection(*lacks) - {NO_RECIPE} if lacks else set()
         used = hazard.stage.behaviours if hazard.stage else ()
-        for need in sorted(lacked, key=lambda one: one.words):
+        for need in sorted(lacked, key=lambda addition: addition.words):
             names = sorted(known.get(need.kind, ()))
             matches = get_close_matches(need.name, names, 2, _TYPO)
             is_own = knowledge.category(need.name) is not None
@@ -243,7 +245,9 @@ def _check_staging(
     author: _StagingLLM,
 ) -> None:
     """Compare the recipes with the first catalogue that has map files, and try each once where it is `able` to show it."""
-    trying = [name for name, one in catalogues.items() if any(road.file for road in one.maps)]
+    trying = [
+        name for name, catalogue in catalogues.items() if any(road.file for road in catalogue.maps)
+    ]
     tried: set[str] = set()
     for number, name in enumerate(trying):
         stage = Augmenter(author, catalogues[name], claims=False)

@@ -147,7 +147,7 @@ def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
         for field, target in (("trigger.actor", actor.trigger.actor), ("other", actor.other)):
             if target is not None and target not in names:
                 yield Issue(f"stage.actors[{index}].{field}", f"unknown actor {target!r}")
-        earlier = {one.id for one in recipe.actors[:index]}
+        earlier = {recipe_actor.id for recipe_actor in recipe.actors[:index]}
         if actor.at != "start" and actor.at not in {*LANDMARKS, *earlier}:
             message = f"{actor.at!r} is neither a landmark nor an actor listed before"
             yield Issue(f"stage.actors[{index}].at", message)

@@ -77,15 +77,15 @@ class _ClaimReading:
             if not subject.is_faint:
                 self._present(subject)
         for pattern in phrases.statements("predicate"):
-            for found in pattern.regex.finditer(self.text):
-                self._predicate(pattern, found)
+            for match in pattern.regex.finditer(self.text):
+                self._predicate(pattern, match)
         for noun in self.nouns:
             if noun.subject is not None:
                 self._leading(noun, noun.subject)
-        for found in phrases.context("blocked_by").finditer(self.text):
-            after = next((n for n in self.nouns if 0 <= n.start - found.end() <= 30), None)
+        for match in phrases.context("blocked_by").finditer(self.text):
+            after = next((n for n in self.nouns if 0 <= n.start - match.end() <= 30), None)
             if after is not None and after.subject is not None:
-                self._add("place", "in_lane", after.subject.name, *found.span())
+                self._add("place", "in_lane", after.subject.name, *match.span())
         self._signals()
         told: dict[str, set[str]] = {}
         for kind, value, name in self.found:
@@ -376,37 +376,37 @@ class _ClaimReading:
         phrase = f"{words.group(0) if words else ''}{self.text[noun.start : noun.end]}"
         shift = noun.end - len(phrase)
         for pattern in phrases.statements("lead"):
-            for found in pattern.regex.finditer(phrase):
-                if found.end() > noun.start - shift:
+            for match in pattern.regex.finditer(phrase):
+                if match.end() > noun.start - shift:
                     continue
-                between = phrase[found.end() : len(phrase) - (noun.end - noun.start)]
+                between = phrase[match.end() : len(phrase) - (noun.end - noun.start)]
                 if re.search(r"\b(?:the|an?|of|in|on|by|with|from|and|to|its)\b", between):
                     continue
                 if subject.is_faint and (subject.mention.thing.vague or "," in between):
                     continue
                 self._present(subject)
-                start, end = found.start() + shift, found.end() + shift
+                start, end = match.start() + shift, match.end() + shift
                 self._add(pattern.kind, pattern.value, subject.name, start, end)
 
     def _signals(self) -> None:
         signals = [s for s in self.subjects if s.mention.thing.name == "traffic light"]
         for pattern in phrases.statements("signal") if signals else ():
-            for found in pattern.regex.finditer(self.text):
-                self._add(pattern.kind, pattern.value, signals[0].name, *found.span())
+            for match in pattern.regex.finditer(self.text):
+                self._add(pattern.kind, pattern.value, signals[0].name, *match.span())
 
     # -------------------------------------------------------------- settings
 
     def _settings(self) -> None:
         for pattern in phrases.statements("setting"):
-            for found in pattern.regex.finditer(self.text):
-                if self._is_unreal(pattern.kind, found):
+            for match in pattern.regex.finditer(self.text):
+                if self._is_unreal(pattern.kind, match):
                     continue
-                value = self._value(pattern, found)
+                value = self._value(pattern, match)
                 if value is None:
                     continue
-                self._add(pattern.kind, value, "", *found.span())
-                if pattern.kind == "own_lanes" and re.search("each|either|per", found.group(0)):
-                    self._add("road", "two_way", "", *found.span())
+                self._add(pattern.kind, value, "", *match.span())
+                if pattern.kind == "own_lanes" and re.search("each|either|per", match.group(0)):
+                    self._add("road", "two_way", "", *match.span())
 
     def _is_unreal(self, kind: Kind, found: re.Match[str]) -> bool:
         """Return whether weather, an hour, a road or traffic is denied, at another time, or part of a name."""
@@ -442,7 +442,7 @@ class _ClaimReading:
             return False
         if IN_A_NAME.match(self.text[end:]):
             return True
-        noun = next((one for one in self.mentioned if one.start > end), None)
+        noun = next((mention for mention in self.mentioned if mention.start > end), None)
         if noun is None or noun.is_plural or (kind == "road" and not _gets_about(noun.thing)):
             return False
         return phrases.context("noun_before").match(self.text[end : noun.start]) is not None

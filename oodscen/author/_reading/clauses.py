@@ -54,12 +54,12 @@ class Clause:
 def clauses_of(text: str) -> list[Clause]:
     """Split a text into clauses, in order."""
     clauses, start, sentence = [], 0, 0
-    for found in [*phrases.context("break").finditer(text), None]:
-        end = len(text) if found is None else found.end()
+    for match in [*phrases.context("break").finditer(text), None]:
+        end = len(text) if match is None else match.end()
         if end > start:
             relative = phrases.context("relative").match(text[start:]) is not None
             clauses.append(Clause(start, end, sentence, relative))
-        if found is not None and phrases.context("sentence").match(found.group(0)):
+        if match is not None and phrases.context("sentence").match(match.group(0)):
             sentence += 1
         start = end
     return clauses
@@ -70,14 +70,14 @@ def count_of(lead: str, mention: Mention) -> int:
 
     It is one if the text gives a number that cannot be read.
     """
-    found = phrases.context("quantity").search(lead)
-    if found is None:
+    match = phrases.context("quantity").search(lead)
+    if match is None:
         return _FEW if mention.is_plural else 1
-    number, pair, several = found.groups()
+    number, pair, several = match.groups()
     if not mention.is_plural and mention.word not in _UNINFLECTED:
         return 1
     if number:
-        return number_at(lead, *found.span(1), counts=True) or 1
+        return number_at(lead, *match.span(1), counts=True) or 1
     if pair:
         return _FEW
     large = re.search(r"crowd|large|dozens|many|herd|swarm", several, re.IGNORECASE)
@@ -86,4 +86,4 @@ def count_of(lead: str, mention: Mention) -> int:
 
 def last_end(pattern: re.Pattern[str], text: str) -> int:
     """Return the end of the last match of a pattern, or 0 if there is none."""
-    return max((found.end() for found in pattern.finditer(text)), default=0)
+    return max((match.end() for match in pattern.finditer(text)), default=0)

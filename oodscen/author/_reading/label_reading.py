@@ -61,7 +61,7 @@ class LabelReader:
             return self._single(text)
         whole = self.hazard(text)
         found = tuple(self._share(share, whole) for share in split.shares)
-        if all(one.parts[0].why for one in found):
+        if all(alternative.parts[0].why for alternative in found):
             return self._single(text)
         return LabelReading(found, split)
 
@@ -79,10 +79,10 @@ class LabelReader:
     def _share(self, share: NamedThing, whole: HazardKind | None) -> Alternative:
         first: Alternative | None = None
         for reading in share.readings:
-            found = Alternative(reading, self._together(reading, share))
-            if not any(part.why for part in found.parts):
-                return found
-            first = first or found
+            alternative = Alternative(reading, self._together(reading, share))
+            if not any(part.why for part in alternative.parts):
+                return alternative
+            first = first or alternative
         if whole is not None and self._lexicon.covers(whole, share.own):
             return Alternative(share.readings[0], (RequiredThing(whole),))
         assert first is not None
@@ -94,9 +94,9 @@ class LabelReader:
         if len(split.shares) > 1 and self._known(text) is None:
             whole = self.hazard(text)
             if whole is None or not all(
-                self._lexicon.covers(whole, one.own) for one in split.shares
+                self._lexicon.covers(whole, thing.own) for thing in split.shares
             ):
-                parts = _unequal(self._first(one) for one in split.shares)
+                parts = _unequal(self._first(thing) for thing in split.shares)
                 if whole is None or not all(part.why for part in parts):
                     return parts
         part = self._options(text)[0]
@@ -112,8 +112,8 @@ class LabelReader:
 
     def _first(self, share: NamedThing) -> RequiredThing:
         """Return the meaning of one conjunct: its most likely reading with a known meaning."""
-        found = [self._options(reading)[0] for reading in share.readings]
-        return next((part for part in found if not part.why), found[0])
+        things = [self._options(reading)[0] for reading in share.readings]
+        return next((part for part in things if not part.why), things[0])
 
     def _is_of(self, part: RequiredThing, own: set[str]) -> bool:
         """Return whether a hazard was found through the weather or the thing that its words name."""
@@ -123,9 +123,9 @@ class LabelReader:
 
     def _options(self, text: str) -> tuple[RequiredThing, ...]:
         """Return the parts, any of which a text may mean; usually a single one."""
-        known = self._known(text)
-        if known is not None:
-            return (RequiredThing(known),)
+        hazard_kind = self._known(text)
+        if hazard_kind is not None:
+            return (RequiredThing(hazard_kind),)
         said = self._lexicon.affirmed(text)
         if said != text:
             found = self._recognise(text)
@@ -147,24 +147,30 @@ class LabelReader:
 
     def _hazard(self, text: str) -> HazardKind | None:
         """Return the hazard that a text resembles most, if it concerns the same thing."""
-        known = self._known(text)
-        if known is not None:
-            return known
-        found = self._recognise(text)
-        if found is None:
+        kind = self._known(text)
+        if kind is not None:
+            return kind
+        hazard_kind = self._recognise(text)
+        if hazard_kind is None:
             return None
         words = _subject_stems(text)
         if not words or self._lexicon.affirmed(text) != text:
             return (
-                found if self._lexicon.affirmed(text) == text or _is_about_absence(found) else None
+                hazard_kind
+                if self._lexicon.affirmed(text) == text or _is_about_absence(hazard_kind)
+                else None
             )
-        vocabulary = self._lexicon.vocabulary(found)
+        vocabulary = self._lexicon.vocabulary(hazard_kind)
         if words[-1] in vocabulary.every or set(words) & vocabulary.naming:
-            return found
+            return hazard_kind
         named = self._lexicon.named_at_end(words)
-        if named is None or named.thing or named.category not in self._lexicon.categories(found):
+        if (
+            named is None
+            or named.thing
+            or named.category not in self._lexicon.categories(hazard_kind)
+        ):
             return None
-        return found
+        return hazard_kind
 
     def _with_things(self, text: str, hazard: HazardKind) -> RequiredThing:
         """Add the other things that a text names, and the words that the hazard only approximates."""
@@ -243,11 +249,11 @@ def _subject_stems(text: str) -> list[str]:
 
 def _unequal(parts: Iterable[RequiredThing]) -> tuple[RequiredThing, ...]:
     """Remove duplicate parts."""
-    found: list[RequiredThing] = []
+    things: list[RequiredThing] = []
     for part in parts:
-        if part not in found:
-            found.append(part)
-    return tuple(found)
+        if part not in things:
+            things.append(part)
+    return tuple(things)
 
 
 def _is_about_absence(hazard: HazardKind) -> bool:

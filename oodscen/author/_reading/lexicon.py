@@ -98,9 +98,9 @@ class Lexicon:
     def named_at_end(self, words: list[str]) -> Meaning | None:
         """Return the meaning of the longest name at the end of some words."""
         for size in range(min(_LONGEST_NAME, len(words)), 0, -1):
-            found = self._names.get(tuple(words[-size:]))
-            if found is not None:
-                return found
+            meaning = self._names.get(tuple(words[-size:]))
+            if meaning is not None:
+                return meaning
         return None
 
     def compound_hazard(self, text: str) -> HazardKind | None:

@@ -51,5 +51,5 @@ class LabelReading:
     @property
     def hazards(self) -> tuple[HazardKind, ...]:
         """All hazards, without duplicates."""
-        found = (hazard for alternative in self.alternatives for hazard in alternative.hazards)
-        return tuple({hazard.id: hazard for hazard in found}.values())
+        kinds = (hazard for alternative in self.alternatives for hazard in alternative.hazards)
+        return tuple({hazard.id: hazard for hazard in kinds}.values())

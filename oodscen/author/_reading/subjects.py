@@ -46,8 +46,8 @@ class NounInContext:
     @cached_property
     def determiner(self) -> str:
         """The article or pronoun that determines the noun; empty if there is none."""
-        found = phrases.context("determiner").search(self.lead)
-        return found.group(1).casefold() if found else ""
+        match = phrases.context("determiner").search(self.lead)
+        return match.group(1).casefold() if match else ""
 
     @cached_property
     def count(self) -> int:
@@ -129,11 +129,11 @@ def subject_of(at: NounInContext) -> Subject | None:
     """Return the thing that a noun names: an earlier one, or a new one; `None` if it names none."""
     if any(test(at) for test in _NOTHING):
         return None
-    same = [one for one in at.earlier if one.mention.thing is at.mention.thing]
+    same = [subject for subject in at.earlier if subject.mention.thing is at.mention.thing]
     if same and (not at.is_new or at.determiner == "one"):
         return same[-1]
     if _is_generic(at):
-        alike = [one for one in at.earlier if _is_alike(one, at)]
+        alike = [subject for subject in at.earlier if _is_alike(subject, at)]
         if alike and not phrases.context("placed").match(at.after):
             return alike[-1]
         if at.count > 1:
@@ -177,12 +177,12 @@ def nouns_of(text: str) -> tuple[list[Noun], list[Subject]]:
             subjects.append(subject)
         is_oblique = _is_oblique(at) or (subject is None and _is_part(at))
         nouns.append(Noun(mention.start, mention.end, subject, is_oblique))
-    for found in phrases.context("ego").finditer(text):
-        if not any(n.start < found.end() and found.start() < n.end for n in nouns):
-            is_possessive = found.group(0).endswith(("'s", "your"))
-            lead = text[: found.start()][-20:]
+    for match in phrases.context("ego").finditer(text):
+        if not any(n.start < match.end() and match.start() < n.end for n in nouns):
+            is_possessive = match.group(0).endswith(("'s", "your"))
+            lead = text[: match.start()][-20:]
             is_oblique = is_possessive or phrases.context("oblique").search(lead) is not None
-            nouns.append(Noun(found.start(), found.end(), None, is_oblique))
+            nouns.append(Noun(match.start(), match.end(), None, is_oblique))
     return sorted(nouns, key=lambda noun: noun.start), subjects
 
 

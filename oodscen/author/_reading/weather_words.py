@@ -62,7 +62,7 @@ def weather_kinds(stems: Collection[str]) -> tuple[WeatherKind, ...]:
 
 def circumstances(text: str) -> tuple[str, ...]:
     """Return the weather and light in which something happens: `night` and `rain` for `in night rain`."""
-    names = " ".join(found["names"] for found in _CIRCUMSTANCE.finditer(text))
+    names = " ".join(match["names"] for match in _CIRCUMSTANCE.finditer(text))
     return tuple(dict.fromkeys(str(name.lastgroup) for name in _NAME.finditer(names)))
 
 

@@ -24,15 +24,15 @@ def marks(road: MapLine, actor: RecipeActor) -> tuple[Landmark, ...]:
     Raises:
         LLMError: If the map has none.
     """
-    found = tuple(mark for mark in road.landmarks if mark.kind == actor.at)
-    if not found:
+    landmarks = tuple(mark for mark in road.landmarks if mark.kind == actor.at)
+    if not landmarks:
         raise LLMError(f"{road.id} has no {actor.at.replace('_', ' ')}", model="builtin")
-    return found if actor.at == "traffic_light" else found[:1]
+    return landmarks if actor.at == "traffic_light" else landmarks[:1]
 
 
 def anchors(recipe: Recipe, actor: RecipeActor) -> list[RecipeActor]:
     """Return an actor, the actor from which it is measured, and so on to the one that is measured from none."""
-    by_id = {one.id: one for one in recipe.actors}
+    by_id = {recipe_actor.id: recipe_actor for recipe_actor in recipe.actors}
     chain = [actor]
     while chain[-1].at in by_id:
         chain.append(by_id[chain[-1].at])
@@ -45,6 +45,6 @@ def ahead_of_start(recipe: Recipe, actor: RecipeActor) -> Range | None:
     if chain[-1].at in LANDMARKS:
         return None
     low, high = actor.ahead
-    for one in chain[1:]:
-        low, high = low + one.ahead[0], high + one.ahead[1]
+    for recipe_actor in chain[1:]:
+        low, high = low + recipe_actor.ahead[0], high + recipe_actor.ahead[1]
     return low, high

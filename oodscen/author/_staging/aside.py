@@ -51,13 +51,13 @@ def _is_movable(actor: RecipeActor) -> bool:
 
 def told_aside(event: str) -> str:
     """Return an event with its thing beside the ego's lane; empty if the wording does not allow it."""
-    found = _IN_LANE.search(event)
-    if found is None:
+    match = _IN_LANE.search(event)
+    if match is None:
         return ""
-    rest = f"{event[: found.start()]}|{event[found.end() :]}"
+    rest = f"{event[: match.start()]}|{event[match.end() :]}"
     if _CLOSES.search(rest) or "lane" in rest or "path" in rest:
         return ""
-    return f"{event[: found.start()]}{_ASIDE}{event[found.end() :]}"
+    return f"{event[: match.start()]}{_ASIDE}{event[match.end() :]}"
 
 
 def moved_aside(recipe: Recipe, text: str, assets: Mapping[str, AssetLine]) -> Recipe:

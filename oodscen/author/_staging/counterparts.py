@@ -53,18 +53,18 @@ def drawn_near(
     """
     tied = cast.tied
     row = {
-        name: one
-        for name, one in cast.unusual.items()
-        if one and name not in tied and _is_ahead(one, layout)
+        name: actor
+        for name, actor in cast.unusual.items()
+        if actor and name not in tied and _is_ahead(actor, layout)
     }
     if not row:
         return cast.unusual
-    first = min(row.values(), key=lambda one: one.placement.ahead_m)
+    first = min(row.values(), key=lambda actor: actor.placement.ahead_m)
     wanted = max(_gap(hazard, layout, decision_s), _near(layout))
     back = min(_gap(first, layout, decision_s) - wanted, first.placement.ahead_m - _near(layout))
     if back <= 0.0:
         return cast.unusual
-    return {**cast.unusual, **{name: _moved_back(one, back) for name, one in row.items()}}
+    return {**cast.unusual, **{name: _moved_back(actor, back) for name, actor in row.items()}}
 
 
 def _is_ahead(one: Actor, layout: Layout) -> bool:

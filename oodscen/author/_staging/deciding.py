@@ -64,8 +64,8 @@ def decided(layout: Layout, distance_m: float | None) -> Layout:
 
     A distance in the text applies at the start of the scene; the decision comes later.
     """
-    wanted = layout.recipe.decision
-    value, shift = layout.draw(wanted.value), 0.0
+    trigger = layout.recipe.decision
+    value, shift = layout.draw(trigger.value), 0.0
     actor = timing.decisive(layout.recipe)
     if actor is not None:
         is_on_map = ahead_of_start(layout.recipe, actor) is None
@@ -79,9 +79,9 @@ def decided(layout: Layout, distance_m: float | None) -> Layout:
         elif distance_m is not None and not is_on_map:
             low, high = actor.ahead
             shift = min(max(distance_m, low), high) - middle
-        if wanted.kind == "ttc":
+        if trigger.kind == "ttc":
             layout, value = _hurried(layout, actor, value)
-    decision = Trigger(kind=wanted.kind, value=round(value, 2), actor=wanted.actor)
+    decision = Trigger(kind=trigger.kind, value=round(value, 2), actor=trigger.actor)
     return replace(layout, decision=decision, shift_m=round(shift, 2))
 
 
@@ -190,7 +190,9 @@ def _evading(layout: Layout, actor: RecipeActor, share: float) -> tuple[Layout, 
     escape = 1 if layout.ego_lane + 1 < road.lanes else -1
     aside = -escape * _ASIDE_M
     moved = actor.model_copy(update={"offset": (aside - _SCATTER_M, aside + _SCATTER_M)})
-    actors = tuple(moved if one is actor else one for one in recipe.actors)
+    actors = tuple(
+        moved if recipe_actor is actor else recipe_actor for recipe_actor in recipe.actors
+    )
     recipe = recipe.model_copy(update={"actors": actors})
     return replace(layout, recipe=recipe, escape=escape), lambda _: low + share * (high - low)
 

@@ -129,7 +129,7 @@ class Cast(NamedTuple):
     @property
     def tied(self) -> set[str | None]:
         """Ids of the actors that tow or carry another."""
-        return {one.behaviour.other for one in self.everyone}
+        return {actor.behaviour.other for actor in self.everyone}
 
     def joined_by(self, actors: Sequence[Actor]) -> "Cast":
         """Return the cast with further ordinary actors."""

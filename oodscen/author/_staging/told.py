@@ -35,8 +35,8 @@ class Told:
     @property
     def distance_m(self) -> float | None:
         """The first distance in the text, m."""
-        found = _DISTANCE.search(self.text)
-        return float(found.group(1)) if found else None
+        match = _DISTANCE.search(self.text)
+        return float(match.group(1)) if match else None
 
     @property
     def is_quiet(self) -> bool:

@@ -28,7 +28,7 @@ def draw_weather(
     fields: dict[str, Any] = {}
     clear = knowledge.condition_keys.get("clear")
     ordered = sorted(told.conditions, key=lambda c: c.weather.get("sun_elevation_deg", 0) != 0)
-    layers = [one.weather for one in (clear, *ordered) if one is not None]
+    layers = [conditions.weather for conditions in (clear, *ordered) if conditions is not None]
     for layer in (*layers, recipe.weather):
         fields.update(_drawn(layer, rng))
     dark = [c for c in told.conditions if _is_dark(c)]

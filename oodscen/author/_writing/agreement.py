@@ -25,23 +25,23 @@ class Agreement:
     def clashes(self, clause: str, setting: PlaceAndTime) -> list[str]:
         """Return the words of a clause that are incompatible with a setting, each with the reason."""
         return [
-            f"{one.pattern.findall(clause)[0]!r}: {one.why}"
-            for one in self._in(clause)
-            if _applies(one, setting)
+            f"{clash.pattern.findall(clause)[0]!r}: {clash.why}"
+            for clash in self._in(clause)
+            if _applies(clash, setting)
         ]
 
     def suits(self, clause: str, setting: PlaceAndTime) -> bool:
-        return not any(_applies(one, setting) for one in self._in(clause))
+        return not any(_applies(clash, setting) for clash in self._in(clause))
 
     def suiting(self, clauses: Iterable[str], setting: PlaceAndTime) -> list[str]:
         return [clause for clause in clauses if self.suits(clause, setting)]
 
     def _in(self, clause: str) -> tuple[Clash, ...]:
-        found = self._found.get(clause)
-        if found is None:
-            found = tuple(clash for clash in self._clashes if clash.pattern.search(clause))
-            self._found[clause] = found
-        return found
+        clashes = self._found.get(clause)
+        if clashes is None:
+            clashes = tuple(clash for clash in self._clashes if clash.pattern.search(clause))
+            self._found[clause] = clashes
+        return clashes
 
 
 def _applies(clash: Clash, setting: PlaceAndTime) -> bool:

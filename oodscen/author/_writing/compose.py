@@ -214,11 +214,11 @@ class Composer:
 def _ordered(event: str, where: str, construction: Construction, rng: np.random.Generator) -> str:
     """Fill in the location, in its place or at the beginning."""
     if construction.is_apart:
-        found = _LYING.fullmatch(event)
-        if found is not None and rng.random() < _INVERTED:
-            subject = found["subject"][0].lower() + found["subject"][1:]
-            start = found["lane"][0].upper() + found["lane"][1:]
-            return f"{start} {where} {found['verb']} {subject}{found['rest']}"
+        match = _LYING.fullmatch(event)
+        if match is not None and rng.random() < _INVERTED:
+            subject = match["subject"][0].lower() + match["subject"][1:]
+            start = match["lane"][0].upper() + match["lane"][1:]
+            return f"{start} {where} {match['verb']} {subject}{match['rest']}"
         fits = _PREPOSABLE.search(event) is not None and not _BOUND.search(event)
         if fits and rng.random() < _PREPOSED:
             rest = " ".join(event.replace("{where}", "").split()).replace(" ,", ",")

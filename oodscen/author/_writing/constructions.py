@@ -33,8 +33,8 @@ _NOUN = re.compile(r"(?:on|along|in) (an? .+)")
 
 def nominal(where: str) -> str:
     """Return the noun phrase of a place, such as `a rural road` for `along a rural road`, or an empty string."""
-    found = _NOUN.fullmatch(where)
-    return found[1] if found else ""
+    match = _NOUN.fullmatch(where)
+    return match[1] if match else ""
 
 
 def standing(where: str) -> str:

@@ -147,10 +147,10 @@ class OrdinaryAuthor:
             yield part
 
     def _apart(self, sentence: str, is_placed: bool) -> _SentenceParts:
-        found = self._lead.match(sentence)
-        if is_placed and (found is None or folded_words(sentence[found.end() :])):
+        match = self._lead.match(sentence)
+        if is_placed and (match is None or folded_words(sentence[match.end() :])):
             return _SentenceParts("", sentence.rstrip("."), "")
-        cut = found.end() if found is not None else 0
+        cut = match.end() if match is not None else 0
         if cut and not folded_words(sentence[cut:]):
             return _SentenceParts(sentence, "", "")
         if cut and re.match(_DRIVES, sentence, re.IGNORECASE):
@@ -171,12 +171,12 @@ class OrdinaryAuthor:
 
     def _setting(self, frame: str, text: str, hazard: HazardKind | None) -> PlaceAndTime:
         """Return the place and time of the kept part of a text, as far as it states them."""
-        known = self._recogniser
-        place = known.place(frame) or known.place(text, hazard.places if hazard else ())
-        traffic = known.traffic(frame)
+        recogniser = self._recogniser
+        place = recogniser.place(frame) or recogniser.place(text, hazard.places if hazard else ())
+        traffic = recogniser.traffic(frame)
         return PlaceAndTime(
             place=place.key if place else "",
-            conditions=tuple(condition.key for condition in known.conditions(frame)),
+            conditions=tuple(condition.key for condition in recogniser.conditions(frame)),
             traffic=traffic.key if traffic else "",
         )
 

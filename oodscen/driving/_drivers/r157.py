@@ -64,7 +64,7 @@ class R157Driver(WatchingDriver):
     def _emergency(self, seen: Sequence[Neighbour], observation: Observation) -> float:
         time, speed = observation.time, observation.speed
         self._remember(seen, time)
-        risks = [one for one in seen if self._is_risk(one, time, speed)]
+        risks = [neighbour for neighbour in seen if self._is_risk(neighbour, time, speed)]
         is_wrapped = any(abs(risk.aside) <= WANDER_M for risk in risks)
         return self._brake.deceleration(
             time,
@@ -76,28 +76,28 @@ class R157Driver(WatchingDriver):
     def _minded(self, seen: Sequence[Neighbour], time: float) -> Iterable[Neighbour]:
         evaluated = EVALUATION_S + DELAY_S
         return (
-            one
-            for one in super()._minded(seen, time)
-            if _is_past(self._memories[one.id].noticed_at, evaluated, time)
+            neighbour
+            for neighbour in super()._minded(seen, time)
+            if _is_past(self._memories[neighbour.id].noticed_at, evaluated, time)
         )
 
     def _remember(self, seen: Sequence[Neighbour], time: float) -> None:
         """Note which bodies have left their places, stand in the way or brake hard."""
-        for one in seen:
-            memory = self._memories.get(one.id)
+        for neighbour in seen:
+            memory = self._memories.get(neighbour.id)
             if memory is None:
-                memory = self._memories[one.id] = _Memory(one.place, time)
-                if one.is_in_the_way:
+                memory = self._memories[neighbour.id] = _Memory(neighbour.place, time)
+                if neighbour.is_in_the_way:
                     memory.noticed_at = -math.inf
-            if abs(one.across) > _STILL:
+            if abs(neighbour.across) > _STILL:
                 memory.still_since = time
             elif time - memory.still_since >= _SETTLED_S:
-                memory.home = one.place
-            if not one.is_in_the_way and not _approaches(one, memory):
+                memory.home = neighbour.place
+            if not neighbour.is_in_the_way and not _approaches(neighbour, memory):
                 memory.noticed_at = None
             elif memory.noticed_at is None:
                 memory.noticed_at = time
-            if one.acceleration > -HARD_BRAKING:
+            if neighbour.acceleration > -HARD_BRAKING:
                 memory.braked_at = None
             elif memory.braked_at is None:
                 memory.braked_at = time

@@ -137,7 +137,7 @@ class RSSDriver(WatchingDriver):
     def _emergency(self, seen: Sequence[Neighbour], observation: Observation) -> float:
         return self._brake.deceleration(
             observation.time,
-            demanded=any(self._is_dangerous(one, observation.speed) for one in seen),
+            demanded=any(self._is_dangerous(neighbour, observation.speed) for neighbour in seen),
             friction=observation.friction,
         )
 

@@ -51,13 +51,13 @@ class WatchingDriver(Brief):
             following_acceleration(
                 observation.speed,
                 self._desired,
-                one.gap,
-                observation.speed - one.along,
+                neighbour.gap,
+                observation.speed - neighbour.along,
                 headway_s=HEADWAY_S,
                 standing_m=_STANDING_M,
                 comfortable=_COMFORTABLE,
             )
-            for one in self._minded(seen, observation.time)
+            for neighbour in self._minded(seen, observation.time)
         )
         comfortable = max(-_MILDEST, min(following, default=math.inf))
         acceleration = min(control.acceleration, comfortable)
@@ -71,4 +71,4 @@ class WatchingDriver(Brief):
 
     def _minded(self, seen: Sequence[Neighbour], time: float) -> Iterable[Neighbour]:
         """Return the bodies that the driver follows."""
-        return (one for one in seen if one.is_in_the_way)
+        return (neighbour for neighbour in seen if neighbour.is_in_the_way)

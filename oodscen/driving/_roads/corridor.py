@@ -232,7 +232,14 @@ class Corridor(Brief):
         columns = (self.x, self.y, self.z, self.cos / norm, self.sin / norm, self.curvature)
         track = pack(
             np.stack(columns, axis=1),
-            np.stack([side for one in self.strips for side in (one.right, one.left)], axis=1),
+            np.stack(
+                [
+                    side
+                    for lane_strip in self.strips
+                    for side in (lane_strip.right, lane_strip.left)
+                ],
+                axis=1,
+            ),
             drivable,
             lanes=[strip.kind == "driving" for strip in self.strips],
             driving=self.driving,
@@ -399,7 +406,9 @@ def _intervals(strips: Sequence[LaneStrip]) -> list[Ranges]:
     count = len(strips[0].right) if strips else 0
     if not drivable:
         return [()] * count
-    edges = np.stack([side for one in drivable for side in (one.right, one.left)])
+    edges = np.stack(
+        [side for lane_strip in drivable for side in (lane_strip.right, lane_strip.left)]
+    )
     changes = np.flatnonzero((edges[:, 1:] != edges[:, :-1]).any(axis=0)) + 1
     ranges_of: list[Ranges] = []
     for first, last in pairwise([0, *changes.tolist(), count]):

@@ -146,12 +146,12 @@ class XmlNode:
 
         Messages tell elements of one name apart by their index or id.
         """
-        found = [self.element]
+        elements = [self.element]
         for name in names:
-            found = [child for parent in found for child in parent if name_of(child) == name]
+            elements = [child for parent in elements for child in parent if name_of(child) == name]
         path = f"{self.path}/{'/'.join(names)}" if self.path else "/".join(names)
         nodes = []
-        for index, element in enumerate(found):
+        for index, element in enumerate(elements):
             node = XmlNode(self.document, element, path)
             if by != "name":
                 node.path = f"{path}[{index if by == 'index' else node.label}]"

@@ -157,7 +157,7 @@ class _Reader:
             node.fault("must be above 0", "@length")
             return None
         base = (s, x, y, math.remainder(heading, math.tau), length)
-        kind = next((name for one in node.element if (name := name_of(one)) in _SHAPES), "")
+        kind = next((name for element in node.element if (name := name_of(element)) in _SHAPES), "")
         shape = node.first(kind) if kind else None
         if shape is None:
             node.fault(f"needs one of {', '.join(_SHAPES)}")
@@ -334,18 +334,18 @@ def _lane(node: XmlNode, sign: int, length: float) -> Lane | None:
 
 def _junction(node: XmlNode) -> Junction:
     connections = []
-    for one in node.all("connection"):
-        incoming = one.element.get("incomingRoad")
-        connecting = one.element.get("connectingRoad", one.element.get("linkedRoad"))
+    for xml_node in node.all("connection"):
+        incoming = xml_node.element.get("incomingRoad")
+        connecting = xml_node.element.get("connectingRoad", xml_node.element.get("linkedRoad"))
         if incoming is None or connecting is None:
-            one.fault("needs incomingRoad and connectingRoad")
+            xml_node.fault("needs incomingRoad and connectingRoad")
             continue
         pairs = []
-        for link in one.all("laneLink", by="name"):
+        for link in xml_node.all("laneLink", by="name"):
             start, end = link.lane_id("from"), link.lane_id("to")
             if start is not None and end is not None:
                 pairs.append((start, end))
-        connections.append(JunctionWay(incoming, connecting, _contact(one), tuple(pairs)))
+        connections.append(JunctionWay(incoming, connecting, _contact(xml_node), tuple(pairs)))
     return Junction(node.get("id"), tuple(connections))
 
 
@@ -360,18 +360,18 @@ def _check_links(document: Document, network: Network) -> None:
             if link and link.id not in known:
                 document.add(f"{path}/link/{end}@elementId", f"no {link.kind} {link.id[:40]!r}")
     for junction in network.junctions.values():
-        for index, one in enumerate(junction.connections):
+        for index, way in enumerate(junction.connections):
             path = f"junction[{junction.id[:40]}]/connection[{index}]"
             for name, identity in (
-                ("incomingRoad", one.incoming),
-                ("connectingRoad", one.connecting),
+                ("incomingRoad", way.incoming),
+                ("connectingRoad", way.connecting),
             ):
                 if identity not in network.roads:
                     document.add(f"{path}@{name}", f"no road {identity[:40]!r}")
-            through = network.roads.get(one.connecting)
+            through = network.roads.get(way.connecting)
             if through is not None:
-                section = through.sections[0 if one.contact == "start" else -1]
+                section = through.sections[0 if way.contact == "start" else -1]
                 ids = {lane.id for lane in section.lanes}
-                for _, to in one.lanes:
+                for _, to in way.lanes:
                     if to not in ids:
                         document.add(f"{path}/laneLink@to", f"no lane {to} on {through.id[:40]!r}")

@@ -61,8 +61,10 @@ def lanes(corridor: Corridor, strip: int, s: Floats, t: Floats) -> Floats:
     origin = corridor.driving.index(strip)
     is_along = (s >= 0.0) & (s <= corridor.length)
     for number, driving in enumerate(corridor.driving):
-        one = corridor.strips[driving]
-        right = one.right[index] + f * (one.right[index + 1] - one.right[index])
-        left = one.left[index] + f * (one.left[index + 1] - one.left[index])
+        lane_strip = corridor.strips[driving]
+        right = lane_strip.right[index] + f * (
+            lane_strip.right[index + 1] - lane_strip.right[index]
+        )
+        left = lane_strip.left[index] + f * (lane_strip.left[index + 1] - lane_strip.left[index])
         found[is_along & (right <= t) & (t < left)] = number - origin
     return found

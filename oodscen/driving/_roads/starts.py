@@ -61,12 +61,12 @@ def _ways(network: Network) -> Iterator[list[Leg]]:
 
 def _start_on(legs: Sequence[Leg], at: float) -> Start | None:
     """Return a start on the last usable leg that begins before a distance, m, else on the first after it."""
-    found: Start | None = None
+    start: Start | None = None
     for index, leg in enumerate(legs):
         if not leg.road.junction and leg.has_lane(1):
             latest = max(0.5 * leg.road.length, leg.road.length - _BEFORE_END_M)
-            found = Start(leg, min(max(at, 0.0), latest), tuple(legs[index + 1 :]))
+            start = Start(leg, min(max(at, 0.0), latest), tuple(legs[index + 1 :]))
         at -= leg.road.length
-        if at <= 0.0 and found is not None:
+        if at <= 0.0 and start is not None:
             break
-    return found
+    return start

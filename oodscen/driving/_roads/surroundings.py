@@ -67,7 +67,7 @@ def structures_of(tracks: Sequence[LegTrack], begins: Sequence[float]) -> tuple[
             ]
             if max(ends) - min(ends) > _SHORTEST_M:
                 found.append(Structure(stretch.kind, round(min(ends), 6), round(max(ends), 6)))
-    return tuple(sorted(found, key=lambda one: one.start))
+    return tuple(sorted(found, key=lambda structure: structure.start))
 
 
 def signal_in_world(road: Road, signal: Signal, corridor: Corridor) -> RoadSignal:

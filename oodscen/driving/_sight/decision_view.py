@@ -24,7 +24,7 @@ def groups(scene: Scene, cast: Sequence[PlacedBody]) -> list[list[int]]:
 
 def best(found: Iterable[Sighting]) -> Sighting | None:
     """Return the look that has the fewest faults, then the largest one; `None` if there is none."""
-    return min(found, key=lambda one: (len(one.faults), -one.size_px), default=None)
+    return min(found, key=lambda sighting: (len(sighting.faults), -sighting.size_px), default=None)
 
 
 def drawn(
@@ -39,7 +39,7 @@ def drawn(
         total, parts = 0.0, []
         for row in rows:
             body = cast[row].solid
-            others = [one.solid for i, one in enumerate(cast) if i not in (0, row)]
+            others = [placed_body.solid for i, placed_body in enumerate(cast) if i not in (0, row)]
             sight = eye.see(body, others, corridor)
             shown = clipped(eye.silhouette(body), camera.width, camera.height)
             free = 1.0 - sight.hidden if sight.distance <= reach else 0.0

@@ -195,8 +195,11 @@ def _late(scene: Scene, cast: tuple[PlacedBody, ...], corridor: Corridor, within
     what = f"{decision.kind} {decision.value:g}"
     where = ""
     if decision.kind != "time":
-        body = next(one for one in cast if one.id == decision.actor)
-        s, own = (corridor.locate(one.solid.x, one.solid.y)[0] for one in (body, cast[0]))
+        body = next(placed_body for placed_body in cast if placed_body.id == decision.actor)
+        s, own = (
+            corridor.locate(placed_body.solid.x, placed_body.solid.y)[0]
+            for placed_body in (body, cast[0])
+        )
         where = (
             f"; by then the ego is {abs(s - own):.0f} m {'before' if s > own else 'past'} {body}"
         )

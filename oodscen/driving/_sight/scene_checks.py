@@ -58,8 +58,10 @@ class PlacedBody(NamedTuple):
     @property
     def box(self) -> Footprint:
         """The body's footprint."""
-        one = self.solid
-        return Footprint(one.x, one.y, one.yaw, one.length, one.width)
+        upright_box = self.solid
+        return Footprint(
+            upright_box.x, upright_box.y, upright_box.yaw, upright_box.length, upright_box.width
+        )
 
 
 Moments = Mapping[str, Sequence[PlacedBody]]
@@ -171,10 +173,10 @@ def touch(a: PlacedBody, b: PlacedBody, *, is_tall: bool = True) -> bool:
         return False
     if a.solid.z > b.solid.z + b.solid.height or b.solid.z > a.solid.z + a.solid.height:
         return False
-    one, other = a.box, b.box
-    reach = radius(one.length, one.width) + radius(other.length, other.width)
-    dx, dy = one.x - other.x, one.y - other.y
-    return dx * dx + dy * dy <= reach * reach and gap(one, other) <= 0.0
+    footprint, other = a.box, b.box
+    reach = radius(footprint.length, footprint.width) + radius(other.length, other.width)
+    dx, dy = footprint.x - other.x, footprint.y - other.y
+    return dx * dx + dy * dy <= reach * reach and gap(footprint, other) <= 0.0
 
 
 def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) -> Issue:
@@ -206,15 +208,15 @@ def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) 
 def _others(scene: Scene, cast: Sequence[PlacedBody], row: int) -> list[UprightBox]:
     """Return the bodies that may hide a body; its carrier is hollow and hides nothing."""
     carrier = scene.actors[row - 1].behaviour.other
-    return [one.solid for i, one in enumerate(cast) if i not in (0, row) and one.id != carrier]
+    return [body.solid for i, body in enumerate(cast) if i not in (0, row) and body.id != carrier]
 
 
 def _hider(cast: Sequence[PlacedBody], row: int, camera: Camera, corridor: Corridor) -> str:
     """Return the words for the thing that hides most of a body."""
     eye, body = Eye(camera, cast[0].solid), cast[row].solid
     shares = [
-        (eye.see(body, [one.solid]).hidden, f" by {one}")
-        for i, one in enumerate(cast)
+        (eye.see(body, [placed_body.solid]).hidden, f" by {placed_body}")
+        for i, placed_body in enumerate(cast)
         if i not in (0, row)
     ]
     shares.append((eye.see(body, (), corridor).hidden, " by the crest of the road"))

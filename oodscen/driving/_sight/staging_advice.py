@@ -69,8 +69,8 @@ def _fault(now: Sighting, cast: Sequence[PlacedBody], row: int, camera: Camera) 
         return f"{who} is outside the camera's view at the decision"
     if "hidden" in now.faults:
         eye = Eye(camera, cast[0].solid)
-        others = [one for place, one in enumerate(cast) if place not in (0, row)]
-        shares = {one.id: eye.see(cast[row].solid, [one.solid]).hidden for one in others}
+        others = [body for place, body in enumerate(cast) if place not in (0, row)]
+        shares = {body.id: eye.see(cast[row].solid, [body.solid]).hidden for body in others}
         cause = max(shares, key=lambda name: shares[name], default="")
         behind = f"{cause!r}" if cause and shares[cause] > 0.0 else "a crest of the road"
         return f"{100.0 * now.hidden:.0f} % of {who} is hidden behind {behind} at the decision"

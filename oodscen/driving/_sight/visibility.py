@@ -212,9 +212,9 @@ class Eye:
         distance: float,
     ) -> float:
         nearer = [
-            one
-            for one in others
-            if math.dist(self.place[:2], (one.x, one.y)) - 0.5 * one.length < distance
+            box
+            for box in others
+            if math.dist(self.place[:2], (box.x, box.y)) - 0.5 * box.length < distance
         ]
         left, right = min(u for u, _ in shown), max(u for u, _ in shown)
         top, bottom = min(v for _, v in shown), max(v for _, v in shown)
@@ -229,8 +229,8 @@ class Eye:
                     continue
                 rays += 1
                 is_behind = any(
-                    (met := _enters(one, self.place, ray)) is not None and met < hit
-                    for one in nearer
+                    (met := _enters(box, self.place, ray)) is not None and met < hit
+                    for box in nearer
                 )
                 if is_behind or (road is not None and _is_behind_crest(self.place, ray, hit, road)):
                     hidden += 1

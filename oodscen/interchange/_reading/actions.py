@@ -76,12 +76,12 @@ class ActionReader:
 
     def _actors(self, group: Element) -> list[str]:
         names = []
-        for one in group.all("Actors", "EntityRef"):
-            name = one.get("entityRef")
+        for element in group.all("Actors", "EntityRef"):
+            name = element.get("entityRef")
             if name in self.triggers.bodies:
                 names.append(name)
             else:
-                one.leave_out(f"there is no entity {name[:40]!r}")
+                element.leave_out(f"there is no entity {name[:40]!r}")
         return names
 
     def _event(self, act: Element, event: Element, name: str) -> bool:
@@ -237,7 +237,7 @@ class ActionReader:
         if seconds > 0.0 and self._is_timed(name, node):
             values["speed"] = way / seconds
             trigger = self._begun(node, trigger, begin)
-        if any(_aside(one, start, heading) > _STRAIGHT_M for _, one in points):
+        if any(_aside(place, start, heading) > _STRAIGHT_M for _, place in points):
             node.note("the course is read as a straight way from its first point to its last")
         self._add(name, Action("course", node, trigger, values, heading))
 
@@ -266,9 +266,9 @@ class ActionReader:
 
     def _points(self, node: Element) -> Iterator[tuple[Element, EntityPlace | None]]:
         for kind in ("Vertex", "Waypoint", "ControlPoint"):
-            for one in node.within(kind):
-                holder = one.first("Position")
-                yield one, self.positions.read(holder) if holder is not None else None
+            for element in node.within(kind):
+                holder = element.first("Position")
+                yield element, self.positions.read(holder) if holder is not None else None
         if node.name == "AcquirePositionAction" and (goal := node.first("Position")) is not None:
             yield goal, self.positions.read(goal)
 
@@ -399,9 +399,9 @@ def _leave_out_dynamics(node: Element) -> None:
 def _note_paces(node: Element, points: list[tuple[Element, EntityPlace]]) -> None:
     """Record the slowest and the fastest stretch of a course that is read at its mean speed."""
     paces = [
-        math.hypot(two.x - one.x, two.y - one.y)
+        math.hypot(two.x - place.x, two.y - place.y)
         / (after.number("time", 0.0) - before.number("time", 0.0))
-        for (before, one), (after, two) in pairwise(points)
+        for (before, place), (after, two) in pairwise(points)
     ]
     if max(paces) - min(paces) > _PACE_SHARE * max(paces):
         node.note(

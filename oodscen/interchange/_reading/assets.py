@@ -121,8 +121,8 @@ def _sight(fog: Element | None) -> float:
 
 def _elevation(day: Element) -> float:
     """Return a plausible elevation of the sun at a time of day, degrees."""
-    found = re.search(r"T([0-9]{2}):", day.get("dateTime"))
-    hour = int(found[1]) if found else 12
+    match = re.search(r"T([0-9]{2}):", day.get("dateTime"))
+    hour = int(match[1]) if match else 12
     elevation = round(50.0 * math.sin((hour - 6.0) / 12.0 * math.pi), 2)
     day.note(f"the hour is read as {hour}, with the sun at {elevation:g} degrees")
     return elevation

@@ -73,9 +73,9 @@ def corridor_from(
 
 def keeps_left(name: str, catalogue: Catalogue) -> bool:
     """Return whether traffic keeps to the left on the road of a map."""
-    found = find_map(name, catalogue)
-    roads = read_network(read_map(found.file), source=found.file).roads
-    road = roads.get(found.road) or next(iter(roads.values()))
+    road_map = find_map(name, catalogue)
+    roads = read_network(read_map(road_map.file), source=road_map.file).roads
+    road = roads.get(road_map.road) or next(iter(roads.values()))
     return road.left_hand
 
 

@@ -61,7 +61,7 @@ class _Substitution:
         if "$" not in text:
             return text
         if text.startswith("${") and text.endswith("}"):
-            return _computed(_NAME.sub(lambda found: self._parameter(found[1]), text[2:-1]))
+            return _computed(_NAME.sub(lambda match: self._parameter(match[1]), text[2:-1]))
         found = _NAME.fullmatch(text.strip())
         return self._parameter(found[1]) if found else text
 

@@ -114,14 +114,17 @@ def _declared(top: etree._Element) -> Iterator[Issue]:
         if name_of(holder) != "ParameterDeclarations":
             continue
         names = set()
-        for one in holder:
-            name = one.get("name", "") if isinstance(one.tag, str) else ""
+        for element in holder:
+            name = element.get("name", "") if isinstance(element.tag, str) else ""
             if name and name in names:
-                yield Issue(where(one), f"{name[:_LONGEST]!r} is declared again; the last counts")
-            names.add(name)
-            if name and one.get("parameterType") in _INTEGERS and _has_fraction(one):
                 yield Issue(
-                    where(one), f"{one.get('value', '')[:_LONGEST]!r} is read though no integer"
+                    where(element), f"{name[:_LONGEST]!r} is declared again; the last counts"
+                )
+            names.add(name)
+            if name and element.get("parameterType") in _INTEGERS and _has_fraction(element):
+                yield Issue(
+                    where(element),
+                    f"{element.get('value', '')[:_LONGEST]!r} is read though no integer",
                 )
 
 

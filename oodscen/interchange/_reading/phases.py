@@ -28,7 +28,9 @@ def steps(root: Element) -> Iterator[tuple[tuple[str, str], PhaseEvent]]:
     for story in root.all("Storyboard", "Story"):
         for act in story.all("Act"):
             for group in act.within("ManeuverGroup"):
-                names = tuple(one.get("entityRef") for one in group.all("Actors", "EntityRef"))
+                names = tuple(
+                    element.get("entityRef") for element in group.all("Actors", "EntityRef")
+                )
                 for maneuver in group.all("Maneuver"):
                     for event in maneuver.all("Event"):
                         parts = (story, act, group, maneuver, event, *event.all("Action"))

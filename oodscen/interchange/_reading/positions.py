@@ -274,9 +274,9 @@ class Positions:
     def read(self, holder: Element) -> EntityPlace | None:
         """Return the pose of a `Position`, or `None` after recording that it cannot be used."""
         for node in holder.children():
-            found = self._pose(node)
-            if found is not None:
-                return _turned(node, found)
+            place = self._pose(node)
+            if place is not None:
+                return _turned(node, place)
             reference = node.get("entityRef")
             node.leave_out(
                 f"is relative to {reference[:40]!r}, whose place is not known"

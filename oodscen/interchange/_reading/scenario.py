@@ -108,8 +108,8 @@ def read_openscenario(
             )
         return ImportedScene(own)
     scene = _Assembly(tree, catalogue, road, hazards, ego, llm).scene()
-    found = [*tree.omissions, *leftovers(tree), *staging_issues(scene, catalogue)]
-    return ImportedScene(scene, tuple(found))
+    issues = [*tree.omissions, *leftovers(tree), *staging_issues(scene, catalogue)]
+    return ImportedScene(scene, tuple(issues))
 
 
 def foresee(path: str | Path, catalogue: Catalogue) -> tuple[str, bool]:
@@ -149,8 +149,8 @@ def _own_scene(tree: OpenScenarioFile, catalogue: Catalogue) -> Scene | None:
     """Return the scene that a file says it is, unless the file or the road file beside it was changed."""
     header = _header(tree)
     said = {
-        one.element.get("name"): one.element.get("value", "")
-        for one in header.all("Properties", "Property")
+        element.element.get("name"): element.element.get("value", "")
+        for element in header.all("Properties", "Property")
     }
     if SCENE not in said:
         return None
@@ -196,10 +196,10 @@ class _Assembly:
         self.catalogue = catalogue
         self.hazards = hazards
         self.entities: dict[str, Element] = {}
-        for one in self.root.all("Entities", "ScenarioObject"):
-            if one.get("name") in self.entities:
-                raise one.fault(f"the name {one.get('name')!r} occurs more than once")
-            self.entities[one.get("name")] = one
+        for element in self.root.all("Entities", "ScenarioObject"):
+            if element.get("name") in self.entities:
+                raise element.fault(f"the name {element.get('name')!r} occurs more than once")
+            self.entities[element.get("name")] = element
         if ego is not None and ego not in self.entities:
             raise self._refused(no_entity(ego, self.entities))
         self.ego = likely_ego(self.root, self.entities) if ego is None else ego

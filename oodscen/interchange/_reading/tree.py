@@ -67,15 +67,15 @@ class OpenScenarioFile:
         self._followed += 1
         if self._followed > _MAX_REFERENCES:
             raise reference.fault(f"more than {_MAX_REFERENCES} catalogue references are followed")
-        found = self._entry(reference)
+        element = self._entry(reference)
         given = {}
         for one in reference.element.iter():
             if name_of(one) == "ParameterAssignment":
                 assigned = Element(self, one, reference.scope)
                 given[assigned.get("parameterRef").lstrip("$")] = assigned.get("value")
-        self.entered[found] = None
-        declared = declarations(found)
-        return Element(self, found, {**reference.scope, **declared, **given}, depth + 1, given)
+        self.entered[element] = None
+        declared = declarations(element)
+        return Element(self, element, {**reference.scope, **declared, **given}, depth + 1, given)
 
     def touch(self, element: etree._Element) -> None:
         """Record that an element is read, and with it that those around it are entered."""
@@ -89,20 +89,22 @@ class OpenScenarioFile:
         if self._catalogues is None:
             self._catalogues = _Catalogues(self._folders())
         catalogue, name = reference.get("catalogName"), reference.get("entryName")
-        found = self._catalogues.entries.get((catalogue, name), [])
-        if not found:
+        elements = self._catalogues.entries.get((catalogue, name), [])
+        if not elements:
             message = f"no catalogue {catalogue[:60]!r} has an entry {name[:60]!r}"
             raise reference.fault("; ".join([message, *self._catalogues.unread]))
-        if len(found) > 1:
-            reference.note(f"the entry {name[:60]!r} occurs {len(found)} times; the first counts")
-        if name_of(found[0]) == "CatalogReference":
+        if len(elements) > 1:
+            reference.note(
+                f"the entry {name[:60]!r} occurs {len(elements)} times; the first counts"
+            )
+        if name_of(elements[0]) == "CatalogReference":
             raise reference.fault(f"the entry {name[:60]!r} is a reference itself")
-        return found[0]
+        return elements[0]
 
     def _folders(self) -> Iterator[Path]:
-        for one in self.root.element.iter():
-            if name_of(one) == "Directory":
-                yield self.path.parent / Element(self, one, self.root.scope).get("path")
+        for element in self.root.element.iter():
+            if name_of(element) == "Directory":
+                yield self.path.parent / Element(self, element, self.root.scope).get("path")
 
 
 class _Catalogues:
@@ -267,27 +269,29 @@ class Element:
 
     def children(self) -> Iterator["Element"]:
         """Yield the child elements, with catalogue references resolved."""
-        for one in self.element:
-            if not isinstance(one.tag, str):
+        for element in self.element:
+            if not isinstance(element.tag, str):
                 continue
-            node = Element(self.tree, one, self.scope, self.depth)
+            node = Element(self.tree, element, self.scope, self.depth)
             yield self.tree.entry(node, self.depth) if node.name == "CatalogReference" else node
 
     def first(self, *names: str) -> "Element | None":
         """Return the first element at the end of a chain of names, or `None`."""
-        found: Element | None = self
+        element: Element | None = self
         for name in names:
-            if found is None:
+            if element is None:
                 return None
-            found = next((child for child in found.children() if child.name == name), None)
-        return found and found.touched()
+            element = next((child for child in element.children() if child.name == name), None)
+        return element and element.touched()
 
     def all(self, *names: str) -> list["Element"]:
         """Return the elements at the end of a chain of names, in order."""
-        found = [self]
+        elements = [self]
         for name in names:
-            found = [child for parent in found for child in parent.children() if child.name == name]
-        return [one.touched() for one in found]
+            elements = [
+                child for parent in elements for child in parent.children() if child.name == name
+            ]
+        return [element.touched() for element in elements]
 
     def within(self, name: str) -> Iterator["Element"]:
         """Yield all descendants of a name, references resolved."""

@@ -114,18 +114,18 @@ class TriggerReader:
         if len(conditions) != 1:
             return not conditions
         with suppress(_UnreadError):
-            found = self._by_value(conditions[0], self.ego)
-            return found is not None and is_start(_delayed(conditions[0], found))
+            trigger = self._by_value(conditions[0], self.ego)
+            return trigger is not None and is_start(_delayed(conditions[0], trigger))
         return False
 
     def _condition(self, condition: Element, owner: str) -> Trigger | None:
         """Return the trigger for a condition, or `None` after recording why there is none."""
         try:
-            found = self._by_value(condition, owner) or self._by_entity(condition, owner)
+            trigger = self._by_value(condition, owner) or self._by_entity(condition, owner)
         except _UnreadError as error:
             condition.leave_out(str(error))
             return None
-        return _delayed(condition, found)
+        return _delayed(condition, trigger)
 
     def _by_value(self, condition: Element, owner: str) -> Trigger | None:
         """Return the trigger for a condition on the time or on another element, `None` for one on entities."""
@@ -141,27 +141,27 @@ class TriggerReader:
         """Return the trigger for the state of another part of the storyboard."""
         kind, name = other.get("storyboardElementType"), other.get("storyboardElementRef")
         state = other.get("state")
-        found = self.steps.get((kind, name), [])
+        events = self.steps.get((kind, name), [])
         if state in _ENDED:
-            return self._ended(other, found)
+            return self._ended(other, events)
         if state not in _STARTED:
             raise _UnreadError(f"the state {state[:40]!r} is not read")
-        if kind in ("event", "action") and len(found) == 1:
-            return self._started(found[0], owner)
+        if kind in ("event", "action") and len(events) == 1:
+            return self._started(events[0], owner)
         if kind not in ("story", "storyboard"):
-            if not found:
+            if not events:
                 raise _UnreadError(f"there is no {kind[:40]} {name[:40]!r}")
             other.note(f"the start of {kind[:40]} {name[:40]!r} is read as that of the scene")
         return AT_ONCE
 
     def _started(self, step: PhaseEvent, owner: str) -> Trigger:
         """Return the trigger of another event, for an entity."""
-        found = self._followed_to(step)
-        if found is None:
+        trigger = self._followed_to(step)
+        if trigger is None:
             raise _UnreadError("the start of this is not known")
-        if found.kind == "time" or found.actor or step.actors[0] in (owner, self.ego):
-            return found
-        return found.model_copy(update={"actor": self.identifier(step.actors[0])})
+        if trigger.kind == "time" or trigger.actor or step.actors[0] in (owner, self.ego):
+            return trigger
+        return trigger.model_copy(update={"actor": self.identifier(step.actors[0])})
 
     def _ended(self, other: Element, found: list[PhaseEvent]) -> Trigger:
         """Return the time at which all of some events have ended."""
@@ -314,10 +314,10 @@ class TriggerReader:
         self, other: str, owner: str, kind: Literal["distance", "ttc"], node: Element, value: float
     ) -> Trigger:
         """Return a trigger on the ego and another entity."""
-        found = _trigger(kind, value, node)
+        trigger = _trigger(kind, value, node)
         if other in (owner, self.ego):
-            return found
-        return found.model_copy(update={"actor": self.identifier(other)})
+            return trigger
+        return trigger.model_copy(update={"actor": self.identifier(other)})
 
     def _turn(self, other: str) -> float:
         its, ego = self.positions.known.get(other), self.positions.known.get(self.ego)
@@ -369,7 +369,7 @@ def later(first: Trigger, then: Trigger) -> Trigger | None:
     if then == AT_ONCE:
         return first
     if first.kind == then.kind == "time":
-        return max(first, then, key=lambda one: one.value)
+        return max(first, then, key=lambda trigger: trigger.value)
     return None
 
 

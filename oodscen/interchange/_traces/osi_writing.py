@@ -57,7 +57,7 @@ def osi_trace(
 
 def _messages(recording: RecordedRun, bodies: Sequence[Entity]) -> Iterator[tuple[int, bytes]]:
     """Yield time in ns and ground truth of every step."""
-    fixed = [_unchanging(row, one) for row, one in enumerate(bodies)]
+    fixed = [_unchanging(row, entity) for row, entity in enumerate(bodies)]
     velocities = np.gradient(recording.poses[:, :, :3], recording.dt, axis=0)
     motions = np.stack([velocities, np.gradient(velocities, recording.dt, axis=0)], axis=2)
     version = b"".join(_number(index, part) for index, part in enumerate(_VERSION, start=1))

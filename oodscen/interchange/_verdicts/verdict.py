@@ -189,7 +189,7 @@ def _ego_notes(played: PlayedPoses, own: Asset) -> list[str]:
 def _states(world: KinematicWorld, times: Floats, poses: Floats) -> list[State]:
     """Return the states of a world with the played poses; speeds are those of the poses."""
     actors = enumerate(world.scene.actors, start=1)
-    towed = [row for row, one in actors if one.behaviour.name == "towed"]
+    towed = [row for row, actor in actors if actor.behaviour.name == "towed"]
     speeds = _speeds(times, poses, world.corridor, towed)
     states = []
     for step, time in enumerate(times.tolist()):

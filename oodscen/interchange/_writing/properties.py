@@ -78,7 +78,7 @@ def write_digest(root: Element) -> None:
     """Append the digest of an indented document and of the scene in its header, in place of an earlier digest."""
     held = root.find("FileHeader/Properties")
     assert held is not None
-    said = {one.get("name"): one for one in held}
+    said = {element.get("name"): element for element in held}
     if DIGEST in said:
         held.remove(said[DIGEST])
     child(held, "Property", name=DIGEST, value=content_digest(root, said[SCENE].get("value", "")))

@@ -69,9 +69,9 @@ def write_for_scenario_runner(
     if issues := unplayable(scene, run):
         raise SceneError(scene.id, issues)
     holder = child(root, "Entities")
-    known = make_catalogue(BLUEPRINTS)
+    catalogue = make_catalogue(BLUEPRINTS)
     for entity in entities:
-        _write_entity(holder, entity, known)
+        _write_entity(holder, entity, catalogue)
     board = child(root, "Storyboard")
     actions = within(board, "Init", "Actions")
     write_environment(actions, scene.weather, minor=0)

@@ -103,8 +103,8 @@ def visible_naming(text: str) -> Naming:
 
     def shown(found: Sequence[Concept]) -> tuple[Concept, ...]:
         names: list[str] = []
-        for one in found:
-            names += one.wider if one.name in hidden else [one.name]
+        for concept in found:
+            names += concept.wider if concept.name in hidden else [concept.name]
         return tuple(concepts()[name] for name in dict.fromkeys(names))
 
     return Naming(shown(whole.concepts), shown(whole.heads), whole.words, whole.rest)
@@ -190,19 +190,21 @@ _DENIALS = frozenset({"no", "not", "without", "never", "neither", "nor", "free",
 def _heads(
     stated: Sequence[tuple[int, Concept]], words: Sequence[str], used: set[int]
 ) -> Iterator[Concept]:
-    things = [(start, one) for start, one in stated if one.kind in ("odd", "ordinary")]
+    things = [(start, concept) for start, concept in stated if concept.kind in ("odd", "ordinary")]
     if not things:
         return
     first = things[0][0]
     ends = [i for i, word in enumerate(words) if i > first and i not in used and word in _LINKS]
-    ends += [start for start, one in stated if start > first and one.kind in ("state", "act")]
+    ends += [
+        start for start, concept in stated if start > first and concept.kind in ("state", "act")
+    ]
     end = min(ends, default=len(words))
     starts = {start for start, _ in things}
     # In "truck tyre" the truck only says which tyre.
     yield from (
-        one
-        for start, one in things
-        if start < end and (one.kind == "odd" or start + 1 not in starts)
+        concept
+        for start, concept in things
+        if start < end and (concept.kind == "odd" or start + 1 not in starts)
     )
 
 
@@ -220,7 +222,7 @@ _LINKS = frozenset(
 def _without_past_weather(text: str) -> str:
     """Return a text without weather that is over, or that only describes a thing: a snow plough."""
     return _weather().sub(
-        lambda one: "-" if _is_taken_back(text[one.end() :]) else one.group(0), text
+        lambda match: "-" if _is_taken_back(text[match.end() :]) else match.group(0), text
     )
 
 

@@ -187,8 +187,8 @@ class _Circumstances(NamedTuple):
     def of(cls, label: Naming, others: Sequence[Concept]) -> "_Circumstances":
         """Sort the concepts of a label other than its head."""
         return cls(
-            _widened(one for one in others if one.kind != "place") - GENERAL,
-            {one.name for one in others if one.kind == "place"},
+            _widened(concept for concept in others if concept.kind != "place") - GENERAL,
+            {concept.name for concept in others if concept.kind == "place"},
             telling_words(" ".join(label.rest)),
         )
 
@@ -216,8 +216,8 @@ def _names_circumstances(
     if head.name not in GENERAL:
         return bool(shared) or not (told.concepts | told.words)
     is_plain = any(
-        one.kind == "ordinary" and head.name in with_broader(one.name)
-        for one in _things(answer_naming)
+        concept.kind == "ordinary" and head.name in with_broader(concept.name)
+        for concept in _things(answer_naming)
     )
     is_standing = {"stopped", "on the road"} <= named and "stopped" in told.acts
     return is_plain and (is_standing or _singles_out(shared, told, head))
@@ -249,12 +249,12 @@ def _things(answer_naming: Naming) -> list[Concept]:
 
 
 def _widened(found: Iterable[Concept]) -> set[str]:
-    return {name for one in found for name in with_broader(one.name)}
+    return {name for concept in found for name in with_broader(concept.name)}
 
 
 def _implied(found: Iterable[Concept]) -> list[Concept]:
     """Return the things that the named states describe."""
-    return [concepts()[one.implied] for one in found if one.implied]
+    return [concepts()[concept.implied] for concept in found if concept.implied]
 
 
 def _names_word(aspect: str, label: str) -> bool:

@@ -27,13 +27,17 @@ def comparisons(
     """Return the models' comparisons with one another, and with the best reference or shortcut, by task."""
     ours = [row for row in standings if row.protocol == "ours"]
     models = [row for row in ours if row.is_judged]
-    found: list[ModelComparison] = []
+    model_comparisons: list[ModelComparison] = []
     for task in TASKS:
         floor = best_floor([*ours, *([shortcut] if shortcut else [])], task)
-        found += _family(items, seed, task, "model", list(combinations(models, 2)), sheets)
+        model_comparisons += _family(
+            items, seed, task, "model", list(combinations(models, 2)), sheets
+        )
         if floor is not None:
-            found += _family(items, seed, task, "floor", [(m, floor) for m in models], sheets)
-    return found
+            model_comparisons += _family(
+                items, seed, task, "floor", [(m, floor) for m in models], sheets
+            )
+    return model_comparisons
 
 
 def _family(

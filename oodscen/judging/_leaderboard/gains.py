@@ -46,7 +46,11 @@ def with_gains(
     def led(row: LeaderboardRow) -> LeaderboardRow:
         if row.kind == "reference" or row.protocol != "ours":
             return row
-        best = [(max(blind, key=lambda one: _value(one, name)), name) for name in FIGURES if blind]
+        best = [
+            (max(blind, key=lambda leaderboard_row: _value(leaderboard_row, name)), name)
+            for name in FIGURES
+            if blind
+        ]
         leads = {"over_blind": tuple(gain(row, other, name) for other, name in best)}
         if withheld := names.get(without_pictures(row.model)):
             leads["over_withheld"] = tuple(gain(row, withheld, name) for name in FIGURES)

@@ -86,7 +86,13 @@ def leaderboard(
         all_safe=int((acted & (items.unsafe == 0)).sum()),
         none_safe=int((acted & (items.safe == 0)).sum()),
         chance=items.chance_over(acted),
-        icc=_icc(items, [sheets[one.model, one.protocol] for one in judged or rows]),
+        icc=_icc(
+            items,
+            [
+                sheets[leaderboard_row.model, leaderboard_row.protocol]
+                for leaderboard_row in judged or rows
+            ],
+        ),
         judge=_judge(grouped.values()),
         whole=len(ran),
         whole_shown=len(seen),
@@ -110,7 +116,7 @@ def _rank(row: LeaderboardRow) -> tuple[bool, str, float, float, str]:
 
 def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
     """Return the judge that scored most of the open aspects; empty for the matcher."""
-    count = Counter(verdict.judge for found in grouped for verdict in found if verdict.judge)
+    count = Counter(verdict.judge for verdicts in grouped for verdict in verdicts if verdict.judge)
     return max(count, key=count.__getitem__, default="")
 
 

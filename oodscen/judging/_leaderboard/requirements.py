@@ -106,10 +106,10 @@ def parse_requirement(text: str, known: Mapping[str, str] = FIGURES) -> tuple[Ba
     """
     bars: list[Bar] = []
     for part in text.split(","):
-        found = _BAR.fullmatch(part)
-        if found is None:
+        match = _BAR.fullmatch(part)
+        if match is None:
             raise UsageError(f"{part.strip()!r} is not a requirement: expected, e.g., safe>=0.9")
-        name, sign, number, percent = found.groups()
+        name, sign, number, percent = match.groups()
         value = float(number) / (100 if percent else 1)
         if name not in known:
             raise UsageError(f"no figure is called {name!r}; there are {', '.join(known)}")
@@ -206,8 +206,8 @@ def _times(
         return min(falling)
     rising = [
         test.times(level, is_met=True)
-        for test, one in zip(tests, results, strict=True)
-        if one.p_meets > level
+        for test, result in zip(tests, results, strict=True)
+        if result.p_meets > level
     ]
     return None if None in rising else max(one for one in rising if one is not None)
 

@@ -76,8 +76,8 @@ def _share(rate: Rate) -> str:
 
 def _gain(scores: PairedScores, figure: str) -> str:
     """Return the leads in a figure over those who see no picture, in brackets."""
-    against = [(one, f"“{one.against}” without the pictures") for one in scores.over_blind]
-    against += [(one, "itself without the pictures") for one in scores.over_withheld]
+    against = [(gain, f"“{gain.against}” without the pictures") for gain in scores.over_blind]
+    against += [(gain, "itself without the pictures") for gain in scores.over_withheld]
     parts = []
     for one, whom in against:
         if one.figure == figure and one.difference.value is not None:

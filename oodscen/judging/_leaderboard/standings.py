@@ -161,9 +161,9 @@ class _Scores:
             notice=self.rates["notice-both"],
             act=self.rates["act-both"],
             act_by_kind={
-                kind: self._rate(Ratio(one.act, one.mask, is_neutral=one.is_neutral))
-                for kind, one in by_kind.items()
-                if one.mask.any()
+                kind: self._rate(Ratio(columns.act, columns.mask, is_neutral=columns.is_neutral))
+                for kind, columns in by_kind.items()
+                if columns.mask.any()
             },
             drop=mean_of(self.study.resampler, Ratio(pairs.drop, pairs.mask)),
         )

@@ -38,13 +38,13 @@ def read_aspect(text: str) -> ParsedAnswer[Detected]:
 
     `is_ood` counts where the aspect does not go with it; the note then says so.
     """
-    found = read(text, Question(_detection, _detected_in_prose, _DETECTION, _disowns))
-    if found.value is None or found.value.beside is None:
-        return found
-    said = "true" if found.value.is_ood else "false"
-    aspect = found.value.beside
+    answer = read(text, Question(_detection, _detected_in_prose, _DETECTION, _disowns))
+    if answer.value is None or answer.value.beside is None:
+        return answer
+    said = "true" if answer.value.is_ood else "false"
+    aspect = answer.value.beside
     beside = f"beside the aspect {aspect[:80]!r}" if aspect else "without an aspect"
-    return replace(found, note=f"{found.note}, which says {said} {beside}")
+    return replace(answer, note=f"{answer.note}, which says {said} {beside}")
 
 
 def read_named_aspect(text: str) -> ParsedAnswer[str]:
@@ -150,11 +150,11 @@ def probability(value: object) -> float | None:
     degree = _DEGREES.get(re.sub(r"[\s_-]+", " ", said))
     if degree is not None:
         return degree
-    found = _NUMBER.fullmatch(said)
-    if not found:
+    match = _NUMBER.fullmatch(said)
+    if not match:
         return None
-    number = float(found[1].replace(",", "."))
-    whole = found[3] or (100 if found[2] else None)
+    number = float(match[1].replace(",", "."))
+    whole = match[3] or (100 if match[2] else None)
     if whole is None:
         whole = 100 if 10.0 < number <= 100.0 else 1
     share = number / float(whole) if float(whole) else -1.0
@@ -186,8 +186,8 @@ _CONFIDENT = re.compile(
 def _confidence_in(prose: str) -> float | None:
     """Return the probability that prose states; `None` if it states none, or two."""
     found = {
-        probability(one["after"] or one["alone"] or one["before"])
-        for one in _CONFIDENT.finditer(prose)
+        probability(match["after"] or match["alone"] or match["before"])
+        for match in _CONFIDENT.finditer(prose)
     }
     return found.pop() if len(found) == 1 else None
 
@@ -198,7 +198,7 @@ def _confidence_in(prose: str) -> float | None:
 def _detected_in_prose(prose: str) -> Detected | None:
     """Parse a "yes" or "no" that is marked as the answer, or opens the text with words that agree with it."""
     plain = fold(prose)
-    marked = {_TRUTHS[one[1]] for one in _MARKED.finditer(plain)}
+    marked = {_TRUTHS[match[1]] for match in _MARKED.finditer(plain)}
     opening = _OPENING.match(plain)
     said = marked or ({_TRUTHS.get(opening[1], False)} if opening else set())
     if len(said) > 1:
@@ -242,7 +242,7 @@ def _named_in_prose(prose: str) -> str | None:
 
 
 def _labelled(prose: str) -> str | None:
-    found = {one[1].strip(" .'") for one in _LABELLED.finditer(prose)}
+    found = {match[1].strip(" .'") for match in _LABELLED.finditer(prose)}
     if len(found) > 1:
         raise UnusableError(TWO_ANSWERS)
     return found.pop() if found else None

@@ -43,7 +43,7 @@ def number(option: str) -> int:
 
 def _sentences(plain: str) -> list[str]:
     """Return the sentences; the words before ", so I would" are a sentence too."""
-    plain = re.sub(r"[:,]\n", lambda found: f"{found[0][0]} ", plain)
+    plain = re.sub(r"[:,]\n", lambda match: f"{match[0][0]} ", plain)
     plain = re.sub(rf"({OPTION})(?:[\s(:,=.\u2013-]{{1,3}}\1)+\)?", r"\1", plain)
     plain = _SO_THEN.sub(".\n", _READY.sub("", plain))
     return [part.strip() for part in re.split(r"(?<=[.!?;])\s+|\n+", plain) if part.strip()]
@@ -117,17 +117,17 @@ def _stated_in(sentence: str, users: int) -> int | None:
     if len(sentence) > _LONGEST_SENTENCE or not re.search(OPTION, sentence):
         return None
     for statement in _STATEMENTS:
-        found = statement.fullmatch(sentence)
+        match = statement.fullmatch(sentence)
         if (
-            found
-            and (users == 1 or not found.groupdict().get("user"))
+            match
+            and (users == 1 or not match.groupdict().get("user"))
             and all(
-                _is_observation(found[part]) or _IS_BEST.fullmatch(found[part])
+                _is_observation(match[part]) or _IS_BEST.fullmatch(match[part])
                 for part in ("since", "place", "reason")
-                if found[part]
+                if match[part]
             )
         ):
-            return number(found["it"])
+            return number(match["it"])
     return None
 
 

@@ -99,11 +99,11 @@ def _cell(found: Estimate, form: str) -> str:
 def source(episodes: Iterable[Episode]) -> str:
     """Return the digest of the episodes that an audit depends on: those that are judged."""
     found = list(episodes)
-    unseen = {one.scene_id for one in found if one.is_below_floor}
+    unseen = {episode.scene_id for episode in found if episode.is_below_floor}
     rows = sorted(
-        (one.id, one.status, one.trace_sha256, one.made_from)
-        for one in found
-        if scene_of(one.scene_id) not in unseen
+        (episode.id, episode.status, episode.trace_sha256, episode.made_from)
+        for episode in found
+        if scene_of(episode.scene_id) not in unseen
     )
     return digest(rows)
 
@@ -189,16 +189,16 @@ def _on_bodies(task: "_Task", ran: Sequence[Episode]) -> Iterator[_Shortcut]:
     name, together = "distances, counts and pixels together", np.stack(list(known.values()), axis=1)
     yield _Shortcut(task.boosted(name, together), "ground truth", "gradient boosting")
     name = "exact places of the nearest bodies"
-    places = np.array([facts.nearest_places(one.sketch) for one in ran], np.float64)
+    places = np.array([facts.nearest_places(episode.sketch) for episode in ran], np.float64)
     yield _Shortcut(task.boosted(name, places), "exact places", "gradient boosting")
-    fails = np.array([facts.keeping_fails(one) for one in ran], np.float64)
+    fails = np.array([facts.keeping_fails(episode) for episode in ran], np.float64)
     yield _Shortcut(task.rule("keeping the speed fails", fails), "outcomes", "rule")
 
 
 def _on_pictures(
     task: "_Task", ran: Sequence[Episode], folder: Path, moment: str
 ) -> Iterator[_Shortcut]:
-    files = [folder / one.frames.get(moment, "missing") for one in ran]
+    files = [folder / episode.frames.get(moment, "missing") for episode in ran]
     for name, columns in facts.pictures(files).items():
         label = f"{name}, {moment} frame"
         if columns.shape[1] == 1:
@@ -304,7 +304,7 @@ def _pairs(
 
     `owners` [n] are the places of the drives' scenes, -1 for scenes.
     """
-    files = [folder / one.frames.get("last", "missing") for one in ran]
+    files = [folder / episode.frames.get("last", "missing") for episode in ran]
     sizes = np.array([file.stat().st_size if file.is_file() else 0.0 for file in files])
     has = owners >= 0
     wins: Floats = np.where(has, np.sign(sizes[owners] - sizes) * 0.5 + 0.5, np.nan).astype(

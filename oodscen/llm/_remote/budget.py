@@ -110,9 +110,9 @@ class Budget:
         """
         with self._lock:
             under_way = self.spent.plus(self._reserved)
-            wanted = under_way.plus(most)
+            spent = under_way.plus(most)
             limits = (self.caps.requests, self.caps.tokens, self.caps.cost_usd)
-            for name, limit, value in zip(Spent._fields, limits, wanted, strict=True):
+            for name, limit, value in zip(Spent._fields, limits, spent, strict=True):
                 if limit is not None and value > limit * (1 + _ROUNDING):
                     raise BudgetExceeded(name, limit, under_way._asdict()[name])
             elapsed = self._clock() - self._began

@@ -293,8 +293,8 @@ class LiteLLM(Brief):
         )
 
     def _cost(self, response: Any, asked: int, answered: int) -> float | None:
-        if (given := self.limits.prices.get(self.name)) is not None:
-            return given.of(asked, answered)
+        if (price := self.limits.prices.get(self.name)) is not None:
+            return price.of(asked, answered)
         try:
             return float(self._sdk.completion_cost(completion_response=response, model=self._model))
         # litellm raises a bare Exception for a model without a price.

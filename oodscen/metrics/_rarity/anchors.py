@@ -154,7 +154,7 @@ def left_out(rates: Sequence[PublishedRate], estimates: Sequence[float]) -> NDAr
     values = np.asarray(estimates, np.float64)
     found = []
     for place, rate in enumerate(rates):
-        rest = [one for number, one in enumerate(rates) if number != place]
+        rest = [published_rate for number, published_rate in enumerate(rates) if number != place]
         fitted = _fit(rest, np.delete(values, place))
         found.append(_calibrated(*fitted, values[place], rate.kind) - rate.log10_km)
     return np.array(found)

@@ -45,13 +45,13 @@ def ask_rarity(
     logged = LoggedLLM(llm, calls.append)
     per_text = _drawn(logged, texts, draws, per_call)
     own: list[float] = []
-    kept = anchors
+    rates = anchors
     if anchors is not None:
         wordings = [text for rate in anchors for text in rate.texts]
-        found = iter(_drawn(logged, wordings, draws, per_call))
-        groups = [[next(found).best for _ in rate.texts] for rate in anchors]
+        rarities = iter(_drawn(logged, wordings, draws, per_call))
+        groups = [[next(rarities).best for _ in rate.texts] for rate in anchors]
         known = [[one for one in group if one is not None] for group in groups]
-        kept = [rate for rate, group in zip(anchors, known, strict=True) if group]
+        rates = [rate for rate, group in zip(anchors, known, strict=True) if group]
         own = [float(np.mean(group)) for group in known if group]
     costs = [call.cost_usd for call in calls if call.status == "ok"]
     usage = {
@@ -59,7 +59,7 @@ def ask_rarity(
         "output_tokens": sum(call.output_tokens for call in calls),
         "cost_usd": None if None in costs else sum(filter(None, costs)),
     }
-    rarity = gather_rarity(per_text, speaker(llm), kept or None, own)
+    rarity = gather_rarity(per_text, speaker(llm), rates or None, own)
     return rarity.model_copy(update=usage)
 
 
@@ -78,12 +78,14 @@ def _drawn(llm: LLM, texts: Sequence[str], draws: int, per_call: int) -> list[Te
         first = block * per_call
         for sample in range(draws):
             try:
-                found = ask(llm, prompt, sample)
+                estimates = ask(llm, prompt, sample)
             except (AnswerError, ContentFiltered):
                 continue
-            for estimate in found.estimates:
+            for estimate in estimates.estimates:
                 answers[first + estimate.number - 1].append(estimate)
-    return [_join(found, text) for found, text in zip(answers, texts, strict=True)]
+    return [
+        _join(rarity_estimates, text) for rarity_estimates, text in zip(answers, texts, strict=True)
+    ]
 
 
 def _join(found: Sequence[RarityEstimate], text: str) -> TextRarity:
@@ -98,12 +100,12 @@ def _join(found: Sequence[RarityEstimate], text: str) -> TextRarity:
     flags += [
         flag
         for problem, flag in names.items()
-        if found and 2 * sum(one.problem == problem for one in found) >= len(found)
+        if found and 2 * sum(estimate.problem == problem for estimate in found) >= len(found)
     ]
     known = [
-        (one.low, one.best, one.high)
-        for one in found
-        if one.low is not None and one.best is not None and one.high is not None
+        (estimate.low, estimate.best, estimate.high)
+        for estimate in found
+        if estimate.low is not None and estimate.best is not None and estimate.high is not None
     ]
     if not known and not UNTOLD & set(flags):
         flags.append("not answered")

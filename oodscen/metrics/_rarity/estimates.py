@@ -101,7 +101,7 @@ class Rarity(Data):
         n = len(self.per_text)
         if self.median is None:
             return f"rarity                 is unknown for all of {n} texts"
-        found = [one.best for one in self.per_text if one.best is not None]
+        found = [rarity.best for rarity in self.per_text if rarity.best is not None]
         ends = np.quantile(found, [0.1, 0.9])
         line = (
             f"rarity                 once in 10^{self.median:.1f} km (median; 80 % of texts "
@@ -123,8 +123,8 @@ def gather_rarity(
     """Return the rarity of a set, calibrated if there are anchors, whose own estimates are `own`."""
     calibration = None if anchors is None else calibrate(anchors, own)
     if calibration is not None:
-        per_text = [one.calibrated(calibration) for one in per_text]
-    found = [one.best for one in per_text if one.best is not None]
+        per_text = [rarity.calibrated(calibration) for rarity in per_text]
+    found = [rarity.best for rarity in per_text if rarity.best is not None]
     return Rarity(
         by=by,
         per_text=tuple(per_text),
@@ -139,15 +139,15 @@ def estimate_rarity(
 ) -> Rarity:
     """Return the offline estimate for texts; see `oodscen.metrics._rarity.head`."""
     name = space.encoder.name
-    head, found, vectors = estimated(name, texts, space.vectors)
+    head, estimates, vectors = estimated(name, texts, space.vectors)
     off_topic = set(space.guard.flags(vectors).flagged) if vectors is not None else set()
     per_text = []
     for place, text in enumerate(texts):
-        flags = _flags(text, head, found, place)
-        is_refused = place in off_topic and found.best[place] < _RARE
+        flags = _flags(text, head, estimates, place)
+        is_refused = place in off_topic and estimates.best[place] < _RARE
         if "language" not in flags and (is_refused or not names_road(text)):
             flags.append("no driving")
-        values = (found.low[place], found.best[place], found.high[place])
+        values = (estimates.low[place], estimates.best[place], estimates.high[place])
         low, best, high = (
             (None,) * 3 if UNTOLD & set(flags) else (round(float(value), 2) for value in values)
         )
@@ -166,12 +166,12 @@ def estimated_km(encoder: Encoder | None, text: str) -> float | None:
         `None` if a flag in `UNTOLD` applies.
     """
     name = "" if encoder is None else encoder.name
-    head, found, _ = estimated(
+    head, estimates, _ = estimated(
         name, [text], lambda said: unit(encode(encoder, said)) if encoder else _NONE
     )
-    if UNTOLD & set(_flags(text, head, found, 0)):
+    if UNTOLD & set(_flags(text, head, estimates, 0)):
         return None
-    return float(f"{10.0 ** found.best[0]:.1e}")
+    return float(f"{10.0 ** estimates.best[0]:.1e}")
 
 
 def anchor_estimates(space: "BaselineSpace", anchors: Sequence[PublishedRate]) -> list[float]:
@@ -181,15 +181,15 @@ def anchor_estimates(space: "BaselineSpace", anchors: Sequence[PublishedRate]) -
         DataError: If a wording tells of no driving, of something impossible, or is not in English.
     """
     wordings = [text for rate in anchors for text in rate.texts]
-    head, found, _ = estimated(space.encoder.name, wordings, space.vectors)
+    head, estimates, _ = estimated(space.encoder.name, wordings, space.vectors)
     faults = [
         Issue("texts", f"{cut(text)!r} cannot be estimated: {flags[0]}")
         for place, text in enumerate(wordings)
-        if (flags := sorted(_UNUSABLE & set(_flags(text, head, found, place))))
+        if (flags := sorted(_UNUSABLE & set(_flags(text, head, estimates, place))))
     ]
     if faults:
         raise DataError("rates", faults)
-    best = iter(found.best)
+    best = iter(estimates.best)
     return [float(np.mean([next(best) for _ in rate.texts])) for rate in anchors]
 
 

@@ -54,7 +54,7 @@ class TreeRarity(Data):
     def per_km(self) -> dict[str, float]:
         """Return meetings per kilometre by leaf, for those with a rarity."""
         pairs = zip(self.leaves, self.rarity.per_text, strict=True)
-        return {leaf: 10.0**-one.best for leaf, one in pairs if one.best is not None}
+        return {leaf: 10.0**-rarity.best for leaf, rarity in pairs if rarity.best is not None}
 
     def of(self, leaves: set[str]) -> Exposure | None:
         """Return the exposure of some leaves; see `exposure`."""
@@ -73,9 +73,9 @@ def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure
     if len(per_text) != len(chosen):
         raise UsageError(f"{len(chosen)} choices do not fit {len(per_text)} texts")
     known = [
-        (one.low, one.best, one.high, is_chosen)
-        for one, is_chosen in zip(per_text, chosen, strict=True)
-        if one.best is not None
+        (rarity.low, rarity.best, rarity.high, is_chosen)
+        for rarity, is_chosen in zip(per_text, chosen, strict=True)
+        if rarity.best is not None
     ]
     if not known or (any(chosen) and not any(is_chosen for *_, is_chosen in known)):
         return None

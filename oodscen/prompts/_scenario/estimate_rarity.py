@@ -52,9 +52,13 @@ class EstimateRarity(Prompt[RarityEstimates]):
         ]
         if extra := sorted(set(numbers) - set(counts)):
             issues.append(Issue("estimates", f"there is no text {extra[0]}"))
-        for place, one in enumerate(answer.estimates):
-            found = [value for value in (one.low, one.best, one.high) if value is not None]
-            may_be_silent = one.problem not in ("none", "several events")
+        for place, rarity_estimate in enumerate(answer.estimates):
+            found = [
+                value
+                for value in (rarity_estimate.low, rarity_estimate.best, rarity_estimate.high)
+                if value is not None
+            ]
+            may_be_silent = rarity_estimate.problem not in ("none", "several events")
             is_complete = len(found) == 3 or (not found and may_be_silent)
             if found != sorted(found) or not is_complete:
                 fault = (

@@ -85,8 +85,8 @@ class JudgeBranch(Prompt[BranchJudgement]):
         for field in ("assets", "states", "behaviours", "weather", "traits"):
             for index, name in enumerate(getattr(answer, field)):
                 issues += _unknown(f"{field}[{index}]", name, known[field])
-        for index, one in enumerate(answer.substitutes):
-            issues += _unknown(f"substitutes[{index}].asset", one.asset, known["assets"])
+        for index, substitute in enumerate(answer.substitutes):
+            issues += _unknown(f"substitutes[{index}].asset", substitute.asset, known["assets"])
         for index, addition in enumerate(answer.missing):
             if is_left_out(addition.name):
                 issues.append(
@@ -183,14 +183,16 @@ class JudgeBranches(Prompt[BranchJudgements]):
             for number in wanted
             if counts[number] != 1
         ]
-        for index, one in enumerate(answer.judgements):
+        for index, numbered_judgement in enumerate(answer.judgements):
             path = f"judgements[{index}]"
-            if one.number not in wanted:
-                issues.append(Issue(f"{path}.number", f"there is no kind {one.number}"))
+            if numbered_judgement.number not in wanted:
+                issues.append(
+                    Issue(f"{path}.number", f"there is no kind {numbered_judgement.number}")
+                )
                 continue
             issues += [
                 Issue(f"{path}.{fault.path}", fault.message)
-                for fault in self.single(one.number).check(one)
+                for fault in self.single(numbered_judgement.number).check(numbered_judgement)
             ]
         return issues
 

@@ -31,23 +31,23 @@ def growth(points: Sequence[Point], start: int, final: int | None = None) -> Can
     every = [*sizes, *([final] if final else [])]
     low, high, step = whole_axis(min(every), max(every))
     x, y = linear(0, last, _LEFT, right), linear(low, high, bottom, top)
-    drawn = Canvas(
+    canvas = Canvas(
         f"Nodes of the tree over {last} rounds of red teaming, from {start} to {sizes[-1]}",
         bottom + 46,
     )
     for value in range(low, high + 1, step):
-        drawn.row(y(value), _LEFT, right, value)
+        canvas.row(y(value), _LEFT, right, value)
     if final:
-        drawn.line("reference", _LEFT, y(final), right, y(final))
-        drawn.text("tick end", right, y(final) - 5, f"paper: {final}")
-    drawn.path("line", _steps((0, start), [(point.round, point.nodes) for point in points], x, y))
+        canvas.line("reference", _LEFT, y(final), right, y(final))
+        canvas.text("tick end", right, y(final) - 5, f"paper: {final}")
+    canvas.path("line", _steps((0, start), [(point.round, point.nodes) for point in points], x, y))
     width = max(1.0, min(3.0, 0.6 * (right - _LEFT) / last))
     for point in points:
-        drawn.rect(f"mark is-{point.decision}", x(point.round) - width, bottom + 5, width, 9)
+        canvas.rect(f"mark is-{point.decision}", x(point.round) - width, bottom + 5, width, 9)
     for value in sorted({0, last // 2, last}):
-        drawn.text("tick middle", x(value), bottom + 28, value)
-    drawn.text("tick end", right, bottom + 42, "rounds")
-    return drawn
+        canvas.text("tick middle", x(value), bottom + 28, value)
+    canvas.text("tick end", right, bottom + 42, "rounds")
+    return canvas
 
 
 def saturation_chart(found: Saturation) -> Canvas | None:
@@ -69,32 +69,40 @@ def saturation_chart(found: Saturation) -> Canvas | None:
     def y(value: float) -> float:
         return height(min(value, high))
 
-    drawn = Canvas(
+    canvas = Canvas(
         f"New kinds over {last} rounds of red teaming: {found.kinds}; about {found.unseen:.0f} unseen, "
         f"coverage {found.coverage:.0%}",
         bottom + 34,
     )
     for value in range(0, high + 1, step):
-        drawn.row(y(value), _LEFT, right, value)
+        canvas.row(y(value), _LEFT, right, value)
     for share in (0, 50, 100):
-        drawn.text("tick", right + 12, y(high * share / 100) + 4, f"{share} %")
+        canvas.text("tick", right + 12, y(high * share / 100) + 4, f"{share} %")
     coverage = [(x(point.round), y(high * point.coverage)) for point in found.curve]
-    drawn.path("reference", coverage)
-    drawn.path("line", _steps((0, 0), [(one.round, one.kinds) for one in found.curve], x, y))
+    canvas.path("reference", coverage)
+    canvas.path(
+        "line",
+        _steps(
+            (0, 0),
+            [(saturation_point.round, saturation_point.kinds) for saturation_point in found.curve],
+            x,
+            y,
+        ),
+    )
     end = right + 5
     if found.unseen_high > 0.0 and found.kinds + found.unseen_low < high:
         least, most = found.kinds + found.unseen_low, found.kinds + found.unseen_high
-        drawn.line("range", end, y(least), end, y(most))
+        canvas.line("range", end, y(least), end, y(most))
     if found.unseen > 0.0 and total <= high:
-        drawn.circle("dot", end, y(total), 3.5)
+        canvas.circle("dot", end, y(total), 3.5)
     if found.dry_from is not None:
-        drawn.line("grid", x(found.dry_from), top, x(found.dry_from), bottom)
-        drawn.text("tick end", x(found.dry_from) - 4, bottom - 6, f"dry from {found.dry_from}")
+        canvas.line("grid", x(found.dry_from), top, x(found.dry_from), bottom)
+        canvas.text("tick end", x(found.dry_from) - 4, bottom - 6, f"dry from {found.dry_from}")
     for value in sorted({0, last // 2, last}):
-        drawn.text("tick middle", x(value), bottom + 16, value)
-    drawn.text("tick end", right, bottom + 30, "rounds")
-    drawn.text("tick", 0, bottom + 30, "new kinds (line), Good-Turing coverage (dotted)")
-    return drawn
+        canvas.text("tick middle", x(value), bottom + 16, value)
+    canvas.text("tick end", right, bottom + 30, "rounds")
+    canvas.text("tick", 0, bottom + 30, "new kinds (line), Good-Turing coverage (dotted)")
+    return canvas
 
 
 def _steps(

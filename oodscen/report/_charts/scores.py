@@ -50,21 +50,21 @@ def bars(rows: Sequence[ScoreRow], models: Sequence[str], what: str) -> Canvas:
         for row in rows
     )
     height = 4.0 + sum(27 + len(row.bars) * (_BAR + _GAP) for row in rows)
-    drawn = Canvas(label, height, kind="chart bars")
+    canvas = Canvas(label, height, kind="chart bars")
     y = 4.0
     for row in rows:
-        drawn.text("name", 0, y + 11, short(row.label, 62))
+        canvas.text("name", 0, y + 11, short(row.label, 62))
         top = y + 17
         y = top
         for index, bar in enumerate(row.bars):
-            _bar(drawn, bar, index, models[index], y)
+            _bar(canvas, bar, index, models[index], y)
             y += _BAR + _GAP
         if row.chance is not None:
             x = _RIGHT * row.chance
             title = f"a random action: {round(100 * row.chance)} %"
-            drawn.path("chance", [(x, top - 2), (x, y - _GAP + 2)], title)
+            canvas.path("chance", [(x, top - 2), (x, y - _GAP + 2)], title)
         y += 10
-    return drawn
+    return canvas
 
 
 def _bar(drawn: Canvas, bar: ScoreBar | None, index: int, model: str, y: float) -> None:
@@ -92,22 +92,22 @@ def confusion(labels: Sequence[str], counts: Mapping[tuple[int, int], int], noth
     size = _LEAST_SQUARE if is_wide else min(24.0, 300.0 / (nothing + 1))
     left, top = 190.0, 22.0
     most = max(counts.values(), default=1)
-    drawn = Canvas(
+    canvas = Canvas(
         "Which type of scenario was taken for which; the table below lists the most frequent",
         top + size * len(labels) + 6,
         width=left + size * (nothing + 1) + 4,
         kind="chart confusion" + (" wide" if is_wide else ""),
     )
     if is_wide:
-        drawn.fix_size()
+        canvas.fix_size()
     for index, label in enumerate(labels):
         middle = top + size * (index + 0.5) + 3.5
-        drawn.text("small end", left - 6, middle, f"{short(label, 27)} {index + 1}", label)
-        drawn.text("small middle", left + size * (index + 0.5), top - 6, index + 1)
-    drawn.text("small middle", left + size * (nothing + 0.5), top - 6, "–")
+        canvas.text("small end", left - 6, middle, f"{short(label, 27)} {index + 1}", label)
+        canvas.text("small middle", left + size * (index + 0.5), top - 6, index + 1)
+    canvas.text("small middle", left + size * (nothing + 0.5), top - 6, "–")
     for (row, column), count in sorted(counts.items()):
         chosen = "nothing unusual" if column == nothing else labels[column]
-        square = drawn.rect(
+        square = canvas.rect(
             "hit" if row == column else "miss",
             left + size * column,
             top + size * row,
@@ -116,32 +116,32 @@ def confusion(labels: Sequence[str], counts: Mapping[tuple[int, int], int], noth
             f"{labels[row]}: {count} taken for {chosen}",
         )
         square.set("fill-opacity", f"{0.15 + 0.85 * count / most:.2f}")
-    drawn.rect("frame", left, top, size * (nothing + 1), size * len(labels))
-    return drawn
+    canvas.rect("frame", left, top, size * (nothing + 1), size * len(labels))
+    return canvas
 
 
 def whisker(share: float, low: float, high: float) -> Canvas:
     """Draw a share in [0, 1] as a dot with its interval."""
     width, middle = 120, 9
-    drawn = Canvas("", 18, width=width, kind="whisker")
-    drawn.line("grid", 1, middle, width - 1, middle)
+    canvas = Canvas("", 18, width=width, kind="whisker")
+    canvas.line("grid", 1, middle, width - 1, middle)
     for x, half in ((1, 5), (width / 2, 3), (width - 1, 5)):
-        drawn.line("grid", x, middle - half, x, middle + half)
-    drawn.line("range", 1 + (width - 2) * low, middle, 1 + (width - 2) * high, middle)
-    drawn.circle("dot", 1 + (width - 2) * share, middle, 4)
-    return drawn
+        canvas.line("grid", x, middle - half, x, middle + half)
+    canvas.line("range", 1 + (width - 2) * low, middle, 1 + (width - 2) * high, middle)
+    canvas.circle("dot", 1 + (width - 2) * share, middle, 4)
+    return canvas
 
 
 def shares(counts: Sequence[tuple[str, int]]) -> Canvas:
     """Draw counts by kind as one stacked bar; each part has its kind as class."""
     width, total, start = 220.0, sum(count for _, count in counts), 0.0
-    drawn = Canvas("", 16, width=width, kind="shares")
+    canvas = Canvas("", 16, width=width, kind="shares")
     for kind, count in counts:
         size = width * count / total if total else 0.0
         if size:
-            drawn.rect(f"is-{kind}", start, 2, max(size - 1, 0.5), 12)
+            canvas.rect(f"is-{kind}", start, 2, max(size - 1, 0.5), 12)
         start += size
-    return drawn
+    return canvas
 
 
 def intervals(rows: Sequence[tuple[str, float, float, float]]) -> Canvas:
@@ -151,18 +151,20 @@ def intervals(rows: Sequence[tuple[str, float, float, float]]) -> Canvas:
         rows: Label, share, and the ends of its interval.
     """
     parts = "; ".join(f"{name} {round(100 * share)} %" for name, share, _, _ in rows)
-    drawn = Canvas(
+    canvas = Canvas(
         f"Balanced accuracy of shortcuts: {parts}", 8.0 + 27 * len(rows), kind="chart bars"
     )
     half = _RIGHT / 2
-    drawn.path("chance", [(half, 2), (half, 6.0 + 27 * len(rows))], "no better than guessing: 50 %")
+    canvas.path(
+        "chance", [(half, 2), (half, 6.0 + 27 * len(rows))], "no better than guessing: 50 %"
+    )
     y = 4.0
     for name, share, low, high in rows:
-        drawn.text("name", 0, y + 10, short(name, 62))
+        canvas.text("name", 0, y + 10, short(name, 62))
         middle = y + 18
-        drawn.path("grid", [(0, middle), (_RIGHT, middle)])
-        drawn.path("span", [(_RIGHT * low, middle), (_RIGHT * high, middle)])
-        drawn.circle("dot", _RIGHT * share, middle, 4)
-        drawn.text("tick", _RIGHT + 8, middle + 4, f"{round(100 * share)} %")
+        canvas.path("grid", [(0, middle), (_RIGHT, middle)])
+        canvas.path("span", [(_RIGHT * low, middle), (_RIGHT * high, middle)])
+        canvas.circle("dot", _RIGHT * share, middle, 4)
+        canvas.text("tick", _RIGHT + 8, middle + 4, f"{round(100 * share)} %")
         y += 27
-    return drawn
+    return canvas

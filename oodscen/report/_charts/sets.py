@@ -68,7 +68,7 @@ def histogram(
     step = _step(max(edges) - min(edges), 10, least=0.1)
     low, high = _floor(min(edges), step), _floor(max(edges), step) + step
     x, ticks = linear(low, high, _NAMES, right), round((high - low) / step)
-    drawn = Canvas(
+    canvas = Canvas(
         f"{what} per text: "
         + "; ".join(
             f"{strip.label}, {len(strip.values)} texts, mean {signed(strip.mean)}"
@@ -77,8 +77,8 @@ def histogram(
         height + 22,
     )
     for index in range(0, ticks + 1, 2 if ticks > 6 else 1):
-        drawn.column(x(low + step * index), 18, height, signed(low + step * index, _digits(step)))
-    drawn.text("tick", 0, height + 16, what)
+        canvas.column(x(low + step * index), 18, height, signed(low + step * index, _digits(step)))
+    canvas.text("tick", 0, height + 16, what)
     for number, strip in enumerate(strips):
         base = 22 + _STRIP + number * (_STRIP + _GAP)
         counts = np.histogram(np.clip(strip.values, low, high), max(5 * ticks, 1), (low, high))[
@@ -89,16 +89,16 @@ def histogram(
             if count:
                 tall = _STRIP * count / max(counts)
                 at = _NAMES + width * index + 0.5
-                drawn.rect("bar", at, base - tall, max(width - 1, 0.5), tall)
-        drawn.line("grid", _NAMES, base, right, base)
-        _named(drawn, base - 18, strip.label, len(strip.values))
-        drawn.text("tick", 0, base + 8, f"mean {signed(strip.mean)}")
-        drawn.line("mean", x(strip.mean), base, x(strip.mean), base - _STRIP - 4)
+                canvas.rect("bar", at, base - tall, max(width - 1, 0.5), tall)
+        canvas.line("grid", _NAMES, base, right, base)
+        _named(canvas, base - 18, strip.label, len(strip.values))
+        canvas.text("tick", 0, base + 8, f"mean {signed(strip.mean)}")
+        canvas.line("mean", x(strip.mean), base, x(strip.mean), base - _STRIP - 4)
     if marker is not None:
-        drawn.line("reference", x(marker), 4, x(marker), height)
+        canvas.line("reference", x(marker), 4, x(marker), height)
         end, gap = (" end", -5) if x(marker) > (_NAMES + right) / 2 else ("", 5)
-        drawn.text(f"tick{end}", x(marker) + gap, 12, marked)
-    return drawn
+        canvas.text(f"tick{end}", x(marker) + gap, 12, marked)
+    return canvas
 
 
 def boxes(rows: Sequence[tuple[str, Sequence[float]]]) -> Canvas:
@@ -108,17 +108,17 @@ def boxes(rows: Sequence[tuple[str, Sequence[float]]]) -> Canvas:
     high = max(high, low + 1)
     height = 12 + _BOX * len(rows)
     x = linear(low, high, _NAMES, WIDTH - 14)
-    drawn = Canvas("Scores of the detector by set", height + 22)
+    canvas = Canvas("Scores of the detector by set", height + 22)
     for value in range(low, high + 1, max(1, math.ceil((high - low) / 8))):
-        drawn.column(x(value), 6, height, signed(value, 0))
+        canvas.column(x(value), 6, height, signed(value, 0))
     for place, (name, values) in enumerate(rows):
         y = 12 + _BOX * place + _BOX / 2 - 6
         a, b, c, d, e = map(x, np.quantile(values, (0.05, 0.25, 0.5, 0.75, 0.95)).tolist())
-        _named(drawn, y, name, len(values))
-        drawn.line("range", a, y, e, y)
-        drawn.rect("bar", b, y - 7, max(d - b, 1.0), 14)
-        drawn.line("mean", c, y - 7, c, y + 7)
-    return drawn
+        _named(canvas, y, name, len(values))
+        canvas.line("range", a, y, e, y)
+        canvas.rect("bar", b, y - 7, max(d - b, 1.0), 14)
+        canvas.line("mean", c, y - 7, c, y + 7)
+    return canvas
 
 
 def size_curves(curves: Sequence[DrawnSizeCurve], *, colour: int = 0) -> Canvas:
@@ -141,25 +141,25 @@ def size_curves(curves: Sequence[DrawnSizeCurve], *, colour: int = 0) -> Canvas:
 
     entries = [(set_class(place), curve.label) for place, curve in enumerate(curves, colour)]
     height = bottom + 46 + legend_height(entries)
-    drawn = Canvas("Diversity by number of texts", height)
+    canvas = Canvas("Diversity by number of texts", height)
     steps = max(round((high - low) * 10), 1)
     for index in range(0, steps + 1, max(1, math.ceil(steps / 6))):
-        drawn.row(y(low + index / 10), left, right, signed(low + index / 10, 1))
+        canvas.row(y(low + index / 10), left, right, signed(low + index / 10, 1))
     for size in (10**power for power in range(1, 7) if 10**power <= longest):
-        drawn.text("tick middle", x(size), bottom + 16, size)
-    drawn.text("tick middle", x(2), bottom + 16, 2)
+        canvas.text("tick middle", x(size), bottom + 16, size)
+    canvas.text("tick middle", x(2), bottom + 16, 2)
     for place, curve in enumerate(curves, colour):
         for lower, upper in curve.bands:
             rims = ((*curve.sizes, *reversed(curve.sizes)), (*lower, *reversed(upper)))
             around = [(x(size), y(value)) for size, value in zip(*rims, strict=True)]
-            drawn.path(f"band {set_class(place)}", around)
+            canvas.path(f"band {set_class(place)}", around)
         for kind, line in zip(("curve", "curve dashed"), curve.means, strict=True):
             points = zip(map(x, curve.sizes), map(y, line), strict=True)
-            drawn.path(f"{kind} {set_class(place)}", points)
-    drawn.legend(entries, bottom + 38)
+            canvas.path(f"{kind} {set_class(place)}", points)
+    canvas.legend(entries, bottom + 38)
     words = "diversity: nearest text (solid), all pairs (dashed); by number of texts"
-    drawn.text("tick", 0, height - 6, words)
-    return drawn
+    canvas.text("tick", 0, height - 6, words)
+    return canvas
 
 
 def cloud_map(clouds: Sequence[Cloud], share: Sequence[float], *, colour: int = 0) -> Canvas:
@@ -178,15 +178,15 @@ def cloud_map(clouds: Sequence[Cloud], share: Sequence[float], *, colour: int = 
         (set_class(place), f"{cloud.label} ({len(cloud.points)})")
         for place, cloud in enumerate(clouds, colour)
     ]
-    drawn = Canvas("Texts on two principal axes", height + 22 + legend_height(entries))
+    canvas = Canvas("Texts on two principal axes", height + 22 + legend_height(entries))
     for place, cloud in enumerate(clouds, colour):
         kind, radius = ("point", 2.6) if place else ("point faint", 1.8)
         for first, second in (np.array(cloud.points) - low) * scale:
-            drawn.circle(f"{kind} {set_class(place)}", left + first, height - 10 - second, radius)
-    drawn.legend(entries, height + 14)
+            canvas.circle(f"{kind} {set_class(place)}", left + first, height - 10 - second, radius)
+    canvas.legend(entries, height + 14)
     axes = ", ".join(f"{name}: {held:.0%}" for name, held in zip("xy", share, strict=False))
-    drawn.text("tick", 5, height + 14 + legend_height(entries), f"Share of the variance, {axes}")
-    return drawn
+    canvas.text("tick", 5, height + 14 + legend_height(entries), f"Share of the variance, {axes}")
+    return canvas
 
 
 def scatter(clouds: Sequence[Cloud], title: str, axes: tuple[str, str]) -> Canvas:
@@ -205,17 +205,17 @@ def scatter(clouds: Sequence[Cloud], title: str, axes: tuple[str, str]) -> Canva
         (set_class(place), f"{cloud.label} ({len(cloud.points)})")
         for place, cloud in enumerate(clouds, 1)
     ]
-    drawn = Canvas(title, _MAP + 44 + legend_height(entries))
+    canvas = Canvas(title, _MAP + 44 + legend_height(entries))
     for value in np.linspace(left, right, 5).tolist():
-        drawn.text("tick middle", x(value), _MAP + 8, f"{value:.1f}")
+        canvas.text("tick middle", x(value), _MAP + 8, f"{value:.1f}")
     for value in np.linspace(bottom, top, 4).tolist():
-        drawn.row(y(value), 40, WIDTH - 14, signed(value, 2))
+        canvas.row(y(value), 40, WIDTH - 14, signed(value, 2))
     for place, cloud in enumerate(clouds, 1):
         for first, second in cloud.points:
-            drawn.circle(f"point {set_class(place)}", x(first), y(second), 2.2)
-    drawn.legend(entries, _MAP + 34)
-    drawn.text("tick", 0, _MAP + 36 + legend_height(entries), f"across: {axes[0]}; up: {axes[1]}")
-    return drawn
+            canvas.circle(f"point {set_class(place)}", x(first), y(second), 2.2)
+    canvas.legend(entries, _MAP + 34)
+    canvas.text("tick", 0, _MAP + 36 + legend_height(entries), f"across: {axes[0]}; up: {axes[1]}")
+    return canvas
 
 
 def _named(drawn: Canvas, y: float, label: str, n: int) -> None:

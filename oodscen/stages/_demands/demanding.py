@@ -66,13 +66,13 @@ def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> Deman
         if candidate.kind.id in calm:
             continue
         try:
-            kept = rerunner.keep_speed(one)
+            episode = rerunner.keep_speed(one)
         except SceneError:
             continue
-        if not _is_shown(kept, candidate.draft):
+        if not _is_shown(episode, candidate.draft):
             continue
         # Most candidates are calm; what else an ego may do there need not be known.
-        if kept.label("keep_speed") != "safe":
+        if episode.label("keep_speed") != "safe":
             run = rerunner.run(one, simulated)
             if not (_is_shown(run.episode, candidate.draft) and run.episode.safe_set):
                 continue

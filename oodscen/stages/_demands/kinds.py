@@ -120,8 +120,8 @@ def ranked_candidates(
                 break
             draft = draft._replace(actors=[off_centre(actor, rng) for actor in draft.actors])
             is_alone = attempt >= _ATTEMPTS
-            one = Candidate(kind, draft, () if is_alone else company)
-            unlike = setting.look.difference(setting.look_of(one.actors))
+            candidate = Candidate(kind, draft, () if is_alone else company)
+            unlike = setting.look.difference(setting.look_of(candidate.actors))
             wait = float(rng.exponential()) / (kind.weight * math.exp(-_SHARPNESS * unlike))
-            found.append((is_alone, wait, one))
+            found.append((is_alone, wait, candidate))
     return [one for *_, one in sorted(found, key=lambda row: row[:2])]

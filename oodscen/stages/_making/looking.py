@@ -239,13 +239,13 @@ def sheet(seen: Iterable[ShownProp], *, captions: bool = False, seed: int = 0) -
     if not captions:
         rows = [rows[index] for index in order(len(rows), seed)]
     lines = []
-    for number, one in enumerate(rows, start=1):
-        cells = [np.pad(_middle(picture), ((2, 2), (2, 2), (0, 0))) for picture in one.pictures]
+    for number, prop in enumerate(rows, start=1):
+        cells = [np.pad(_middle(picture), ((2, 2), (2, 2), (0, 0))) for picture in prop.pictures]
         strip = np.concatenate(cells, axis=1)
         name = f"{number}"
         if captions:
-            told = " ".join(f"{view.pixels}" for view in one.look.views)
-            name = f"{number} {one.look.id.replace('_', ' ')} - PX {told}"
+            told = " ".join(f"{view.pixels}" for view in prop.look.views)
+            name = f"{number} {prop.look.id.replace('_', ' ')} - PX {told}"
         lines += [caption(name, strip.shape[1]), strip]
     return np.concatenate(lines)
 

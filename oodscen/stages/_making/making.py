@@ -156,7 +156,7 @@ class PropMaker:
             return []
         faults = check_prop(prop, self.catalogue.assets)
         if faults:
-            return [Issue(f"prop.{one.path}", one.message) for one in faults]
+            return [Issue(f"prop.{issue.path}", issue.message) for issue in faults]
         try:
             with self._drawing:
                 (seen,) = look_at([prop], self.simulator)
@@ -195,16 +195,16 @@ def wanted_things(
     tree: ScenarioTree, decisions: Iterable[PruneDecision], catalogue: Catalogue
 ) -> list[Wanted]:
     """Return the things whose making may restore dropped leaves, each once, in the order of the tree."""
-    by_id = {one.id: one for one in decisions}
+    by_id = {prune_decision.id: prune_decision for prune_decision in decisions}
     known = {asset.id for asset in catalogue.assets}
     found: dict[str, Wanted] = {}
     for leaf in tree.leaves:
         decision = by_id.get(leaf.id)
         if decision is not None:
-            for one in additions_to_make(decision):
-                if one.kind == "asset" and is_id(one) and one.name not in known:
-                    category = one.category or "object"
-                    found.setdefault(one.name, Wanted(one.name, category, decision.path))
+            for addition in additions_to_make(decision):
+                if addition.kind == "asset" and is_id(addition) and addition.name not in known:
+                    category = addition.category or "object"
+                    found.setdefault(addition.name, Wanted(addition.name, category, decision.path))
     return list(found.values())
 
 

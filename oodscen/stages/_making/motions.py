@@ -108,7 +108,7 @@ def wanted_motions(
     tree: ScenarioTree, decisions: Iterable[PruneDecision], catalogue: Catalogue
 ) -> list[WantedMotion]:
     """Return the movements whose making may restore dropped leaves, each once, in the order of the tree."""
-    by_id = {one.id: one for one in decisions}
+    by_id = {prune_decision.id: prune_decision for prune_decision in decisions}
     known = {kind.id for kind in catalogue.behaviours}
     found: dict[str, WantedMotion] = {}
     for leaf in tree.leaves:
@@ -119,8 +119,8 @@ def wanted_motions(
         things = dict.fromkeys(addition.category for addition in additions if addition.category)
         for addition in additions:
             if addition.kind == "behaviour" and is_id(addition) and addition.name not in known:
-                wanted = WantedMotion(addition.name, decision.path, tuple(things))
-                found.setdefault(addition.name, wanted)
+                motion = WantedMotion(addition.name, decision.path, tuple(things))
+                found.setdefault(addition.name, motion)
     return list(found.values())
 
 

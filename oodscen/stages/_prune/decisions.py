@@ -128,16 +128,22 @@ def alike(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDeci
     judged = list(judged)
     order = {node.id: number for number, node in enumerate(tree.nodes)}
     groups: dict[tuple[frozenset[str], ...], list[str]] = {}
-    for one in sorted(judged, key=lambda one: order.get(one.id, len(order))):
-        if one.keep and any(means := _means(one)):
-            groups.setdefault(means, []).append(one.id)
+    for decision in sorted(
+        judged, key=lambda prune_decision: order.get(prune_decision.id, len(order))
+    ):
+        if decision.keep and any(means := _means(decision)):
+            groups.setdefault(means, []).append(decision.id)
     return [
-        one.model_copy(
-            update={"same_as": tuple(i for i in groups.get(_means(one), ()) if i != one.id)}
-            if one.keep
+        prune_decision.model_copy(
+            update={
+                "same_as": tuple(
+                    i for i in groups.get(_means(prune_decision), ()) if i != prune_decision.id
+                )
+            }
+            if prune_decision.keep
             else {"same_as": ()}
         )
-        for one in judged
+        for prune_decision in judged
     ]
 
 

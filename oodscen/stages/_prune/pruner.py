@@ -200,8 +200,12 @@ class Pruner(Brief):
         """Return the things that refused substitutes stand for, as additions to the catalogue."""
         category = {asset.id: asset.category for asset in self.catalogue.assets}
         return tuple(
-            Addition(kind="asset", name=one.stands_for, category=category.get(one.asset))
-            for one in standing
+            Addition(
+                kind="asset",
+                name=substituted_asset.stands_for,
+                category=category.get(substituted_asset.asset),
+            )
+            for substituted_asset in standing
         )
 
 

@@ -72,14 +72,18 @@ def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
         decisions: Decisions on leaves, or on every node; inner nodes are ignored.
     """
     everything = list(decisions)
-    inner = {one.path[:-1] for one in everything}
-    leaves = [one for one in everything if one.path not in inner and len(one.path) > 2]
+    inner = {decision.path[:-1] for decision in everything}
+    leaves = [
+        decision for decision in everything if decision.path not in inner and len(decision.path) > 2
+    ]
     dropped = [leaf for leaf in leaves if not leaf.keep and leaf.status == "ok"]
     first: dict[tuple[str, str], Addition] = {}
     needs = {
-        one.id: tuple(dict.fromkeys(first.setdefault(_key(lack), lack) for lack in one.lacks))
-        for one in dropped
-        if one.lacks and all(addition.kind != "other" for addition in one.lacks)
+        decision.id: tuple(
+            dict.fromkeys(first.setdefault(_key(lack), lack) for lack in decision.lacks)
+        )
+        for decision in dropped
+        if decision.lacks and all(addition.kind != "other" for addition in decision.lacks)
     }
     return Restoration(
         catalogue=next((leaf.catalogue for leaf in leaves if leaf.catalogue), ""),
@@ -88,7 +92,7 @@ def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
         single=_ranked(_alone(needs)),
         categories=_ranked(_by_category(needs)),
         sequence=_sequence(needs),
-        beyond=tuple(one.id for one in dropped if one.id not in needs),
+        beyond=tuple(decision.id for decision in dropped if decision.id not in needs),
         unknown=tuple(leaf.id for leaf in leaves if leaf.status == "failed"),
     )
 

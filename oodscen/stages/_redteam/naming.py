@@ -54,7 +54,9 @@ class Names(NamedTuple):
         ids = {name: node for node, name in self.shown.items()}
         if not ids:
             return answer
-        also = [one.model_copy(update={"node": ids.get(one.node, one.node)}) for one in answer.also]
+        also = [
+            fits.model_copy(update={"node": ids.get(fits.node, fits.node)}) for fits in answer.also
+        ]
         return answer.model_copy(
             update={
                 "node": ids.get(answer.node, answer.node) if answer.node else answer.node,

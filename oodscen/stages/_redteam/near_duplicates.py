@@ -81,21 +81,23 @@ class NoveltyFilter:
         if self._encoder is None:
             return ClosestText(None, None, None, "", False)
         vector = self._vector(text)
-        found: list[ClosestText] = []
+        texts: list[ClosestText] = []
         if self._leaves:
             ids = list(self._leaves)
             cosines = _cosines(self._label_rows(), vector)
             best = int(cosines.argmax())
             label = self._leaves[ids[best]]
-            found.append(self._judged(float(cosines[best]), ids[best], "label", label))
+            texts.append(self._judged(float(cosines[best]), ids[best], "label", label))
         if self._proposed:
             cosines = _cosines(self._texts[: len(self._proposed)] - self._text_centre, vector)
             best = int(cosines.argmax())
             kind, words = self._kinds[best], self._proposed[best]
-            found.append(self._judged(float(cosines[best]), kind, "text", words))
-        if not found:
+            texts.append(self._judged(float(cosines[best]), kind, "text", words))
+        if not texts:
             return ClosestText(None, None, None, "", False)
-        return max(found, key=lambda one: (one.is_too_near, self._excess(one)))
+        return max(
+            texts, key=lambda closest_text: (closest_text.is_too_near, self._excess(closest_text))
+        )
 
     def rank_leaves(self, text: str, tree: ScenarioTree) -> list[str]:
         """Return the ids of a tree's leaves, ordered from the nearest to a text."""

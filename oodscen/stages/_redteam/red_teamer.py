@@ -255,16 +255,16 @@ class _Session:
         if proposal.error is not None:
             return Round(**fields | _failure(proposal.error))
         if closed:
-            found = self.novelty.nearness(proposal.text)
+            text = self.novelty.nearness(proposal.text)
             fields |= {
-                "similarity": found.similarity,
-                "nearest": found.node,
-                "nearest_by": found.by,
+                "similarity": text.similarity,
+                "nearest": text.node,
+                "nearest_by": text.by,
             }
-            if found.is_too_near:
-                what = "the leaf" if found.by == "label" else "the earlier proposal"
-                why = f"{found.similarity:.2f} near to {what} {found.words!r}"
-                return Round(**fields, decision="duplicate", reason=why, kind=found.node)
+            if text.is_too_near:
+                what = "the leaf" if text.by == "label" else "the earlier proposal"
+                why = f"{text.similarity:.2f} near to {what} {text.words!r}"
+                return Round(**fields, decision="duplicate", reason=why, kind=text.node)
             fields |= self._rarity_of(proposal)
             if why := self.rarity.fault(fields["once_in_km"]):
                 return Round(**fields, decision="implausible", reason=why)

@@ -25,18 +25,18 @@ def check_ego(probe: Probe) -> None:
         ("steering right by 0.05 rad", 8.0, Control(0.0, -0.05)),
     ):
         scene = probe.scene(speed=speed)
-        one, other = run_both(probe, scene, constantly(control), seconds=1.5)
-        fault = start_fault(one, other, 0)
+        tracks, other = run_both(probe, scene, constantly(control), seconds=1.5)
+        fault = start_fault(tracks, other, 0)
         probe.findings.expect(not fault, "ego", fault)
-        told, wanted = (float(t.speeds[-1, 0] - t.speeds[0, 0]) for t in (one, other))
+        told, wanted = (float(t.speeds[-1, 0] - t.speeds[0, 0]) for t in (tracks, other))
         if not abs(told - wanted) <= 0.3 + CONTROL * abs(wanted):
             message = f"{name} changes its speed by {told:.1f} m/s in 1.5 s, not {wanted:.1f}"
             probe.findings.add("ego", message)
-        told, wanted = (turned_by(*t.poses[[-1, 0], 0, 3]) for t in (one, other))
+        told, wanted = (turned_by(*t.poses[[-1, 0], 0, 3]) for t in (tracks, other))
         if not abs(told - wanted) <= 1.0 + CONTROL * abs(wanted):
             message = f"{name} turns it by {told:.1f} degrees in 1.5 s, not {wanted:.1f}"
             probe.findings.add("ego", message)
-        apart = float(np.linalg.norm(one.poses[-1, 0, :2] - other.poses[-1, 0, :2]))
+        apart = float(np.linalg.norm(tracks.poses[-1, 0, :2] - other.poses[-1, 0, :2]))
         probe.findings.expect(
             apart <= 1.5, "ego", f"{name} ends {apart:.1f} m from the reference after 1.5 s"
         )
@@ -52,9 +52,9 @@ def check_grip(probe: Probe) -> None:
             ("steering", 14.0, Control(0.0, 0.1 if friction < 1.0 else 0.3)),
         ):
             scene = probe.scene(speed=speed, weather=weather)
-            one, other = run_both(probe, scene, constantly(control), seconds=1.5)
-            told, wanted = (float(t.speeds[-1, 0] - t.speeds[0, 0]) for t in (one, other))
-            turned, turning = (turned_by(*t.poses[[-1, 0], 0, 3]) for t in (one, other))
+            tracks, other = run_both(probe, scene, constantly(control), seconds=1.5)
+            told, wanted = (float(t.speeds[-1, 0] - t.speeds[0, 0]) for t in (tracks, other))
+            turned, turning = (turned_by(*t.poses[[-1, 0], 0, 3]) for t in (tracks, other))
             is_like = abs(told - wanted) <= 0.5 + GRIP * abs(wanted)
             is_like &= abs(turned - turning) <= 3.0 + GRIP * abs(turning)
             message = f"{name} at friction {friction:g} does not stay within the grip"

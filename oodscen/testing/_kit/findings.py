@@ -50,7 +50,7 @@ class PartResult(NamedTuple):
 
 
 def _line(part: str, group: list[Finding]) -> str:
-    subjects = list(dict.fromkeys(one.subject for one in group if one.subject))
+    subjects = list(dict.fromkeys(finding.subject for finding in group if finding.subject))
     message = group[0].message
     if not subjects:
         return f"{part}: {message}"

@@ -48,17 +48,17 @@ def check_following(probe: Probe) -> None:
     if state.step:
         later = _look(watched, state, f"after {state.time:.2f} s")
         _check_lag(watched, first, later)
-    kept, snapshot = first, None
+    look, snapshot = first, None
     for seconds in _AT_S:
         while state.time < seconds - ROUNDING_S:
             state = simulator.step(Control(0.0, 0.005))
         seen = _look(watched, state, f"after {seconds:g} s")
         if snapshot is None and isinstance(simulator, Snapshots):
-            kept, snapshot = seen, simulator.snapshot()
+            look, snapshot = seen, simulator.snapshot()
     if isinstance(simulator, Snapshots):
         state = simulator.restore(snapshot)
         seen = _look(watched, state, "right after restore()")
-        is_same = probe.states_only or frame_bytes(seen.frame) == frame_bytes(kept.frame)
+        is_same = probe.states_only or frame_bytes(seen.frame) == frame_bytes(look.frame)
         what = "is another picture than when the snapshot was taken"
         probe.findings.expect(is_same, "right after restore()", what)
 
@@ -128,11 +128,11 @@ def _check_lag(watched: _Watched, first: _Look, later: _Look) -> None:
     probe, camera = watched.probe, watched.camera
     ego = _way(first.state, later.state, 0)
     for row, (before, after) in enumerate(zip(first.cast, later.cast, strict=True)):
-        points = [_middle(one, camera, row) for one in (first, later)]
+        points = [_middle(look, camera, row) for look in (first, later)]
         if row == 0 or points[0] is None or points[1] is None:
             continue
         ways = [way for way in (ego, _way(first.state, later.state, row)) if way >= 0.5 * LEAST_M]
-        eyes = [Eye(camera, one.cast[0].solid) for one in (first, later)]
+        eyes = [Eye(camera, look.cast[0].solid) for look in (first, later)]
         places = [
             np.array(eye.to_camera((body.solid.x, body.solid.y, body.solid.z)))
             for eye, body in zip(eyes, (before, after), strict=True)

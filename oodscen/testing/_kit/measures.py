@@ -96,17 +96,17 @@ def _weave(observation: Observation) -> Control:
 
 def _check_run(probe: Probe, scene: Scene, control: Drive, what: str) -> None:
     steps = round(5.0 / probe.simulator.dt)
-    staged, found = probe.staged(scene), probe.findings
+    staged, findings = probe.staged(scene), probe.findings
     states: list[State] = []
     seen: list[Observation] = []
     for state in probe.states(scene, control, steps=steps):
         for fault in state_faults(scene, state, len(states), probe.simulator.dt):
-            found.add(what, fault)
+            findings.add(what, fault)
             return
         states.append(state)
         seen.append(probe.simulator.observe())
     fault = gap_fault(states, scene, probe.catalogue)
-    found.expect(not fault, what, fault)
+    findings.expect(not fault, what, fault)
     for one in (
         _places(staged, states),
         _accelerations(states, probe.simulator.dt),
@@ -115,7 +115,7 @@ def _check_run(probe: Probe, scene: Scene, control: Drive, what: str) -> None:
         _off_road(staged, states),
         *_observations(staged, states, seen),
     ):
-        found.expect(not one, what, one)
+        findings.expect(not one, what, one)
 
 
 def _places(staged: StagedScene, states: Sequence[State]) -> str:
@@ -198,10 +198,10 @@ def _observations(
 ) -> list[str]:
     """Return the observation's members that differ from the library's, each once."""
     faults: dict[str, str] = {}
-    for state, told in zip(states, seen, strict=True):
+    for state, observation in zip(states, seen, strict=True):
         wanted = staged.observation(state)
         for name, tolerance in _OBSERVED.items():
-            one, other = getattr(told, name), getattr(wanted, name)
+            one, other = getattr(observation, name), getattr(wanted, name)
             if name in faults or (
                 name in ("lane_left_m", "lane_right_m") and _is_at_edge(staged, state)
             ):

@@ -51,7 +51,7 @@ _LEAST_BEND = 1e-9
 
 def check_motion(probe: Probe) -> None:
     """Check starts, controls, behaviours, triggers, reactions and contacts against the reference world."""
-    found = probe.findings
+    findings = probe.findings
     notes = []
     for name, part in (
         ("starts", _check_starts),
@@ -62,7 +62,7 @@ def check_motion(probe: Probe) -> None:
         ("reactions", _check_reactions),
         ("contact", check_contact),
     ):
-        with found.trying(name):
+        with findings.trying(name):
             try:
                 part(probe)
             except NotApplicable as reason:
@@ -72,9 +72,9 @@ def check_motion(probe: Probe) -> None:
         notes.append(
             f"of the simulator's own behaviours only starts are compared: {', '.join(own)}"
         )
-    found.note = "; ".join(notes)
+    findings.note = "; ".join(notes)
     for kind in probe.catalogue.behaviours:
-        with found.trying(f"behaviour {kind.id}"):
+        with findings.trying(f"behaviour {kind.id}"):
             _check_behaviour(probe, kind)
 
 
@@ -90,13 +90,13 @@ def _check_starts(probe: Probe) -> None:
         )
     ]
     scene = probe.scene(*actors, road=probe.widest, lane=probe.widest.lanes - 1)
-    one, other = run_both(probe, scene, constantly(Control()), seconds=1.0)
+    tracks, other = run_both(probe, scene, constantly(Control()), seconds=1.0)
     for row, actor in enumerate(actors, start=1):
-        fault = start_fault(one, other, row)
+        fault = start_fault(tracks, other, row)
         probe.findings.expect(
             not fault, f"actor {actor.asset} at {actor.placement.offset_m:g} m", fault
         )
-        way = float(np.linalg.norm(one.poses[-1, row, :2] - one.poses[0, row, :2]))
+        way = float(np.linalg.norm(tracks.poses[-1, row, :2] - tracks.poses[0, row, :2]))
         probe.findings.expect(way < START_M, f"actor {actor.asset}", "moves though it should stand")
 
 
@@ -192,8 +192,8 @@ def _slower(kind: BehaviourKind) -> dict[str, float]:
 def _compare(
     probe: Probe, scene: Scene, kind: BehaviourKind, what: str, seconds: float = _LAST_S
 ) -> None:
-    one, other = run_both(probe, scene, constantly(Control()), seconds=seconds)
-    start = start_fault(one, other, 1)
+    tracks, other = run_both(probe, scene, constantly(Control()), seconds=seconds)
+    start = start_fault(tracks, other, 1)
     probe.findings.expect(not start, what, start)
     if start or kind.id not in BUILT_IN:
         return
@@ -203,15 +203,15 @@ def _compare(
     chance = 2.0 * sum(abs(given.get(name, 0.0)) for name in _CHANCE)
     road = load_corridor(scene.map, probe.catalogue)
     way = 0.0
-    for step in range(1, len(one.poses)):
-        way += abs(float(other.speeds[step, 1])) * one.dt
+    for step in range(1, len(tracks.poses)):
+        way += abs(float(other.speeds[step, 1])) * tracks.dt
         fault = _place_fault(
-            one, other, step, road, (ALONG_M + 0.25 * way + chance, ACROSS_M + chance)
+            tracks, other, step, road, (ALONG_M + 0.25 * way + chance, ACROSS_M + chance)
         )
         if not fault and kind.id not in _LOOSE:
-            fault = _motion_fault(one, other, step)
+            fault = _motion_fault(tracks, other, step)
         if fault:
-            probe.findings.add(what, f"{fault} after {step * one.dt:.1f} s")
+            probe.findings.add(what, f"{fault} after {step * tracks.dt:.1f} s")
             return
 
 
@@ -260,8 +260,8 @@ def _check_triggers(probe: Probe) -> None:
         in_lane = {"lanes": 0.0} if "lanes" in probe.catalogue.behaviour(name).parameters else {}
         actor = probe.doing(name, ahead=50.0, trigger=trigger, parameters=in_lane)
         scene = probe.scene(actor, road=probe.widest, speed=10.0)
-        one, other = run_both(probe, scene, constantly(Control()))
-        told, wanted = one.onset(1), other.onset(1)
+        tracks, other = run_both(probe, scene, constantly(Control()))
+        told, wanted = tracks.onset(1), other.onset(1)
         if wanted is None:
             continue
         what = f"trigger by {trigger.kind}"

@@ -20,30 +20,36 @@ from oodscen.testing._kit.shapes import state_faults
 
 def check_catalogue(probe: Probe) -> None:
     """Check that the catalogue is static data without duplicates, and that its weather has a clear day."""
-    catalogue, found = probe.catalogue, probe.findings
-    found.expect(probe.simulator.catalogue() == catalogue, "", "differs from one call to the next")
+    catalogue, findings = probe.catalogue, probe.findings
+    findings.expect(
+        probe.simulator.catalogue() == catalogue, "", "differs from one call to the next"
+    )
     copy = Catalogue.parse(catalogue.to_json())
-    found.expect(copy == catalogue, "", "changes when it is written and read as JSON")
+    findings.expect(copy == catalogue, "", "changes when it is written and read as JSON")
     for noun, names in (
         ("asset", [asset.id for asset in catalogue.assets]),
         ("behaviour", [kind.id for kind in catalogue.behaviours]),
         ("map", [road.id for road in catalogue.maps]),
     ):
         for name in sorted({name for name in names if names.count(name) > 1}):
-            found.add(f"{noun} {name}", "occurs more than once")
+            findings.add(f"{noun} {name}", "occurs more than once")
     for kind in catalogue.behaviours:
         if kind.built_in not in BUILT_IN:
             what = "is not a built-in behaviour, and `like` names none that stands in for it"
-            found.add(f"behaviour {kind.id}", what)
+            findings.add(f"behaviour {kind.id}", what)
         for name, parameter in kind.parameters.items():
             inside = parameter.minimum <= parameter.default <= parameter.maximum
-            found.expect(inside, f"behaviour {kind.id}", f"the default of {name} is out of range")
+            findings.expect(
+                inside, f"behaviour {kind.id}", f"the default of {name} is out of range"
+            )
     kinds = catalogue.details or DetailKinds()
     known = {pose.id for pose in kinds.poses} | {part.id for part in kinds.parts}
     for asset in catalogue.assets:
         offers = asset.offers or AssetDetails()
         for name in sorted({*offers.poses, *offers.parts} - known):
-            found.add(f"asset {asset.id}", f"offers {name!r}, which the catalogue's details lack")
+            findings.add(
+                f"asset {asset.id}", f"offers {name!r}, which the catalogue's details lack"
+            )
 
 
 def check_maps(probe: Probe) -> None:
@@ -54,19 +60,21 @@ def check_maps(probe: Probe) -> None:
 
 
 def _check_map(probe: Probe, road: RoadMap) -> None:
-    corridor, found, where = load_corridor(road), probe.findings, f"map {road.id}"
+    corridor, findings, where = load_corridor(road), probe.findings, f"map {road.id}"
     ego_lanes = len(corridor.ego_lanes)
     oncoming = len(corridor.driving) - ego_lanes
     ahead = corridor.length - corridor.start
     has_shoulder = any(strip.kind == "shoulder" for strip in corridor.strips)
-    found.expect(ego_lanes == road.lanes, where, f"has {ego_lanes} lanes, not {road.lanes}")
-    found.expect(
+    findings.expect(ego_lanes == road.lanes, where, f"has {ego_lanes} lanes, not {road.lanes}")
+    findings.expect(
         oncoming == road.oncoming_lanes,
         where,
         f"has {oncoming} oncoming lanes, not {road.oncoming_lanes}",
     )
-    found.expect(ahead >= road.length_m, where, f"only {ahead:.0f} m lie ahead of the start")
-    found.expect(not road.has_shoulder or has_shoulder, where, "says it has a shoulder, has none")
+    findings.expect(ahead >= road.length_m, where, f"only {ahead:.0f} m lie ahead of the start")
+    findings.expect(
+        not road.has_shoulder or has_shoulder, where, "says it has a shoulder, has none"
+    )
     for lane in range(ego_lanes):
         drive(probe, probe.scene(road=road, lane=lane, speed=road.speed_limit), where)
 
