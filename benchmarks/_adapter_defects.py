@@ -59,8 +59,8 @@ class Defective(FlatSimulator):
 def _acting(scene: Scene, **changes: object) -> Scene:
     """Return a scene with changes to the behaviours of all actors."""
     actors = tuple(
-        one.model_copy(update={"behaviour": one.behaviour.model_copy(update=changes)})
-        for one in scene.actors
+        actor.model_copy(update={"behaviour": actor.behaviour.model_copy(update=changes)})
+        for actor in scene.actors
     )
     return scene.model_copy(update={"actors": actors})
 
@@ -76,14 +76,14 @@ class TriggersNeverFire(Defective):
 class TriggersFireEarly(Defective):
     def altered_scene(self, scene):
         actors = tuple(
-            one.model_copy(
+            actor.model_copy(
                 update={
-                    "behaviour": one.behaviour.model_copy(
-                        update={"trigger": _doubled(one.behaviour.trigger)}
+                    "behaviour": actor.behaviour.model_copy(
+                        update={"trigger": _doubled(actor.behaviour.trigger)}
                     )
                 }
             )
-            for one in scene.actors
+            for actor in scene.actors
         )
         return scene.model_copy(update={"actors": actors})
 
@@ -101,17 +101,17 @@ class VehiclesFrozen(Defective):
 class StartsAtTwenty(Defective):
     def altered_scene(self, scene):
         actors = []
-        for one in scene.actors:
+        for actor in scene.actors:
             known = self.catalogue().behaviours
-            kind = next((each for each in known if each.id == one.behaviour.name), None)
+            kind = next((each for each in known if each.id == actor.behaviour.name), None)
             if (
                 kind is not None
                 and "speed" in kind.parameters
-                and one.behaviour.name == "follow_lane"
+                and actor.behaviour.name == "follow_lane"
             ):
-                behaviour = one.behaviour.model_copy(update={"parameters": {"speed": 20.0}})
-                one = one.model_copy(update={"behaviour": behaviour})
-            actors.append(one)
+                behaviour = actor.behaviour.model_copy(update={"parameters": {"speed": 20.0}})
+                actor = actor.model_copy(update={"behaviour": behaviour})
+            actors.append(actor)
         return scene.model_copy(update={"actors": tuple(actors)})
 
 
@@ -123,32 +123,32 @@ class ParametersIgnored(Defective):
 class DriftsToTheWrongSide(Defective):
     def altered_scene(self, scene):
         actors = []
-        for one in scene.actors:
-            if one.behaviour.name == "drift" and one.placement.lane > 0:
-                behaviour = one.behaviour.model_copy(update={"parameters": {"lateral": -0.5}})
-                one = one.model_copy(update={"behaviour": behaviour})
-            actors.append(one)
+        for actor in scene.actors:
+            if actor.behaviour.name == "drift" and actor.placement.lane > 0:
+                behaviour = actor.behaviour.model_copy(update={"parameters": {"lateral": -0.5}})
+                actor = actor.model_copy(update={"behaviour": behaviour})
+            actors.append(actor)
         return scene.model_copy(update={"actors": tuple(actors)})
 
 
 class NobodyReacts(Defective):
     def altered_scene(self, scene):
         actors = tuple(
-            one.model_copy(
-                update={"behaviour": one.behaviour.model_copy(update={"name": "run_red"})}
+            actor.model_copy(
+                update={"behaviour": actor.behaviour.model_copy(update={"name": "run_red"})}
             )
-            if one.behaviour.name == "follow_lane"
-            else one
-            for one in scene.actors
+            if actor.behaviour.name == "follow_lane"
+            else actor
+            for actor in scene.actors
         )
         actors = tuple(
-            one.model_copy(
+            actor.model_copy(
                 update={
-                    "behaviour": one.behaviour.model_copy(
+                    "behaviour": actor.behaviour.model_copy(
                         update={
                             "parameters": {
                                 name: value
-                                for name, value in one.behaviour.parameters.items()
+                                for name, value in actor.behaviour.parameters.items()
                                 if name == "speed"
                             }
                             or {"speed": 10.0}
@@ -156,9 +156,9 @@ class NobodyReacts(Defective):
                     )
                 }
             )
-            if one.behaviour.name == "run_red"
-            else one
-            for one in actors
+            if actor.behaviour.name == "run_red"
+            else actor
+            for actor in actors
         )
         return scene.model_copy(update={"actors": actors})
 
@@ -270,14 +270,14 @@ class MetreAboveTheRoad(Defective):
 class ActorsMirrored(Defective):
     def altered_scene(self, scene):
         actors = tuple(
-            one.model_copy(
+            actor.model_copy(
                 update={
-                    "placement": one.placement.model_copy(
-                        update={"offset_m": -one.placement.offset_m}
+                    "placement": actor.placement.model_copy(
+                        update={"offset_m": -actor.placement.offset_m}
                     )
                 }
             )
-            for one in scene.actors
+            for actor in scene.actors
         )
         return scene.model_copy(update={"actors": actors})
 
@@ -285,14 +285,14 @@ class ActorsMirrored(Defective):
 class ActorsFiveMetresOff(Defective):
     def altered_scene(self, scene):
         actors = tuple(
-            one.model_copy(
+            actor.model_copy(
                 update={
-                    "placement": one.placement.model_copy(
-                        update={"ahead_m": one.placement.ahead_m + 5.0}
+                    "placement": actor.placement.model_copy(
+                        update={"ahead_m": actor.placement.ahead_m + 5.0}
                     )
                 }
             )
-            for one in scene.actors
+            for actor in scene.actors
         )
         return scene.model_copy(update={"actors": actors})
 
@@ -481,7 +481,7 @@ class RestoreShowsTheOtherBranch(Drawn):
 
     def move(self, control):
         super().move(control)
-        self.moved = np.array([(one.x, one.y, one.yaw) for one in self.movers])
+        self.moved = np.array([(mover.x, mover.y, mover.yaw) for mover in self.movers])
 
     def shown(self, poses):
         if self.moved is not None:

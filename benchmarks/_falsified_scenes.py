@@ -73,7 +73,11 @@ def _changed(name: str, told: Told, catalogue: Catalogue, draw: int) -> Falsifie
 
 
 def _of(told: Told, kind: str, *values: str) -> list[Claim]:
-    return [one for one in told.claims if one.kind == kind and (not values or one.value in values)]
+    return [
+        claim
+        for claim in told.claims
+        if claim.kind == kind and (not values or claim.value in values)
+    ]
 
 
 def _shown(told: Told, subject: str, catalogue: Catalogue) -> list[int]:
@@ -242,7 +246,7 @@ def _speed(told: Told, fields: Fields, catalogue: Catalogue, draw: int) -> Field
 
 
 def _of_subject(told: Told, subject: str, kind: str) -> int:
-    return sum(one.subject == subject and one.kind == kind for one in told.claims)
+    return sum(claim.subject == subject and claim.kind == kind for claim in told.claims)
 
 
 def _ego(told: Told, fields: Fields, catalogue: Catalogue, draw: int) -> Fields | None:

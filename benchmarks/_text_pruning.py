@@ -53,7 +53,7 @@ def _explained(
     name: str, tree: ScenarioTree, judged: Sequence[PruneDecision], *, is_builtin: bool
 ) -> Iterator[Row]:
     decisions = all_decisions(tree, judged)
-    told = {one.id for one in decisions if one.reason and one.match}
+    told = {decision.id for decision in decisions if decision.reason and decision.match}
     share = len(told) / len(tree.nodes)
     text = "every node has a decision with a reason"
     yield row(f"{name}: nodes with a reason", share, "share", text, share == 1.0)
@@ -83,7 +83,7 @@ def _promised(
     found = restoration(judged)
     before = {one.id for one in judged if one.keep}
     tried: list[Unlocked] = [one for one in found.single if one.paths][:TRIED]
-    tried += [one for one in found.categories if one.paths][:1]
+    tried += [category for category in found.categories if category.paths][:1]
     kept_word = 0
     for one in tried:
         model = make_llm(llm, seed=seed)
@@ -118,12 +118,12 @@ def _lacking(judged: Sequence[PruneDecision]) -> Iterator[Row]:
 
 def _names(what: str, decision: PruneDecision) -> bool:
     if what == "animal":
-        return any(one.category == "animal" for one in decision.lacks)
-    return any(what in one.name for one in decision.lacks)
+        return any(lack.category == "animal" for lack in decision.lacks)
+    return any(what in lack.name for lack in decision.lacks)
 
 
 def _knowledge() -> Iterator[Row]:
     findings = examine_knowledge()
-    faults = sum(not one.is_ok for one in findings)
+    faults = sum(not finding.is_ok for finding in findings)
     yield row("knowledge base", findings[0].detail, "", "at least 220, 30, 90", findings[0].is_ok)
     yield row("faults in the knowledge base", faults, "", "0", faults == 0)

@@ -39,7 +39,7 @@ def main() -> None:
     parser.add_argument("--json", action="store_true", help="print the rows as JSON, last line")
     parser.add_argument("names", nargs="*", help="the defects to plant; all by default")
     options = parser.parse_args()
-    wanted = [one for one in DEFECTS if not options.names or one.__name__ in options.names]
+    wanted = [defect for defect in DEFECTS if not options.names or defect.__name__ in options.names]
     faults = {make.name: first_finding(make) for make in (FlatSimulator, MySimulator)}
     for name, finding in faults.items():
         print(f"{f'{name} (no defect)':28s} {finding or 'keeps the protocol'}")

@@ -30,7 +30,7 @@ Row = dict[str, Any]
 
 def chosen(study: Study, count: int) -> list[tuple[Scene, Episode]]:
     """Return scenes that succeeded, from every map in turn."""
-    episodes = {one.scene_id: one for one in study.episodes if one.status == "ok"}
+    episodes = {episode.scene_id: episode for episode in study.episodes if episode.status == "ok"}
     by_map: dict[str, list[Scene]] = {}
     for scene in study.scenes:
         # A client does not see the light that forbids to pass a stop line.
@@ -68,7 +68,7 @@ def verdict(found: list[Row], episode: Episode, action: str) -> str:
 
 def verdicts(port: int, scene: Scene, episode: Episode, found: list[Row]) -> dict[str, str]:
     """Return whether the drives agree, by action, after more drives of those that are marginal in the study only."""
-    said = {one: verdict(found, episode, one) for one in episode.actions}
+    said = {action: verdict(found, episode, action) for action in episode.actions}
     again = [one for one, word in said.items() if word.startswith("marginal")]
     if again:
         shares = ["--friction", *map(str, FRICTIONS), "--speed", *map(str, SPEEDS)]
@@ -108,7 +108,9 @@ def main() -> int:
             own = simulate(scene, simulator, render=False, traces=True).rollouts
             middle = Trials.of(episode.reaction_s).middle
             said = verdicts(server.port, scene, episode, found)
-            away = {one: apart(found, one, middle, own.get(one)) for one in episode.actions}
+            away = {
+                action: apart(found, action, middle, own.get(action)) for action in episode.actions
+            }
             counts.update(said.values())
             same += set(said.values()) == {"agrees"}
             farthest = max(farthest, *away.values())

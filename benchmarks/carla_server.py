@@ -240,7 +240,7 @@ def spawn_many(client: Any, world: Any) -> None:
     sensor.listen(lambda event: None)
     world.tick()
     sensor.stop()
-    client.apply_batch_sync([command.DestroyActor(one) for one in cars], True)
+    client.apply_batch_sync([command.DestroyActor(car) for car in cars], True)
 
 
 def end_one(port: int, rng: random.Random, context: Any) -> None:

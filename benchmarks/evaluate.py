@@ -45,7 +45,7 @@ Row = dict[str, Any]
 
 def ran_and_seen(study: Study) -> list[Episode]:
     """Return the episodes that answerers can be asked about."""
-    unseen = {one.scene_id for one in study.episodes if one.is_below_floor}
+    unseen = {episode.scene_id for episode in study.episodes if episode.is_below_floor}
     return [e for e in study.episodes if e.status == "ok" and scene_of(e.scene_id) not in unseen]
 
 
@@ -62,7 +62,9 @@ def keeping(episodes: Sequence[Episode]) -> list[Row]:
         ("rare", False, 0.10, 0.30),
     ):
         found = [
-            one.label("keep_speed") == "safe" for one in episodes if one.is_ordinary is is_ordinary
+            episode.label("keep_speed") == "safe"
+            for episode in episodes
+            if episode.is_ordinary is is_ordinary
         ]
         share = sum(found) / max(1, len(found))
         rows.append(
@@ -77,8 +79,8 @@ def blind_gains(study: Study) -> list[Row]:
     board = leaderboard(study.verdicts, study.episodes, study.scenarios, seed=study.config.seed)
     blind = board.standing("blind")
     assert blind is not None
-    constants = [one for one in board.standings if one.model.startswith("constant:")]
-    best = max(one.paired.act.value or 0.0 for one in constants)
+    constants = [standing for standing in board.standings if standing.model.startswith("constant:")]
+    best = max(constant.paired.act.value or 0.0 for constant in constants)
     gains = {
         "is anything unusual, balanced accuracy over 50 %": (
             blind.detection.balanced_accuracy.value,
@@ -125,7 +127,11 @@ def safe_sets(episodes: Sequence[Episode]) -> list[Row]:
 
 def flips(study: Study, count: int) -> list[Row]:
     """Try the actions of some scenes again, by drivers who are a little later and on roads that differ a little."""
-    labels = {one.id: one for one in study.episodes if one.status == "ok" and not one.is_ordinary}
+    labels = {
+        episode.id: episode
+        for episode in study.episodes
+        if episode.status == "ok" and not episode.is_ordinary
+    }
     scenes = [scene for scene in study.scenes if scene.id in labels]
     changes = {
         "a driver who reacts after 0.3 s": (Variation(0.3), "<= 0.02"),

@@ -150,9 +150,9 @@ def main() -> None:
     else:
         study = Study.open(given.study)
         scenes, catalogue = study.scenes, make_catalogue(study.config.simulator)
-        demands = {scene_of(one.id): one for one in study.demands}
+        demands = {scene_of(demand.id): demand for demand in study.demands}
     scenes = scenes[:: given.every]
-    scenes += [demands[one.id] for one in scenes if one.id in demands]
+    scenes += [demands[scene.id] for scene in scenes if scene.id in demands]
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         if "export" not in given.skip:
@@ -190,8 +190,8 @@ def export(scenes: list[Scene], catalogue: Catalogue, folder: Path, checks: bool
     for mode in ("replay", "reactive"):
         begun, busy = time.perf_counter(), time.process_time()
         sizes = [
-            to_openscenario(one, catalogue, mode=mode).save(folder / mode).stat().st_size
-            for one in items
+            to_openscenario(item, catalogue, mode=mode).save(folder / mode).stat().st_size
+            for item in items
         ]
         spent = time.perf_counter() - begun
         worked = time.process_time() - busy
@@ -350,8 +350,8 @@ def reactive(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
         for label, make in EGOS.items():
             states = driven(scene, simulator, make, steps)
             ours = {name: simulator.world.motion(name).triggered for name in states[0].ids[1:]}
-            contact = next((one.step for one in states if one.contacts), steps)
-            due = (one.time for one in states if is_due(scene.decision, None, one, corridor))
+            contact = next((state.step for state in states if state.contacts), steps)
+            due = (state.time for state in states if is_due(scene.decision, None, state, corridor))
             truth = RecordedRun.of(states, corridor, next(due, None))
             path = written.save(folder)
             path.write_bytes(with_ego(written.xosc, scene, catalogue, truth))
@@ -418,7 +418,7 @@ def judge(
 def overlaps(
     scene: Scene, catalogue: Catalogue, poses: np.ndarray, ego: int, row: int, name: str
 ) -> bool:
-    sizes = {one.name: one.asset for one in entities(scene, catalogue)}
+    sizes = {entity.name: entity.asset for entity in entities(scene, catalogue)}
     for its, own in zip(poses[:, row], poses[:, ego], strict=True):
         boxes = [
             Footprint(pose[0], pose[1], pose[3], sizes[who].length, sizes[who].width)

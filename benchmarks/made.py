@@ -185,7 +185,7 @@ def _floats(pieces: Sequence[Piece], anchor: str) -> bool:
     """Return whether a piece is held by nothing: neither by the road nor by what is held."""
     if not pieces:
         return False
-    held = [anchor == "road" and bool(one.points[:, 2].min() <= FLOATS_M) for one in pieces]
+    held = [anchor == "road" and bool(piece.points[:, 2].min() <= FLOATS_M) for piece in pieces]
     if anchor != "road":
         held[0] = True
     front = [one for one, is_held in zip(pieces, held, strict=True) if is_held]

@@ -90,14 +90,14 @@ def accepted(
     augmenter: Augmenter, texts: Sequence[dict[str, Any]]
 ) -> Iterator[tuple[dict[str, Any], Told | None, str]]:
     """Yield every recorded answer with its scene, or the faults for which it is refused."""
-    for one in texts:
-        scenario = Scenario(id=one["id"], text=one["text"], leaf="x", path=tuple(one["path"]))
-        claims = tuple(Claim.parse(claim) for claim in one["claims"])
-        answer = {**json.loads(one["answer"]), "stands_for": one["stands_for"]}
+    for text in texts:
+        scenario = Scenario(id=text["id"], text=text["text"], leaf="x", path=tuple(text["path"]))
+        claims = tuple(Claim.parse(claim) for claim in text["claims"])
+        answer = {**json.loads(text["answer"]), "stands_for": text["stands_for"]}
         try:
             augmenter.roads(claims)
         except AnswerError as error:
-            yield one, None, str(error)
+            yield text, None, str(error)
             continue
         draft, issues = read_answer(
             json.dumps(answer),
@@ -105,9 +105,9 @@ def accepted(
             [lambda draft: augmenter.faults(scenario, claims, draft)],  # noqa: B023
         )
         if draft is None:
-            yield one, None, "; ".join(map(str, issues))
+            yield text, None, "; ".join(map(str, issues))
         else:
-            yield one, Told(claims, scene_of_draft(scenario, draft, augmenter.catalogue)), ""
+            yield text, Told(claims, scene_of_draft(scenario, draft, augmenter.catalogue)), ""
 
 
 def rows(scenes: int) -> Iterator[Row]:
@@ -184,9 +184,9 @@ def _tokens(digest: CatalogueDigest, repairs: float) -> Iterator[Row]:
     # A repair repeats the answer and lists the faults.
     costs.append(Cost(texts * repairs, 0.0, STAGED + 150.0, 0.0))
     costs += [Cost(1, 0.0, asked, answered) for _, asked, answered in OTHERS]
-    asked = sum(one.asked for one in costs)
-    answered = sum(one.calls * one.answer for one in costs)
-    cacheable = sum(one.cacheable for one in costs)
+    asked = sum(cost.asked for cost in costs)
+    answered = sum(cost.calls * cost.answer for cost in costs)
+    cacheable = sum(cost.cacheable for cost in costs)
     share = cacheable / asked
     name = "input tokens of a run that are a cacheable prefix"
     yield row(name, round(share, 3), "share", f"at least {CACHEABLE}", share >= CACHEABLE)

@@ -460,7 +460,7 @@ def measure(count: int, seed: int, only: str, workers: int) -> list[dict[str, ob
     rows: list[dict[str, object]] = []
     for module in limits:
         tried = sum(one.module == module for one in drawn)
-        left = sum(one.module == module for one in survivors)
+        left = sum(survivor.module == module for survivor in survivors)
         rows.append(
             {"name": f"surviving mutants of {module}, of {tried}", "value": left, "unit": ""}
         )

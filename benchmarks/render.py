@@ -197,14 +197,14 @@ def others() -> list[Row]:
             continue
         ratios: dict[int, list[float]] = {1: [], 2: []}
         try:
-            for one in sets:
-                soup = soup_of(one.scenery.meshes, one.looks, one.poses)
-                drawing = kind(soup, CameraView.of(CAMERA, one.poses[0]))
+            for texts in sets:
+                soup = soup_of(texts.scenery.meshes, texts.looks, texts.poses)
+                drawing = kind(soup, CameraView.of(CAMERA, texts.poses[0]))
                 light = Light.of(Weather(), 0.0, reflects_snow=False)
                 for detail, found in ratios.items():
                     stage = Rasteriser(detail=detail)
-                    one.dress(stage)
-                    found.append(turn_about(lambda: one.shoot(stage, light), drawing.draw))  # noqa: B023
+                    texts.dress(stage)
+                    found.append(turn_about(lambda: texts.shoot(stage, light), drawing.draw))  # noqa: B023
                 drawing.close()
         except Exception as reason:  # libraries raise anything if OpenGL is missing
             rows.append(row(f"{name} (not run: {reason})", None, "", None))

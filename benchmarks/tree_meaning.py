@@ -58,7 +58,7 @@ def other_words(hazard: HazardKind, kind: str, number: int) -> str:
     if kind == "wider":
         found = hazard.wider
     else:
-        events = [one.replace("{where}", "ahead") for one in hazard.events]
+        events = [event.replace("{where}", "ahead") for event in hazard.events]
         found = events[number % len(events)]
     return "" if label_fault(found) or same_words(found) == same_words(hazard.label) else found
 
@@ -96,7 +96,7 @@ def measure(encoder_name: str, trees: int) -> list[Row]:
     encoder = CachedEncoder(make_encoder(encoder_name))
     hazards = load_knowledge().hazards
     parts = {
-        name: [one for one in hazards if zlib.crc32(one.id.encode()) % 2 == place]
+        name: [hazard for hazard in hazards if zlib.crc32(hazard.id.encode()) % 2 == place]
         for place, name in enumerate(("tune", "test"))
     }
     rows: list[Row] = []

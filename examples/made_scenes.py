@@ -46,8 +46,8 @@ def scene_of(
         "hazard": {"actors": {actor["id"]: None for actor in actors}},
         "decision": {"kind": "distance", "value": 16, "actor": actors[0]["id"]},
     }
-    made = [designs[one] for one in dict.fromkeys(used) if one in designs]
-    moved = [motions[one] for one in dict.fromkeys(used) if one in motions]
+    made = [designs[fromkey] for fromkey in dict.fromkeys(used) if fromkey in designs]
+    moved = [motions[fromkey] for fromkey in dict.fromkeys(used) if fromkey in motions]
     own = {"id": name, "scenario_id": name, "made": made, "motions": moved}
     return Scene.parse({**usual, **own, **row}, source=name)
 

@@ -77,7 +77,7 @@ class Lane:
             if not ahead:
                 break
             self.ways.append(min(ahead, key=lambda one: _turn(self.ways[-1], one)))
-        self.lines = [_line(one) for one in self.ways]
+        self.lines = [_line(way) for way in self.ways]
         self.at = 0
         self._edges: dict[int, tuple[float, float]] = {}
 

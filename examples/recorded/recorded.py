@@ -122,13 +122,13 @@ def packed(exchanges: Iterable[Mapping[str, Any]]) -> list[Line]:
     """Return one line per thing that was asked about, with the last answer, after earlier judgements of leaves."""
     found: dict[tuple[str, str], str] = {}
     earlier: list[Line] = []
-    for one in exchanges:
-        purpose, turns = str(one["purpose"]), one["messages"]
-        first = len(turns) - 2 * (int(one.get("attempt", 1)) - 1) - 1
-        question, sample = str(turns[first]["text"]), int(one.get("sample", 0))
+    for exchange in exchanges:
+        purpose, turns = str(exchange["purpose"]), exchange["messages"]
+        first = len(turns) - 2 * (int(exchange.get("attempt", 1)) - 1) - 1
+        question, sample = str(turns[first]["text"]), int(exchange.get("sample", 0))
         if purpose == "judge-branches":
             kinds = fenced(question)
-            for judged in _object(one["answer"]).get("judgements", ()):
+            for judged in _object(exchange["answer"]).get("judgements", ()):
                 if 1 <= judged.get("number", 0) <= len(kinds):
                     alone = {key: value for key, value in judged.items() if key != "number"}
                     about = kinds[judged["number"] - 1]
@@ -138,7 +138,7 @@ def packed(exchanges: Iterable[Mapping[str, Any]]) -> list[Line]:
                         )
                     found["judge-branch", about] = json.dumps(alone, ensure_ascii=False)
             continue
-        found[purpose, about_of(purpose, question, sample)] = str(one["answer"])
+        found[purpose, about_of(purpose, question, sample)] = str(exchange["answer"])
     return earlier + [
         {"purpose": purpose, "about": about, "answer": answer}
         for (purpose, about), answer in found.items()

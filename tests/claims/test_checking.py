@@ -36,12 +36,14 @@ def actor(**fields):
 
 
 def broken(scene, claims=CLAIMS):
-    return [one.claim for one in mismatches(check_claims(claims, scene, FLAT_CATALOGUE))]
+    return [mismatch.claim for mismatch in mismatches(check_claims(claims, scene, FLAT_CATALOGUE))]
 
 
 def test_a_faithful_scene_has_no_mismatch():
     assert broken(SCENE) == []
-    assert {one.status for one in check_claims(CLAIMS, SCENE, FLAT_CATALOGUE)} == {"holds"}
+    assert {check_claim.status for check_claim in check_claims(CLAIMS, SCENE, FLAT_CATALOGUE)} == {
+        "holds"
+    }
 
 
 CAR = Actor(

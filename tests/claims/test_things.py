@@ -9,7 +9,7 @@ from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 def test_every_name_is_found_in_a_sentence():
     for thing in things():
         for word in thing.words:
-            found = [one.thing for one in mentions(f"There it is: {word}, at last.")]
+            found = [mention.thing for mention in mentions(f"There it is: {word}, at last.")]
             assert (thing in found) == bool(thing.terms), word
 
 
@@ -23,7 +23,7 @@ def test_every_name_is_found_in_a_sentence():
     ],
 )
 def test_the_longest_name_counts(text, expected):
-    assert [one.thing.name for one in mentions(text)] == expected
+    assert [mention.thing.name for mention in mentions(text)] == expected
 
 
 def test_every_asset_has_a_name():

@@ -72,7 +72,7 @@ def test_a_stack_in_the_current_folder_drives(with_stack, tmp_path, capfd) -> No
     study = Study(tmp_path / "out")
     made_from = {"made_from": study.scenes[0].digest()}
     study.store.write_lines(
-        "episodes.jsonl", [one.model_copy(update=made_from) for one in study.episodes]
+        "episodes.jsonl", [episode.model_copy(update=made_from) for episode in study.episodes]
     )
     study.store.remove("staged.jsonl")
     ruled = run(main, ["drive", "out", "--workers", "0"])

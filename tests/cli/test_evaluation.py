@@ -49,14 +49,14 @@ def answered(study, tmp_path, name, action="stop"):
     """Return a file with a person's answers to all drives of a study."""
     items = payload(write_quiz(Study.open(study), tmp_path / "quiz.html").read_text())["items"]
     said = {"is_ood": True, "confidence": 0.7, "aspect": "a box", "action": action}
-    answers = [{**said, "item": one["item"], "choice": one["options"][0][0]} for one in items]
+    answers = [{**said, "item": item["item"], "choice": item["options"][0][0]} for item in items]
     file = tmp_path / f"{len(list(tmp_path.iterdir()))}.json"
     file.write_text(json.dumps({"id": name, "answers": answers}))
     return file
 
 
 def people(study):
-    rows = {one.model for one in Study.open(study).verdicts}
+    rows = {verdict.model for verdict in Study.open(study).verdicts}
     return {row for row in rows if row.startswith("human:")}
 
 
@@ -163,7 +163,7 @@ def test_a_class_is_judged_anew_when_asked_to_and_missed_where_it_is_not(
     def actions(*more):
         sys.modules.pop("own_class", None)
         found = invoke(*order, *more)
-        rows = [one for one in Study.open(study).verdicts if one.model == "own"]
+        rows = [verdict for verdict in Study.open(study).verdicts if verdict.model == "own"]
         return found, {row.action for row in rows}, len(rows)
 
     first, chosen, count = actions()

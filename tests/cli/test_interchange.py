@@ -79,14 +79,14 @@ def test_a_logical_export_gives_back_its_scene(mode, tmp_path):
 def test_processes_write_the_same_files(tmp_path, monkeypatch):
     monkeypatch.setattr("oodscen._cli.interchange._PART", 1)
     scenes, written = tmp_path / "scenes.jsonl", []
-    scenes.write_text("".join(f"{one.to_json()}\n" for one in SCENES[:2]))
+    scenes.write_text("".join(f"{scene.to_json()}\n" for scene in SCENES[:2]))
     for workers in (1, 2):
         out = tmp_path / str(workers)
         words = ("--simulator", "pybullet", "--no-twins", "--workers", workers)
         assert run("export", scenes, "-o", out, *words).exit_code == 0
         written.append({path.name: path.read_bytes() for path in out.iterdir()})
     assert written[0] == written[1]
-    assert set(written[0]) >= {f"{one.id}.xosc" for one in SCENES[:2]}
+    assert set(written[0]) >= {f"{scene.id}.xosc" for scene in SCENES[:2]}
 
 
 @pytest.mark.parametrize("form", ["openscenario", "openlabel", "osi"])
@@ -182,7 +182,7 @@ def test_tags_are_exported(study, tmp_path):
 def test_traces_are_exported_and_judged(study, tmp_path):
     done = run("export", study, "-o", tmp_path / "traces", "--to", "osi", "--action", "stop")
     assert done.exit_code == 0
-    episodes = {one.scene_id: one for one in Study.open(study).episodes}
+    episodes = {episode.scene_id: episode for episode in Study.open(study).episodes}
     assert {path.stem for path in (tmp_path / "traces").glob("*.osi")} == set(episodes)
     for path in (tmp_path / "traces").glob("*.osi"):
         (told,) = json.loads(run("verdict", study, path, "--json").stdout)
@@ -209,7 +209,7 @@ def test_a_played_run_enters_the_table_of_drivers(study, tmp_path):
     done = run("verdict", study, path, "--driver", "stack")
     assert done.exit_code == 0
     assert scene.id in done.output
-    (row,) = (one for one in Study.open(study).drives if one.driver == "stack")
+    (row,) = (drive for drive in Study.open(study).drives if drive.driver == "stack")
     assert row.scene_id == scene.id
     assert "stack" in (study / "report.html").read_text()
     (told,) = json.loads(run("verdict", study, path, "--json").stdout)
@@ -230,7 +230,7 @@ def test_a_result_is_not_replaced_unasked(study, tmp_path):
     assert run(*words, other).exit_code == 2
     assert (study / "drives.jsonl").read_bytes() == before
     assert run(*words, other, "--replace").exit_code == 1
-    (row,) = (one for one in Study.open(study).drives if one.driver == "stack")
+    (row,) = (drive for drive in Study.open(study).drives if drive.driver == "stack")
     assert (row.status, row.passed) == ("inconclusive", False)
     assert "1 inconclusive" in (study / "report.html").read_text()
 

@@ -100,12 +100,12 @@ def orders(name: str, value: str) -> Iterator[list[str]]:
     """Yield a command line for every option and argument that gets a value."""
     given = CHEAP[name]
     arguments = 0
-    for one in COMMANDS[name].params:
-        if isinstance(one, click.Argument):
+    for param in COMMANDS[name].params:
+        if isinstance(param, click.Argument):
             words = [*given[:arguments], value, *given[arguments + 1 :]]
             arguments += 1
-        elif not one.is_flag and one.name not in TRAFFIC:
-            words = [one.opts[0], *[value] * one.nargs, *without(one, given)]
+        elif not param.is_flag and param.name not in TRAFFIC:
+            words = [param.opts[0], *[value] * param.nargs, *without(param, given)]
         else:
             continue
         yield [*name.split(), *words]
@@ -217,7 +217,7 @@ def with_a_value(option: click.Option) -> list[str]:
 @pytest.mark.parametrize("name", COMMANDS)
 def test_an_option_of_one_value_is_given_once(name, folder) -> None:
     before = sorted(folder.rglob("*"))
-    options = [one for one in COMMANDS[name].params if isinstance(one, click.Option)]
+    options = [param for param in COMMANDS[name].params if isinstance(param, click.Option)]
     for option in options:
         if option.multiple or option.is_flag:
             continue

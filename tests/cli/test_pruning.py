@@ -14,7 +14,7 @@ from oodscen.stages._prune.restoration import Restoration
 
 
 def call(*arguments):
-    return CliRunner().invoke(main, [str(one) for one in arguments])
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def test_decisions_and_the_way_back_are_files(tree, tmp_path):
     assert call("prune", tree, *options, "-o", out).exit_code == 0
     decisions = [PruneDecision.parse(line) for line in told.read_text().splitlines()]
     assert len(decisions) == len(ScenarioTree.load(tree))
-    kept = {one.id for one in decisions if one.keep}
+    kept = {decision.id for decision in decisions if decision.keep}
     assert kept == set(ScenarioTree.load(out).by_id)
     assert Restoration.load(back).dropped > 0
 

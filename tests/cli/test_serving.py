@@ -46,7 +46,7 @@ def test_a_script_drives_a_staged_scene(tmp_path):
         world.apply_settings(settings)
         world.tick()
         vehicles = world.get_actors().filter("vehicle.*")
-        (hero,) = [one for one in vehicles if one.attributes["role_name"] == "hero"]
+        (hero,) = [vehicle for vehicle in vehicles if vehicle.attributes["role_name"] == "hero"]
         camera, images = picture(world, hero, carla)
         # The client itself takes a tick when it applies the settings.
         seen = {world.tick(): n for n in range(3, 13)}

@@ -31,7 +31,7 @@ def made(tmp_path_factory):
     text = Scenario(id=scene.id, text="A box\x1b[2J lies ahead.", path=("Root", "Box"))
     rows = {"scenes": [scene, other], "episodes": [episode], "scenarios": [text]}
     for name, values in rows.items():
-        lines = "".join(one.to_json() + "\n" for one in values)
+        lines = "".join(value.to_json() + "\n" for value in values)
         (folder / f"{name}.jsonl").write_text(lines, encoding="utf-8")
     (folder / "study.json").write_text('{"config": {"simulator": "flat"}}')
     return folder
@@ -66,8 +66,8 @@ def test_what_was_made_to_order_is_marked(made, tmp_path):
             "motions": (Motion.parse(TOPPLE),),
             "map_state": MapState(signals="off"),
             "actors": tuple(
-                one.model_copy(update={"details": Details(parts=("doors_open", "dirty"))})
-                for one in scene.actors
+                actor.model_copy(update={"details": Details(parts=("doors_open", "dirty"))})
+                for actor in scene.actors
             ),
         }
     )

@@ -27,7 +27,7 @@ def test_an_id_twice_is_told_with_the_file(kind: str, tmp_path: Path) -> None:
     path.write_text(json.dumps(changed(**{kind: [*things, things[0]]})))
     with pytest.raises(DataError) as refused:
         Catalogue.load(path)
-    assert [one.path for one in refused.value.issues] == [kind]
+    assert [issue.path for issue in refused.value.issues] == [kind]
     assert str(path) in str(refused.value)
     assert repr(things[0]["id"]) in str(refused.value)
 
@@ -40,7 +40,7 @@ def test_what_is_no_size_is_refused_with_its_field(field: str, size: float) -> N
     first, *others = changed()["assets"]
     with pytest.raises(DataError) as refused:
         Catalogue.parse(changed(assets=[{**first, field: size}, *others]))
-    assert [one.path for one in refused.value.issues] == [f"assets[0].{field}"]
+    assert [issue.path for issue in refused.value.issues] == [f"assets[0].{field}"]
 
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -56,6 +56,6 @@ def test_a_parameter_has_its_default_between_its_limits(
     else:
         with pytest.raises(DataError) as refused:
             BehaviourParameter.parse(limits)
-        assert [one.path for one in refused.value.issues] == [
+        assert [issue.path for issue in refused.value.issues] == [
             "minimum" if low > high else "default"
         ]

@@ -24,7 +24,7 @@ episodes = st.builds(
 
 @given(episodes)
 def test_the_choice_matters_where_one_action_is_safe_and_another_can_go_wrong(episode):
-    ends = [(one.safe, one.unavailable) for one in episode.actions.values()]
+    ends = [(action.safe, action.unavailable) for action in episode.actions.values()]
     assert episode.is_decidable == ((True, False) in ends and (False, False) in ends)
     assert [name for name in episode.actions if name in episode.safe_set] == [
         name for name, one in episode.actions.items() if one.safe

@@ -94,7 +94,7 @@ def test_the_distance_of_the_maps_own_lights_stays_open(catalogue):
     scene = with_state(signals="off").model_copy(update={"stands_for": {"traffic light": ("map",)}})
     told = [("thing", "present"), ("state", "off"), ("count", "2"), ("distance", "35")]
     claims = [Claim(kind=kind, value=value, subject="traffic light") for kind, value in told]
-    found = [one.status for one in check_claims(claims, scene, catalogue)]
+    found = [check_claim.status for check_claim in check_claims(claims, scene, catalogue)]
     assert found == ["holds", "holds", "open", "open"]
     assert status(with_state(signals="off"), "3", catalogue, kind="distance") != "holds"
 

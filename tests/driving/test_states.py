@@ -151,7 +151,9 @@ def test_a_bad_state_fails_the_episode_and_the_drive_that_met_it(fault: str) -> 
     with pytest.raises(SimulatorError, match=r"foreign: reset\(\) returned"):
         simulate(SCENE, Foreign(BAD_STATES[fault]), render=False)
     results = drive([SCENE], RuleBasedDriver, Foreign(BAD_STATES[fault]), name="x")
-    assert {(one.status, one.error_type) for one in results} == {("failed", "SimulatorError")}
+    assert {(result.status, result.error_type) for result in results} == {
+        ("failed", "SimulatorError")
+    }
 
 
 def test_a_late_bad_state_fails_one_drive_of_several() -> None:
@@ -164,7 +166,7 @@ def test_a_late_bad_state_fails_one_drive_of_several() -> None:
         return BAD_STATES["NaN poses"](state) if len(met) == 3 else state
 
     results = drive([SCENE, other], RuleBasedDriver, Foreign(mends), name="x", twins=False)
-    assert [one.status for one in results] == ["failed", "ok"]
+    assert [result.status for result in results] == ["failed", "ok"]
 
 
 def test_an_observation_of_nan_is_the_simulator_s_fault() -> None:

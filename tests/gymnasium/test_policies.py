@@ -124,7 +124,7 @@ def test_a_policy_of_pictures_gets_those_of_its_camera(simulator):
 
     settings = {"observation": "frame", "actions": "discrete", "camera": TINY, "step_s": 0.5}
     results = drive([example_scene()], lambda: PolicyDriver(policy, **settings), simulator)
-    assert [one.status for one in results] == ["ok", "ok"]
+    assert [result.status for result in results] == ["ok", "ok"]
     assert shapes == {(12, 16, 3)}
     wrong = {"twins": False, "camera": Camera(width=20, height=10)}
     (lost,) = drive([example_scene()], lambda: PolicyDriver(policy, **settings), simulator, **wrong)

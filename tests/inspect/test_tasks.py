@@ -76,8 +76,8 @@ class Scripted:
     name = "mockllm/model"
 
     def complete(self, request: Request) -> Completion:
-        turns = [(one.role, one.text) for one in request.messages]
-        images = [image.sha256 for one in request.messages for image in one.images]
+        turns = [(message.role, message.text) for message in request.messages]
+        images = [image.sha256 for message in request.messages for image in message.images]
         return Completion(text=says(turns, images))
 
 
@@ -93,12 +93,12 @@ def mock(epochs: bool = False) -> Any:
     asked: dict[str, int] = {}
 
     def answered(messages: list[Any], *_: object) -> ModelOutput:
-        turns = [(one.role, one.text) for one in messages]
+        turns = [(message.role, message.text) for message in messages]
         pictures = [
             part.image
-            for one in messages
-            if not isinstance(one.content, str)
-            for part in one.content
+            for message in messages
+            if not isinstance(message.content, str)
+            for part in message.content
             if part.type == "image"
         ]
         images = [hashlib.sha256(_bytes(picture)).hexdigest() for picture in pictures]
@@ -120,8 +120,8 @@ def told_apart(folder: Path) -> Study:
     """Return a study whose ordinary drives differ from their scenes in what a model is told."""
     study = build_study(folder, per_path=4, with_twins=True)
     episodes = [
-        one.model_copy(update={"ego_speed_mps": 9.0 if one.is_ordinary else 11.0})
-        for one in study.episodes
+        episode.model_copy(update={"ego_speed_mps": 9.0 if episode.is_ordinary else 11.0})
+        for episode in study.episodes
     ]
     study.store.write_lines("episodes.jsonl", episodes)
     study.store.write_lines("verdicts.jsonl", as_made(study, study.stored_verdicts))
@@ -138,15 +138,15 @@ def row(study: Study) -> LeaderboardRow:
     """The row of the scripted model as the leaderboard has it."""
     verdicts = [
         evaluate(
-            one.episode,
-            one.frames,
+            asked_drive.episode,
+            asked_drive.frames,
             Scripted(),
-            path=one.truth.path,
-            leaf=one.truth.leaf,
-            options=one.options,
-            visible=one.truth.visible,
+            path=asked_drive.truth.path,
+            leaf=asked_drive.truth.leaf,
+            options=asked_drive.options,
+            visible=asked_drive.truth.visible,
         )
-        for one in asked_drives(study)
+        for asked_drive in asked_drives(study)
     ]
     (found,) = leaderboard(verdicts, study.episodes, study.scenarios).standings
     return found

@@ -20,7 +20,7 @@ def catalogue() -> Catalogue:
 
 def doing(kind: BehaviourKind) -> Scene:
     """Return a scene in which one actor has a behaviour, triggered by the ego's approach."""
-    assets = {one.category: one.id for one in reversed(catalogue().assets)}
+    assets = {asset.category: asset.id for asset in reversed(catalogue().assets)}
     category = next(one for one in kind.categories if one in assets)
     speed = {"speed": 5.0} if "speed" in kind.parameters else {}
     lanes = {"lanes": -1.0} if "lanes" in kind.parameters else {}

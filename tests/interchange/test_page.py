@@ -11,7 +11,7 @@ def test_every_element_that_is_read_is_listed_as_read():
 
 
 def test_the_formats_are_those_of_the_command():
-    (option,) = (one for one in export.params if one.name == "form")
+    (option,) = (param for param in export.params if param.name == "form")
     assert list(option.type.choices) == [row[0] for row in table("formats")]
 
 

@@ -6,7 +6,7 @@ from oodscen.interchange._ranges import changed, ranges, vary
 from tests.interchange.staging import SCENES, catalogue
 
 SCENE = min(
-    (one for one in SCENES if any(actor.behaviour.trigger.value for actor in one.actors)),
+    (scene for scene in SCENES if any(actor.behaviour.trigger.value for actor in scene.actors)),
     key=lambda one: len(one.actors),
 )
 

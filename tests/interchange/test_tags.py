@@ -14,7 +14,9 @@ def test_tags_agree_with_the_scene():
         assert ("RoadTypeMotorway" in tags) == (scene.map == "highway")
         assert ("LongitudinalUpSlope" in tags) == (scene.map == "rural_hill")
         assert ("SpecialStructureTunnel" in tags) == (scene.map == "tunnel")
-        people = [one for one in scene.actors if catalogue().asset(one.asset).category == "animal"]
+        people = [
+            actor for actor in scene.actors if catalogue().asset(actor.asset).category == "animal"
+        ]
         assert ("RoadUserAnimal" in tags) == bool(people)
         assert sum(tag in tags for tag in ("HorizontalCurves", "HorizontalStraights")) == 1
 
@@ -28,7 +30,7 @@ def test_a_document_has_every_tag_once_with_its_value():
         body = openlabel(scene, catalogue())["openlabel"]
         tags = {one["type"]: one for one in body["tags"].values()}
         assert len(tags) == len(body["tags"])
-        assert {one["ontology_uid"] for one in tags.values()} == set(body["ontologies"])
+        assert {tag["ontology_uid"] for tag in tags.values()} == set(body["ontologies"])
         for name, value in scene_tags(scene, catalogue()).items():
             held = tags[name].get("tag_data", {"num": [{"val": None}]})
             assert held["num"][0]["val"] == value

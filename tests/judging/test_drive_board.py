@@ -127,5 +127,5 @@ def test_results_are_kept_in_the_order_of_the_scenes_while_these_stay_as_they_ar
         for scene, is_moved in zip(scenes, moved, strict=True)
     ]
     kept = {scene.id for scene, is_moved in zip(scenes, moved, strict=True) if not is_moved}
-    wanted = [one for one in results if one.scene_id.removesuffix("~twin") in kept]
+    wanted = [result for result in results if result.scene_id.removesuffix("~twin") in kept]
     assert current_results(rng.sample(results, len(results)), now) == wanted

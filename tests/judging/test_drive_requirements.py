@@ -59,8 +59,8 @@ def test_many_safe_paths_meet_and_many_unsafe_ones_fail() -> None:
 @given(st.lists(st.sampled_from((True, False, None)), min_size=1, max_size=12))
 def test_a_drive_that_failed_counts_against_either_word(outcomes) -> None:
     found = grade(drives(outcomes), "safe>=0.6").bars[0]
-    worst = grade(drives([bool(one) for one in outcomes]), "safe>=0.6").bars[0]
-    best = grade(drives([one is not False for one in outcomes]), "safe>=0.6").bars[0]
+    worst = grade(drives([bool(outcome) for outcome in outcomes]), "safe>=0.6").bars[0]
+    best = grade(drives([outcome is not False for outcome in outcomes]), "safe>=0.6").bars[0]
     assert found.missing == outcomes.count(None)
     assert found.p_meets == worst.p_meets
     assert found.p_fails == best.p_fails

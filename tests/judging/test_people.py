@@ -22,7 +22,7 @@ def episode(name: str, sha: str = "a") -> Episode:
         status="ok",
         frames={"last": file},
         file_sha256={file: sha},
-        actions={one: ActionOutcome(safe=one == "stop") for one in ACTIONS},
+        actions={action: ActionOutcome(safe=action == "stop") for action in ACTIONS},
     )
 
 

@@ -20,7 +20,7 @@ def test_everything_that_a_picture_needs_is_there_and_is_plain_data():
     found = picture_data(Metrics(HashEncoder(), ORDINARY), SETS)
     assert type(found).parse(found.to_json()) == found
     assert found.detector.name == BEST
-    assert [len(one.per_text) for one in found.detector.sets.values()] == [2, 1]
+    assert [len(texts.per_text) for texts in found.detector.sets.values()] == [2, 1]
     assert set(found.curves) == {"baseline", "10"}
     assert found.curves["baseline"].sizes[-1] == len(ORDINARY)
     assert [len(points) for points in found.map.points.values()] == [len(ORDINARY), 2, 1]

@@ -363,7 +363,7 @@ def test_whole_paths_are_exchanged_in_a_test_of_two_sets():
     near = [one.model_copy(update={"text": f"b{i}"}) for i, one in enumerate(far)]
     assert metrics.compare(far, near, paired=True).oodness.p_value == pytest.approx(2 / 2**4)
     assert metrics.compare(far, near).oodness.p_value > 2 / 70 * 0.7
-    plain = [[one.text for one in texts] for texts in (far, near)]
+    plain = [[text.text for text in texts] for texts in (far, near)]
     assert metrics.compare(*plain).oodness.p_value < 0.001
     assert metrics.compare(far, far, paired=True, size=5).pairwise.high == 0
 

@@ -72,16 +72,18 @@ def as_made(study: Study, verdicts: Iterable[Verdict]) -> list[Verdict]:
     """Return made-up verdicts with the inputs and the scores that a run of the study would have given them."""
     tables = Tables.of(study)
     rule = tables.rule(study.config.people)
-    episodes = {("ours", one.scene_id): one for one in tables.episodes}
+    episodes = {("ours", episode.scene_id): episode for episode in tables.episodes}
     episodes |= {("paper", one.scene_id): one for one in tables.whole}
     found = []
-    for one in verdicts:
-        item, name, protocol = one.scene_id, one.model, one.protocol
-        made_from = rule.made_from(item, name, protocol, is_reference=one.kind == "reference")
-        said = {field: getattr(one, field) for field in ("is_ood", "aspect", "choice", "action")}
+    for verdict in verdicts:
+        item, name, protocol = verdict.scene_id, verdict.model, verdict.protocol
+        made_from = rule.made_from(item, name, protocol, is_reference=verdict.kind == "reference")
+        said = {
+            field: getattr(verdict, field) for field in ("is_ood", "aspect", "choice", "action")
+        }
         said = {field: value for field, value in said.items() if value is not None}
         key = rule.keys.of(episodes[protocol, item], protocol)
-        scored = rescored(one, key, GivenAnswers(name, said, protocol=protocol))
+        scored = rescored(verdict, key, GivenAnswers(name, said, protocol=protocol))
         scored = rescore_verdict(scored, key.path, {}, "", key.visible)
-        found.append(scored.model_copy(update={"kind": one.kind, "made_from": made_from}))
+        found.append(scored.model_copy(update={"kind": verdict.kind, "made_from": made_from}))
     return found

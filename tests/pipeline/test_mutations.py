@@ -20,4 +20,4 @@ def test_every_command_takes_the_whole_study(study) -> None:
 
 @pytest.mark.parametrize("seed", range(2))
 def test_broken_files_cost_one_line(study, seed) -> None:
-    assert [one for one in trials(study, 25, seed, most=1) if one.fault] == []
+    assert [trial for trial in trials(study, 25, seed, most=1) if trial.fault] == []

@@ -373,11 +373,15 @@ def test_a_small_baseline_of_ones_own_is_enough(tmp_path):
 
 def test_pruning_explains_every_node_and_ranks_the_way_back(study):
     decisions = study.decisions
-    assert [one.id for one in decisions] == [node.id for node, _ in study.tree("diverse").walk()]
-    assert all(one.reason and one.match for one in decisions)
-    assert {one.id for one in decisions if one.keep} == set(study.tree("simulatable").by_id)
+    assert [decision.id for decision in decisions] == [
+        node.id for node, _ in study.tree("diverse").walk()
+    ]
+    assert all(decision.reason and decision.match for decision in decisions)
+    assert {decision.id for decision in decisions if decision.keep} == set(
+        study.tree("simulatable").by_id
+    )
     found = study.restoration
     assert found.kept == len(study.tree("simulatable").leaves)
     restored = [leaf for step in found.sequence for leaf in step.paths]
-    dropped = {one.id for one in decisions if not one.keep and one.lacks}
+    dropped = {decision.id for decision in decisions if not decision.keep and decision.lacks}
     assert {*restored, *found.beyond} == dropped

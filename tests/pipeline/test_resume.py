@@ -219,8 +219,8 @@ def test_a_branch_that_is_kept_by_hand_gets_texts_and_the_others_stay(folder):
     assert gone["id"] not in {line["leaf"] for line in lines(folder, "scenarios.jsonl")}
     study = Study.open(folder)
     assert gone["id"] not in study.tree("simulatable").by_id
-    assert {scene.id for scene in study.scenes} == {one.id for one in study.scenarios}
-    assert {scene_of(one.id) for one in study.episodes} == {s.id for s in study.scenes}
+    assert {scene.id for scene in study.scenes} == {scenario.id for scenario in study.scenarios}
+    assert {scene_of(episode.id) for episode in study.episodes} == {s.id for s in study.scenes}
 
 
 def test_a_scene_that_was_changed_by_hand_and_lost_its_text_is_named(folder):
@@ -229,7 +229,7 @@ def test_a_scene_that_was_changed_by_hand_and_lost_its_text_is_named(folder):
     rewrite(folder, "scenes.jsonl", rows)
     texts = lines(folder, "scenarios.jsonl")
     decisions = lines(folder, "pruned.jsonl")
-    next(one for one in decisions if one["id"] == texts[0]["leaf"])["keep"] = False
+    next(decision for decision in decisions if decision["id"] == texts[0]["leaf"])["keep"] = False
     rewrite(folder, "pruned.jsonl", decisions)
     with pytest.raises(DataError, match=rows[0]["id"]):
         run(folder)

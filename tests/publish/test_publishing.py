@@ -59,7 +59,7 @@ def rows(data: Path, table: str) -> list[dict[str, Any]]:
 
 
 def test_every_drive_has_three_questions_with_its_own_pictures(study, data):
-    asked = {one.episode.scene_id: one for one in asked_drives(study)}
+    asked = {asked_drive.episode.scene_id: asked_drive for asked_drive in asked_drives(study)}
     drives = rows(data, "drives")
     assert {row["item"] for row in drives} == set(asked)
     held = {row["drive"]: row["frame_sha256"] for row in drives}
@@ -320,8 +320,10 @@ def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return another study's data set, of scenes with the same ids; its pictures have recorded hashes."""
     made = build_study(tmp_path_factory.mktemp("other") / "study", per_path=3, with_twins=True)
     episodes = list(made.store.lines("episodes.jsonl"))
-    for one in episodes:
-        one["file_sha256"] = {name: made.store.digest(name) for name in one["frames"].values()}
+    for episode in episodes:
+        episode["file_sha256"] = {
+            name: made.store.digest(name) for name in episode["frames"].values()
+        }
     made.store.write_lines("episodes.jsonl", episodes)
     return made.publish(tmp_path_factory.mktemp("others") / "data", forms=()).folder
 

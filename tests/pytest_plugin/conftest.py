@@ -90,7 +90,7 @@ def study(tmp_path_factory):
     with make_simulator("flat") as simulator:
         episodes = [simulate(one, simulator).episode for one in scenes[:1]]
     for name, rows in {"scenes": scenes, "scenarios": scenarios, "episodes": episodes}.items():
-        text = "".join(one.to_json() + "\n" for one in rows)
+        text = "".join(row.to_json() + "\n" for row in rows)
         (folder / f"{name}.jsonl").write_text(text, encoding="utf-8")
     (folder / "study.json").write_text('{"config": {"simulator": "flat"}}')
     return Study.open(folder)

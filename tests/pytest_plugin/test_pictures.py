@@ -52,7 +52,7 @@ drives = st.tuples(
 
 @example([("a", "t.py::test[a]", "d", 0), ("a", "t.py::Test::test[a]", "d", 0)])
 @example([("a", "t.py::test", "d", 1), ("a", "t.py::test", "d", 11)])
-@given(st.lists(drives, min_size=2, max_size=4, unique_by=lambda one: (one[1], one[3])))
+@given(st.lists(drives, min_size=2, max_size=4, unique_by=lambda drive: (drive[1], drive[3])))
 def test_no_two_drives_share_a_name_and_every_file_system_takes_it(made) -> None:
     stems = [picture_stem(*one) for one in made]
     assert len({stem.lower() for stem in stems}) == len(made)

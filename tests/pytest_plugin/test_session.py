@@ -52,7 +52,7 @@ def test_scenes_have_readable_ids_and_marks(session, study):
         found = session("Blind", "--collect-only", "-q", "-k", "test_safe", *options).outlines
         return [line.partition("::")[2] for line in found if "::" in line]
 
-    box, other, kerb = (f"test_safe[{one.id}]" for one in study.scenes)
+    box, other, kerb = (f"test_safe[{scene.id}]" for scene in study.scenes)
     assert collected() == [box, other, kerb]
     assert collected("-m", "path_box_in_the_lane") == [box, other]
     assert collected("-m", "path_boxes and not path_box_in_the_lane") == [kerb]

@@ -262,18 +262,20 @@ def test_what_models_wrote_stays_text(
     bad = HOSTILE.replace("\x00", "").replace("\x1b", "")
     link = "javascript:alert(3)"
     verdicts = [
-        one.model_copy(
+        verdict.model_copy(
             update={
-                "model": f"{bad}m", "id": f"{one.scene_id}@{bad}m", "aspect": bad, "reasoning": link,
+                "model": f"{bad}m", "id": f"{verdict.scene_id}@{bad}m", "aspect": bad, "reasoning": link,
                 "descriptions": (bad, link, "\u202egnp.exe"), "notes": (bad,), "contradiction": bad,
                 "choice": bad, "error": bad,
             }
         )
-        if one.kind == "model" else one
-        for one in study.verdicts
+        if verdict.kind == "model" else verdict
+        for verdict in study.verdicts
     ]  # fmt: skip
     study.store.write_lines("verdicts.jsonl", as_made(study, verdicts))
-    scenarios = [one.model_copy(update={"text": bad, "ordinary": bad}) for one in study.scenarios]
+    scenarios = [
+        scenario.model_copy(update={"text": bad, "ordinary": bad}) for scenario in study.scenarios
+    ]
     study.store.write_lines("scenarios.jsonl", scenarios)
     lines = (study.folder / "verdicts.jsonl").read_text("utf-8")
     (study.folder / "verdicts.jsonl").write_text(lines.replace("gnp.exe", "\\u0000gnp"), "utf-8")

@@ -324,10 +324,13 @@ def test_what_models_wrote_is_escaped(study: Study) -> None:
     )
     edit(study, "study.json", lambda text: text.replace('"builtin"', f'"{quoted}{NUL}"'))
     said = [
-        one.model_copy(
-            update={"id": verdict_id(one.scene_id, one.model), "action": one.action and "stop"}
+        stored_verdict.model_copy(
+            update={
+                "id": verdict_id(stored_verdict.scene_id, stored_verdict.model),
+                "action": stored_verdict.action and "stop",
+            }
         )
-        for one in study.stored_verdicts
+        for stored_verdict in study.stored_verdicts
     ]
     study.store.write_lines("verdicts.jsonl", as_made(study, said))
     source = study.write_report().read_text(encoding="utf-8")

@@ -92,7 +92,7 @@ def test_only_ordinary_traffic_behind_slows_with_the_ego(share):
         for name, ahead in (("behind", -20.0), ("ahead", 30.0))
     ]
     slowed = _slow_ego(changed_scene(scene, actors=(*scene.actors, *cars)), share)
-    speeds = {one.id: one.behaviour.parameters.get("speed") for one in slowed.actors}
+    speeds = {actor.id: actor.behaviour.parameters.get("speed") for actor in slowed.actors}
     assert speeds == {"box": None, "behind": 8.0 * share, "ahead": 8.0}
     assert slowed.ego.speed == scene.ego.speed * share
 
@@ -139,8 +139,10 @@ def test_a_distance_in_the_text_bounds_how_early_a_decision_may_come(flat, metre
     catalogue = flat.catalogue()
     scene = example_scene()
     told = (THERE, said("distance", str(metres), subject="box"))
-    known = {one.claim for one in mismatches(check_claims(told, scene, catalogue))}
+    known = {mismatch.claim for mismatch in mismatches(check_claims(told, scene, catalogue))}
     for variant, _ in variants(scene, catalogue, is_too_easy=False):
-        new = {one.claim for one in mismatches(check_claims(told, variant, catalogue))} - known
+        new = {
+            mismatch.claim for mismatch in mismatches(check_claims(told, variant, catalogue))
+        } - known
         assert bool(contradiction(told, scene, variant, catalogue)) == bool(new)
         assert contradiction((), scene, variant, catalogue) == ""

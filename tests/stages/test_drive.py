@@ -77,10 +77,10 @@ class Raising:
 @pytest.mark.parametrize("error", [Mute, Halved])
 def test_an_error_is_recorded_whatever_its_text_holds(simulator, error):
     results = drive([example_scene()], lambda: Raising(error()), simulator, name="raising")
-    assert [one.error_type for one in results] == [error.__name__] * 2
-    for one in results:
-        assert DriveResult.parse(one.to_json()) == one
-        assert "opensesame" not in one.error
+    assert [result.error_type for result in results] == [error.__name__] * 2
+    for result in results:
+        assert DriveResult.parse(result.to_json()) == result
+        assert "opensesame" not in result.error
 
 
 @pytest.mark.parametrize(
@@ -95,8 +95,8 @@ def test_an_error_without_words_of_its_own_has_its_name(simulator, error, said):
 @pytest.mark.parametrize(("driver", "error"), [(Broken, "RuntimeError"), (Wild, "UsageError")])
 def test_a_driver_that_fails_is_a_result(simulator, driver, error):
     results = drive([example_scene()], driver, simulator)
-    assert [one.error_type for one in results] == [error, error]
-    assert all(one.status == "failed" and not one.passed for one in results)
+    assert [result.error_type for result in results] == [error, error]
+    assert all(result.status == "failed" and not result.passed for result in results)
 
 
 def test_a_factory_that_makes_no_driver_is_told_so(simulator):

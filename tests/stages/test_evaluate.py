@@ -85,7 +85,7 @@ def test_questions_stand_alone_and_state_what_no_frame_shows(frames):
             "choose-action",
         ]
         for request in llm.requests:
-            (question,) = (one for one in request.messages if one.role == "user")
+            (question,) = (message for message in request.messages if message.role == "user")
             assert len(question.images) == len(MOMENTS)
             assert "0.0 s, 1.2 s, 2.4 s after the start" in question.text
             assert "drives at 13.9 m/s (50 km/h)" in question.text
@@ -102,13 +102,13 @@ def test_the_view_to_the_rear_comes_after_the_frames_and_is_named(frames, tmp_pa
         evaluate(EPISODE, frames, llm, path=PATH, rear=shown)
         for request in llm.requests:
             question = request.messages[-1]
-            assert [one.name for one in question.images[3:]] == ["rear"] * (shown is not None)
+            assert [image.name for image in question.images[3:]] == ["rear"] * (shown is not None)
             assert ("looks back" in question.text) == (shown is not None)
     llm = ScriptedLLM(answers())
     evaluate(EPISODE, frames, llm, path=PATH, rear=rear, chain=True)
-    names = [[one.name for one in request.messages[-1].images] for request in llm.requests]
+    names = [[image.name for image in request.messages[-1].images] for request in llm.requests]
     assert names[-2:] == [["rear"], ["rear"]]
-    assert not any("rear" in one for one in names[:-2])
+    assert not any("rear" in name for name in names[:-2])
 
 
 def test_of_what_is_unknown_nothing_is_said(frames):

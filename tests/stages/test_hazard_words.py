@@ -45,8 +45,8 @@ def test_poses_are_told_as_what_somebody_does_and_parts_as_what_is_seen():
         ("car", {"parts": ["bonnet_open"], "colour": "pink"}),
     ):
         actors = tuple(
-            Actor.parse({**one.model_dump(), "asset": asset, "details": details})
-            for one in scene.actors
+            Actor.parse({**actor.model_dump(), "asset": asset, "details": details})
+            for actor in scene.actors
         )
         told += visible_of(actors, scene.hazard, scene.weather, scene.ego, scene.map, catalogue)
     assert [(one.what, one.doing) for one in told] == [

@@ -236,7 +236,9 @@ def test_without_rehearsals_only_the_reaction_time_varies(result):
 def test_facts_of_the_decision_are_recorded(flat, result):
     episode = result.episode
     assert episode.ego_speed_mps == pytest.approx(float(result.states[-1].speeds[0]), abs=1e-3)
-    assert [episode.frame_times_s[one] for one in MOMENTS] == sorted(episode.frame_times_s.values())
+    assert [episode.frame_times_s[moment] for moment in MOMENTS] == sorted(
+        episode.frame_times_s.values()
+    )
     assert episode.frame_times_s["last"] == episode.decision_s
     assert episode.follower is None
     scene = example_scene()

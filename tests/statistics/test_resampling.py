@@ -168,7 +168,7 @@ def test_clusters_are_counted_and_summed(clusters: list[str], data: st.DataObjec
     there = {one for one, kept in zip(clusters, mask, strict=True) if kept}
     assert resampler.count(mask) == len(there)
     values = np.arange(float(len(clusters)))
-    sums = {c: values[[one == c for one in clusters]].sum() for c in sorted(set(clusters))}
+    sums = {c: values[[cluster == c for cluster in clusters]].sum() for c in sorted(set(clusters))}
     assert resampler.summed(values[:, None])[:, 0].tolist() == list(sums.values())
 
 

@@ -168,7 +168,7 @@ def test_readers_refuse_in_one_line_and_the_run_mends_it(out, tmp_path, values):
             read_it()
     run_study(out, CONFIG, models=models())
     assert not stale(out)
-    assert {one.action for one in study.verdicts if one.model == "mine"} == {"stop"}
+    assert {verdict.action for verdict in study.verdicts if verdict.model == "mine"} == {"stop"}
 
 
 def test_the_report_says_what_it_leaves_out_and_grades_nobody(out):
@@ -179,15 +179,15 @@ def test_the_report_says_what_it_leaves_out_and_grades_nobody(out):
     page = (out / "report.html").read_text()
     assert f"{len(ids)} verdicts (mine) do not belong" in page
     assert "Against the requirement" not in page
-    left = {one.id for one in read(Study.open(out)).verdicts}
-    assert left == {one.id for one in Study.open(out).stored_verdicts} - ids
+    left = {verdict.id for verdict in read(Study.open(out)).verdicts}
+    assert left == {stored_verdict.id for stored_verdict in Study.open(out).stored_verdicts} - ids
 
 
 def test_the_verdicts_on_a_model_can_be_taken_out_instead(out):
     change(out, "mine", made_from="0" * 64)
     drop_models(Study.open(out), ["mine"])
     assert not stale(out)
-    assert {one.model for one in Study.open(out).verdicts} >= {"other", "human:Ada"}
+    assert {verdict.model for verdict in Study.open(out).verdicts} >= {"other", "human:Ada"}
 
 
 def test_a_changed_episode_makes_its_verdicts_stale_and_those_of_the_references(out):
@@ -199,9 +199,10 @@ def test_a_changed_episode_makes_its_verdicts_stale_and_those_of_the_references(
             line["actions"]["stop"]["safe"] = not line["actions"]["stop"]["safe"]
     store.write_lines("episodes.jsonl", lines)
     assert stale(out) == {
-        one.id
-        for one in Study.open(out).stored_verdicts
-        if one.kind == "reference" or (one.scene_id == name and one.protocol == "ours")
+        stored_verdict.id
+        for stored_verdict in Study.open(out).stored_verdicts
+        if stored_verdict.kind == "reference"
+        or (stored_verdict.scene_id == name and stored_verdict.protocol == "ours")
     }
 
 

@@ -288,7 +288,10 @@ def test_pixels_that_do_not_repeat_pass_when_only_states_count() -> None:
 
 def test_what_cannot_be_tried_says_why() -> None:
     plain = type("Plain", (Small,), {"snapshot": None, "restore": None})
-    results = {one.part: one for one in examine_parts(plain, parts=("snapshot", "catalogue"))}
+    results = {
+        examine_part.part: examine_part
+        for examine_part in examine_parts(plain, parts=("snapshot", "catalogue"))
+    }
     assert results["snapshot"].inapplicable
     assert results["snapshot"].holds
     assert not results["catalogue"].inapplicable
@@ -418,7 +421,7 @@ def test_threads_and_processes_that_stay_are_found() -> None:
         for process in started:
             process.kill()
             process.wait()
-    assert [one.message for one in result.findings] == [
+    assert [finding.message for finding in result.findings] == [
         "10 resets leave 6 threads behind",
         "10 resets leave 6 processes behind",
         "close leaves threads behind: poller",

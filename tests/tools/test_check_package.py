@@ -34,7 +34,9 @@ def packages(extra: str) -> set[str]:
 def test_every_extra_promises_a_module_of_every_package() -> None:
     assert set(PROMISES) == set(EXTRAS) - TOGETHER
     for extra, modules in PROMISES.items():
-        found = {PACKAGE.get(one, one) for one in modules if not one.startswith("oodscen")}
+        found = {
+            PACKAGE.get(module, module) for module in modules if not module.startswith("oodscen")
+        }
         assert found == packages(extra), extra
 
 
@@ -44,7 +46,7 @@ def test_an_error_about_a_missing_package_names_an_extra_that_has_it() -> None:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             called = node.func if isinstance(node, ast.Call) else None
             if getattr(called, "id", "") == "MissingExtra":
-                values = [one.value for one in node.args[1:3] if isinstance(one, ast.Constant)]
+                values = [arg.value for arg in node.args[1:3] if isinstance(arg, ast.Constant)]
                 if len(values) == 2:
                     seen += 1
                     assert PACKAGE.get(values[1], values[1]) in packages(values[0]), path

@@ -16,5 +16,5 @@ def test_shipped_sizes_are_measured(name: str) -> None:
 
 def test_shipped_grips_are_where_the_hands_are() -> None:
     assert CATALOGUE.details is not None
-    grips = {one.id: list(one.grip.at) for one in CATALOGUE.details.poses if one.grip}
+    grips = {pose.id: list(pose.grip.at) for pose in CATALOGUE.details.poses if pose.grip}
     assert grips == {name: detail_sizes.grip_of(name) for name in grips}

@@ -96,8 +96,8 @@ def test_an_empty_tree_is_an_empty_list():
 
 def test_who_decided_turns_no_text_of_the_page_around():
     edits = [
-        one.model_copy(update={"model": "gnp.\u202eexe", "reason": "\u2066so"})
-        for one in chain(3).edits
+        edit.model_copy(update={"model": "gnp.\u202eexe", "reason": "\u2066so"})
+        for edit in chain(3).edits
     ]
     page = to_page(ScenarioTree(edits))
     assert "\\u202eexe" in page

@@ -151,7 +151,9 @@ def test_a_lookalike_within_a_word_is_refused(label, data):
 
 def test_no_label_of_the_knowledge_base_is_refused():
     hazards = load_knowledge().hazards
-    labels = {text for one in hazards for text in (one.label, one.wider, one.family) if text}
+    labels = {
+        text for hazard in hazards for text in (hazard.label, hazard.wider, hazard.family) if text
+    }
     assert len(labels) > 300
     assert [label for label in labels if label_fault(label)] == []
 
@@ -193,7 +195,9 @@ LETTERS = "".join(map(chr, [*range(0x20, 0x250), *range(0x370, 0x530), *range(0x
 
 
 def test_every_letter_is_the_same_word_in_either_case():
-    differing = [one for one in LETTERS if same_words(one.upper()) != same_words(one.lower())]
+    differing = [
+        letter for letter in LETTERS if same_words(letter.upper()) != same_words(letter.lower())
+    ]
     assert differing == [DOTLESS]
 
 

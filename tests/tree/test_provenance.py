@@ -14,7 +14,7 @@ from tests.tree.woods import few, trees
 def test_every_edit_belongs_to_the_history_of_one_node(tree):
     found = provenances(tree, {edit.node for edit in tree.edits})
     decisions = [one for item in found.values() for one in (item.origin, *item.later)]
-    assert sorted(one.index for one in decisions) == list(range(len(tree.edits)))
+    assert sorted(decision.index for decision in decisions) == list(range(len(tree.edits)))
     for item in found.values():
         assert item.origin.edit.op == "add"
         assert item.is_present == (item.node in tree.by_id)

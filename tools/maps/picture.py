@@ -147,7 +147,7 @@ def _offset(road: Corridor, t: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def main(arguments: Sequence[str]) -> None:
     """Draw all shipped maps into a folder."""
-    if len(arguments) > 1 or any(one.startswith("-") for one in arguments):
+    if len(arguments) > 1 or any(argument.startswith("-") for argument in arguments):
         sys.exit("usage: python -m tools.maps.picture [FOLDER]")
     folder = Path(arguments[0]) if arguments else Path("docs/pictures/maps")
     folder.mkdir(parents=True, exist_ok=True)

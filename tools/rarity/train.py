@@ -111,14 +111,14 @@ def rated(folder: Path) -> Rated:
         lines = (WRITTEN / f"{name}.tsv").read_text(encoding="utf-8").splitlines()
         for number, line in enumerate(lines):
             fields = line.split("\t")
-            told, figures = fields[1::2], [float(one) for one in fields[::2]]
+            told, figures = fields[1::2], [float(field) for field in fields[::2]]
             texts += told
             values += figures
             count = len(told)
             coarse += ["incidents" if name == "incidents" else "pairs"] * count
             fine += [f"pairs {number // 240 + 1}" if name == "pairs" else name] * count
             twin += [False] * count
-            event += [f"{number} {one}" if name == "wordings" else "" for one in fields[::2]]
+            event += [f"{number} {field}" if name == "wordings" else "" for field in fields[::2]]
             is_plain += [True] * count
     for line in (WRITTEN / "hands.tsv").read_text(encoding="utf-8").splitlines():
         hand, value, text = line.split("\t")
@@ -319,9 +319,9 @@ def interval(best: np.ndarray, values: np.ndarray, origins: np.ndarray) -> np.nd
 
     Every hand counts alike, and the parts of the baseline, all of them ordinary, count as one.
     """
-    hands = [_HANDS.get(one, one).partition(",")[0] for one in origins]
+    hands = [_HANDS.get(origin, origin).partition(",")[0] for origin in origins]
     count = collections.Counter(hands)
-    weights = np.array([1.0 / count[one] for one in hands]) * len(best) / len(count)
+    weights = np.array([1.0 / count[hand] for hand in hands]) * len(best) / len(count)
     rows = np.stack([np.ones_like(best), best], axis=1)
     bounds = np.stack([np.zeros_like(best), weights], axis=1)
     found = [

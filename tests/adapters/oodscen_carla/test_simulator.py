@@ -178,7 +178,9 @@ def test_a_missing_server_and_other_versions_are_refused(server, monkeypatch):
 
 def example_on_town():
     """Return the example with a blueprint of CARLA's own catalogue."""
-    actors = tuple(one.model_copy(update={"asset": "static.prop.box01"}) for one in SCENE.actors)
+    actors = tuple(
+        actor.model_copy(update={"asset": "static.prop.box01"}) for actor in SCENE.actors
+    )
     return SCENE.model_copy(update={"actors": actors})
 
 
@@ -202,7 +204,7 @@ def test_an_unknown_blueprint_is_refused(simulator, monkeypatch):
 
 def test_assets_get_the_blueprint_of_the_same_thing_or_of_their_size():
     known = load_catalogue()
-    offered = {one.id for one in known.assets}
+    offered = {asset.id for asset in known.assets}
     wanted = PyBulletSimulator().catalogue().assets
     chosen = {one.id: blueprint_of(one, offered, known.assets) for one in wanted}
     assert chosen["fire_truck"] == "vehicle.carlamotors.firetruck"

@@ -453,7 +453,9 @@ def test_every_text_of_the_author_names_what_its_scene_must_show(knowledge):
 @pytest.mark.parametrize("thing", ["plough", "lamps", "chains", "light"])
 def test_weather_that_only_describes_a_thing_is_no_weather(weather, real, thing):
     told = [
-        one for one in read_claims(f"A {weather} {thing} stands ahead.") if one.kind == "weather"
+        read_claim
+        for read_claim in read_claims(f"A {weather} {thing} stands ahead.")
+        if read_claim.kind == "weather"
     ]
     assert not told
     told = read_claims(f"A {weather} {thing} stands ahead in {real}.")

@@ -24,7 +24,7 @@ CAR = StandIn(("car",), True, "a car drives ahead")
 
 
 def recipe() -> Recipe:
-    return next(one.stage for one in load_knowledge().hazards if one.stage is not None)
+    return next(hazard.stage for hazard in load_knowledge().hazards if hazard.stage is not None)
 
 
 def staged(speed: float, lane: int = 0) -> Layout:

@@ -31,7 +31,7 @@ def crowd(seed: int) -> Scene:
     for index in rng.permutation(len(BEHAVIOURS))[:7].tolist():
         kind = BEHAVIOURS[index]
         category = kind.categories[int(rng.integers(len(kind.categories)))]
-        assets = [one.id for one in CATALOGUE.assets if one.category == category] or ["car"]
+        assets = [asset.id for asset in CATALOGUE.assets if asset.category == category] or ["car"]
         parameters = {
             name: float(rng.uniform(one.minimum, one.maximum))
             for name, one in kind.parameters.items()

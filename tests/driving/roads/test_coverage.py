@@ -84,10 +84,10 @@ def test_signals_face_those_whom_they_address(name: str, kind: str, number: int)
 
 
 def test_structures_and_paint_lie_on_the_road() -> None:
-    assert [(one.kind, one.start, one.end) for one in MAPS["tunnel"].structures] == [
-        ("tunnel", 260.0, 460.0)
-    ]
-    assert [one.kind for one in MAPS["bridge"].structures] == ["bridge"]
+    assert [
+        (structure.kind, structure.start, structure.end) for structure in MAPS["tunnel"].structures
+    ] == [("tunnel", 260.0, 460.0)]
+    assert [structure.kind for structure in MAPS["bridge"].structures] == ["bridge"]
     paint = MAPS["urban_junction"].crosswalks
     assert {one.kind for one in paint} == {"crosswalk", "stop_line"}
     for one in paint:

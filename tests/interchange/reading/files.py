@@ -112,4 +112,4 @@ def read(folder, text, own_road=ROAD, **options):
 
 
 def notes(found):
-    return [str(one) for one in found.omissions]
+    return [str(omission) for omission in found.omissions]

@@ -83,7 +83,7 @@ def test_what_stands_and_does_nothing_else_starts_at_once(tmp_path):
     found = read(tmp_path, cars(event(speed(7), by_entity(near(20, "zz"))), first=0.0))
     does = found.scene.actors[0].behaviour
     assert (does.name, does.parameters) == ("follow_lane", {"speed": 7.0})
-    assert any("a does this at once" in one for one in notes(found))
+    assert any("a does this at once" in note for note in notes(found))
 
 
 def state(name, what, kind="event"):
@@ -109,7 +109,7 @@ def test_waiting_for_an_event_is_waiting_for_its_time(tmp_path, seconds, delay):
     assert trigger(found) == ("time", pytest.approx(seconds + delay, abs=0.0011), None)
     found = read(tmp_path, chain(state("f", "completeState"), at(seconds)))
     assert trigger(found) == ("time", pytest.approx(seconds + 2, abs=0.0011), None)
-    assert any("its end is read as the time" in one for one in notes(found))
+    assert any("its end is read as the time" in note for note in notes(found))
 
 
 def test_waiting_for_an_event_by_distance_is_waiting_for_that_distance(tmp_path):
@@ -131,7 +131,7 @@ def test_waiting_for_an_event_by_distance_is_waiting_for_that_distance(tmp_path)
 def test_an_event_that_waits_for_nothing_known_is_left_out(text, tmp_path):
     found = read(tmp_path, text)
     assert found.scene.actors[0].behaviour.name == "follow_lane"
-    assert any("a does not do this" in one for one in notes(found))
+    assert any("a does not do this" in note for note in notes(found))
 
 
 def test_long_chains_of_events_are_left_out(tmp_path):
@@ -159,7 +159,7 @@ def test_a_brake_is_one_also_at_the_start(begins, seconds, name, tmp_path):
 def test_a_first_speed_that_an_event_replaces_is_noted(tmp_path):
     found = read(tmp_path, cars(event(speed(9), at(0))))
     assert found.scene.actors[0].behaviour.parameters == {"speed": 9.0}
-    assert any("9 m/s, in place of 5 m/s" in one for one in notes(found))
+    assert any("9 m/s, in place of 5 m/s" in note for note in notes(found))
 
 
 @pytest.mark.parametrize(
@@ -179,14 +179,14 @@ def test_a_delay_after_a_distance_is_noted_and_after_a_time_added(tmp_path):
     assert trigger(found) == ("time", 5.0, None)
     found = read(tmp_path, cars(event(STOP, by_entity(near(20)), delay=2)))
     assert trigger(found) == ("distance", 20.0, None)
-    assert any("the delay of 2 s" in one for one in notes(found))
+    assert any("the delay of 2 s" in note for note in notes(found))
 
 
 @pytest.mark.parametrize(("seconds", "kept"), [(1e6, 500.0), (-3, 0.0)])
 def test_a_time_beyond_a_scene_is_noted(seconds, kept, tmp_path):
     found = read(tmp_path, cars(event(STOP, at(seconds))))
     assert trigger(found)[1] == kept
-    assert any(f"is read as {kept:g}" in one for one in notes(found))
+    assert any(f"is read as {kept:g}" in note for note in notes(found))
 
 
 def act(condition, tag="StartTrigger"):
@@ -201,7 +201,7 @@ def test_an_event_starts_after_its_act(tmp_path):
     found = read(tmp_path, cars(event(STOP, at(0), act=act(by_entity(near(20))))))
     assert trigger(found) == ("distance", 20.0, None)
     found = read(tmp_path, cars(event(STOP, by_entity(near(20)), act=act(at(5)))))
-    assert any("the act starts by a time" in one for one in notes(found))
+    assert any("the act starts by a time" in note for note in notes(found))
 
 
 @pytest.mark.parametrize(
@@ -225,7 +225,7 @@ def test_only_what_the_ego_does_at_once_is_its_first_speed(condition, kept, tmp_
 
 def test_what_ends_an_act_is_noted(tmp_path):
     found = read(tmp_path, cars(event(STOP, at(3), act=act(at(1), "StopTrigger"))))
-    assert any("StopTrigger: is not read" in one for one in notes(found))
+    assert any("StopTrigger: is not read" in note for note in notes(found))
 
 
 def test_the_event_of_an_entity_that_does_not_exist_is_noted(tmp_path):
@@ -240,7 +240,7 @@ def test_a_change_to_a_lane_that_does_not_exist_is_left_out(tmp_path):
     )
     found = read(tmp_path, cars(event(change, at(3))))
     assert found.scene.actors[0].behaviour.name == "follow_lane"
-    assert any("road '1' has no lane 9" in one for one in notes(found))
+    assert any("road '1' has no lane 9" in note for note in notes(found))
 
 
 # ------------------------------------------------------------------ courses
@@ -304,7 +304,7 @@ def test_a_later_start_of_a_course_is_kept_or_noted(kind, first, condition, tmp_
     body = entity("a", "pedestrian", 0.0, 0.5, 0.6)
     found = read(tmp_path, text.replace(body, entity("a").replace('="car"', f'="{kind}"')))
     does = found.scene.actors[0].behaviour
-    is_lost = any("the first speed" in one and "are left out" in one for one in notes(found))
+    is_lost = any("the first speed" in note and "are left out" in note for note in notes(found))
     assert is_lost or (does.name == "cross_road" and does.trigger != Trigger())
 
 
@@ -323,7 +323,7 @@ def test_a_pause_within_a_course_is_noted(tmp_path):
         f'<Vertex time="7.5"><Position>{world(250, -7, 1.5708)}</Position></Vertex><Vertex time="8"'
     )
     found = read(tmp_path, course(timing()).replace('<Vertex time="8"', middle))
-    assert any("is read at its mean speed" in one for one in notes(found))
+    assert any("is read at its mean speed" in note for note in notes(found))
 
 
 def test_times_without_a_reference_do_not_count_for_what_moves(tmp_path):
@@ -348,7 +348,7 @@ def from_catalogue(folder, content, name="C"):
 
 def test_an_entry_that_occurs_twice_is_noted(tmp_path):
     found = from_catalogue(tmp_path, CAR + CAR)
-    assert any("the entry 'v' occurs 2 times" in one for one in notes(found))
+    assert any("the entry 'v' occurs 2 times" in note for note in notes(found))
 
 
 @pytest.mark.parametrize(
@@ -370,7 +370,7 @@ def test_the_cause_of_a_missing_entry_is_named(content, name, why, tmp_path):
 
 def test_what_is_not_read_of_an_entry_has_its_file(tmp_path):
     found = from_catalogue(tmp_path, CAR.replace("/>", '><Trailer mass="3"/></Vehicle>'))
-    assert any("line 1 of c.xosc: Trailer: is not read" in one for one in notes(found))
+    assert any("line 1 of c.xosc: Trailer: is not read" in note for note in notes(found))
 
 
 @pytest.mark.parametrize("path", ["cars", "../outside/cars"])
@@ -396,7 +396,7 @@ def test_a_time_to_contact_is_noted(tmp_path):
     for freespace, is_told in (("true", True), ("false", False)):
         found = read(tmp_path, crowd(by_entity(condition.format(freespace))))
         assert trigger(found) == ("ttc", 2.0, None)
-        told = any("TimeToCollisionCondition: the time to contact" in one for one in notes(found))
+        told = any("TimeToCollisionCondition: the time to contact" in note for note in notes(found))
         assert told is is_told
 
 
@@ -408,6 +408,6 @@ def test_a_synchronised_arrival_is_noted(tmp_path):
     )
     found = read(tmp_path, cars(event(action, at(2))))
     assert found.scene.actors[0].behaviour.name == "follow_lane"
-    (told,) = [one for one in notes(found) if "SynchronizeAction" in one]
+    (told,) = [note for note in notes(found) if "SynchronizeAction" in note]
     assert told.startswith("line ")
     assert "no behaviour does this" in told

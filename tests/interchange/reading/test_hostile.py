@@ -122,7 +122,7 @@ def test_unknown_elements_are_listed_and_passed_over(foreign):
     odd = '<LateralAction><TeleportToMars speed="9"/></LateralAction>'
     weird = FOREIGN.replace("<StopTrigger/>", "<Unknown><Unknown/></Unknown><StopTrigger/>")
     found = foreign(weird, ACTION=odd)
-    assert any(one.path.endswith("TeleportToMars") for one in found.omissions)
+    assert any(omission.path.endswith("TeleportToMars") for omission in found.omissions)
 
 
 def test_a_catalogue_that_refers_to_itself_is_refused(foreign, tmp_path):

@@ -165,7 +165,7 @@ def test_a_place_in_the_world_is_the_same_as_on_its_road(tmp_path, s, number):
     """Also in bends, where the nearest point of the reference line has to be found."""
     roads = MappedRoads(read_network(ROAD, source="road"))
     poses = [roads.at(None, "1", one, number, 0.0) for one in (s, s + 40)]
-    own, its = (world(one.x, one.y, one.heading) for one in poses)
+    own, its = (world(pose.x, pose.y, pose.heading) for pose in poses)
     there = read(tmp_path, cars(ego_place=own, place=its)).scene
     along = read(tmp_path, cars(ego_place=lane(s, number), place=lane(s + 40, number))).scene
     assert there.ego == along.ego
@@ -225,7 +225,7 @@ def test_a_lane_change_from_off_all_lanes_is_left_out(place, is_known, tmp_path)
     change = event(to_lane('<AbsoluteTargetLane value="-2"/>'), at(2))
     found = read(tmp_path, cars(change, place=place, ego_place=lane(60)))
     assert (found.scene.actors[0].behaviour.name == "cut_in") is is_known
-    told = any("LaneChangeAction: the lane is not known" in one for one in notes(found))
+    told = any("LaneChangeAction: the lane is not known" in note for note in notes(found))
     assert told is not is_known
 
 
@@ -259,7 +259,7 @@ def test_a_mirrored_road_gives_the_mirrored_scene(tmp_path, s, apart, own, its, 
             place=lane(s + apart, side * its, side * offset),
         )
         scenes.append(read(tmp_path, text, road).scene)
-    (plain,), (mirrored,) = (one.actors for one in scenes)
+    (plain,), (mirrored,) = (scene.actors for scene in scenes)
     assert mirrored.placement.ahead_m == pytest.approx(plain.placement.ahead_m, abs=0.0011)
     assert mirrored.placement.lane == -plain.placement.lane
     assert mirrored.placement.offset_m == pytest.approx(-plain.placement.offset_m, abs=0.0011)
@@ -332,7 +332,7 @@ def test_the_last_of_several_starts_counts(tmp_path, places, split):
     text = file([entity("ego"), entity("a")], [start("ego", lane(200), 10), *others])
     found = read(tmp_path, text)
     assert found.scene.actors[0].placement.ahead_m == pytest.approx(places[-1] - 200, abs=0.0011)
-    again = [one for one in notes(found) if "'a' is placed again later" in one]
+    again = [note for note in notes(found) if "'a' is placed again later" in note]
     assert len(again) == len(places) - 1
     assert all(one.startswith("line ") and ": Position: " in one for one in again)
 
@@ -354,7 +354,9 @@ def test_a_last_start_that_cannot_be_read_is_not_replaced_by_an_earlier_one(tmp_
 def test_a_speed_is_kept_or_noted(tmp_path, value):
     found = read(tmp_path, cars(first=value))
     kept = found.scene.actors[0].behaviour.parameters.get("speed", 0.0)
-    assert kept == pytest.approx(value, abs=0.1) or any("is read as" in one for one in notes(found))
+    assert kept == pytest.approx(value, abs=0.1) or any(
+        "is read as" in note for note in notes(found)
+    )
 
 
 SKIES = {
@@ -448,7 +450,7 @@ def test_unknown_words_of_a_speed_are_noted(target, tmp_path):
 
 def test_unknown_words_of_a_place_or_a_person_are_noted(tmp_path):
     place = lane(250).replace("/>", '><Orientation type="purple" h="0.1"/></LanePosition>')
-    assert any("type='purple'" in one for one in notes(read(tmp_path, cars(place=place))))
+    assert any("type='purple'" in note for note in notes(read(tmp_path, cars(place=place))))
     starts = [start("ego", lane(200), 10), start("a", lane(250))]
     person = entity("a", "pedestrian", 0.0, 0.5, 0.6).replace('="pedestrian"', '="purple"')
     found = notes(read(tmp_path, file([entity("ego"), person], starts)))
@@ -464,11 +466,11 @@ def test_a_place_relative_to_itself_moves_an_entity_from_where_it_was(tmp_path, 
     found = read(tmp_path, text)
     expected = pytest.approx(60.0 + sum(steps), abs=0.01)
     assert found.scene.actors[0].placement.ahead_m == expected
-    assert not [one for one in notes(found) if "placed again" in one]
+    assert not [note for note in notes(found) if "placed again" in note]
 
 
 @pytest.mark.parametrize("name", ["NA", "null", "nan", "no", "Nothing"])
 def test_entities_may_have_the_name_of_a_missing_value(tmp_path, name):
     starts = [start("ego", lane(200), 10), start(name, lane(250), 5)]
     found = read(tmp_path, file([entity("ego"), entity(name)], starts))
-    assert [one.id for one in found.scene.actors] == [f"{name.lower()}-2"]
+    assert [actor.id for actor in found.scene.actors] == [f"{name.lower()}-2"]

@@ -86,7 +86,7 @@ DEFAULTS = {
 def foreign(tmp_path):
     """Return a function that reads a file of somebody else with parts replaced."""
     road = to_openscenario(
-        next(one for one in SCENES if one.map == "urban_three_lane"), catalogue()
+        next(scene for scene in SCENES if scene.map == "urban_three_lane"), catalogue()
     ).road
     (tmp_path / "road.xodr").write_bytes(road.content)
 
@@ -172,7 +172,7 @@ def test_a_changed_export_is_read_by_its_elements(tmp_path):
     path.write_text(text.replace(was, 'frictionScaleFactor="0.5"'))
     found = read_openscenario(path, catalogue())
     assert found.scene.weather.friction == 0.5
-    assert [one.asset for one in found.scene.actors] == [one.asset for one in scene.actors]
+    assert [actor.asset for actor in found.scene.actors] == [actor.asset for actor in scene.actors]
     for mine, its in zip(scene.actors, found.scene.actors, strict=True):
         assert its.placement.ahead_m == pytest.approx(mine.placement.ahead_m, abs=2.5)
     assert any("changed" in issue.message for issue in found.omissions)
@@ -205,8 +205,8 @@ def test_two_entities_of_one_name_are_refused(foreign):
 @pytest.mark.parametrize("minor", ["", "4", "99"])
 def test_an_unknown_minor_version_is_noted(minor, foreign):
     found = foreign(FOREIGN.replace('revMinor="0"', f'revMinor="{minor}"'))
-    assert any("version" in one.message for one in found.omissions)
-    assert not any("version" in one.message for one in foreign().omissions)
+    assert any("version" in omission.message for omission in found.omissions)
+    assert not any("version" in omission.message for omission in foreign().omissions)
 
 
 def test_a_file_of_others_is_read_as_far_as_the_vocabulary_goes(foreign):
@@ -262,8 +262,8 @@ def test_what_is_left_out_has_its_line_and_element(foreign):
     odd = "<LateralAction><LaneOffsetAction continuous='true'/></LateralAction>"
     found = foreign(ACTION=odd)
     assert any(
-        one.path.startswith("line ") and one.path.endswith("LaneOffsetAction")
-        for one in found.omissions
+        omission.path.startswith("line ") and omission.path.endswith("LaneOffsetAction")
+        for omission in found.omissions
     )
 
 
@@ -324,10 +324,10 @@ def foreign_crowd(folder):
 
 def test_a_model_names_the_hazard_that_nobody_named(tmp_path):
     path = foreign_crowd(tmp_path)
-    actors = [one.id for one in read_openscenario(path, catalogue()).scene.actors]
+    actors = [actor.id for actor in read_openscenario(path, catalogue()).scene.actors]
     for name in actors:
         answers = [{"reasoning": "", "actors": ["nobody"]}, {"reasoning": "", "actors": [name]}]
-        model = ScriptedLLM([json.dumps(one) for one in answers])
+        model = ScriptedLLM([json.dumps(answer) for answer in answers])
         found = read_openscenario(path, catalogue(), llm=model)
         assert list(found.scene.hazard.actors) == [name]
         assert any(name in issue.message for issue in found.omissions)
@@ -359,7 +359,7 @@ def test_a_changed_road_or_version_is_no_unchanged_export(tmp_path, change, note
     change(path, road)
     found = read_openscenario(path, catalogue())
     assert (found.scene == SCENES[0]) is not bool(note)
-    assert any(note in one.message for one in found.omissions) is bool(note)
+    assert any(note in omission.message for omission in found.omissions) is bool(note)
     if note:
         assert found.scene.map == str(road.resolve())
 
@@ -389,7 +389,7 @@ def test_the_ego_is_the_entity_of_that_name(names, tmp_path):
     (actor,) = found.scene.actors
     assert (actor.placement.ahead_m > 0) is (NAMES[names] == names[0])
     assert actor.id != "ego"
-    told = any("is taken to be" in one and "hazard" not in one for one in notes(found))
+    told = any("is taken to be" in note and "hazard" not in note for note in notes(found))
     assert told is (
         names in {("Lego", "Ego1"), ("TargetEgo", "ego_vehicle"), ("ego", "Ego"), ("a", "b")}
     )
@@ -401,10 +401,10 @@ def test_the_ego_is_the_entity_that_is_named(name, tmp_path):
     starts = [start(one, lane(200 + 30 * index), 5 + index) for index, one in enumerate(names)]
     found = read(tmp_path, file([entity(one) for one in names], starts), ego=name)
     assert found.scene.ego.speed == 5 + names.index(name)
-    aheads = {round(one.placement.ahead_m, 2) for one in found.scene.actors}
+    aheads = {round(actor.placement.ahead_m, 2) for actor in found.scene.actors}
     place = 30 * names.index(name)
     assert aheads == {30.0 * index - place for index in range(3)} - {0.0}
-    assert not any("is taken to be the ego" in one for one in notes(found))
+    assert not any("is taken to be the ego" in note for note in notes(found))
 
 
 @pytest.mark.parametrize("name", ["", "EGO", "nobody"])

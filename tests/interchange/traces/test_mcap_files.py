@@ -27,7 +27,7 @@ def test_both_containers_hold_the_same_messages():
     packed, plain = mcap(), osi_trace(SCENE, catalogue())
     found = list(read_osi_trace(packed, "run.mcap"))
     assert found == list(read_osi_trace(plain, "run.osi"))
-    assert {row.name for row in found} == {"ego", *(one.id for one in SCENE.actors)}
+    assert {row.name for row in found} == {"ego", *(actor.id for actor in SCENE.actors)}
     assert packed == osi_trace(SCENE, catalogue(), container="mcap")
 
 

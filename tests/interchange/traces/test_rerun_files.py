@@ -25,6 +25,9 @@ def test_a_recording_has_every_part(tmp_path):
     with make_simulator("pybullet") as simulator:
         write_rerun(scene, simulator, path, action="stop", every_s=60.0)
     found = {str(part.entity_path) for part in RrdReader(path).stream()}
-    assert {f"/world/{one.id}" for one in SCENE.actors} | {"/world/ego", "/world/lanes"} <= found
+    assert {f"/world/{actor.id}" for actor in SCENE.actors} | {
+        "/world/ego",
+        "/world/lanes",
+    } <= found
     assert {"/world/ego/camera/picture", "/world/ego/camera/depth", "/plan/bodies"} <= found
     assert {"/actions/stop/speed", "/actions/keep_speed/distance"} <= found

@@ -24,7 +24,7 @@ MOTIONS = [
         "hovers": {"body": "flying", "frame": "other", "then": "repeat", "keys": [{"up": 2}, {"at": 2, "up": 3}, {"at": 4, "up": 2}]},
     }.items()
 ]  # fmt: skip
-MADE = [doing(one.kind()).model_copy(update={"motions": (one,)}) for one in MOTIONS]
+MADE = [doing(motion.kind()).model_copy(update={"motions": (motion,)}) for motion in MOTIONS]
 
 
 def names(root, tag, attribute):
@@ -68,7 +68,7 @@ def test_every_reference_leads_somewhere_and_names_are_unique(scene, mode):
 def test_a_reaction_starts_with_its_condition_on_the_ego(scene):
     run = reactions(scene, catalogue(), 0)
     root = etree.fromstring(to_openscenario(scene, catalogue(), mode="reactive").xosc)
-    reacts = [one for one in names(root, "Event", "name") if one.startswith("react_actor")]
+    reacts = [name for name in names(root, "Event", "name") if name.startswith("react_actor")]
     behaviour = scene.actors[-1].behaviour.name
     changes = behaviour not in ("stand", "follow_lane", "wrong_way", "run_red", "towed")
     assert bool(reacts) == (changes and "actor" in run.triggered)

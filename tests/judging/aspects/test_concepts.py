@@ -24,7 +24,7 @@ def test_no_expression_belongs_to_two_concepts():
 def test_every_expression_is_found_for_its_concept_when_it_stands_alone(kind):
     for name, expression in SPOKEN:
         if concepts()[name].kind == kind:
-            assert name in [one.name for one in naming_of(expression).concepts], expression
+            assert name in [concept.name for concept in naming_of(expression).concepts], expression
 
 
 def test_what_is_set_aside_names_nothing():
@@ -38,7 +38,7 @@ def test_wider_concepts_are_followed_to_the_widest():
 
 
 def test_states_imply_things():
-    for one in concepts().values():
-        if one.implied:
-            assert one.kind in ("state", "act")
-            assert concepts()[one.implied].kind in ("odd", "ordinary")
+    for concept in concepts().values():
+        if concept.implied:
+            assert concept.kind in ("state", "act")
+            assert concepts()[concept.implied].kind in ("odd", "ordinary")

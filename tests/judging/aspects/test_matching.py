@@ -33,7 +33,7 @@ def answers() -> tuple[Answer, ...]:
 
 @cache
 def labels() -> tuple[str, ...]:
-    return tuple(dict.fromkeys(one.label for one in answers()))
+    return tuple(dict.fromkeys(answer.label for answer in answers()))
 
 
 HELD_OUT = (4, 5)
@@ -43,9 +43,9 @@ HELD_OUT = (4, 5)
 def share_right(*, is_right: bool, is_held_out: bool = False) -> float:
     """Return the share of the right answers, or of the wrong ones, that count as right."""
     found = [
-        names_aspect(one.answer, ("OOD", one.label))
-        for one in answers()
-        if one.is_right == is_right and (one.round in HELD_OUT) == is_held_out
+        names_aspect(answer.answer, ("OOD", answer.label))
+        for answer in answers()
+        if answer.is_right == is_right and (answer.round in HELD_OUT) == is_held_out
     ]
     return sum(found) / len(found)
 
@@ -94,10 +94,16 @@ def test_answers_that_the_table_was_not_made_for_are_mostly_judged_as_a_person_w
 
 def test_clauses_and_wider_labels_of_a_hazard_mostly_name_it_and_rarely_another():
     hazards = load_knowledge().hazards
-    told = [(clause.replace("{where}", ""), one) for one in hazards for clause in one.events[:2]]
+    told = [
+        (clause.replace("{where}", ""), hazard)
+        for hazard in hazards
+        for clause in hazard.events[:2]
+    ]
     own = [names_aspect(clause, ("OOD", one.label)) for clause, one in told]
     assert sum(own) >= 0.75 * len(own)
-    wider = [names_aspect(one.wider, ("OOD", one.label)) for one in hazards if one.wider]
+    wider = [
+        names_aspect(hazard.wider, ("OOD", hazard.label)) for hazard in hazards if hazard.wider
+    ]
     assert sum(wider) >= 0.8 * len(wider)
     foreign = [
         names_aspect(clause, ("OOD", other.label))
@@ -110,8 +116,8 @@ def test_clauses_and_wider_labels_of_a_hazard_mostly_name_it_and_rarely_another(
 
 def test_the_corpus_has_right_and_wrong_answers_to_every_label_of_a_default_study():
     assert len(labels()) >= 72
-    assert sum(one.is_right for one in answers()) >= 250
-    assert sum(not one.is_right for one in answers()) >= 150
+    assert sum(answer.is_right for answer in answers()) >= 250
+    assert sum(not answer.is_right for answer in answers()) >= 150
 
 
 def test_a_label_is_right_for_itself_and_for_hardly_any_other():

@@ -82,7 +82,9 @@ def test_open_aspects_scored_by_different_judges_are_not_compared():
     def compared(*names: str) -> int:
         rows = [v for n, name in enumerate(names) for v in case.verdicts(f"m{n}", says(name))]
         board = leaderboard(rows, case.episodes, case.scenarios)
-        return sum(one.test.n for one in board.comparisons if one.task == "open")
+        return sum(
+            comparison.test.n for comparison in board.comparisons if comparison.task == "open"
+        )
 
     assert compared("j@1", "j@1") == compared("", "") == 24
     assert compared("j@1", "") == 0

@@ -32,10 +32,10 @@ def columns(scene: str, twin: str) -> tuple[Items, AnswerColumns]:
 
     verdicts = case.verdicts("m", say)
     episodes = [
-        one.model_copy(update={"actions": {**one.actions, "slow_down": MARGINAL}})
-        for one in case.episodes
+        episode.model_copy(update={"actions": {**episode.actions, "slow_down": MARGINAL}})
+        for episode in case.episodes
     ]
-    items = Items.of(episodes, {one.id: one for one in case.scenarios})
+    items = Items.of(episodes, {scenario.id: scenario for scenario in case.scenarios})
     return items, AnswerColumns.of(items, verdicts)
 
 
@@ -76,10 +76,10 @@ def test_each_kind_of_ordinary_drive_is_judged_apart() -> None:
     scene, twin = case.episodes
     name = demand_id(scene.scene_id)
     demand = twin.model_copy(update={"id": name, "scene_id": name})
-    items = Items.of([scene, twin, demand], {one.id: one for one in case.scenarios})
+    items = Items.of([scene, twin, demand], {scenario.id: scenario for scenario in case.scenarios})
     about_scene, about_twin = (
-        one.model_copy(update={"action": "keep_speed", "action_is_safe": True})
-        for one in case.verdicts("m", lambda index, is_twin: {})
+        verdict.model_copy(update={"action": "keep_speed", "action_is_safe": True})
+        for verdict in case.verdicts("m", lambda index, is_twin: {})
     )
     asked = {"id": f"{name}@m", "scene_id": name}
     stops = {"action": "stop", "action_is_safe": False}

@@ -187,7 +187,7 @@ def test_likeness_within_paths_is_measured() -> None:
 
     found = board(case, case.verdicts("m", by_path), case.verdicts("other", careless))
     assert found.icc == pytest.approx(1)
-    (row,) = (one for one in found.standings if one.model == "m")
+    (row,) = (standing for standing in found.standings if standing.model == "m")
     interval = row.control.safe.interval
     assert interval is not None
     assert interval.method == "cluster bootstrap"
@@ -198,7 +198,7 @@ def test_protocols_are_rows_of_their_own() -> None:
     papers = [v.model_copy(update={"protocol": "paper"}) for v in case.verdicts("m", careless)]
     found = board(case, case.verdicts("m", knows), papers)
     assert [(row.model, row.protocol) for row in found.standings] == [("m", "ours"), ("m", "paper")]
-    assert not any(one.against == "model" for one in found.comparisons)
+    assert not any(comparison.against == "model" for comparison in found.comparisons)
 
 
 @settings(max_examples=8, deadline=None)
@@ -271,7 +271,10 @@ def test_both_halves_must_be_right() -> None:
     assert (careless_row.paired.notice.value, careless_row.paired.act.value) == (0.5, 0)
     assert careless_row.paired.drop.value == 1
     for gains in (good.paired.over_blind, good.paired.over_withheld):
-        assert [(one.figure, one.difference.value) for one in gains] == [("notice", 1), ("act", 1)]
+        assert [(gain.figure, gain.difference.value) for gain in gains] == [
+            ("notice", 1),
+            ("act", 1),
+        ]
     assert good.paired.over_blind[0].against == "constant:emergency_brake"
     assert set(good.detection.alarms_by_kind) == {"twin"}
 
@@ -279,16 +282,16 @@ def test_both_halves_must_be_right() -> None:
 def test_a_pair_with_one_wrong_half_is_wrong_whatever_a_marginal_action_would_score() -> None:
     case = Case()
     verdicts = [
-        one
-        if one.is_ordinary
-        else one.model_copy(update={"action_is_safe": None, "action_is_marginal": True})
-        for one in case.verdicts("m", stubborn)
+        verdict
+        if verdict.is_ordinary
+        else verdict.model_copy(update={"action_is_safe": None, "action_is_marginal": True})
+        for verdict in case.verdicts("m", stubborn)
     ]
     episodes = [
-        one
-        if one.is_ordinary
-        else one.model_copy(update={"actions": dict.fromkeys(one.actions, MARGINAL)})
-        for one in case.episodes
+        episode
+        if episode.is_ordinary
+        else episode.model_copy(update={"actions": dict.fromkeys(episode.actions, MARGINAL)})
+        for episode in case.episodes
     ]
     paired = leaderboard(verdicts, episodes, case.scenarios).standings[0].paired
     assert (paired.act.value, paired.act.missing) == (0.0, 0)
@@ -304,17 +307,17 @@ def test_a_half_is_at_least_as_often_right_as_both(seed: int, kind: str) -> None
     rng = random.Random(seed)
     case = Case(paths=5, per_path=3)
     case.episodes += [
-        one.model_copy(update={"id": f"{one.scene_id[:-5]}~{kind}", "scene_id": f"{one.scene_id[:-5]}~{kind}"})
-        for one in case.episodes
-        if one.is_twin and kind != "twin"
+        episode.model_copy(update={"id": f"{episode.scene_id[:-5]}~{kind}", "scene_id": f"{episode.scene_id[:-5]}~{kind}"})
+        for episode in case.episodes
+        if episode.is_twin and kind != "twin"
     ]  # fmt: skip
     verdicts = []
-    for one in case.episodes:
+    for episode in case.episodes:
         action = rng.choice(["stop", "keep_speed", "slow_down"])
-        safe = one.actions[action].safe if rng.random() < 0.9 else None
+        safe = episode.actions[action].safe if rng.random() < 0.9 else None
         verdicts.append(
             Verdict(
-                id=f"{one.id}@m", scene_id=one.scene_id, model="m", is_ordinary=one.is_ordinary,
+                id=f"{episode.id}@m", scene_id=episode.scene_id, model="m", is_ordinary=episode.is_ordinary,
                 is_ood=rng.random() < 0.5, action=action, action_is_safe=safe,
             )
         )  # fmt: skip
@@ -379,9 +382,11 @@ def test_pairs_hold_the_ordinary_drives_that_were_asked_about() -> None:
     case = Case()
     verdicts = case.verdicts("m", knows)
     case.episodes += [
-        one.model_copy(update={"id": f"{one.id}~demand", "scene_id": f"{one.scene_id}~demand"})
-        for one in case.episodes
-        if not one.is_ordinary
+        episode.model_copy(
+            update={"id": f"{episode.id}~demand", "scene_id": f"{episode.scene_id}~demand"}
+        )
+        for episode in case.episodes
+        if not episode.is_ordinary
     ]
     paired = board(case, verdicts).standings[0].paired
     for rate in (paired.notice, paired.act):

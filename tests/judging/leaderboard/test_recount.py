@@ -25,15 +25,17 @@ class Story(Case):
     def __init__(self, seed: int) -> None:
         super().__init__(paths=4, per_path=2)
         self.rng = random.Random(seed)
-        self.episodes = [self.played(one) for one in self.episodes]
-        self.whole = [self.played(one) for one in self.episodes if not one.is_ordinary]
+        self.episodes = [self.played(episode) for episode in self.episodes]
+        self.whole = [self.played(episode) for episode in self.episodes if not episode.is_ordinary]
         self.given = [
             self.verdict(one.scene_id, model, protocol)
             for one, model, protocol in product(self.episodes, "ab", ("ours", "paper"))
             if self.rng.random() < 0.9
         ]
         self.board = leaderboard(self.given, self.episodes, self.scenarios, whole=self.whole)
-        self.ran = {one.scene_id: one for one in self.episodes if one.status == "ok"}
+        self.ran = {
+            episode.scene_id: episode for episode in self.episodes if episode.status == "ok"
+        }
 
     def played(self, one: Episode) -> Episode:
         status = self.rng.choices(("ok", "failed"), (9, 1))[0]
@@ -117,11 +119,11 @@ def story(request: pytest.FixtureRequest) -> Story:
 def test_the_study_is_counted(story: Story) -> None:
     board: Leaderboard = story.board
     scenes = [one for one in story.ran.values() if not one.is_ordinary]
-    acted = [one for one in scenes if one.actions]
+    acted = [scene for scene in scenes if scene.actions]
     assert board.scenes == len(scenes)
     assert board.ordinary == len(story.ran) - len(scenes)
-    assert board.paths == len({one.scene_id.rpartition("-")[0] for one in scenes})
-    assert board.decidable == sum(story.safe(one) > 0 < story.unsafe(one) for one in scenes)
+    assert board.paths == len({scene.scene_id.rpartition("-")[0] for scene in scenes})
+    assert board.decidable == sum(story.safe(scene) > 0 < story.unsafe(scene) for scene in scenes)
     assert board.all_safe == sum(story.unsafe(one) == 0 for one in acted)
     assert board.none_safe == sum(story.safe(one) == 0 for one in acted)
     ran = [one for one in story.whole if one.status == "ok"]
@@ -165,7 +167,7 @@ def test_the_rates_of_a_row_are_counted(story: Story) -> None:
         scenes, twins = story.scored(row, twin=False), story.scored(row, twin=True)
         found, control = row.detection, row.control
         assert is_counted(found.sensitivity, scenes, lambda one: one.is_ood)
-        assert is_counted(found.alarms, twins, lambda one: one.is_ood)
+        assert is_counted(found.alarms, twins, lambda alarm: alarm.is_ood)
         for rate, by_kind in (
             (found.alarms, found.alarms_by_kind),
             (control.needless, control.needless_by_kind),
@@ -176,7 +178,7 @@ def test_the_rates_of_a_row_are_counted(story: Story) -> None:
             found.specificity, twins, lambda one: None if one.is_ood is None else not one.is_ood
         )
         assert found.stated == sum(
-            one.is_ood is not None and one.confidence is not None for one in scenes + twins
+            scene.is_ood is not None and scene.confidence is not None for scene in scenes + twins
         )
         called = found.sensitivity.n + found.specificity.n
         assert found.auroc.value is None or found.auroc.n == called
@@ -188,18 +190,18 @@ def test_the_rates_of_a_row_are_counted(story: Story) -> None:
         assert is_counted(named.open, scenes, lambda one: one.aspect_is_right)
         assert is_counted(named.closed, scenes, lambda one: one.choice_is_right)
         shown = {one.scene_id for one in story.whole if one.status == "ok" and one.hazard_visible}
-        paper = [one for one in scenes if row.protocol == "paper" and one.scene_id in shown]
+        paper = [scene for scene in scenes if row.protocol == "paper" and scene.scene_id in shown]
         assert is_counted(named.open_shown, paper, lambda one: one.aspect_is_right)
         assert is_counted(control.safe, scenes, lambda one: one.action_is_safe)
         assert is_counted(control.ordinary_safe, twins, lambda one: one.action_is_safe)
         assert is_counted(control.collision_free, scenes, lambda one: one.success)
         decidable = [
-            one
-            for one in scenes
-            if story.safe(story.ran[one.scene_id]) > 0 < story.unsafe(story.ran[one.scene_id])
+            scene
+            for scene in scenes
+            if story.safe(story.ran[scene.scene_id]) > 0 < story.unsafe(story.ran[scene.scene_id])
         ]
         assert is_counted(control.decidable, decidable, lambda one: one.action_is_safe)
-        quiet = [one for one in twins if keeps(story.ran[one.scene_id])]
+        quiet = [twin for twin in twins if keeps(story.ran[twin.scene_id])]
         assert is_counted(
             control.needless, quiet, lambda one: one.action in STOPS if one.action else None
         )

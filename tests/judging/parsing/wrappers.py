@@ -118,9 +118,11 @@ def hostile() -> list[str]:
     said = {"action": "stop"}
     members = [{**beside, **said} for beside in BESIDE]
     members += [{**said, **beside} for beside in BESIDE]
-    members += [{"reasoning": one, **said} for one in REASONS]
-    members += [{**said, "explanation": f"There is a cow on the road. {one}"} for one in REASONS]
-    members += [{"action": one} for one in VALUES]
+    members += [{"reasoning": reason, **said} for reason in REASONS]
+    members += [
+        {**said, "explanation": f"There is a cow on the road. {reason}"} for reason in REASONS
+    ]
+    members += [{"action": value} for value in VALUES]
     objects = [wrapper.replace("@", json.dumps(said)) for wrapper in AROUND]
     return [*map(json.dumps, members), *objects, *FAULTY, *PROSE]
 

@@ -51,7 +51,7 @@ def test_every_shortcut_is_scored_between_0_and_1_and_the_best_is_named(made):
         for row in found.rows
         if row.method != "pair" and row.needs != "exact places"
     )
-    assert set(found.calls) == {one.scene_id for one in case.episodes}
+    assert set(found.calls) == {episode.scene_id for episode in case.episodes}
     assert found.best in str(found)
 
 

@@ -107,8 +107,8 @@ def test_the_shortcut_of_a_board_is_the_floor_and_does_not_depend_on_the_order(s
 
 def test_scenes_without_ordinary_drives_and_single_paths_are_not_audited():
     case = Case(paths=3, per_path=1)
-    kept = [one for one in case.episodes if one.scene_id != "leaf-0-000~twin"]
-    scenarios = {one.id: one for one in case.scenarios}
+    kept = [episode for episode in case.episodes if episode.scene_id != "leaf-0-000~twin"]
+    scenarios = {scenario.id: scenario for scenario in case.scenarios}
     items = Items.of(kept, scenarios)
     assert is_audited(items).sum() == 4
     assert rule_calls(Items.of(case.episodes[:2], scenarios)) is None

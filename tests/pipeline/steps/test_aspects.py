@@ -57,7 +57,7 @@ def test_an_interrupted_change_of_judge_leaves_no_stale_verdicts(folder):
     with pytest.raises(KeyboardInterrupt):
         judged(folder, interrupted_judge("b"))
     study = Study.open(folder)
-    assert any(one.judge.startswith("a@") for one in study.stored_verdicts)
+    assert any(stored_verdict.judge.startswith("a@") for stored_verdict in study.stored_verdicts)
     assert not Tables.of(study).stale(study.stored_verdicts)
 
 

@@ -364,20 +364,20 @@ def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(fo
     asked = len(seen.requests)
     board = Leaderboard.parse((out / "leaderboard.json").read_bytes())
     unjudged = sum(row.identification.unjudged for row in board.standings)
-    assert unjudged == sum(bool(one.judge_error) for one in first.verdicts) > 0
+    assert unjudged == sum(bool(verdict.judge_error) for verdict in first.verdicts) > 0
     assert first.info["counts"]["judged"]["matched"] == unjudged
 
     broken = False
     study = run_study(out, config, models=models, retry=True)
-    counted = Counter(one for one in questions if one[0] != "something odd")
+    counted = Counter(question for question in questions if question[0] != "something odd")
     assert set(counted.values()) == {1}
     assert len(seen.requests) == asked
-    assert {one.model for one in study.verdicts} == {*(one.model for one in before), "seen"}
-    for one in study.verdicts:
-        is_open = one.is_ood and one.aspect and not one.is_ordinary
-        assert one.judge.startswith("judge@") is bool(is_open), one.id
-        if one.model == "seen" and is_open:
-            assert one.aspect_is_right
+    assert {verdict.model for verdict in study.verdicts} == {*(one.model for one in before), "seen"}
+    for verdict in study.verdicts:
+        is_open = verdict.is_ood and verdict.aspect and not verdict.is_ordinary
+        assert verdict.judge.startswith("judge@") is bool(is_open), verdict.id
+        if verdict.model == "seen" and is_open:
+            assert verdict.aspect_is_right
     counted = Counter(line["status"] for line in study.store.lines(OPINIONS))
     assert set(counted) == {"ok"}
     assert "judge@" in (out / "report.html").read_text()
@@ -538,8 +538,10 @@ def test_the_view_to_the_rear_is_shown_once_it_is_asked_for_and_then_asked_about
         model.name = "m"
         config = judging("m").model_copy(update={"rear_view": is_rear})
         study = run_study(out, config, models={"m": model})
-        pictures = [one for request in asked for turn in request.messages for one in turn.images]
-        shown.append({one.name for one in pictures if one.name.endswith("rear.jpg")})
+        pictures = [
+            image for request in asked for turn in request.messages for image in turn.images
+        ]
+        shown.append({picture.name for picture in pictures if picture.name.endswith("rear.jpg")})
     assert shown == [
         set(),
         {f"frames/{one.scene_id}/rear.jpg" for one in asked_about(study)},
@@ -556,7 +558,7 @@ def test_a_quiz_takes_the_views_to_the_rear_that_a_study_lacks(folder, tmp_path)
     page = write_quiz(study, rears=taken[1]).read_text()
     items = json.loads(html.fromstring(page).get_element_by_id("payload").text)["items"]
     drives = [drive.episode.scene_id for drive in drawn(study, 20)]
-    assert ["rear" in one for one in items] == [name in taken[1] for name in drives]
+    assert ["rear" in item for item in items] == [name in taken[1] for name in drives]
 
 
 def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder, tmp_path):
@@ -604,9 +606,12 @@ def test_a_model_is_asked_the_same_questions_without_the_pictures(folder, tmp_pa
 
     board = Leaderboard.load(out / "leaderboard.json")
     gains = board.standing("m").paired.over_withheld
-    assert {one.against for one in gains} == {"m without pictures"}
-    assert not any("without pictures" in (one.first + one.second) for one in board.comparisons)
-    assert [one.name for one in study.requirements("safe>=0.1")] == ["m"]
+    assert {gain.against for gain in gains} == {"m without pictures"}
+    assert not any(
+        "without pictures" in (comparison.first + comparison.second)
+        for comparison in board.comparisons
+    )
+    assert [requirement.name for requirement in study.requirements("safe>=0.1")] == ["m"]
     before = len(asked)
     assert run_study(out, config, models={"m": model}).verdicts == study.verdicts
     assert len(asked) == before

@@ -37,7 +37,7 @@ TAILS = st.sampled_from(
 def test_a_list_of_kinds_gives_each_with_what_is_said_of_all(nouns, tail, mark):
     label = f"{', '.join(nouns[:-1])}{mark}{nouns[-1]} {tail}".strip()
     parts = parts_of(label)
-    assert [part.casefold() for part in parts] == [f"{one} {tail}".strip() for one in nouns]
+    assert [part.casefold() for part in parts] == [f"{noun} {tail}".strip() for noun in nouns]
     assert all(parts_of(part) == (part,) for part in parts)
 
 

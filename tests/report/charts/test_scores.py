@@ -54,7 +54,7 @@ def test_confusion_marks_the_diagonal() -> None:
 def test_the_numbers_of_the_columns_of_a_confusion_do_not_overlap(kinds: int) -> None:
     root = etree.fromstring(confusion([str(n) for n in range(kinds)], {}, kinds).__html__())
     heads = [one for one in root.iter("text") if one.get("class") == "small middle"]
-    places = [float(one.get("x")) for one in heads]
+    places = [float(head.get("x")) for head in heads]
     widest = 5.8 * len(str(kinds))  # 9 px digits
     assert all(after - before > widest for before, after in pairwise(places))
     assert len(heads) == kinds + 1

@@ -69,7 +69,7 @@ generators = st.integers(0, 2**32 - 1).map(np.random.default_rng)
 
 
 def named(draft, prefix):
-    return [one for one in draft.actors if one.id.startswith(prefix)]
+    return [actor for actor in draft.actors if actor.id.startswith(prefix)]
 
 
 @pytest.mark.parametrize("draw", [red_light, zebra])
@@ -79,10 +79,10 @@ def test_a_demand_names_only_what_the_catalogue_has(draw, data, rng):
     draft = draw(setting, rng)
     if draft is None:
         return
-    assert {one.asset for one in draft.actors} <= setting.assets.keys()
-    assert len({one.id for one in draft.actors}) == len(draft.actors)
+    assert {actor.asset for actor in draft.actors} <= setting.assets.keys()
+    assert len({actor.id for actor in draft.actors}) == len(draft.actors)
     if "someone crosses" in draft.event:
-        assert any(one.behaviour.name == "cross_road" for one in draft.actors)
+        assert any(actor.behaviour.name == "cross_road" for actor in draft.actors)
     if "a car waits" in draft.event:
         assert named(draft, "waiting")
 

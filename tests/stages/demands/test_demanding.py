@@ -78,7 +78,9 @@ def test_no_kind_looks_like_the_hazard(simulator, asset, left_out):
     changed = scene.model_copy(update={"actors": (box.model_copy(update={"asset": asset}),)})
     run = simulate(scene, simulator)
     setting = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
-    kinds = {one.kind.id for one in ranked_candidates(changed, setting, 0)}
+    kinds = {
+        ranked_candidate.kind.id for ranked_candidate in ranked_candidates(changed, setting, 0)
+    }
     assert left_out not in kinds
     assert kinds < {kind.id for kind in KINDS}
 

@@ -77,17 +77,19 @@ def test_designs_are_read_from_files_and_folders(tmp_path) -> None:
 
 def test_every_pose_and_part_has_a_row_that_a_camera_sees() -> None:
     few = DetailKinds(
-        poses=tuple(one for one in KINDS.poses if one.id in ("kneel", "carry_at_side")),
-        parts=tuple(one for one in KINDS.parts if one.id == "doors_open"),
+        poses=tuple(pose for pose in KINDS.poses if pose.id in ("kneel", "carry_at_side")),
+        parts=tuple(part for part in KINDS.parts if part.id == "doors_open"),
     )
 
     class Painter(FlatSimulator):
         def catalogue(self) -> Catalogue:
             shown = super().catalogue()
-            known = {one.id: one for one in load_catalogue().assets}
+            known = {asset.id: asset for asset in load_catalogue().assets}
             assets = tuple(
-                one.model_copy(update={"offers": known[one.id].offers}) if one.id in known else one
-                for one in shown.assets
+                asset.model_copy(update={"offers": known[asset.id].offers})
+                if asset.id in known
+                else asset
+                for asset in shown.assets
             )
             return shown.model_copy(update={"assets": assets, "details": few})
 

@@ -151,7 +151,7 @@ def test_leaves_with_the_same_means_name_each_other():
     decisions = all_decisions(
         tree := planted("Deer", "Stag", "Lion"), judging(Lion=lion).decisions(tree)
     )
-    same = {one.id: one.same_as for one in decisions}
+    same = {decision.id: decision.same_as for decision in decisions}
     assert same["deer"] == ("stag",)
     assert same["stag"] == ("deer",)
     assert same["lion"] == same["environmental"] == ()
@@ -163,7 +163,7 @@ def test_an_inner_node_has_what_realises_its_kept_branches():
     gone = {"reasoning": "x", "simulatable": False, "missing": ["unicorn"]}
     tree = planted("Deer", "Box", "Unicorn")
     judged = judging(Deer=deer, Box=box, Unicorn=gone).decisions(tree)
-    by_id = {one.id: one for one in all_decisions(tree, judged)}
+    by_id = {all_decision.id: all_decision for all_decision in all_decisions(tree, judged)}
     for name in ("root", "environmental"):
         assert by_id[name].assets == ("deer", "cardboard_box")
         assert by_id[name].behaviours == ("bolt",)
@@ -221,7 +221,7 @@ def test_every_node_has_a_reason_even_where_the_model_gives_none():
     silent = {"reasoning": " ", "simulatable": False, "missing": ["unicorn"]}
     tree = planted("Unicorn", "Deer")
     decisions = all_decisions(tree, judging(Unicorn=silent).decisions(tree))
-    assert all(one.reason and one.match for one in decisions)
+    assert all(decision.reason and decision.match for decision in decisions)
     assert decisions[2].reason == "missing: an asset: unicorn"
 
 
@@ -329,7 +329,9 @@ def test_leaves_judged_together_are_decided_as_alone(parents, together, answered
         return {"judgements": {"each": told, "none": [], "half": told[::2]}[answered]}
 
     model, catalogue = ScriptedLLM(judge), FlatSimulator().catalogue()
-    alone = {one.id: one for one in Pruner(model, catalogue, together=1).decisions(tree)}
+    alone = {
+        decision.id: decision for decision in Pruner(model, catalogue, together=1).decisions(tree)
+    }
     asked.clear()
     found = list(Pruner(model, catalogue, together=together).decisions(tree))
     assert [one.id for one in found] == [leaf.id for leaf in tree.leaves]
@@ -351,4 +353,6 @@ def test_a_server_that_is_away_fails_the_group_until_later():
     decisions = list(
         Pruner(ScriptedLLM(judge), FlatSimulator().catalogue()).decisions(grown([0, 0]))
     )
-    assert [(one.status, one.retryable) for one in decisions] == [("failed", True)] * 2
+    assert [(decision.status, decision.retryable) for decision in decisions] == [
+        ("failed", True)
+    ] * 2

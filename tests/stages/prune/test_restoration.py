@@ -64,14 +64,16 @@ def test_the_first_additions_restore_exactly_what_they_promise(
     assert promises[0][1]
     for additions, paths in promises:
         richer = Pruner(author, extend(catalogues[name], additions))
-        assert {one.id for one in richer.decisions(diverse) if one.keep} - before == paths
+        assert {
+            decision.id for decision in richer.decisions(diverse) if decision.keep
+        } - before == paths
 
 
 def test_the_sequence_restores_all_that_can_be(author, diverse, catalogues, judged):
     found = restoration(judged["carla-0.9.16"])
-    additions = [one for step in found.sequence for one in step.additions]
+    additions = [addition for step in found.sequence for addition in step.additions]
     richer = Pruner(author, extend(catalogues["carla-0.9.16"], additions))
-    dropped = {one.id for one in richer.decisions(diverse) if not one.keep}
+    dropped = {decision.id for decision in richer.decisions(diverse) if not decision.keep}
     assert dropped == set(found.beyond)
 
 

@@ -26,7 +26,7 @@ def test_what_has_no_effect_succeeds_and_what_is_missing_is_empty(served):
 
 def test_every_vehicle_recommends_a_colour(served):
     for _, name, _, attributes in served.get("get_actor_definitions"):
-        colours = [one[3] for one in attributes if one[0] == "color"]
+        colours = [attribute[3] for attribute in attributes if attribute[0] == "color"]
         assert name.startswith("vehicle.") == bool(colours), name
         assert all(colours), name
 
@@ -162,7 +162,9 @@ def test_every_shipped_map_loads_and_its_cars_stand_on_the_road(served):
 
 def test_a_staged_scene_moves_its_actors_and_obeys_the_hero(staged):
     world = staged.world
-    hero = next(one for one in world.actors.values() if one.attributes.get("role_name") == "hero")
+    hero = next(
+        actor for actor in world.actors.values() if actor.attributes.get("role_name") == "hero"
+    )
     speed = hero.speed
     assert "staged" in staged.error("set_actor_transform", hero.id, [[0, 0, 0], [0, 0, 0]])
     synchronous = [True, *staged.world.settings.wire()[1:]]
@@ -181,8 +183,10 @@ def test_a_staged_scene_moves_its_actors_and_obeys_the_hero(staged):
 
 def test_a_client_sets_the_heros_speed_and_the_friction_of_a_staged_scene(staged):
     world = staged.world
-    hero = next(one for one in world.actors.values() if one.attributes.get("role_name") == "hero")
-    other = next(one for one in world.actors.values() if one.staged and one is not hero)
+    hero = next(
+        actor for actor in world.actors.values() if actor.attributes.get("role_name") == "hero"
+    )
+    other = next(actor for actor in world.actors.values() if actor.staged and actor is not hero)
     staged.get("set_episode_settings", [True, *world.settings.wire()[1:]])
     assert "staged" in staged.error("set_actor_target_velocity", other.id, [1.0, 0.0, 0.0])
     yaw = math.radians(hero.place.rotation[1])

@@ -134,7 +134,10 @@ def test_events_and_measurements_arrive(world):
 def test_batches_weather_lights_and_the_spectator(client, world):
     command = carla.command
     blueprint = world.get_blueprint_library().find("vehicle.audi.tt")
-    places = [one.transform for one in world.get_map().generate_waypoints(12)[:40]]
+    places = [
+        generate_waypoint.transform
+        for generate_waypoint in world.get_map().generate_waypoints(12)[:40]
+    ]
     orders = [
         command.SpawnActor(blueprint, place).then(
             command.SetSimulatePhysics(command.FutureActor, False)
@@ -142,8 +145,8 @@ def test_batches_weather_lights_and_the_spectator(client, world):
         for place in (*places, places[0])
     ]
     answers = client.apply_batch_sync(orders, True)
-    assert [one.has_error() for one in answers] == [False] * 40 + [True]
-    ids = [one.actor_id for one in answers[:-1]]
+    assert [answer.has_error() for answer in answers] == [False] * 40 + [True]
+    ids = [answer.actor_id for answer in answers[:-1]]
     moved = carla.Transform(carla.Location(5.0, 6.0, 7.0), carla.Rotation(yaw=8.0))
     client.apply_batch_sync([command.ApplyTransform(ids[0], moved)], True)
     assert world.get_actor(ids[0]).get_transform() == moved

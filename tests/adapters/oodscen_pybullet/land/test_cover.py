@@ -14,12 +14,12 @@ points = st.lists(st.tuples(numbers, numbers), min_size=1, max_size=8).map(
 
 def distance(x: float, y: float, triangles: np.ndarray) -> float:
     best = REACH
-    for one in triangles:
-        (ax, ay), (bx, by), (cx, cy) = one
+    for triangle in triangles:
+        (ax, ay), (bx, by), (cx, cy) = triangle
         turn = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
         if abs(turn) < 1e-6:
             continue
-        sides = list(zip(one, np.roll(one, -1, axis=0), strict=True))
+        sides = list(zip(triangle, np.roll(triangle, -1, axis=0), strict=True))
         crosses = [(q - p)[0] * (y - p[1]) - (q - p)[1] * (x - p[0]) for p, q in sides]
         away = []
         for p, q in sides:

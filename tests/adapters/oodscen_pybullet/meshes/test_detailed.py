@@ -74,7 +74,7 @@ def test_the_colour_is_on_the_body(colour):
 
 
 @pytest.mark.parametrize(
-    "name", [one.id for one in CATALOGUE.assets if one.offers and one.offers.has_text]
+    "name", [asset.id for asset in CATALOGUE.assets if asset.offers and asset.offers.has_text]
 )
 def test_words_are_on_both_sides_and_nowhere_else(name):
     plain, mesh = asset_mesh(name), asset_mesh(name, details=Details(text="FRESH FISH 24"))

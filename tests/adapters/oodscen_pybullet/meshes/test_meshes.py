@@ -58,7 +58,7 @@ def test_every_triangle_shows_one_colour_or_one_region(asset: str) -> None:
         assert inside.all(axis=1).sum() == 1
 
 
-@pytest.mark.parametrize("name", [one.id for one in CATALOGUE.assets if one.states])
+@pytest.mark.parametrize("name", [asset.id for asset in CATALOGUE.assets if asset.states])
 def test_lamps_are_on_their_asset(name: str) -> None:
     one = CATALOGUE.asset(name)
     size = np.array((one.length, one.width, one.height))

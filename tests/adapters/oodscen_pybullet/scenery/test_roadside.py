@@ -109,7 +109,7 @@ def test_marks_lie_on_the_edges_of_lanes(road: RoadMap) -> None:
     mesh = scenery.meshes[0]
     is_mark = (np.abs(mesh.uvs - swatch_uv("mark")) < 1e-9).all(axis=1)
     corners = mesh.vertices[is_mark][::37]
-    outlines = [np.asarray(one.points) for one in corridor.crosswalks]
+    outlines = [np.asarray(crosswalk.points) for crosswalk in corridor.crosswalks]
     has_all = "highway" in road.traits
     roads = [corridor, *(o.corridor for o in corridor.others if has_all or not o.is_connecting)]
     for x, y, _ in corners.tolist():
@@ -131,7 +131,7 @@ def test_a_scenes_own_signal_stands_in_for_the_maps() -> None:
     first, *others = corridor.signals
     near = replaced(corridor, [(first.x + 2.0, first.y)])
     assert first.id in near
-    assert near != {one.id for one in corridor.signals}
+    assert near != {signal.id for signal in corridor.signals}
     assert replaced(corridor, [(first.x + 300.0, first.y)]) == frozenset()
     assert others
 
@@ -140,8 +140,8 @@ def test_traffic_lights_are_green_for_the_ego_and_red_for_who_crosses() -> None:
     road = next(road for road in SHIPPED_MAPS if road.id == "urban_junction")
     corridor, scenery = built(road)
     signals = [one for one in scenery.lamps if not one.is_street]
-    green = [one for one in signals if one.colour[1] > one.colour[0]]
-    red = [one for one in signals if one.colour[0] > one.colour[1]]
+    green = [signal for signal in signals if signal.colour[1] > signal.colour[0]]
+    red = [signal for signal in signals if signal.colour[0] > signal.colour[1]]
     ahead = corridor.heading(corridor.start)
     along = np.array([math.cos(ahead), math.sin(ahead)])
     assert green
@@ -150,7 +150,7 @@ def test_traffic_lights_are_green_for_the_ego_and_red_for_who_crosses() -> None:
         for lamp in lamps:
             cosine = abs(float((np.array(lamp.facing[:2]) * along).sum()))
             assert (cosine > 0.7) == is_along
-    without = frozenset(one.id for one in corridor.signals)
+    without = frozenset(signal.id for signal in corridor.signals)
     bare = build_scenery(corridor, road, 0, without=without)
     assert all(lamp.is_street for lamp in bare.lamps)
 

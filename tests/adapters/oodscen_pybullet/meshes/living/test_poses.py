@@ -26,7 +26,7 @@ from oodscen.data._details import Details
 
 CATALOGUE = load_catalogue()
 PEOPLE = [one for one in CATALOGUE.assets if one.offers and one.offers.poses]
-CASES = [(one, pose) for one in PEOPLE for pose in one.offers.poses]
+CASES = [(person, pose) for person in PEOPLE for pose in person.offers.poses]
 
 
 def angle(low, high):
