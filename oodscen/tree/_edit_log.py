@@ -11,6 +11,15 @@ from oodscen.tree._labels import label_fault
 MAX_DEPTH = 50
 """Largest number of edges from the root of a tree to a node."""
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+_FIELDS: dict[str, frozenset[str]] = {
+    "add": frozenset({"parent", "label", "attested"}),
+    "broaden": frozenset({"label", "attested"}),
+    "narrow": frozenset({"label", "attested"}),
+    "keep": frozenset(),
+    "move": frozenset({"parent"}),
+    "remove": frozenset(),
+}
+"""The fields about the node that each kind of edit uses."""
 _TOO_DEEP = f"a node would lie more than {MAX_DEPTH} levels below the root: hang it higher up"
 
 
@@ -167,6 +176,8 @@ class EditLog:
 
     def _misfit(self, edit: TreeEdit, index: int) -> str:
         """Return why an edit cannot be applied, or an empty string."""
+        if idle := _idle_field(edit):
+            return f"a {edit.op!r} edit has no `{idle}`"
         if edit.undoes is not None and not 0 <= edit.undoes < index:
             return f"it undoes edit {edit.undoes}, which does not come before it"
         if edit.op in ("add", "broaden", "narrow") and (fault := label_fault(edit.label or "")):
@@ -214,6 +225,16 @@ class EditLog:
             found.append(node_id)
             node_id = self.nodes[node_id].parent
         return found
+
+
+def _idle_field(edit: TreeEdit) -> str:
+    """Return the name of a field about the node that is set and that the kind of edit does not use, or ""."""
+    is_label_elsewhere = edit.op == "keep" and edit.origin_node
+    used = _FIELDS[edit.op] | ({"label"} if is_label_elsewhere else set())
+    about_node = ("parent", "label", "attested")
+    return next(
+        (name for name in about_node if getattr(edit, name) is not None and name not in used), ""
+    )
 
 
 def _parents_first(nodes: Sequence[Node]) -> dict[str, Node]:

@@ -154,3 +154,25 @@ def test_what_comes_back_stands_below_the_parent_that_was_removed_with_it():
     back = gone.undo(len(pair.edits))
     assert back.path("mist") == pair.path("mist")
     assert "ice" not in back
+
+
+@pytest.mark.parametrize(
+    ("op", "field"),
+    [
+        ("keep", {"label": "Mist"}),
+        ("keep", {"parent": "root"}),
+        ("remove", {"label": "Mist"}),
+        ("move", {"parent": "root", "label": "Mist"}),
+        ("broaden", {"label": "Mist", "parent": "root"}),
+        ("narrow", {"label": "Mist", "parent": "root"}),
+        ("remove", {"attested": "paper"}),
+    ],
+)
+def test_an_edit_with_a_field_that_it_would_not_use_is_refused(op, field):
+    with pytest.raises(DataError, match=f"a '{op}' edit has no `{list(field)[-1]}`"):
+        FOG.apply(TreeEdit(op=op, node="fog", **field))
+
+
+def test_the_label_that_a_node_has_in_another_tree_stays_with_a_merged_keep():
+    told = TreeEdit(op="keep", node="fog", label="Mist", origin="other", origin_node="mist")
+    assert FOG.apply(told).by_id["fog"].label == "Fog or smoke"
