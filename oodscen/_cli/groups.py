@@ -33,14 +33,15 @@ class CommandGroup(click.Group):
 
 
 def _refuse_repeated(context: click.Context, args: Sequence[str]) -> None:
-    given: list[click.Parameter] = []
+    parameters: list[click.Parameter] = []
     # The command itself tells what it cannot parse.
     with suppress(click.UsageError):
-        given = context.command.make_parser(context).parse_args(list(args))[2]
+        _, _, parameters = context.command.make_parser(context).parse_args(list(args))
     counts = Counter(
-        one.opts[-1]
-        for one in given
-        if isinstance(one, click.Option) and not (one.multiple or one.is_flag or one.count)
+        option.opts[-1]
+        for option in parameters
+        if isinstance(option, click.Option)
+        and not (option.multiple or option.is_flag or option.count)
     )
     repeated = [name for name, count in counts.items() if count > 1]
     if repeated:
