@@ -85,7 +85,7 @@ def conforming(kind: str, made: Any, label: str = "") -> Any:
 def _missing(kind: str, made: Any) -> list[str]:
     values, methods = _PROMISES[kind]
     missing = [name for name in values if not _is_there(made, name)]
-    return missing + [f"{name}()" for name in methods if not callable(_read(made, name, None))]
+    return missing + [f"{name}()" for name in methods if not callable(optional(made, name, None))]
 
 
 def _is_there(made: Any, name: str) -> bool:
@@ -93,11 +93,11 @@ def _is_there(made: Any, name: str) -> bool:
     absent = object()
     if inspect.getattr_static(made, name, absent) is not absent:
         return True
-    return _read(made, name, absent) is not absent
+    return optional(made, name, absent) is not absent
 
 
-def _read(made: Any, name: str, absent: object) -> Any:
-    """Return the attribute, or `absent` if it cannot be read."""
+def optional(made: Any, name: str, absent: object) -> Any:
+    """Return an attribute that a component need not have, or `absent` if there is none or it cannot be read."""
     try:
         return getattr(made, name, absent)
     except BaseException as error:

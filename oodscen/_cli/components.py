@@ -2,7 +2,6 @@
 
 import json
 import sys
-from contextlib import redirect_stdout
 
 import click
 
@@ -84,8 +83,7 @@ def doctor(
     elif what is None:
         findings = examine()
     else:
-        # What an adapter prints is not part of the findings.
-        with bars() as progress, redirect_stdout(sys.stderr):
+        with bars() as progress:
             findings = examine_simulator(
                 what, is_quick=quick, states_only=states_only, progress=progress
             )

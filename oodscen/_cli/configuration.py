@@ -110,21 +110,24 @@ def read_configuration(file: Path, context: click.Context) -> dict[str, Any]:
         issue = Issue("", f"is not TOML: {one_line(str(error))[:200]}")
         raise DataError(_NOUN, [issue], source=str(file)) from None
     known = options_of(context.command)
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     issues = []
     for key, value in content.items():
         option = known.get(key.replace("_", "-"))
         if option is None:
             issues.append(Issue(key[:100], _unknown(key, known)))
             continue
+        if option.name in values:
+            issues.append(Issue(key, "is there already in another spelling"))
+            continue
         try:
-            found[str(option.name)] = _taken(option, value, context)
+            values[str(option.name)] = _taken(option, value, context)
         except (click.BadParameter, ValueError) as error:
             words = error.message if isinstance(error, click.BadParameter) else str(error)
             issues.append(Issue(key, one_line(words)[:200]))
     if issues:
         raise DataError(_NOUN, issues, source=str(file))
-    return found
+    return values
 
 
 def options_of(command: click.Command) -> dict[str, click.Option]:
@@ -213,9 +216,9 @@ def init(
             vlms = tuple(filter(None, map(str.strip, named.split(","))))
         if quick is None:
             quick = click.confirm("A small study in seconds instead of the whole one?")
-    for named in (llm or "", *vlms):
-        if fault := text_fault(named):
-            raise UsageError(f"the model {fault}")
+    for named in (*(() if llm is None else (llm,)), *vlms):
+        if (fault := text_fault(named)) or not named.strip() or one_line(named) != named:
+            raise UsageError(f"the model {fault or f'has the unusable name {named[:100]!r}'}")
         refuse_key("the model", named)
     chosen: dict[str, Any] = {"llm": llm or DEFAULT_LLM, "quick": bool(quick)}
     if vlms:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from oodscen._display import Brief
 from oodscen._files import read_bytes, replace, temporary_folder
 from oodscen._lock import locked
+from oodscen._members import optional
 from oodscen.encoders._check import encode
 from oodscen.errors import InUse, StudyError
 from oodscen.protocols import Encoder
@@ -89,7 +90,7 @@ class CachedEncoder(Brief):
     @property
     def cacheable(self) -> bool:
         """True if the wrapped encoder declares that its name determines its values."""
-        return bool(getattr(self._encoder, "cacheable", False))
+        return optional(self._encoder, "cacheable", False) is True
 
     @property
     def path(self) -> Path | None:

@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
+from oodscen._members import optional
 from oodscen.data._base import Data
 from oodscen.data._episode import ACTIONS, Episode, best_action
 from oodscen.data._pairing import is_ordinary, scene_of
 from oodscen.data._verdict import NOTHING
 from oodscen.errors import LLMError, MissingExtra
-from oodscen.protocols import LLM, Completion, Request
+from oodscen.protocols import Completion, Request
 
 Features = NDArray[np.float64]
 
@@ -75,15 +76,16 @@ class Reference(Protocol):
         ...
 
 
-def is_reference(model: LLM) -> bool:
+def is_reference(model: object) -> bool:
     """Return whether a model is a reference answerer, built-in or registered."""
-    return getattr(model, "kind", "model") == "reference"
+    kind: object = optional(model, "kind", "model")
+    return isinstance(kind, str) and kind == "reference"
 
 
 def takes_cases(model: object) -> TypeGuard[Reference]:
     """Return whether an answerer takes cases: every reference, and a person's recorded answers."""
-    is_meant = getattr(model, "kind", "") == "reference" or getattr(model, "takes_cases", False)
-    return bool(is_meant) and isinstance(model, Reference)
+    is_meant = is_reference(model) or optional(model, "takes_cases", False) is True
+    return is_meant and isinstance(model, Reference)
 
 
 class CaseAnswerer(Brief):

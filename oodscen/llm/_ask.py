@@ -7,6 +7,7 @@ from pydantic import BaseModel
 
 from oodscen._arguments import checked
 from oodscen._json import is_object
+from oodscen._members import optional
 from oodscen._numbers import whole_number
 from oodscen._redaction import redact_keys
 from oodscen._seeding import MAX_SEED
@@ -101,7 +102,8 @@ def incompleteness(raw: str, *, is_cut_off: bool, instead: str | None = None) ->
 
 def speaker(llm: LLM) -> str:
     """Return the name of the model that produced the words; for a replay, the recorded model."""
-    return str(getattr(llm, "speaks_for", llm.name))
+    name = optional(llm, "speaks_for", None)
+    return name if isinstance(name, str) else llm.name
 
 
 def repair(raw: str, issues: Sequence[Issue]) -> tuple[Message, Message]:

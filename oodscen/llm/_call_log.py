@@ -105,7 +105,7 @@ class LoggedLLM(WrappingLLM):
             cached_tokens=usage.cached_tokens,
             cacheable_tokens=round(cacheable_share(request) * usage.input_tokens),
             cost_usd=usage.cost_usd,
-            requests=completion.requests if completion else getattr(failure, "requests", 0),
+            requests=max(0, completion.requests) if completion else getattr(failure, "requests", 0),
             seconds=round(seconds, 6),
         )
 

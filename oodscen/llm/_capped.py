@@ -1,5 +1,6 @@
 """Caps for models that are not called through litellm."""
 
+from oodscen._members import optional
 from oodscen.errors import UsageError
 from oodscen.llm._check import complete
 from oodscen.llm._remote.budget import Price, Spent, check_price
@@ -62,7 +63,7 @@ class CappedLLM(WrappingLLM):
 
 def _own_price(llm: LLM, *, is_needed: bool) -> Price | None:
     """Return the price that a model states, which may be anything; without one, a capped cost is refused."""
-    stated, name = getattr(llm, "price", None), llm.name
+    stated, name = optional(llm, "price", None), llm.name
     fault = f"the price of {name!r} is not known"
     if stated is not None:
         try:

@@ -288,7 +288,8 @@ class Metrics(Brief):
 
         Args:
             a: At least two texts.
-            b: At least two texts; by default the baseline.
+            b: The reference, at least two texts; by default the baseline. The width of the kernel of `mmd` is
+                that of its distances, so that `mmd` is not the same with the sets exchanged.
             size: Texts drawn from each set, without replacement; by default the size of the smaller set.
                 A set that is drawn whole gives the same figure in every repeat.
             repeats: Number of draws.

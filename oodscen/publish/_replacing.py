@@ -21,12 +21,13 @@ CARD = "README.md"
 _PART = ".oodscen-part"
 """Folder, inside that of the data set, in which the new one is written."""
 
-_LINE = re.compile(
-    r"(?P<digest>[0-9a-f]{64})  (?P<name>"
+_NAME = (
     r"README\.md|data/(questions|drives)/\w+\.parquet|vlmevalkit/oodscen\.tsv"
-    r"|lmms_eval/oodscen/[\w.]+|drivelm/(\w+\.json|images/[\w-]+\.jpg))"
+    r"|lmms_eval/oodscen/[\w.]+|drivelm/(\w+\.json|images/[\w-]+\.jpg)"
 )
-"""Line of the sums of a data set: no other file is ever replaced or removed."""
+"""Name of a file of a data set: no other file is ever replaced or removed."""
+_LINE = re.compile(rf"(?P<digest>[0-9a-f]{{64}})  (?P<name>{_NAME})")
+"""Line of the sums of a data set."""
 
 
 @contextmanager
@@ -49,8 +50,9 @@ def replacing(folder: Path) -> Iterator[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         with locked(folder, "data set"):
             earlier = _earlier(folder)
-            if others := sorted(set(names(folder)) - earlier):
-                raise FolderTaken(str(folder), others[:5])
+            if others := set(names(folder)) - earlier:
+                foreign_first = sorted(others, key=lambda name: (_is_own(name), name))
+                raise FolderTaken(str(folder), foreign_first[:5])
             shutil.rmtree(part, ignore_errors=True)
             part.mkdir()
             try:
@@ -75,6 +77,11 @@ def names(folder: Path) -> list[str]:
         links = [name for name in folders if Path(place, name).is_symlink()]
         found += [Path(place, name).relative_to(folder).as_posix() for name in (*files, *links)]
     return sorted(name for name in found if name != LOCK)
+
+
+def _is_own(name: str) -> bool:
+    """Return whether a file may be one of a data set, by its name."""
+    return name == SUMS or re.fullmatch(_NAME, name) is not None
 
 
 def _earlier(folder: Path) -> set[str]:

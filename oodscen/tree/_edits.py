@@ -1,8 +1,12 @@
 """Edits of a scenario tree, and its nodes."""
 
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
 
 from oodscen.data._base import Data
+
+Index = Annotated[int, Field(strict=True, ge=0, le=1_000_000_000)]
 
 
 class TreeEdit(Data):
@@ -22,7 +26,7 @@ class TreeEdit(Data):
     broader label keeps the node's attestation, a narrower one does not."""
     stage: str = ""
     """Stage that made the edit: `grow`, `redteam`, `prune`, or a name chosen by the caller."""
-    round: int | None = None
+    round: Index | None = None
     """Red-team round, if there was one."""
     reason: str = ""
     """Reason, in the words of the model or person that decided."""
@@ -36,7 +40,7 @@ class TreeEdit(Data):
     """Set by a merge: name of the tree in which the edit was made. Its rounds are counted separately."""
     origin_node: str = ""
     """Set by a merge: id of the node in that tree. The `label` of a `keep` is the node's label there."""
-    undoes: int | None = None
+    undoes: Index | None = None
     """Index of the earlier edit that this edit undoes. A `broaden` then restores the attestation as
     well, which otherwise is never removed."""
 

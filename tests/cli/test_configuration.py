@@ -86,6 +86,7 @@ def test_the_command_line_wins_over_the_file(tmp_path):
         ("baseline = 'nowhere'", "baseline", "does not exist"),
         ("max-cost = nan", "max-cost", "finite"),
         ("[run]\nseed = 1", "run", "is not an option"),
+        ("max-paths = 3\nmax_paths = 2", "max_paths", "another spelling"),
         ("seed = ", "", "is not TOML"),
         ("a = " + "[" * 9_000, "", "is not TOML"),
     ],
@@ -149,6 +150,16 @@ def test_init_refuses_names_that_are_no_text(tmp_path, monkeypatch):
     done = invoke("init", "--quick")
     assert done.exit_code == 2
     assert "is not valid UTF-8" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["", " ", "a\nb", "a "])
+@pytest.mark.parametrize("option", ["--llm", "--vlm"])
+def test_init_refuses_names_that_no_run_would_take(tmp_path, monkeypatch, option, name):
+    monkeypatch.chdir(tmp_path)
+    done = invoke("init", "--quick", option, name)
+    assert done.exit_code == 2
+    assert "the model" in done.stderr
     assert list(tmp_path.iterdir()) == []
 
 

@@ -215,9 +215,11 @@ def test_sums_of_somebody_else_are_no_licence_to_remove(names, rest):
         before = content(folder)
         if set(names) == {"README.md"} and not rest:
             return
-        with pytest.raises(FolderTaken), replacing(folder):
+        with pytest.raises(FolderTaken) as caught, replacing(folder):
             pass
         assert content(folder) == before
+        if others := names.keys() - {"README.md"}:
+            assert others & set(caught.value.names[:2]), "what is not ours is named first"
 
 
 @pytest.mark.parametrize("name", ["lmms_eval/oodscen/utils.py", "data/questions/test.parquet"])

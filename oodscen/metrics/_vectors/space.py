@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._members import optional
 from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._controls import load_controls
@@ -160,7 +161,7 @@ class BaselineSpace:
 
     def _stored(self, texts: Sequence[str], folder: str = _SHIPPED) -> Vectors:
         encoder = self.encoder
-        if getattr(encoder, "cacheable", False):
+        if optional(encoder, "cacheable", False) is True:
             encoder = self._stores.setdefault(
                 folder, CachedEncoder(encoder, cache_folder() / folder)
             )
