@@ -62,7 +62,7 @@ class Networks:
     def _convert(self, file: str, made: Path) -> None:
         source = made.with_suffix(".xodr")
         source.write_bytes(read_map(file))
-        command = [self._netconvert, "--opendrive-files", source, "-o", made, *_OPTIONS]
+        command = [self._netconvert, "--opendrive-files", str(source), "-o", str(made), *_OPTIONS]
         try:
             done = subprocess.run(command, capture_output=True, check=False, timeout=_TIMEOUT_S)
         except OSError as error:
